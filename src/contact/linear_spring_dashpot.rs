@@ -1,0 +1,197 @@
+//! Linear spring and dashpot with a tangential spring and slider: Moon 2006 eqs (1)-(3); Cundall & Strack,
+//! Géotechnique 29 (1979) 47.
+
+use super::{Contact, ContactForce, ContactLaw};
+use crate::particles::ContactMemory;
+use std::f64::consts::PI;
+use thiserror::Error;
+
+/// Which normal force limits friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrictionCap {
+    /// |F_n| of spring and dashpot.
+    Contact,
+    /// |F_n - F_c|, the net normal force with cohesion.
+    Net,
+}
+
+/// F_n = k_n delta - gamma_n v_n along the normal, v_n > 0 separating, with
+/// gamma_n = 2 sqrt(k_n m*) |ln e| / sqrt(pi^2 + ln^2 e);
+/// |F_s| = min(k_t |delta_s|, mu |F_n|) against the tangential displacement delta_s since the contact
+/// began.
+///
+/// The spring is kept in the tangent plane by projection; a sliding one is cut back to the length that
+/// gives exactly the cap. The dashpot may pull just before separation: clipped, the restitution would
+/// not come out as given.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use talcum::contact::{Contact, ContactLaw, FrictionCap, LinearSpringDashpot};
+/// use talcum::particles::ContactMemory;
+///
+/// let law = LinearSpringDashpot::new(1.0e5, 0.8e5, 1.0, 0.1, FrictionCap::Contact)?;
+/// let at_rest = Contact {
+///     overlap: 1.0e-3,
+///     normal: Vector3::z(),
+///     relative_velocity: Vector3::zeros(),
+///     reduced_mass: 0.5,
+///     cohesion: 0.0,
+/// };
+/// let force = law.force(&at_rest, &mut ContactMemory::default(), 1.0e-5);
+/// assert_eq!(force.normal, 100.0);
+/// # Ok::<(), talcum::contact::InvalidContactLaw>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearSpringDashpot {
+    normal_stiffness: f64,
+    tangential_stiffness: f64,
+    friction: f64,
+    friction_cap: FrictionCap,
+    /// gamma_n / sqrt(m*).
+    damping_factor: f64,
+}
+
+/// A parameter without physical meaning.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{parameter} is {value}, it must be {allowed}")]
+pub struct InvalidContactLaw {
+    /// Which parameter.
+    pub parameter: &'static str,
+    /// What was given.
+    pub value: f64,
+    /// What may be given.
+    pub allowed: &'static str,
+}
+
+impl LinearSpringDashpot {
+    /// A law from its stiffnesses (force per length), restitution coefficient e and friction coefficient mu.
+    ///
+    /// # Errors
+    /// If a stiffness is not positive (tangential: negative), e is outside (0, 1] or mu is negative.
+    pub fn new(
+        normal_stiffness: f64,
+        tangential_stiffness: f64,
+        restitution: f64,
+        friction: f64,
+        friction_cap: FrictionCap,
+    ) -> Result<Self, InvalidContactLaw> {
+        let require = |holds: bool, parameter, value, allowed| {
+            if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
+        };
+        require(normal_stiffness > 0.0, "normal_stiffness", normal_stiffness, "positive")?;
+        let kt = tangential_stiffness;
+        require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
+        let e = restitution;
+        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
+        require(friction >= 0.0, "friction", friction, "zero or positive")?;
+        let log = libm::log(e);
+        let damping_factor =
+            2.0 * normal_stiffness.sqrt() * log.abs() / (PI * PI + log * log).sqrt();
+        Ok(Self { normal_stiffness, tangential_stiffness, friction, friction_cap, damping_factor })
+    }
+
+    /// k_t = 2 k_n (1 - nu) / (2 - nu), nu Poisson's ratio.
+    pub fn tangential_stiffness_of(normal_stiffness: f64, poisson_ratio: f64) -> f64 {
+        2.0 * normal_stiffness * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
+    }
+
+    /// k_n, force per overlap.
+    pub fn normal_stiffness(&self) -> f64 {
+        self.normal_stiffness
+    }
+}
+
+impl ContactLaw for LinearSpringDashpot {
+    #[inline(always)]
+    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+        let n = contact.normal;
+        let separation_speed = n.dot(&contact.relative_velocity);
+        let damping = self.damping_factor * contact.reduced_mass.sqrt();
+        let normal = self.normal_stiffness * contact.overlap - damping * separation_speed;
+
+        let slip = contact.relative_velocity - n * separation_speed;
+        let old = memory.tangential_spring;
+        let mut spring = old - n * n.dot(&old) + slip * dt;
+        let limit = self.friction
+            * match self.friction_cap {
+                FrictionCap::Contact => normal.abs(),
+                FrictionCap::Net => (normal - contact.cohesion).abs(),
+            };
+        let pull_squared = self.tangential_stiffness.powi(2) * spring.norm_squared();
+        if pull_squared > limit * limit {
+            spring *= limit / pull_squared.sqrt();
+        }
+        memory.tangential_spring = spring;
+        ContactForce { normal, tangential: spring * -self.tangential_stiffness }
+    }
+
+    /// Half a period of the damped oscillator: pi / sqrt(k_n/m* - (gamma_n / 2 m*)^2).
+    fn contact_duration(&self, reduced_mass: f64) -> f64 {
+        let decay = 0.5 * self.damping_factor / reduced_mass.sqrt();
+        PI / (self.normal_stiffness / reduced_mass - decay * decay).sqrt()
+    }
+
+    fn elastic_force(&self, overlap: f64) -> f64 {
+        self.normal_stiffness * overlap
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    fn law() -> LinearSpringDashpot {
+        LinearSpringDashpot::new(2.0e5, 1.6e5, 0.9, 0.1, FrictionCap::Contact).unwrap()
+    }
+
+    fn vector() -> impl Strategy<Value = Vector3<f64>> {
+        prop::array::uniform3(-1.0..1.0f64).prop_map(|[x, y, z]| Vector3::new(x, y, z))
+    }
+
+    proptest! {
+        #[test]
+        fn the_law_is_odd_bit_for_bit(
+            direction in vector(), velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
+        ) {
+            prop_assume!(direction.norm() > 0.1);
+            let contact = Contact {
+                overlap, normal: direction.normalize(), relative_velocity: velocity,
+                reduced_mass: 0.26, cohesion: 0.0,
+            };
+            let mut here = ContactMemory { tangential_spring: spring * 1.0e-3, largest_overlap: 0.0 };
+            let mut there = ContactMemory { tangential_spring: -here.tangential_spring, ..here };
+            let mirrored = Contact { normal: -contact.normal, relative_velocity: -velocity, ..contact };
+            let first = law().force(&contact, &mut here, 1.0e-4);
+            let second = law().force(&mirrored, &mut there, 1.0e-4);
+            prop_assert_eq!(first.normal, second.normal);
+            prop_assert_eq!(first.tangential, -second.tangential);
+            prop_assert_eq!(here.tangential_spring, -there.tangential_spring);
+        }
+
+        #[test]
+        fn friction_stays_in_the_tangent_plane_and_below_the_cap(
+            velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
+        ) {
+            let contact = Contact {
+                overlap, normal: Vector3::z(), relative_velocity: velocity, reduced_mass: 0.26, cohesion: 0.0,
+            };
+            let mut memory = ContactMemory { tangential_spring: spring, largest_overlap: 0.0 };
+            let force = law().force(&contact, &mut memory, 1.0e-4);
+            prop_assert_eq!(force.tangential.z, 0.0);
+            // The cut-back spring rounds a few times.
+            prop_assert!(force.tangential.norm() <= 0.1 * force.normal.abs() * (1.0 + 1.0e-14));
+        }
+    }
+
+    #[test]
+    fn parameters_without_meaning_are_refused() {
+        let make = |kn, kt, e, mu| LinearSpringDashpot::new(kn, kt, e, mu, FrictionCap::Contact);
+        assert!(make(0.0, 1.0, 0.9, 0.1).is_err());
+        assert!(make(1.0, -1.0, 0.9, 0.1).is_err());
+        assert!(make(1.0, 1.0, 1.1, 0.1).is_err());
+        assert!(make(1.0, 1.0, 0.0, 0.1).is_err());
+        assert_eq!(make(1.0, 1.0, 0.9, -0.1).unwrap_err().parameter, "friction");
+    }
+}

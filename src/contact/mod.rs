@@ -1,0 +1,11 @@
+//! Forces between particles that touch, or nearly do: pure functions of geometry and memory.
+
+mod geometry;
+mod law;
+mod linear_spring_dashpot;
+mod van_der_waals;
+
+pub use geometry::{Contact, ContactForce};
+pub use law::{ContactLaw, ContactModel};
+pub use linear_spring_dashpot::{FrictionCap, InvalidContactLaw, LinearSpringDashpot};
+pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};

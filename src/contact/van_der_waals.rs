@@ -1,0 +1,152 @@
+//! Van der Waals attraction between spheres, and between a sphere and a wall: Moon 2006 eq. (4); Hamaker,
+//! Physica 4 (1937) 1058.
+
+use crate::numbers::Schedule;
+
+/// Which expression gives the force at a separation s between surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CohesionExpression {
+    /// A r / (12 s^2) with r = 2 r_i r_j / (r_i + r_j): the limit s << r.
+    NearContact,
+    /// Hamaker's expression for two spheres at any separation.
+    Full,
+}
+
+/// Attraction with the separation held at `cut_off` below it, contact included, and none beyond `range`.
+///
+/// The walls have a constant of their own: A_w r / (6 s^2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct VanDerWaals {
+    /// Hamaker constant A of two particles, energy.
+    pub hamaker_constant: Schedule,
+    /// Hamaker constant of particle and wall, energy.
+    pub wall_hamaker_constant: Schedule,
+    /// delta, the separation below which the force no longer grows.
+    pub cut_off: f64,
+    /// Separation beyond which the force is left out.
+    pub range: f64,
+    /// Which expression.
+    pub expression: CohesionExpression,
+}
+
+/// The attraction at one instant: what the schedules say then.
+///
+/// ```
+/// use talcum::contact::{CohesionExpression, VanDerWaals};
+/// use talcum::numbers::Schedule;
+/// let cohesion = VanDerWaals {
+///     hamaker_constant: Schedule::Constant(12.0e-6),
+///     wall_hamaker_constant: Schedule::Constant(0.0),
+///     cut_off: 1.0e-3,
+///     range: 0.01,
+///     expression: CohesionExpression::NearContact,
+/// };
+/// let now = cohesion.at(0.0);
+/// assert!((now.between_particles(0.5, 0.5, -1.0e-4) - 0.5).abs() < 1e-12); // A r / (12 delta^2)
+/// assert!((now.between_particles(0.5, 0.5, 2.0e-3) - 0.125).abs() < 1e-12);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VanDerWaalsNow {
+    hamaker: f64,
+    wall_hamaker: f64,
+    cut_off: f64,
+    range: f64,
+    expression: CohesionExpression,
+}
+
+impl VanDerWaals {
+    /// The attraction at a time.
+    pub fn at(&self, time: f64) -> VanDerWaalsNow {
+        VanDerWaalsNow {
+            hamaker: self.hamaker_constant.at(time),
+            wall_hamaker: self.wall_hamaker_constant.at(time),
+            cut_off: self.cut_off,
+            range: self.range,
+            expression: self.expression,
+        }
+    }
+
+    /// The largest force at any time on a particle of this radius, by a like one or a wall.
+    pub fn largest_force(&self, radius: f64) -> f64 {
+        let per_area = radius / (self.cut_off * self.cut_off);
+        let particles = self.hamaker_constant.largest() / 12.0;
+        let walls = self.wall_hamaker_constant.largest() / 6.0;
+        particles.max(walls) * per_area
+    }
+}
+
+impl VanDerWaalsNow {
+    /// Magnitude of the attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
+    #[inline(always)]
+    pub fn between_particles(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
+        if separation > self.range {
+            return 0.0;
+        }
+        let s = separation.max(self.cut_off);
+        match self.expression {
+            CohesionExpression::NearContact => {
+                let effective = 2.0 * radius_1 * radius_2 / (radius_1 + radius_2);
+                self.hamaker * effective / (12.0 * s * s)
+            }
+            CohesionExpression::Full => self.hamaker * hamaker_full(radius_1, radius_2, s),
+        }
+    }
+
+    /// Magnitude of the attraction of a sphere and a wall.
+    #[inline(always)]
+    pub fn to_wall(&self, radius: f64, separation: f64) -> f64 {
+        if separation > self.range {
+            return 0.0;
+        }
+        let s = separation.max(self.cut_off);
+        self.wall_hamaker * radius / (6.0 * s * s)
+    }
+
+    /// Separation beyond which there is no force.
+    pub fn range(&self) -> f64 {
+        self.range
+    }
+}
+
+/// Force over Hamaker constant: (1/3) 2 r_1 r_2 (s + r_1 + r_2) / p^2 [p / (p + 4 r_1 r_2) - 1]^2 with
+/// p = s (s + 2 r_1 + 2 r_2) (Moon 2006 eq. (4)).
+fn hamaker_full(radius_1: f64, radius_2: f64, s: f64) -> f64 {
+    let product = radius_1 * radius_2;
+    let near = s * (s + 2.0 * (radius_1 + radius_2));
+    let far = near + 4.0 * product; // (s + r_1 + r_2)^2 - (r_1 - r_2)^2
+    let bracket = 4.0 * product / (far * near);
+    2.0 / 3.0 * product * (s + radius_1 + radius_2) * bracket * bracket
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hamaker's energy over A of two spheres: -1/6 [2 r1 r2 / p + 2 r1 r2 / q + ln(p / q)].
+    fn energy(r1: f64, r2: f64, s: f64) -> f64 {
+        let p = s * (s + 2.0 * (r1 + r2));
+        let q = p + 4.0 * r1 * r2;
+        -(2.0 * r1 * r2 / p + 2.0 * r1 * r2 / q + (p / q).ln()) / 6.0
+    }
+
+    #[test]
+    fn full_force_is_the_slope_of_hamakers_energy() {
+        for (r1, r2, s) in [(0.5, 0.5, 0.1), (0.3, 1.2, 0.05), (1.0, 0.2, 2.0)] {
+            let h = 1.0e-4 * s;
+            let slope = (energy(r1, r2, s + h) - energy(r1, r2, s - h)) / (2.0 * h);
+            // Central differences: relative error of order (h/s)^2 times a few.
+            assert!((hamaker_full(r1, r2, s) / slope - 1.0).abs() < 1.0e-6);
+            // Negative control: another radius is far off.
+            assert!((hamaker_full(1.1 * r1, r2, s) / slope - 1.0).abs() > 1.0e-3);
+        }
+    }
+
+    #[test]
+    fn full_force_tends_to_the_near_contact_limit() {
+        let (r1, r2) = (0.3, 1.2);
+        let s = 1.0e-6;
+        let near = 2.0 * r1 * r2 / (r1 + r2) / (12.0 * s * s);
+        // The next term of the expansion in s/r is of order s/r = 1e-5.
+        assert!((hamaker_full(r1, r2, s) / near - 1.0).abs() < 1.0e-5);
+    }
+}

@@ -1,0 +1,137 @@
+//! The box: its size, what its faces do, and the lattice that positions lie on.
+
+use crate::numbers::Quantum;
+use nalgebra::Vector3;
+
+/// What a face of the box does to particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// The box repeats beyond this face; the opposite face is periodic too.
+    Periodic,
+    /// A flat wall lies in this face.
+    Wall,
+    /// Particles whose centre passes leave for good; they are counted.
+    Open,
+    /// A particle whose centre passes ends the run, in words.
+    Stop,
+}
+
+/// A box from the origin to `lengths`.
+///
+/// Positions are multiples of `lattice().spacing()`, and so are the lengths: wrapping a position, or
+/// shifting it by a box length, is exact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    lengths: Vector3<f64>,
+    faces: [[Face; 2]; 3],
+    lattice: Quantum,
+}
+
+impl Bounds {
+    /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the position lattice, which spans
+    /// twice the longest: 1 part in 10^15.
+    pub fn new(lengths: Vector3<f64>, faces: [[Face; 2]; 3]) -> Self {
+        let lattice = Quantum::spanning(2.0 * lengths.max());
+        Self { lengths: lattice.round_vector(lengths), faces, lattice }
+    }
+
+    /// Edge lengths.
+    pub fn lengths(&self) -> Vector3<f64> {
+        self.lengths
+    }
+
+    /// What the lower and upper face of an axis do.
+    pub fn faces(&self, axis: usize) -> [Face; 2] {
+        self.faces[axis]
+    }
+
+    /// Whether the box repeats along an axis.
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.faces[axis][0] == Face::Periodic
+    }
+
+    /// Whether the box repeats along every axis.
+    pub fn is_fully_periodic(&self) -> bool {
+        (0..3).all(|axis| self.is_periodic(axis))
+    }
+
+    /// The lattice of positions.
+    pub fn lattice(&self) -> Quantum {
+        self.lattice
+    }
+
+    /// Horizontal cross-section, the area that gas and weight per area refer to.
+    pub fn cross_section(&self) -> f64 {
+        self.lengths.x * self.lengths.y
+    }
+
+    /// Volume of the box.
+    pub fn volume(&self) -> f64 {
+        self.cross_section() * self.lengths.z
+    }
+
+    /// A coordinate brought into [0, length) along a periodic axis, exactly; unchanged along others.
+    #[inline(always)]
+    pub fn wrap_coordinate(&self, axis: usize, coordinate: f64) -> f64 {
+        if !self.is_periodic(axis) {
+            return coordinate;
+        }
+        let length = self.lengths[axis];
+        coordinate - length * (coordinate / length).floor()
+    }
+
+    /// A position with every periodic coordinate brought into the box, exactly.
+    pub fn wrap(&self, mut position: Vector3<f64>) -> Vector3<f64> {
+        for axis in 0..3 {
+            position[axis] = self.wrap_coordinate(axis, position[axis]);
+        }
+        position
+    }
+
+    /// The first face of this kind, as (axis, side), that a position lies beyond.
+    #[inline]
+    pub fn passed(&self, kind: Face, position: &Vector3<f64>) -> Option<(usize, usize)> {
+        (0..3).find_map(|axis| {
+            let x = position[axis];
+            if x < 0.0 && self.faces[axis][0] == kind {
+                Some((axis, 0))
+            } else if x > self.lengths[axis] && self.faces[axis][1] == kind {
+                Some((axis, 1))
+            } else {
+                None
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn column() -> Bounds {
+        let periodic = [Face::Periodic; 2];
+        Bounds::new(Vector3::new(5.1, 5.3, 100.0), [periodic, periodic, [Face::Wall, Face::Open]])
+    }
+
+    proptest! {
+        #[test]
+        fn wrapping_is_exact(x in -15.0..15.0f64) {
+            let bounds = column();
+            let x = bounds.lattice().round(x);
+            let wrapped = bounds.wrap_coordinate(0, x);
+            let length = bounds.lengths().x;
+            prop_assert!((0.0..length).contains(&wrapped));
+            let turns = ((x - wrapped) / length).round();
+            prop_assert_eq!(wrapped + turns * length, x);
+        }
+    }
+
+    #[test]
+    fn only_the_open_face_lets_particles_out() {
+        let bounds = column();
+        assert_eq!(bounds.passed(Face::Open, &Vector3::new(-1.0, 9.0, 50.0)), None);
+        assert_eq!(bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, 100.5)), Some((2, 1)));
+        assert_eq!(bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, -0.5)), None);
+    }
+}

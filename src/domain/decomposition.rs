@@ -1,0 +1,167 @@
+//! How the box is cut across ranks: a grid of blocks between cut planes. Arithmetic only.
+
+use super::Bounds;
+use nalgebra::Vector3;
+use std::fmt;
+
+/// Number of ranks along x, y and z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RankGrid(pub [usize; 3]);
+
+impl RankGrid {
+    /// All ranks as slabs along one axis.
+    pub fn slabs(axis: usize, ranks: usize) -> Self {
+        let mut counts = [1; 3];
+        counts[axis] = ranks;
+        Self(counts)
+    }
+
+    /// Number of ranks.
+    pub fn size(self) -> usize {
+        self.0.iter().product()
+    }
+
+    /// Block of a rank: x varies fastest.
+    pub fn block_of(self, rank: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.0;
+        [rank % nx, (rank / nx) % ny, rank / (nx * ny)]
+    }
+
+    /// Rank of a block.
+    pub fn rank_of(self, block: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.0;
+        block[0] + nx * (block[1] + ny * block[2])
+    }
+}
+
+impl fmt::Display for RankGrid {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [nx, ny, nz] = self.0;
+        write!(formatter, "{nx},{ny},{nz}")
+    }
+}
+
+/// The cut planes: along each axis an increasing list from 0 to the box length, one block between two.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decomposition {
+    grid: RankGrid,
+    cuts: [Vec<f64>; 3],
+}
+
+impl Decomposition {
+    /// Blocks of equal size.
+    pub fn even(grid: RankGrid, bounds: &Bounds) -> Self {
+        let cuts = std::array::from_fn(|axis| {
+            let (n, length) = (grid.0[axis], bounds.lengths()[axis]);
+            (0..=n).map(|plane| length * plane as f64 / n as f64).collect()
+        });
+        Self { grid, cuts }
+    }
+
+    /// The same grid with other cut planes, each list increasing from 0 to the box length.
+    pub fn with_cuts(&self, cuts: [Vec<f64>; 3]) -> Self {
+        debug_assert!((0..3).all(|a| cuts[a].len() == self.grid.0[a] + 1 && cuts[a].is_sorted()));
+        Self { grid: self.grid, cuts }
+    }
+
+    /// Ranks along each axis.
+    pub fn grid(&self) -> RankGrid {
+        self.grid
+    }
+
+    /// Cut planes along an axis, the box's faces included.
+    pub fn cuts(&self, axis: usize) -> &[f64] {
+        &self.cuts[axis]
+    }
+
+    /// Rank that owns a point of the box; points beyond a face belong to the block at that face.
+    pub fn owner_of(&self, position: &Vector3<f64>) -> usize {
+        let block = std::array::from_fn(|axis| {
+            let inner = &self.cuts[axis][1..self.grid.0[axis]];
+            inner.partition_point(|&plane| plane <= position[axis])
+        });
+        self.grid.rank_of(block)
+    }
+
+    /// Lower and upper corner of a rank's block.
+    pub fn block_bounds(&self, rank: usize) -> [Vector3<f64>; 2] {
+        let block = self.grid.block_of(rank);
+        [0, 1].map(|side| Vector3::from_fn(|axis, _| self.cuts[axis][block[axis] + side]))
+    }
+
+    /// Ranks below and above along an axis; through a periodic face the one at the other end.
+    pub fn neighbours(&self, rank: usize, axis: usize, bounds: &Bounds) -> [Option<usize>; 2] {
+        let block = self.grid.block_of(rank);
+        let n = self.grid.0[axis];
+        let along = |index: usize| {
+            let mut other = block;
+            other[axis] = index;
+            Some(self.grid.rank_of(other))
+        };
+        let periodic = bounds.is_periodic(axis);
+        let below = match block[axis] {
+            0 if !periodic => None,
+            0 => along(n - 1),
+            index => along(index - 1),
+        };
+        let above = match block[axis] + 1 {
+            next if next < n => along(next),
+            _ if periodic => along(0),
+            _ => None,
+        };
+        [below, above]
+    }
+
+    /// Width of the narrowest block along an axis.
+    pub fn narrowest(&self, axis: usize) -> f64 {
+        self.cuts[axis].windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Face;
+    use proptest::prelude::*;
+
+    fn bounds() -> Bounds {
+        let periodic = [Face::Periodic; 2];
+        Bounds::new(Vector3::new(5.0, 6.0, 7.0), [periodic, periodic, [Face::Wall, Face::Open]])
+    }
+
+    proptest! {
+        #[test]
+        fn each_point_has_the_one_owner_whose_block_holds_it(
+            x in 0.0..5.0f64, y in 0.0..6.0f64, z in 0.0..7.0f64,
+            n in prop::array::uniform3(1usize..4),
+        ) {
+            let cut = Decomposition::even(RankGrid(n), &bounds());
+            let point = Vector3::new(x, y, z);
+            let holders: Vec<usize> = (0..cut.grid().size()).filter(|&rank| {
+                let [lower, upper] = cut.block_bounds(rank);
+                (0..3).all(|a| lower[a] <= point[a] && point[a] < upper[a])
+            }).collect();
+            prop_assert_eq!(holders, vec![cut.owner_of(&point)]);
+        }
+
+        #[test]
+        fn neighbourhood_is_mutual(n in prop::array::uniform3(1usize..4)) {
+            let bounds = bounds();
+            let cut = Decomposition::even(RankGrid(n), &bounds);
+            for rank in 0..cut.grid().size() {
+                for axis in 0..3 {
+                    if let Some(above) = cut.neighbours(rank, axis, &bounds)[1] {
+                        prop_assert_eq!(cut.neighbours(above, axis, &bounds)[0], Some(rank));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn points_beyond_a_face_belong_to_the_outer_block() {
+        let cut = Decomposition::even(RankGrid([1, 1, 3]), &bounds());
+        assert_eq!(cut.owner_of(&Vector3::new(0.0, 0.0, 99.0)), 2);
+        assert_eq!(cut.owner_of(&Vector3::new(0.0, 0.0, -1.0)), 0);
+    }
+}

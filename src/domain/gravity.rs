@@ -1,0 +1,51 @@
+//! Gravity as felt in the frame of a vibrated plate.
+
+use crate::numbers::sine;
+use std::f64::consts::PI;
+
+/// Vertical vibration of the plate: its height in the laboratory is -A sin(2 pi f (t - start)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vibration {
+    /// Gamma = A (2 pi f)^2 / g, the plate's largest acceleration over gravity.
+    pub relative_acceleration: f64,
+    /// Frequency f, cycles per time.
+    pub frequency: f64,
+    /// When the first cycle begins.
+    pub start: f64,
+}
+
+/// g_eff(t) = g [1 + Gamma sin(2 pi f (t - start))], downwards (Moon 2006, below eq. (5)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectiveGravity {
+    /// g, acceleration.
+    pub magnitude: f64,
+    /// The plate's motion, if it is shaken.
+    pub vibration: Option<Vibration>,
+}
+
+impl EffectiveGravity {
+    /// The downward acceleration at a time.
+    ///
+    /// ```
+    /// use talcum::domain::{EffectiveGravity, Vibration};
+    /// let shaken = Vibration { relative_acceleration: 3.0, frequency: 0.25, start: 8.0 };
+    /// let gravity = EffectiveGravity { magnitude: 1.0, vibration: Some(shaken) };
+    /// assert_eq!(gravity.at(8.0), 1.0);
+    /// assert_eq!(gravity.at(9.0), 4.0); // a quarter of a period later
+    /// ```
+    pub fn at(&self, time: f64) -> f64 {
+        match self.vibration {
+            None => self.magnitude,
+            Some(Vibration { relative_acceleration, frequency, start }) => {
+                let phase = 2.0 * PI * frequency * (time - start);
+                self.magnitude * (1.0 + relative_acceleration * sine(phase))
+            }
+        }
+    }
+
+    /// The largest magnitude of the acceleration at any time.
+    pub fn largest(&self) -> f64 {
+        let gamma = self.vibration.map_or(0.0, |vibration| vibration.relative_acceleration.abs());
+        self.magnitude * (1.0 + gamma)
+    }
+}

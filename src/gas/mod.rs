@@ -1,0 +1,7 @@
+//! The gas: drag laws (pure), and the one-dimensional column of gas that has no inertia.
+
+mod column;
+mod drag;
+
+pub use column::{BaseNode, ColumnGas, Drive, WeightBalance};
+pub use drag::DragLaw;

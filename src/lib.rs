@@ -1,0 +1,9 @@
+//! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders.
+
+pub mod contact;
+pub mod domain;
+pub mod gas;
+pub mod numbers;
+pub mod parallel;
+pub mod particles;
+pub mod state;

@@ -1,0 +1,14 @@
+//! Numbers whose sums do not depend on their order, random numbers that depend on ids alone, and
+//! elementary functions that are the same on every machine.
+
+mod exact_sum;
+mod functions;
+mod quantum;
+mod random;
+mod schedule;
+
+pub use exact_sum::ExactSum;
+pub use functions::{power, sine};
+pub use quantum::Quantum;
+pub use random::{normal, random_of, uniform};
+pub use schedule::Schedule;

@@ -1,0 +1,88 @@
+//! A parameter that may change with time.
+
+/// A number as a function of time: constant, ramped, or in steps.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Schedule {
+    /// The same at all times.
+    Constant(f64),
+    /// `from` until `start`, then linear to `to` at `end`, which then stays.
+    Ramp {
+        /// Value at `start` and before.
+        from: f64,
+        /// Value at `end` and after.
+        to: f64,
+        /// Begin of the change.
+        start: f64,
+        /// End of the change.
+        end: f64,
+    },
+    /// The first value from `start`, the next after each `every`; the last stays.
+    Steps {
+        /// The values in turn; at least one.
+        values: Vec<f64>,
+        /// When the first value begins.
+        start: f64,
+        /// How long each value lasts.
+        every: f64,
+    },
+}
+
+impl Schedule {
+    /// The value at a time.
+    ///
+    /// ```
+    /// use talcum::numbers::Schedule;
+    /// let ramp = Schedule::Ramp { from: 1.0, to: 3.0, start: 10.0, end: 20.0 };
+    /// assert_eq!([ramp.at(0.0), ramp.at(15.0), ramp.at(99.0)], [1.0, 2.0, 3.0]);
+    /// ```
+    pub fn at(&self, time: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Ramp { from, to, start, end } => {
+                let part = ((time - start) / (end - start)).clamp(0.0, 1.0);
+                from + (to - from) * part
+            }
+            Self::Steps { values, start, every } => {
+                let step = ((time - start) / every).floor().max(0.0) as usize;
+                values[step.min(values.len() - 1)]
+            }
+        }
+    }
+
+    /// The largest value at any time.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Ramp { from, to, .. } => from.max(*to),
+            Self::Steps { values, .. } => values.iter().copied().fold(f64::MIN, f64::max),
+        }
+    }
+
+    /// The same schedule with every value multiplied by `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        match &mut scaled {
+            Self::Constant(value) => *value *= factor,
+            Self::Ramp { from, to, .. } => {
+                *from *= factor;
+                *to *= factor;
+            }
+            Self::Steps { values, .. } => values.iter_mut().for_each(|value| *value *= factor),
+        }
+        scaled
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Schedule;
+
+    #[test]
+    fn steps_begin_on_time_and_the_last_stays() {
+        let steps = Schedule::Steps { values: vec![1.0, 2.0, 5.0], start: 10.0, every: 4.0 };
+        let at: Vec<f64> = [0.0, 10.0, 13.9, 14.0, 18.0, 1.0e6].map(|t| steps.at(t)).to_vec();
+        assert_eq!(at, [1.0, 1.0, 1.0, 2.0, 5.0, 5.0]);
+        assert_eq!(steps.largest(), 5.0);
+        assert_eq!(steps.scaled(2.0).at(14.0), 4.0);
+    }
+}

@@ -1,0 +1,120 @@
+//! Ranks: what they say to each other, and what travels between them. Knows no physics.
+//!
+//! One rank is not a special case: periodic images are ghosts that a rank sends to itself.
+
+use std::fmt;
+
+mod one_rank;
+mod records;
+
+pub use one_rank::OneRank;
+/// Stand-in.
+pub type RawCommunicator = usize;
+pub use records::{ContactRecord, ParticleRecord, WallContactRecord};
+
+/// How files that all ranks write together are opened.
+#[derive(Clone, Copy)]
+pub enum FileAccess {
+    /// Every rank writes its rows itself, collectively, through MPI-IO.
+    Collective(RawCommunicator),
+    /// Rank 0 writes the rows that the others send it.
+    Root,
+}
+
+/// The two neighbours of a rank along one axis of the rank grid: below, above.
+pub type AxisNeighbours = [Option<usize>; 2];
+
+/// Ranks that exchange bytes and add numbers. Every method is collective: all ranks call it in the same
+/// order. None can fail: a broken connection ends the program on all ranks.
+pub trait Communicator {
+    /// This rank's number, from 0.
+    fn rank(&self) -> usize;
+
+    /// Number of ranks.
+    fn size(&self) -> usize;
+
+    /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above; on return
+    /// `incoming[0]` is what the neighbour below sent up, `incoming[1]` what the one above sent down.
+    /// Where there is no neighbour nothing is sent and `incoming` is cleared. A rank may be its own
+    /// neighbour (a periodic axis with one rank) and both neighbours may be one rank (with two).
+    fn exchange(
+        &self,
+        neighbours: AxisNeighbours,
+        outgoing: [&[u8]; 2],
+        incoming: &mut [Vec<u8>; 2],
+    );
+
+    /// Sends `outgoing[r]` to rank r; returns what each rank sent to this one, by rank.
+    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>>;
+
+    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [lattice] and
+    /// their sums within its range: then the result is exact, and so the same for any number of ranks.
+    ///
+    /// [lattice]: crate::numbers::Quantum
+    fn sum_exact(&self, values: &mut [f64]);
+
+    /// Replaces each integer by its sum over ranks, modulo 2^64.
+    fn sum_integers(&self, values: &mut [i64]);
+
+    /// Replaces each number by its largest over ranks.
+    fn maximum(&self, values: &mut [f64]);
+
+    /// All ranks' bytes on rank 0, by rank; nothing on the others.
+    fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>>;
+
+    /// Rank 0's bytes on all ranks.
+    fn broadcast_from_root(&self, bytes: &mut Vec<u8>);
+
+    /// How files are written together.
+    fn file_access(&self) -> FileAccess;
+
+    /// Whether this rank speaks for all: prints, and writes the files that are not written together.
+    fn is_root(&self) -> bool {
+        self.rank() == 0
+    }
+
+    /// Whether a statement holds on any rank.
+    fn any(&self, here: bool) -> bool {
+        let mut flags = [i64::from(here)];
+        self.sum_integers(&mut flags);
+        flags[0] != 0
+    }
+
+    /// The sum over ranks of one count.
+    fn total(&self, count: usize) -> usize {
+        let mut counts = [count as i64];
+        self.sum_integers(&mut counts);
+        counts[0] as usize
+    }
+}
+
+/// An error found on one rank or several, in the words of the lowest rank that found one: the same on
+/// all ranks, so that all take the same way out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CollectiveError(pub String);
+
+impl fmt::Display for CollectiveError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for CollectiveError {}
+
+/// Turns results that may differ between ranks into one that does not: an error anywhere is an error
+/// everywhere. Collective.
+pub fn agree<T, E: fmt::Display>(
+    result: Result<T, E>,
+    ranks: &dyn Communicator,
+) -> Result<T, CollectiveError> {
+    if !ranks.any(result.is_err()) {
+        return result.map_err(|error| CollectiveError(error.to_string()));
+    }
+    let words = result.err().map(|error| format!("{error}")).unwrap_or_default();
+    let gathered = ranks.gather_to_root(words.as_bytes());
+    let mut first = gathered
+        .and_then(|all| all.into_iter().find(|bytes| !bytes.is_empty()))
+        .unwrap_or_default();
+    ranks.broadcast_from_root(&mut first);
+    Err(CollectiveError(String::from_utf8_lossy(&first).into_owned()))
+}

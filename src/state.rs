@@ -1,0 +1,141 @@
+//! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
+//! made anew at any time.
+
+use crate::contact::{ContactLaw, ContactModel, VanDerWaals};
+use crate::domain::{Bounds, EffectiveGravity, Wall};
+use crate::gas::ColumnGas;
+use crate::numbers::Quantum;
+use crate::particles::Particles;
+
+/// Time as a count of steps since the step was last changed: no drift of rounding errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Steps done since the run began.
+    pub step: u64,
+    /// Time at `origin_step`.
+    pub origin_time: f64,
+    /// Step from which on `time_step` holds.
+    pub origin_step: u64,
+    /// Length of a step.
+    pub time_step: f64,
+}
+
+impl Clock {
+    /// A clock at time zero.
+    pub fn new(time_step: f64) -> Self {
+        Self { step: 0, origin_time: 0.0, origin_step: 0, time_step }
+    }
+
+    /// The time now.
+    pub fn time(&self) -> f64 {
+        self.time_of(self.step)
+    }
+
+    /// The time after `step` steps, as long as the step stays as it is.
+    pub fn time_of(&self, step: u64) -> f64 {
+        self.origin_time + (step - self.origin_step) as f64 * self.time_step
+    }
+
+    /// One step on.
+    pub fn tick(&mut self) {
+        self.step += 1;
+    }
+
+    /// The same instant, continued with another step.
+    pub fn with_time_step(self, time_step: f64) -> Self {
+        if time_step == self.time_step {
+            return self;
+        }
+        Self { step: self.step, origin_time: self.time(), origin_step: self.step, time_step }
+    }
+}
+
+/// Particles that left through an open face.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Departed {
+    /// How many.
+    pub count: u64,
+    /// Their volume, summed in the order of departure and of ids.
+    pub volume: f64,
+}
+
+/// What a checkpoint holds: with the models, all that the future depends on.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Owned particles and ghosts.
+    pub particles: Particles,
+    /// Time.
+    pub clock: Clock,
+    /// What has left the box.
+    pub departed: Departed,
+}
+
+/// Where it happens: the same for the whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// The box.
+    pub bounds: Bounds,
+    /// Flat walls: those in faces of the box first, then the case's own.
+    pub walls: Vec<Wall>,
+}
+
+/// What acts on the particles: chosen by the case for one stage of the run, and immutable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Models {
+    /// Law of touching particles and of particles at walls.
+    pub contact: ContactModel,
+    /// Attraction.
+    pub cohesion: Option<VanDerWaals>,
+    /// Gas.
+    pub gas: Option<ColumnGas>,
+    /// Gravity in the frame of the plate.
+    pub gravity: EffectiveGravity,
+    /// Length of a step.
+    pub time_step: f64,
+    /// Bounds of what particles may do; beyond them the run ends in words.
+    pub limits: Limits,
+    /// Lattice that forces are rounded to.
+    pub force_lattice: Quantum,
+    /// Lattice that torques are rounded to.
+    pub torque_lattice: Quantum,
+}
+
+/// What a run may not exceed: beyond, its numbers would mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest component of one contact's force or of one particle's gas force.
+    pub force: f64,
+    /// Largest speed: a tenth of the smallest diameter in one step.
+    pub speed: f64,
+}
+
+impl Limits {
+    /// Overlap, over the smallest diameter, at which a contact is no longer a contact.
+    const LARGEST_OVERLAP: f64 = 0.2;
+    /// Contacts (each at the limit) that a particle's force has room for.
+    const CONTACTS: f64 = 64.0;
+
+    /// Limits for particles between two diameters, the heavier of this mass.
+    pub fn new(
+        contact: &ContactModel,
+        cohesion: Option<&VanDerWaals>,
+        diameters: [f64; 2],
+        largest_weight: f64,
+        time_step: f64,
+    ) -> Self {
+        let [smallest, largest] = diameters;
+        let elastic = contact.elastic_force(Self::LARGEST_OVERLAP * smallest);
+        let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
+        Self { force: elastic + attraction + largest_weight, speed: 0.1 * smallest / time_step }
+    }
+
+    /// The lattice of forces: room for many contacts at the limit.
+    pub fn force_lattice(&self) -> Quantum {
+        Quantum::spanning(Self::CONTACTS * self.force)
+    }
+
+    /// The lattice of torques, of forces at the largest radius.
+    pub fn torque_lattice(&self, largest_radius: f64) -> Quantum {
+        Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
+    }
+}
