@@ -1,11 +1,14 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, ContactModel, VanDerWaals};
-use crate::domain::{Bounds, EffectiveGravity, Wall};
+use crate::contact::{ContactLaw, ContactModel, NearPair, VanDerWaals};
+use crate::coupling::FluidForce;
+use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
-use crate::particles::Particles;
+use crate::parallel::ParticleHalo;
+use crate::particles::{Contacts, Neighbours, Particles, Reach};
+use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,10 +67,25 @@ pub struct Departed {
 pub struct State {
     /// Owned particles and ghosts.
     pub particles: Particles,
+    /// Near pairs, and what the touching ones remember.
+    pub contacts: Contacts,
     /// Time.
     pub clock: Clock,
     /// What has left the box.
     pub departed: Departed,
+    /// Sizes of the particles that the run began with: limits and lattices follow from them.
+    pub sizes: SizeRange,
+}
+
+/// The smallest and largest particles of a run at its begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeRange {
+    /// Smallest diameter.
+    pub smallest_diameter: f64,
+    /// Largest diameter.
+    pub largest_diameter: f64,
+    /// Largest mass.
+    pub largest_mass: f64,
 }
 
 /// Where it happens: the same for the whole run.
@@ -137,5 +155,83 @@ impl Limits {
     /// The lattice of torques, of forces at the largest radius.
     pub fn torque_lattice(&self, largest_radius: f64) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
+    }
+}
+
+/// What can be dropped and made anew at any time: lists, plans, buffers. None of it changes a result.
+#[derive(Debug)]
+pub struct Workspace {
+    /// When the neighbour list was built, and its cells.
+    pub neighbours: Neighbours,
+    /// Who is whose ghost.
+    pub halo: ParticleHalo,
+    /// How the box is cut.
+    pub cut: Decomposition,
+    /// How far lists look.
+    pub reach: Reach,
+    /// When cut planes move.
+    pub balance: Option<Balance>,
+    /// Pairs within range at this step.
+    pub near: Vec<NearPair>,
+    /// The gas on its grid.
+    pub fluid: Option<FluidForce>,
+    /// Sums of the last force evaluation.
+    pub tallies: Tallies,
+    /// Time spent.
+    pub timers: Timers,
+    /// What went wrong on this rank, until the ranks next agree.
+    pub fault: Option<String>,
+    /// Whether this rank was asked to stop.
+    pub stop_requested: bool,
+}
+
+/// When cut planes move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Steps between looks.
+    pub every: u64,
+    /// Largest over mean particle count above which they move.
+    pub threshold: f64,
+}
+
+/// External forces on this rank's particles at the last evaluation, as counts of the force lattice: sums
+/// over ranks are exact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tallies {
+    /// On each wall, by the particles.
+    pub on_walls: Vec<[i64; 3]>,
+    /// On the particles, by the gas.
+    pub by_gas: [i64; 3],
+    /// Weight in the frame of the plate, downwards.
+    pub weight: i64,
+}
+
+impl Workspace {
+    /// An empty workspace.
+    pub fn new(cut: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
+        Self {
+            neighbours: Neighbours::default(),
+            halo: ParticleHalo::default(),
+            cut,
+            reach: Reach { range: 0.0, skin },
+            balance,
+            near: Vec::new(),
+            fluid: None,
+            tallies: Tallies::default(),
+            timers: Timers::default(),
+            fault: None,
+            stop_requested: false,
+        }
+    }
+
+    /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
+    pub fn prepare(&mut self, domain: &Domain, models: &Models) {
+        self.reach.range = models.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.range);
+        self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
+        self.tallies.by_gas = [0; 3];
+        self.fluid = models.gas.as_ref().map(|gas| {
+            let Limits { force, speed } = models.limits;
+            FluidForce::new(gas, &domain.bounds, models.force_lattice, force, speed)
+        });
     }
 }

@@ -1,7 +1,10 @@
 //! A column of gas: one-dimensional, incompressible, without inertia.
 
 use super::DragLaw;
+use crate::domain::Bounds;
+use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
+use std::f64::consts::PI;
 
 /// The gas as the case chose it. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law
 /// -dp/dz = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
@@ -49,4 +52,61 @@ pub enum BaseNode {
     FullCell,
     /// The half cell above the plate.
     HalfCell,
+}
+
+impl ColumnGas {
+    /// The grid that this gas lives on.
+    pub fn grid(&self, bounds: &Bounds) -> ColumnGrid {
+        let base_part = match self.base_node {
+            BaseNode::FullCell => 1.0,
+            BaseNode::HalfCell => 0.5,
+        };
+        ColumnGrid::new(bounds, self.spacing, base_part)
+    }
+
+    /// (V / phi) beta = 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
+    /// where the solids fraction is phi and U_s - u_s is `slip`.
+    ///
+    /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
+    #[inline(always)]
+    pub fn drag_per_velocity(&self, diameter: f64, solids_fraction: f64, slip: f64) -> f64 {
+        let reynolds = match self.drag.depends_on_reynolds() {
+            true => self.density * diameter * slip.abs() / self.viscosity,
+            false => 0.0,
+        };
+        let stokes = 3.0 * PI * self.viscosity * diameter;
+        stokes * self.drag.scaled_drag(solids_fraction, reynolds)
+    }
+
+    /// Pressure drop over the column, the integral of beta (U_s - u_s) / (1 - phi)^2 dz.
+    ///
+    /// `diameter_density` is the sum of particle diameters per volume at the nodes. Node 0 on the plate
+    /// counts in full width if it averages over a full cell, so that the integral of phi is the solids'
+    /// volume per area.
+    pub fn pressure_drop(&self, grid: &ColumnGrid, fields: &ColumnFields, velocity: f64) -> f64 {
+        (0..grid.nodes())
+            .filter(|&node| fields.solids_fraction[node] > 0.0)
+            .map(|node| {
+                let (phi, slip) =
+                    (fields.solids_fraction[node], velocity - fields.solids_velocity[node]);
+                let lengths = fields.diameter_density[node];
+                // The diameter d of equal spheres with this phi and this sum of diameters.
+                let diameter = (6.0 * phi / (PI * lengths)).sqrt();
+                let beta = lengths / diameter * self.drag_per_velocity(diameter, phi, slip);
+                let width = grid.volume_of(node) / grid.cell_volume() * grid.spacing();
+                beta * slip / (1.0 - phi).powi(2) * width
+            })
+            .sum()
+    }
+}
+
+/// The bed at the nodes of the column grid, as the gas needs it.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnFields<'a> {
+    /// phi.
+    pub solids_fraction: &'a [f64],
+    /// u_s.
+    pub solids_velocity: &'a [f64],
+    /// Sum of particle diameters per volume.
+    pub diameter_density: &'a [f64],
 }

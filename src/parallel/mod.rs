@@ -4,10 +4,16 @@
 
 use std::fmt;
 
+mod balance;
+mod migrate;
 mod one_rank;
+mod particle_halo;
 mod records;
 
+pub use balance::{balanced, imbalance};
+pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use one_rank::OneRank;
+pub use particle_halo::ParticleHalo;
 /// Stand-in.
 pub type RawCommunicator = usize;
 pub use records::{ContactRecord, ParticleRecord, WallContactRecord};

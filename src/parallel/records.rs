@@ -1,5 +1,6 @@
 //! What travels between ranks and into checkpoints, byte for byte.
 
+use crate::particles::{ContactMemory, PairMemory, Particles, WallMemory};
 use bytemuck::{Pod, Zeroable};
 
 /// One particle: everything of its state that is its own.
@@ -50,4 +51,72 @@ pub struct WallContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+}
+
+impl ParticleRecord {
+    /// The record of one owned particle.
+    pub fn of(particles: &Particles, index: usize) -> Self {
+        Self {
+            id: particles.id[index],
+            position: particles.position[index].into(),
+            velocity: particles.velocity[index].into(),
+            angular_velocity: particles.angular_velocity[index].into(),
+            force: particles.force[index].into(),
+            torque: particles.torque[index].into(),
+            radius: particles.radius[index],
+            mass: particles.mass[index],
+        }
+    }
+
+    /// Adds the particle to the owned ones. There must be no ghosts.
+    pub fn push_to(&self, particles: &mut Particles) {
+        let index = particles.count();
+        let (position, velocity) = (self.position.into(), self.velocity.into());
+        particles.push(self.id, position, velocity, self.radius, self.mass);
+        particles.angular_velocity[index] = self.angular_velocity.into();
+        particles.force[index] = self.force.into();
+        particles.torque[index] = self.torque.into();
+    }
+}
+
+impl From<PairMemory> for ContactRecord {
+    fn from(pair: PairMemory) -> Self {
+        Self {
+            lower: pair.lower,
+            higher: pair.higher,
+            tangential_spring: pair.memory.tangential_spring.into(),
+            largest_overlap: pair.memory.largest_overlap,
+        }
+    }
+}
+
+impl From<ContactRecord> for PairMemory {
+    fn from(record: ContactRecord) -> Self {
+        let memory = ContactMemory {
+            tangential_spring: record.tangential_spring.into(),
+            largest_overlap: record.largest_overlap,
+        };
+        Self { lower: record.lower, higher: record.higher, memory }
+    }
+}
+
+impl From<WallMemory> for WallContactRecord {
+    fn from(contact: WallMemory) -> Self {
+        Self {
+            particle: contact.particle,
+            wall: u64::from(contact.wall),
+            tangential_spring: contact.memory.tangential_spring.into(),
+            largest_overlap: contact.memory.largest_overlap,
+        }
+    }
+}
+
+impl From<WallContactRecord> for WallMemory {
+    fn from(record: WallContactRecord) -> Self {
+        let memory = ContactMemory {
+            tangential_spring: record.tangential_spring.into(),
+            largest_overlap: record.largest_overlap,
+        };
+        Self { particle: record.particle, wall: record.wall as u32, memory }
+    }
 }

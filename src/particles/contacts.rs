@@ -1,6 +1,15 @@
-//! What touching bodies remember.
+//! Near pairs, and what the touching ones remember.
+//!
+//! Every pair of particles closer than the list's reach, with at least one of them owned, has a slot.
+//! Pairs are stored in rows: the row of an owned particle lists its partners, each pair of two owned
+//! particles once. What a touching pair remembers lives in its slot; [`Contacts::records`] and
+//! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
 
+use super::{Particles, Reach};
+use crate::domain::Wall;
 use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+use thiserror::Error;
 
 /// What a touching pair remembers: one record for all contact laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,4 +18,183 @@ pub struct ContactMemory {
     pub tangential_spring: Vector3<f64>,
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+}
+
+/// What is known of the touching pair of particles `lower` < `higher`, seen from the lower id.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairMemory {
+    /// The lower global id.
+    pub lower: u64,
+    /// The higher global id.
+    pub higher: u64,
+    /// Spring of the higher relative to the lower.
+    pub memory: ContactMemory,
+}
+
+/// What is known of a particle that touches a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallMemory {
+    /// The particle's global id.
+    pub particle: u64,
+    /// The wall's number.
+    pub wall: u32,
+    /// Spring of the wall relative to the particle.
+    pub memory: ContactMemory,
+}
+
+/// A touching pair that the new list does not hold: a fault of the program, never of the case.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
+pub struct LostContact(u64, String);
+
+/// A near pair of an owned particle and a wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallPair {
+    pub(crate) particle: u32,
+    pub(crate) wall: u32,
+}
+
+/// Slots of near pairs of particles, and of particles near walls.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Row i holds the slots `row_start[i]..row_start[i + 1]`.
+    pub(crate) row_start: Vec<u32>,
+    /// Partner of each slot, an owned particle or a ghost.
+    pub(crate) partner: Vec<u32>,
+    /// Whether the pair of a slot touches.
+    pub(crate) touching: Vec<bool>,
+    /// What it remembers, seen from the row's particle.
+    pub(crate) memory: Vec<ContactMemory>,
+    pub(crate) wall_pairs: Vec<WallPair>,
+    pub(crate) wall_touching: Vec<bool>,
+    pub(crate) wall_memory: Vec<ContactMemory>,
+}
+
+/// A memory seen from the other side.
+fn reversed(memory: ContactMemory) -> ContactMemory {
+    ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
+}
+
+impl Contacts {
+    /// Number of slots.
+    pub fn pair_count(&self) -> usize {
+        self.partner.len()
+    }
+
+    /// Sum over owned particles of their touching neighbours: twice the contacts between owned
+    /// particles, once those with ghosts.
+    pub fn touching_neighbours(&self, owned: usize) -> usize {
+        let ends = |slot: usize| if (self.partner[slot] as usize) < owned { 2 } else { 1 };
+        (0..self.pair_count()).filter(|&slot| self.touching[slot]).map(ends).sum()
+    }
+
+    /// Row and slot of every pair.
+    fn slots(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let rows = self.row_start.len().saturating_sub(1);
+        (0..rows).flat_map(move |row| {
+            (self.row_start[row] as usize..self.row_start[row + 1] as usize)
+                .map(move |slot| (row, slot))
+        })
+    }
+
+    /// Memories of all touching pairs with an owned particle. A pair that meets across a periodic or rank
+    /// border appears on both sides, with the same contents; `once` leaves it to the owner of the lower id.
+    pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
+        self.slots()
+            .filter(|&(_, slot)| self.touching[slot])
+            .filter_map(|(row, slot)| {
+                let partner = self.partner[slot] as usize;
+                let (here, there) = (particles.id[row], particles.id[partner]);
+                let memory = self.memory[slot];
+                if here < there {
+                    return Some(PairMemory { lower: here, higher: there, memory });
+                }
+                let leave = once && partner >= particles.owned_count();
+                let memory = reversed(memory);
+                (!leave).then_some(PairMemory { lower: there, higher: here, memory })
+            })
+            .collect()
+    }
+
+    /// Memories of all owned particles that touch a wall.
+    pub fn wall_records(&self, particles: &Particles) -> Vec<WallMemory> {
+        (0..self.wall_pairs.len())
+            .filter(|&slot| self.wall_touching[slot])
+            .map(|slot| {
+                let WallPair { particle, wall } = self.wall_pairs[slot];
+                let memory = self.wall_memory[slot];
+                WallMemory { particle: particles.id[particle as usize], wall, memory }
+            })
+            .collect()
+    }
+
+    /// Lists the owned particles near walls, without memories.
+    pub(crate) fn find_wall_pairs(&mut self, particles: &Particles, walls: &[Wall], reach: Reach) {
+        self.wall_pairs.clear();
+        for particle in 0..particles.owned_count() {
+            for (number, wall) in walls.iter().enumerate() {
+                let gap = wall.height_of(&particles.position[particle]) - particles.radius[particle];
+                if gap < reach.range + reach.skin {
+                    self.wall_pairs.push(WallPair { particle: particle as u32, wall: number as u32 });
+                }
+            }
+        }
+        self.wall_touching.clear();
+        self.wall_touching.resize(self.wall_pairs.len(), false);
+        self.wall_memory.clear();
+        self.wall_memory.resize(self.wall_pairs.len(), ContactMemory::default());
+    }
+
+    /// Gives the slots of a newly built list what their pairs remember.
+    ///
+    /// # Errors
+    /// If a touching pair with an owned particle has no slot.
+    pub(crate) fn recall(
+        &mut self,
+        particles: &Particles,
+        pairs: &[PairMemory],
+        walls: &[WallMemory],
+    ) -> Result<(), LostContact> {
+        let owned = particles.owned_count();
+        let index_of: FxHashMap<u64, usize> =
+            particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();
+        for pair in pairs {
+            let ends = [(pair.lower, pair.higher), (pair.higher, pair.lower)];
+            let mut found = false;
+            for (side, (here, there)) in ends.into_iter().enumerate() {
+                let Some(&row) = index_of.get(&here) else { continue };
+                let slots = self.row_start[row] as usize..self.row_start[row + 1] as usize;
+                for slot in slots {
+                    if particles.id[self.partner[slot] as usize] == there {
+                        let seen = if side == 0 { pair.memory } else { reversed(pair.memory) };
+                        self.memory[slot] = seen;
+                        self.touching[slot] = true;
+                        found = true;
+                    }
+                }
+            }
+            if !found {
+                return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
+            }
+        }
+        self.recall_walls(&index_of, walls)
+    }
+
+    fn recall_walls(
+        &mut self,
+        index_of: &FxHashMap<u64, usize>,
+        walls: &[WallMemory],
+    ) -> Result<(), LostContact> {
+        for record in walls {
+            let lost = || LostContact(record.particle, format!("wall {}", record.wall));
+            let &index = index_of.get(&record.particle).ok_or_else(lost)?;
+            let slot = self
+                .wall_pairs
+                .binary_search_by_key(&(index as u32, record.wall), |pair| (pair.particle, pair.wall))
+                .map_err(|_| lost())?;
+            self.wall_memory[slot] = record.memory;
+            self.wall_touching[slot] = true;
+        }
+        Ok(())
+    }
 }

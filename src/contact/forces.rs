@@ -1,0 +1,239 @@
+//! The loops over near pairs: geometry, law, cohesion, and exact sums.
+
+use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
+use crate::domain::Wall;
+use crate::numbers::Quantum;
+use crate::particles::{ContactMemory, Contacts, Particles};
+use nalgebra::Vector3;
+use thiserror::Error;
+
+/// A force that no contact of this case can have: the time step is too long, or particles overlap.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "the contact of particle {particle} with {other} has a force of {force:.3e} (limit {limit:.3e}), at an \
+     overlap of {overlap:.3e}: shorten time.step, or check the start for overlaps"
+)]
+pub struct ForceOutOfRange {
+    /// The particle's id.
+    pub particle: u64,
+    /// The other particle, or the wall.
+    pub other: String,
+    /// Largest component of the force.
+    pub force: f64,
+    /// What it may be.
+    pub limit: f64,
+    /// Overlap of the two.
+    pub overlap: f64,
+}
+
+/// What acts between near bodies at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceLaws<'a> {
+    /// Law of contact.
+    pub contact: &'a ContactModel,
+    /// Attraction now.
+    pub cohesion: Option<VanDerWaalsNow>,
+    /// Time that tangential springs are carried on by; zero to evaluate forces without moving on.
+    pub dt: f64,
+    /// Largest component of a contact's force.
+    pub limit: f64,
+    /// Lattice of forces.
+    pub force_lattice: Quantum,
+    /// Lattice of torques.
+    pub torque_lattice: Quantum,
+}
+
+impl ForceLaws<'_> {
+    fn range(&self) -> f64 {
+        self.cohesion.map_or(0.0, |cohesion| cohesion.range())
+    }
+}
+
+/// A pair within range of each other's force.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NearPair {
+    row: u32,
+    partner: u32,
+    slot: u32,
+}
+
+/// Adds the forces and torques of all pairs to both their particles.
+///
+/// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
+/// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
+/// -r_i n x F_t. Every contribution is rounded to a lattice before it is added: the sums are exact, so
+/// neither the order of pairs nor evaluating a pair on two ranks changes a bit.
+///
+/// Before: forces are those of nothing else but lattice numbers; ghosts are current. After: forces of
+/// owned particles are complete, those of ghosts are scratch. `near` is room to work in.
+///
+/// # Errors
+/// If a force exceeds the limit or is undefined; the first such pair of this rank.
+pub fn add_pair_forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &mut Vec<NearPair>,
+) -> Result<(), ForceOutOfRange> {
+    find_near_pairs(particles, contacts, laws.range(), near);
+    match laws.contact {
+        ContactModel::LinearSpringDashpot(law) => evaluate(law, particles, contacts, laws, near),
+    }
+}
+
+/// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
+fn find_near_pairs(
+    particles: &Particles,
+    contacts: &mut Contacts,
+    range: f64,
+    near: &mut Vec<NearPair>,
+) {
+    near.resize(contacts.pair_count(), NearPair::default());
+    let mut found = 0;
+    let position = &particles.position[..];
+    let radius = &particles.radius[..position.len()];
+    for row in 0..particles.owned_count() {
+        let centre = position[row];
+        let reach_of_row = radius[row] + range;
+        for slot in contacts.row_start[row] as usize..contacts.row_start[row + 1] as usize {
+            let partner = contacts.partner[slot] as usize;
+            let reach = reach_of_row + radius[partner];
+            let is_near = (position[partner] - centre).norm_squared() < reach * reach;
+            // Written always, kept only if near: cheaper than a branch that cannot be predicted.
+            near[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
+            found += usize::from(is_near);
+            if contacts.touching[slot] && !is_near {
+                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
+            }
+        }
+    }
+    near.truncate(found);
+}
+
+/// A contact that has ended leaves no memory.
+fn forget(touching: &mut bool, memory: &mut ContactMemory) {
+    *touching = false;
+    *memory = ContactMemory::default();
+}
+
+fn evaluate<L: ContactLaw>(
+    law: &L,
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &[NearPair],
+) -> Result<(), ForceOutOfRange> {
+    for pair in near {
+        let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
+        let branch = particles.position[j] - particles.position[i];
+        let distance = branch.norm_squared().sqrt();
+        let (radius_i, radius_j) = (particles.radius[i], particles.radius[j]);
+        let overlap = radius_i + radius_j - distance;
+        let cohesion = laws
+            .cohesion
+            .map_or(0.0, |cohesion| cohesion.between_particles(radius_i, radius_j, -overlap));
+        let normal = branch * (1.0 / distance);
+        if overlap <= 0.0 {
+            if contacts.touching[slot] {
+                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
+            }
+            let pull = laws.force_lattice.round_vector(normal * cohesion);
+            particles.force[i] += pull;
+            particles.force[j] -= pull;
+            continue;
+        }
+        contacts.touching[slot] = true;
+        let spin = particles.angular_velocity[i] * radius_i + particles.angular_velocity[j] * radius_j;
+        let (mass_i, mass_j) = (particles.mass[i], particles.mass[j]);
+        let contact = Contact {
+            overlap,
+            normal,
+            relative_velocity: particles.velocity[j] - particles.velocity[i] - spin.cross(&normal),
+            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
+            cohesion,
+        };
+        let force = law.force(&contact, &mut contacts.memory[slot], laws.dt);
+        let on_j = laws.force_lattice.round_vector(total(&contact, &force));
+        if !(on_j.amax() <= laws.limit) {
+            let other = format!("particle {}", particles.id[j]);
+            return Err(out_of_range(particles.id[i], other, on_j, overlap, laws.limit));
+        }
+        particles.force[j] += on_j;
+        particles.force[i] -= on_j;
+        let twist = normal.cross(&force.tangential);
+        particles.torque[i] -= laws.torque_lattice.round_vector(twist * radius_i);
+        particles.torque[j] -= laws.torque_lattice.round_vector(twist * radius_j);
+    }
+    Ok(())
+}
+
+/// Force on the second body: contact and attraction.
+#[inline(always)]
+fn total(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
+    contact.normal * (force.normal - contact.cohesion) + force.tangential
+}
+
+#[cold]
+fn out_of_range(
+    particle: u64,
+    other: String,
+    force: Vector3<f64>,
+    overlap: f64,
+    limit: f64,
+) -> ForceOutOfRange {
+    ForceOutOfRange { particle, other, force: force.amax(), limit, overlap }
+}
+
+/// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
+/// force lattice.
+///
+/// A wall is a contact partner of infinite mass (m* = m) at rest in the frame of the box, of the same law,
+/// with an attraction of its own.
+///
+/// # Errors
+/// If a force exceeds the limit or is undefined.
+pub fn add_wall_forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    walls: &[Wall],
+    laws: &ForceLaws,
+    on_walls: &mut [[i64; 3]],
+) -> Result<(), ForceOutOfRange> {
+    on_walls.fill([0; 3]);
+    for slot in 0..contacts.wall_pairs.len() {
+        let pair = contacts.wall_pairs[slot];
+        let (i, wall) = (pair.particle as usize, &walls[pair.wall as usize]);
+        let radius = particles.radius[i];
+        let overlap = radius - wall.height_of(&particles.position[i]);
+        let cohesion = laws.cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap));
+        let normal = -wall.normal;
+        let mut contact = Contact {
+            overlap,
+            normal,
+            relative_velocity: -particles.velocity[i]
+                - (particles.angular_velocity[i] * radius).cross(&normal),
+            reduced_mass: particles.mass[i],
+            cohesion,
+        };
+        let force = if overlap > 0.0 {
+            contacts.wall_touching[slot] = true;
+            laws.contact.force(&contact, &mut contacts.wall_memory[slot], laws.dt)
+        } else {
+            forget(&mut contacts.wall_touching[slot], &mut contacts.wall_memory[slot]);
+            contact.overlap = 0.0;
+            ContactForce { normal: 0.0, tangential: Vector3::zeros() }
+        };
+        let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
+        if !(on_wall.amax() <= laws.limit) {
+            let other = format!("wall \"{}\"", wall.name);
+            return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
+        }
+        particles.force[i] -= on_wall;
+        let twist = normal.cross(&force.tangential) * radius;
+        particles.torque[i] -= laws.torque_lattice.round_vector(twist);
+        for axis in 0..3 {
+            on_walls[pair.wall as usize][axis] += laws.force_lattice.count(on_wall[axis]);
+        }
+    }
+    Ok(())
+}

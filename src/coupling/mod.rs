@@ -1,0 +1,7 @@
+//! Particles to grid, grid to particles, and the force of the gas.
+
+mod coarse_grain;
+mod fluid_force;
+
+pub use coarse_grain::{Bed, CoarseGraining};
+pub use fluid_force::{FluidForce, GasForceOutOfRange};

@@ -1,0 +1,117 @@
+//! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
+
+use super::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::domain::Decomposition;
+use crate::particles::{PairMemory, Particles, WallMemory};
+use bytemuck::Pod;
+use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+
+/// Sends every owned particle to the rank whose block holds its (wrapped) position, with the memories of
+/// its contacts.
+///
+/// Before: no ghosts; positions are wrapped; `pairs` and `walls` hold the memories of all contacts of owned
+/// particles. After: every rank owns exactly the particles of its block and holds all their memories; those
+/// of pairs that it no longer owns a part of are gone. A pair may be there twice, with the same contents.
+pub fn migrate(
+    particles: &mut Particles,
+    pairs: &mut Vec<PairMemory>,
+    walls: &mut Vec<WallMemory>,
+    cut: &Decomposition,
+    ranks: &dyn Communicator,
+) {
+    if ranks.size() == 1 {
+        return;
+    }
+    let here = ranks.rank();
+    let owner: Vec<usize> = particles.position.iter().map(|x| cut.owner_of(x)).collect();
+    let leaves = owner.iter().any(|&rank| rank != here);
+    if !ranks.any(leaves) {
+        return;
+    }
+    let mut outgoing = Outgoing::new(ranks.size());
+    let owner_of: FxHashMap<u64, usize> =
+        particles.id.iter().copied().zip(owner.iter().copied()).collect();
+    outgoing.sort_memories(pairs, walls, &owner_of, here);
+    for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
+        outgoing.particles[rank].push(ParticleRecord::of(particles, index));
+    }
+    let staying: Vec<u32> =
+        (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();
+    particles.select(&staying);
+    for record in deliver(&outgoing.particles, ranks) {
+        record.push_to(particles);
+    }
+    pairs.extend(deliver(&outgoing.pairs, ranks).into_iter().map(PairMemory::from));
+    walls.extend(deliver(&outgoing.walls, ranks).into_iter().map(WallMemory::from));
+}
+
+/// Sends records to the ranks whose blocks hold them, wherever they are now: the start of a run.
+pub fn send_to_owners(
+    records: &[ParticleRecord],
+    cut: &Decomposition,
+    ranks: &dyn Communicator,
+) -> Vec<ParticleRecord> {
+    let mut outgoing = vec![Vec::new(); ranks.size()];
+    for record in records {
+        outgoing[cut.owner_of(&Vector3::from(record.position))].push(*record);
+    }
+    deliver(&outgoing, ranks)
+}
+
+/// Makes every rank's records known to all: contact memories at the start of a run, which are few beside
+/// the particles and whose owners only their particles tell.
+pub fn share_with_all<T: Pod>(records: &[T], ranks: &dyn Communicator) -> Vec<T> {
+    deliver(&vec![records.to_vec(); ranks.size()], ranks)
+}
+
+struct Outgoing {
+    particles: Vec<Vec<ParticleRecord>>,
+    pairs: Vec<Vec<ContactRecord>>,
+    walls: Vec<Vec<WallContactRecord>>,
+}
+
+impl Outgoing {
+    fn new(size: usize) -> Self {
+        Self { particles: vec![vec![]; size], pairs: vec![vec![]; size], walls: vec![vec![]; size] }
+    }
+
+    /// A memory goes where its particles go, and stays where one of them stays.
+    fn sort_memories(
+        &mut self,
+        pairs: &mut Vec<PairMemory>,
+        walls: &mut Vec<WallMemory>,
+        owner_of: &FxHashMap<u64, usize>,
+        here: usize,
+    ) {
+        pairs.retain(|&pair| {
+            let mut owners = [owner_of.get(&pair.lower), owner_of.get(&pair.higher)];
+            if owners[0] == owners[1] {
+                owners[1] = None;
+            }
+            for &&rank in owners.iter().flatten().filter(|&&&rank| rank != here) {
+                self.pairs[rank].push(pair.into());
+            }
+            owners.contains(&Some(&here))
+        });
+        walls.retain(|&contact| {
+            let rank = owner_of.get(&contact.particle).copied().unwrap_or(here);
+            if rank != here {
+                self.walls[rank].push(contact.into());
+            }
+            rank == here
+        });
+    }
+}
+
+fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
+    let bytes: Vec<Vec<u8>> =
+        outgoing.iter().map(|records| bytemuck::cast_slice(records).to_vec()).collect();
+    let incoming = ranks.all_to_all(&bytes);
+    incoming.iter().flat_map(|bytes| records_of(bytes)).collect()
+}
+
+/// Records from bytes that need not be aligned.
+pub(crate) fn records_of<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> + '_ {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
+}

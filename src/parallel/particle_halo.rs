@@ -1,0 +1,182 @@
+//! Ghosts: copies of the particles beyond this rank's borders, and periodic images.
+//!
+//! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
+//! corners need no messages of their own.
+
+use super::migrate::records_of;
+use super::{AxisNeighbours, Communicator};
+use crate::domain::{Bounds, Decomposition};
+use crate::particles::Particles;
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Vector3;
+
+/// A ghost as it is first sent.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct NewGhost {
+    id: u64,
+    radius: f64,
+    mass: f64,
+    motion: GhostMotion,
+}
+
+/// What a ghost needs at every step.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct GhostMotion {
+    position: [f64; 3],
+    velocity: [f64; 3],
+    angular_velocity: [f64; 3],
+}
+
+/// Which particles go to one neighbour, and by how much they shift on the way through a periodic face.
+#[derive(Clone, Debug, Default)]
+struct Shipment {
+    indices: Vec<u32>,
+    shift: f64,
+}
+
+/// One axis: shipments down and up, and where the ghosts that come from there begin.
+#[derive(Clone, Debug, Default)]
+struct AxisPlan {
+    neighbours: AxisNeighbours,
+    shipments: [Shipment; 2],
+    first_ghost: [usize; 2],
+}
+
+/// Who is whose ghost, from one rebuild of the neighbour list to the next.
+#[derive(Debug, Default)]
+pub struct ParticleHalo {
+    plans: [AxisPlan; 3],
+    outgoing: [Vec<u8>; 2],
+    incoming: [Vec<u8>; 2],
+}
+
+impl ParticleHalo {
+    /// Chooses the ghosts anew: every particle within `width` of this rank's block.
+    ///
+    /// Before: each rank owns the particles of its block, wrapped, and has no ghosts. After: ghosts follow
+    /// the owned particles, with current position (of the image), velocity and spin, radius and mass.
+    pub fn rebuild(
+        &mut self,
+        particles: &mut Particles,
+        bounds: &Bounds,
+        cut: &Decomposition,
+        width: f64,
+        ranks: &dyn Communicator,
+    ) {
+        let here = ranks.rank();
+        let [lower, upper] = cut.block_bounds(here);
+        for axis in 0..3 {
+            let plan = &mut self.plans[axis];
+            plan.neighbours = cut.neighbours(here, axis, bounds);
+            let length = bounds.lengths()[axis];
+            let at_end = [lower[axis] == 0.0, upper[axis] == length];
+            for side in 0..2 {
+                let shipment = &mut plan.shipments[side];
+                shipment.shift = match (at_end[side], side) {
+                    (false, _) => 0.0,
+                    (true, 0) => length,
+                    (true, _) => -length,
+                };
+                shipment.indices.clear();
+                if plan.neighbours[side].is_none() {
+                    continue;
+                }
+                let near_border = |position: &Vector3<f64>| match side {
+                    0 => position[axis] - lower[axis] < width,
+                    _ => upper[axis] - position[axis] <= width,
+                };
+                let chosen = (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
+                shipment.indices.extend(chosen.map(|i| i as u32));
+            }
+            self.send_new_ghosts(axis, particles, ranks);
+        }
+    }
+
+    /// Brings position, velocity and spin of all ghosts up to date.
+    ///
+    /// Before: owned particles are current; the halo is that of the last rebuild. After: ghosts equal their
+    /// owners; their order is unchanged.
+    pub fn refresh(&mut self, particles: &mut Particles, ranks: &dyn Communicator) {
+        for axis in 0..3 {
+            let plan = &self.plans[axis];
+            if plan.neighbours == [None, None] {
+                continue;
+            }
+            for (shipment, buffer) in plan.shipments.iter().zip(&mut self.outgoing) {
+                buffer.clear();
+                for &index in &shipment.indices {
+                    let motion = motion_of(particles, index as usize, axis, shipment.shift);
+                    buffer.extend_from_slice(bytemuck::bytes_of(&motion));
+                }
+            }
+            let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
+            ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
+            for (&first, buffer) in plan.first_ghost.iter().zip(&self.incoming) {
+                for (offset, motion) in records_of::<GhostMotion>(buffer).enumerate() {
+                    set_motion(particles, first + offset, &motion);
+                }
+            }
+        }
+    }
+
+    /// Number of ghost copies that this rank sends at every step.
+    pub fn sent_count(&self) -> usize {
+        let shipments = self.plans.iter().flat_map(|plan| &plan.shipments);
+        shipments.map(|shipment| shipment.indices.len()).sum()
+    }
+
+    fn send_new_ghosts(
+        &mut self,
+        axis: usize,
+        particles: &mut Particles,
+        ranks: &dyn Communicator,
+    ) {
+        let plan = &mut self.plans[axis];
+        if plan.neighbours == [None, None] {
+            return;
+        }
+        for (shipment, buffer) in plan.shipments.iter().zip(&mut self.outgoing) {
+            buffer.clear();
+            for &index in &shipment.indices {
+                let index = index as usize;
+                let ghost = NewGhost {
+                    id: particles.id[index],
+                    radius: particles.radius[index],
+                    mass: particles.mass[index],
+                    motion: motion_of(particles, index, axis, shipment.shift),
+                };
+                buffer.extend_from_slice(bytemuck::bytes_of(&ghost));
+            }
+        }
+        let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
+        ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
+        for (side, buffer) in self.incoming.iter().enumerate() {
+            plan.first_ghost[side] = particles.count();
+            for ghost in records_of::<NewGhost>(buffer) {
+                let index = particles.count();
+                let motion = &ghost.motion;
+                let (position, velocity) = (motion.position.into(), motion.velocity.into());
+                particles.push_ghost(ghost.id, position, velocity, ghost.radius, ghost.mass);
+                set_motion(particles, index, motion);
+            }
+        }
+    }
+}
+
+fn motion_of(particles: &Particles, index: usize, axis: usize, shift: f64) -> GhostMotion {
+    let mut position: [f64; 3] = particles.position[index].into();
+    position[axis] += shift; // exact: both are lattice numbers
+    GhostMotion {
+        position,
+        velocity: particles.velocity[index].into(),
+        angular_velocity: particles.angular_velocity[index].into(),
+    }
+}
+
+fn set_motion(particles: &mut Particles, index: usize, motion: &GhostMotion) {
+    particles.position[index] = motion.position.into();
+    particles.velocity[index] = motion.velocity.into();
+    particles.angular_velocity[index] = motion.angular_velocity.into();
+}

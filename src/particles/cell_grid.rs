@@ -1,0 +1,103 @@
+//! Cells that particles are sorted into, to find those near each other.
+
+use nalgebra::Vector3;
+
+/// A grid of cells over the particles' bounding box, each at least as wide as the reach of the list.
+///
+/// Which cells there are changes the order of work, never a result.
+#[derive(Clone, Debug, Default)]
+pub struct CellGrid {
+    origin: Vector3<f64>,
+    inverse_width: Vector3<f64>,
+    counts: [usize; 3],
+    /// Cell c holds `members[start[c]..start[c + 1]]`.
+    start: Vec<u32>,
+    members: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+/// More cells than this per particle only cost memory: a few particles in a large box.
+const CELLS_PER_PARTICLE: f64 = 4.0;
+
+impl CellGrid {
+    /// Sorts positions into cells at least `width` wide.
+    pub fn fill(&mut self, positions: &[Vector3<f64>], width: f64) {
+        self.lay_out(positions, width);
+        let cells = self.counts.iter().product::<usize>();
+        self.cell_of.clear();
+        self.cell_of.extend(positions.iter().map(|position| {
+            let [i, j, k] = cell_index(position, self.origin, self.inverse_width, self.counts);
+            (i + self.counts[0] * (j + self.counts[1] * k)) as u32
+        }));
+        self.start.clear();
+        self.start.resize(cells + 1, 0);
+        for &cell in &self.cell_of {
+            self.start[cell as usize + 1] += 1;
+        }
+        for cell in 0..cells {
+            self.start[cell + 1] += self.start[cell];
+        }
+        self.members.clear();
+        self.members.resize(positions.len(), 0);
+        // Filled from the back, so that `start` ends up where it began.
+        let mut next = self.start.clone();
+        for (index, &cell) in self.cell_of.iter().enumerate() {
+            self.members[next[cell as usize] as usize] = index as u32;
+            next[cell as usize] += 1;
+        }
+    }
+
+    /// All indices, cell by cell.
+    pub fn order(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Runs `visit` on the members of each run of neighbouring cells of particle `index`, its own included.
+    #[inline]
+    pub fn for_each_neighbourhood(&self, index: usize, mut visit: impl FnMut(&[u32])) {
+        let cell = self.cell_of[index] as usize;
+        let [nx, ny, nz] = self.counts;
+        let (i, j, k) = (cell % nx, (cell / nx) % ny, cell / (nx * ny));
+        let first = i.saturating_sub(1);
+        let last = (i + 1).min(nx - 1);
+        for kk in k.saturating_sub(1)..=(k + 1).min(nz - 1) {
+            for jj in j.saturating_sub(1)..=(j + 1).min(ny - 1) {
+                let row = nx * (jj + ny * kk);
+                let from = self.start[row + first] as usize;
+                let to = self.start[row + last + 1] as usize;
+                visit(&self.members[from..to]);
+            }
+        }
+    }
+
+    fn lay_out(&mut self, positions: &[Vector3<f64>], width: f64) {
+        let infinite = Vector3::repeat(f64::INFINITY);
+        let lower = positions.iter().fold(infinite, |lower, position| lower.inf(position));
+        let upper = positions.iter().fold(-infinite, |upper, position| upper.sup(position));
+        let extent = if positions.is_empty() { Vector3::zeros() } else { upper - lower };
+        self.origin = if positions.is_empty() { Vector3::zeros() } else { lower };
+        let mut width = width;
+        let most = CELLS_PER_PARTICLE * positions.len() as f64 + 27.0;
+        let cells = |width: f64| extent.map(|length| (length / width).floor().max(1.0));
+        while cells(width).product() > most {
+            width *= 1.25;
+        }
+        let counts = cells(width);
+        self.counts = [counts.x as usize, counts.y as usize, counts.z as usize];
+        self.inverse_width = extent.zip_map(&counts, |length, count| {
+            if length > 0.0 { count / length } else { 0.0 }
+        });
+    }
+}
+
+fn cell_index(
+    position: &Vector3<f64>,
+    origin: Vector3<f64>,
+    inverse_width: Vector3<f64>,
+    counts: [usize; 3],
+) -> [usize; 3] {
+    std::array::from_fn(|axis| {
+        let cell = (position[axis] - origin[axis]) * inverse_width[axis];
+        (cell as usize).min(counts[axis] - 1)
+    })
+}

@@ -1,0 +1,98 @@
+//! The neighbour list: who is near whom, and when that must be found anew.
+
+use super::contacts::{LostContact, PairMemory, WallMemory};
+use super::{CellGrid, ContactMemory, Contacts, Particles};
+use crate::domain::Wall;
+use nalgebra::Vector3;
+
+/// How far the list looks beyond touching.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Separation of surfaces up to which particles act on each other.
+    pub range: f64,
+    /// Margin that lets the list live for many steps.
+    pub skin: f64,
+}
+
+impl Reach {
+    /// Largest distance of two centres in the list; ghosts must reach as far.
+    pub fn ghost_width(&self, largest_diameter: f64) -> f64 {
+        largest_diameter + self.range + self.skin
+    }
+}
+
+/// When the list was built, and the cells it is built with. Disposable: a list built at another step
+/// gives the same bits, because the pairs that act are the same and force sums are exact.
+#[derive(Clone, Debug, Default)]
+pub struct Neighbours {
+    reference_position: Vec<Vector3<f64>>,
+    cells: CellGrid,
+}
+
+impl Neighbours {
+    /// Whether a particle has moved more than half the skin since the list was built.
+    pub fn outdated(&self, particles: &Particles, reach: Reach) -> bool {
+        let limit = (0.5 * reach.skin).powi(2);
+        let moved = particles.position.iter().zip(&self.reference_position);
+        !moved.map(|(now, then)| (now - then).norm_squared()).all(|squared| squared < limit)
+    }
+
+    /// Sorts the owned particles by cells, so that near particles are near in memory.
+    pub fn sort_by_cells(&mut self, particles: &mut Particles, width: f64) {
+        self.cells.fill(&particles.position, width);
+        particles.select(self.cells.order());
+    }
+
+    /// Finds all near pairs and gives them what they remember.
+    ///
+    /// Before: ghosts are those of the owned particles' current positions.
+    ///
+    /// # Errors
+    /// If the memory of a touching pair has no place in the new list: a fault of the program.
+    pub fn rebuild(
+        &mut self,
+        particles: &Particles,
+        contacts: &mut Contacts,
+        walls: &[Wall],
+        reach: Reach,
+        remembered: (&[PairMemory], &[WallMemory]),
+    ) -> Result<(), LostContact> {
+        let owned = particles.owned_count();
+        self.reference_position.clear();
+        self.reference_position.extend_from_slice(&particles.position[..owned]);
+        let largest = particles.radius.iter().copied().fold(0.0, f64::max);
+        self.cells.fill(&particles.position, reach.ghost_width(2.0 * largest));
+        self.find_pairs(particles, contacts, reach);
+        contacts.find_wall_pairs(particles, walls, reach);
+        contacts.recall(particles, remembered.0, remembered.1)
+    }
+
+    fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, reach: Reach) {
+        let margin = reach.range + reach.skin;
+        let owned = particles.owned_count();
+        contacts.row_start.clear();
+        contacts.row_start.push(0);
+        contacts.partner.clear();
+        for i in 0..owned {
+            let (centre, radius) = (particles.position[i], particles.radius[i]);
+            self.cells.for_each_neighbourhood(i, |members| {
+                for &member in members {
+                    let j = member as usize;
+                    // Both owned: in the row of the lower index. Ghosts have the higher indices.
+                    if j <= i {
+                        continue;
+                    }
+                    let near = radius + particles.radius[j] + margin;
+                    if (particles.position[j] - centre).norm_squared() < near * near {
+                        contacts.partner.push(member);
+                    }
+                }
+            });
+            contacts.row_start.push(contacts.partner.len() as u32);
+        }
+        contacts.touching.clear();
+        contacts.touching.resize(contacts.partner.len(), false);
+        contacts.memory.clear();
+        contacts.memory.resize(contacts.partner.len(), ContactMemory::default());
+    }
+}

@@ -1,0 +1,305 @@
+//! The step: velocity Verlet for the particles, the gas of the moment, and all forces.
+
+use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
+use crate::domain::Face;
+use crate::numbers::ExactSum;
+use crate::parallel::{CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all};
+use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
+use crate::state::{Domain, Models, State, Workspace};
+use crate::timers::Stage;
+use std::collections::HashSet;
+use thiserror::Error;
+
+/// Why a run cannot go on. The same on all ranks.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum StepError {
+    /// Numbers have lost their meaning.
+    #[error("step {step}: {words}")]
+    Unstable {
+        /// At which step it was noticed.
+        step: u64,
+        /// On the lowest rank that noticed.
+        words: String,
+    },
+    /// A particle passed a face at which the case ends the run.
+    #[error("step {step}: {words}; the case ends the run there (box faces of kind \"stop\")")]
+    Stopped {
+        /// At which step.
+        step: u64,
+        /// Which particle, which face.
+        words: String,
+    },
+}
+
+/// One step of length `models.time_step`.
+///
+/// Before: forces are those of the current positions. After: the same, one step later. Returns whether a
+/// rank was asked to stop.
+///
+/// # Errors
+/// If a force or a speed has no meaning, or a particle passes a face of kind "stop".
+pub fn advance(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<bool, StepError> {
+    let dt = models.time_step;
+    let lattice = domain.bounds.lattice();
+    work.timers.time(Stage::Integrate, || kick_and_drift(&mut state.particles, dt, lattice));
+    state.clock.tick();
+    let verdict = decide(state, domain, work, ranks)?;
+    if verdict.rebuild {
+        rebuild(state, domain, models, work, ranks)?;
+    } else {
+        work.timers.time(Stage::Halo, || work.halo.refresh(&mut state.particles, ranks));
+    }
+    evaluate_forces(state, domain, models, work, dt, ranks);
+    work.timers.time(Stage::Integrate, || kick(&mut state.particles, dt));
+    Ok(verdict.stop)
+}
+
+/// Makes lists and ghosts for the first step, and, for a new bed, the forces it begins with.
+///
+/// # Errors
+/// As [`advance`].
+pub fn begin(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    new_bed: bool,
+    ranks: &dyn Communicator,
+) -> Result<(), StepError> {
+    let (pairs, walls) = remembered;
+    arrange(state, domain, work, (pairs, walls), ranks)?;
+    if new_bed {
+        evaluate_forces(state, domain, models, work, 0.0, ranks);
+    }
+    Ok(())
+}
+
+/// What all ranks do next.
+struct Verdict {
+    rebuild: bool,
+    stop: bool,
+}
+
+/// One reduction per step: is any list outdated, has any particle left, has anything gone wrong, was any
+/// rank asked to stop?
+fn decide(
+    state: &State,
+    domain: &Domain,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<Verdict, StepError> {
+    let Workspace { neighbours, timers, reach, fault, stop_requested, balance, .. } = work;
+    let step = state.clock.step;
+    timers.time(Stage::Decide, || {
+        let particles = &state.particles;
+        let stopped = first_beyond(particles, domain, Face::Stop);
+        let left = first_beyond(particles, domain, Face::Open).is_some();
+        let outdated = left || neighbours.outdated(particles, *reach);
+        let mut flags = [outdated, fault.is_some(), stopped.is_some(), *stop_requested].map(i64::from);
+        ranks.sum_integers(&mut flags);
+        let [outdated, faulty, any_stopped, stop] = flags.map(|count| count > 0);
+        if faulty {
+            let words = agreed_words(fault.take(), ranks);
+            return Err(StepError::Unstable { step: step - 1, words });
+        }
+        if any_stopped {
+            return Err(StepError::Stopped { step, words: agreed_words(stopped, ranks) });
+        }
+        let balance_due = balance.is_some_and(|balance| step.is_multiple_of(balance.every));
+        Ok(Verdict { rebuild: outdated || balance_due, stop })
+    })
+}
+
+/// The words of the lowest rank that has some.
+fn agreed_words(words: Option<String>, ranks: &dyn Communicator) -> String {
+    let result = words.map_or(Ok(()), |words| Err(CollectiveError(words)));
+    agree(result, ranks).err().map(|error| error.0).unwrap_or_default()
+}
+
+/// The first owned particle beyond a face of this kind, in words.
+fn first_beyond(particles: &Particles, domain: &Domain, kind: Face) -> Option<String> {
+    let bounds = &domain.bounds;
+    if !(0..3).any(|axis| bounds.faces(axis).contains(&kind)) {
+        return None;
+    }
+    (0..particles.owned_count()).find_map(|i| {
+        let (axis, side) = bounds.passed(kind, &particles.position[i])?;
+        let face = [["lower", "upper"][side], ["x", "y", "z"][axis]].join(" ");
+        Some(format!("particle {} passed the {face} face of the box", particles.id[i]))
+    })
+}
+
+/// Particles to their owners, new ghosts, new lists; what contacts remember goes along.
+///
+/// # Errors
+/// If a particle is too fast, or the program loses a contact.
+fn rebuild(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<(), StepError> {
+    let pairs = state.contacts.records(&state.particles, false);
+    let walls = state.contacts.wall_records(&state.particles);
+    state.particles.drop_ghosts();
+    let step = state.clock.step;
+    check_speeds(&state.particles, models.limits.speed, ranks)
+        .map_err(|error| StepError::Unstable { step, words: error.0 })?;
+    arrange(state, domain, work, (pairs, walls), ranks)
+}
+
+fn arrange(
+    state: &mut State,
+    domain: &Domain,
+    work: &mut Workspace,
+    remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    ranks: &dyn Communicator,
+) -> Result<(), StepError> {
+    let begin = std::time::Instant::now();
+    let (mut pairs, mut walls) = remembered;
+    let bounds = &domain.bounds;
+    let width = work.reach.ghost_width(state.sizes.largest_diameter);
+    depart(state, domain, &mut pairs, &mut walls, ranks);
+    let State { particles, contacts, clock, .. } = state;
+    for position in &mut particles.position {
+        *position = bounds.wrap(*position);
+    }
+    let due = work.balance.filter(|balance| clock.step.is_multiple_of(balance.every));
+    if due.is_some_and(|due| imbalance(particles.owned_count(), ranks) > due.threshold) {
+        work.cut = balanced(&work.cut, &particles.position, bounds, width, ranks);
+    }
+    migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
+    work.neighbours.sort_by_cells(particles, width);
+    work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
+    let rebuilt = work.neighbours.rebuild(
+        particles,
+        contacts,
+        &domain.walls,
+        work.reach,
+        (&pairs, &walls),
+    );
+    work.timers.add(Stage::Rebuild, begin.elapsed());
+    agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
+}
+
+/// Takes particles beyond open faces out of the run, with all that remembers them. Collective.
+fn depart(
+    state: &mut State,
+    domain: &Domain,
+    pairs: &mut Vec<PairMemory>,
+    walls: &mut Vec<WallMemory>,
+    ranks: &dyn Communicator,
+) {
+    let particles = &mut state.particles;
+    let gone = |i: u32| domain.bounds.passed(Face::Open, &particles.position[i as usize]).is_some();
+    let (leaving, staying): (Vec<u32>, Vec<u32>) =
+        (0..particles.owned_count() as u32).partition(|&i| gone(i));
+    if !ranks.any(!leaving.is_empty()) {
+        return;
+    }
+    let ids: Vec<u64> = leaving.iter().map(|&i| particles.id[i as usize]).collect();
+    let mut volume = ExactSum::default();
+    leaving.iter().for_each(|&i| volume.add(particles.volume(i as usize)));
+    let mut integers = volume.to_integers();
+    ranks.sum_integers(&mut integers);
+    let gone: HashSet<u64> = share_with_all(&ids, ranks).into_iter().collect();
+    state.departed.count += gone.len() as u64;
+    state.departed.volume += ExactSum::from_integers(&integers).value();
+    pairs.retain(|pair| !gone.contains(&pair.lower) && !gone.contains(&pair.higher));
+    walls.retain(|contact| !gone.contains(&contact.particle));
+    particles.select(&staying);
+}
+
+/// A particle that moves a tenth of the smallest diameter in one step passes through others unseen.
+fn check_speeds(
+    particles: &Particles,
+    limit: f64,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let too_fast = (0..particles.owned_count()).find(|&i| !(particles.velocity[i].norm() <= limit));
+    let result = match too_fast {
+        None => Ok(()),
+        Some(i) => Err(format!(
+            "particle {} moves at {:.3e} (limit {limit:.3e}: a tenth of the smallest diameter per step): \
+             shorten time.step",
+            particles.id[i],
+            particles.velocity[i].norm()
+        )),
+    };
+    agree(result, ranks)
+}
+
+/// All forces at the current positions and half-step velocities; tangential springs move on by `dt`.
+///
+/// Contacts and walls first, then gas, then weight; the order is that of the method section and changes
+/// nothing, since every contribution lies on the lattice of forces. A force without meaning is kept as this
+/// rank's fault until the ranks agree at the next step.
+fn evaluate_forces(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    dt: f64,
+    ranks: &dyn Communicator,
+) {
+    let State { particles, contacts, clock, .. } = state;
+    let Workspace { fluid, tallies, timers, near, fault, .. } = work;
+    let time = clock.time();
+    let gravity = models.gravity.at(time);
+    let laws = ForceLaws {
+        contact: &models.contact,
+        cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
+        dt,
+        limit: models.limits.force,
+        force_lattice: models.force_lattice,
+        torque_lattice: models.torque_lattice,
+    };
+    let gas = models.gas.as_ref().zip(fluid.as_mut());
+    let driven = timers.time(Stage::Gas, || match gas {
+        None => Ok(()),
+        Some((gas, fluid)) => {
+            fluid.coarse_grain(particles, ranks);
+            fluid.set_superficial_velocity(gas, particles, (time, gravity), ranks)
+        }
+    });
+    particles.clear_forces();
+    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, near));
+    let walls = timers.time(Stage::Walls, || {
+        add_wall_forces(particles, contacts, &domain.walls, &laws, &mut tallies.on_walls)
+    });
+    let bodies = timers.time(Stage::BodyForces, || {
+        tallies.weight = add_weight(particles, models, gravity);
+        match models.gas.as_ref().zip(fluid.as_ref()) {
+            None => Ok([0; 3]),
+            Some((gas, fluid)) => fluid.add_to(gas, particles),
+        }
+    });
+    tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
+    let words = [
+        driven.err().map(|error| error.to_string()),
+        pairs.err().map(|error| error.to_string()),
+        walls.err().map(|error| error.to_string()),
+        bodies.err().map(|error| error.to_string()),
+    ];
+    *fault = words.into_iter().flatten().next();
+}
+
+/// Adds -m g_eff to each owned particle; returns the sum, as a count of the force lattice.
+fn add_weight(particles: &mut Particles, models: &Models, gravity: f64) -> i64 {
+    let lattice = models.force_lattice;
+    let mut total = 0;
+    for i in 0..particles.owned_count() {
+        let weight = lattice.round(particles.mass[i] * gravity);
+        particles.force[i].z -= weight;
+        total += lattice.count(weight);
+    }
+    total
+}

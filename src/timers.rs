@@ -1,0 +1,105 @@
+//! How the time of a run divides over the stages of the step.
+
+use crate::parallel::Communicator;
+use std::time::{Duration, Instant};
+
+/// The stages of a step, in the order of the step, and the rest of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Kick and drift.
+    Integrate,
+    /// Whether the list is outdated: one small reduction, in which ranks wait for each other.
+    Decide,
+    /// Migration, new ghosts and new lists.
+    Rebuild,
+    /// Ghosts brought up to date.
+    Halo,
+    /// Particles to grid, superficial velocity.
+    Gas,
+    /// Pairs of particles.
+    Contacts,
+    /// Particles and walls.
+    Walls,
+    /// Gas force and weight.
+    BodyForces,
+    /// Results and checkpoints.
+    Output,
+}
+
+impl Stage {
+    /// All stages.
+    pub const ALL: [Self; 9] = [
+        Self::Integrate,
+        Self::Decide,
+        Self::Rebuild,
+        Self::Halo,
+        Self::Gas,
+        Self::Contacts,
+        Self::Walls,
+        Self::BodyForces,
+        Self::Output,
+    ];
+
+    /// What the table calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Integrate => "integrate",
+            Self::Decide => "decide (wait)",
+            Self::Rebuild => "migrate, rebuild lists",
+            Self::Halo => "refresh halo",
+            Self::Gas => "coarse-grain, gas",
+            Self::Contacts => "contact forces",
+            Self::Walls => "wall forces",
+            Self::BodyForces => "gas force, weight",
+            Self::Output => "output",
+        }
+    }
+}
+
+/// Time spent in each stage on this rank.
+#[derive(Clone, Debug, Default)]
+pub struct Timers {
+    spent: [Duration; Stage::ALL.len()],
+}
+
+/// One stage over all ranks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageTime {
+    /// Which stage.
+    pub stage: Stage,
+    /// Mean over ranks, in seconds.
+    pub mean: f64,
+    /// Largest over ranks, in seconds.
+    pub largest: f64,
+}
+
+impl Timers {
+    /// Runs a stage and adds its time.
+    #[inline]
+    pub fn time<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let result = work();
+        self.spent[stage as usize] += begin.elapsed();
+        result
+    }
+
+    /// Adds time to a stage.
+    pub fn add(&mut self, stage: Stage, time: Duration) {
+        self.spent[stage as usize] += time;
+    }
+
+    /// Mean and largest time of each stage over ranks. Collective.
+    pub fn over_ranks(&self, ranks: &dyn Communicator) -> Vec<StageTime> {
+        let seconds = self.spent.map(|spent| spent.as_secs_f64());
+        let mut largest = seconds;
+        ranks.maximum(&mut largest);
+        let mut nanoseconds = self.spent.map(|spent| spent.as_nanos() as i64);
+        ranks.sum_integers(&mut nanoseconds);
+        let mean_of = |index: usize| nanoseconds[index] as f64 * 1.0e-9 / ranks.size() as f64;
+        let row = |stage: Stage| {
+            let index = stage as usize;
+            StageTime { stage, mean: mean_of(index), largest: largest[index] }
+        };
+        Stage::ALL.map(row).to_vec()
+    }
+}
