@@ -51,3 +51,9 @@ pub struct WallContactRecord {
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
 }
+
+/// The records in bytes that another rank sent, which may lie at any address. Bytes at the end that are
+/// no whole record are left out.
+pub fn records_of_bytes<T: Pod>(bytes: &[u8]) -> Vec<T> {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+}
