@@ -1,5 +1,6 @@
 //! The loops over near pairs: geometry, law, cohesion, and exact sums.
 
+use super::lanes::evaluate_in_lanes;
 use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
 use crate::domain::Wall;
 use crate::numbers::Quantum;
@@ -52,9 +53,9 @@ impl ForceLaws<'_> {
 /// A pair within range of each other's force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NearPair {
-    row: u32,
-    partner: u32,
-    slot: u32,
+    pub(super) row: u32,
+    pub(super) partner: u32,
+    pub(super) slot: u32,
 }
 
 /// Adds the forces and torques of all pairs to both their particles.
@@ -76,9 +77,7 @@ pub fn add_pair_forces(
     near: &mut Vec<NearPair>,
 ) -> Result<(), ForceOutOfRange> {
     find_near_pairs(particles, contacts, laws.range(), near);
-    match laws.contact {
-        ContactModel::LinearSpringDashpot(law) => evaluate(law, particles, contacts, laws, near),
-    }
+    evaluate_in_lanes(particles, contacts, laws, near)
 }
 
 /// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
@@ -116,65 +115,14 @@ fn forget(touching: &mut bool, memory: &mut ContactMemory) {
     *memory = ContactMemory::default();
 }
 
-fn evaluate<L: ContactLaw>(
-    law: &L,
-    particles: &mut Particles,
-    contacts: &mut Contacts,
-    laws: &ForceLaws,
-    near: &[NearPair],
-) -> Result<(), ForceOutOfRange> {
-    for pair in near {
-        let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
-        let branch = particles.position[j] - particles.position[i];
-        let distance = branch.norm_squared().sqrt();
-        let (radius_i, radius_j) = (particles.radius[i], particles.radius[j]);
-        let overlap = radius_i + radius_j - distance;
-        let cohesion = laws
-            .cohesion
-            .map_or(0.0, |cohesion| cohesion.between_particles(radius_i, radius_j, -overlap));
-        let normal = branch * (1.0 / distance);
-        if overlap <= 0.0 {
-            if contacts.touching[slot] {
-                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
-            }
-            let pull = laws.force_lattice.round_vector(normal * cohesion);
-            particles.force[i] += pull;
-            particles.force[j] -= pull;
-            continue;
-        }
-        contacts.touching[slot] = true;
-        let spin = particles.angular_velocity[i] * radius_i + particles.angular_velocity[j] * radius_j;
-        let (mass_i, mass_j) = (particles.mass[i], particles.mass[j]);
-        let contact = Contact {
-            overlap,
-            normal,
-            relative_velocity: particles.velocity[j] - particles.velocity[i] - spin.cross(&normal),
-            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
-            cohesion,
-        };
-        let force = law.force(&contact, &mut contacts.memory[slot], laws.dt);
-        let on_j = laws.force_lattice.round_vector(total(&contact, &force));
-        if !(on_j.amax() <= laws.limit) {
-            let other = format!("particle {}", particles.id[j]);
-            return Err(out_of_range(particles.id[i], other, on_j, overlap, laws.limit));
-        }
-        particles.force[j] += on_j;
-        particles.force[i] -= on_j;
-        let twist = normal.cross(&force.tangential);
-        particles.torque[i] -= laws.torque_lattice.round_vector(twist * radius_i);
-        particles.torque[j] -= laws.torque_lattice.round_vector(twist * radius_j);
-    }
-    Ok(())
-}
-
 /// Force on the second body: contact and attraction.
 #[inline(always)]
-fn total(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
+pub(super) fn total(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
     contact.normal * (force.normal - contact.cohesion) + force.tangential
 }
 
 #[cold]
-fn out_of_range(
+pub(super) fn out_of_range(
     particle: u64,
     other: String,
     force: Vector3<f64>,

@@ -3,7 +3,7 @@
 //! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
 //! corners need no messages of their own.
 
-use super::migrate::records_of;
+use super::records_of_bytes;
 use super::{AxisNeighbours, Communicator};
 use crate::domain::{Bounds, Decomposition};
 use crate::particles::Particles;
@@ -114,7 +114,7 @@ impl ParticleHalo {
             let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
             ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
             for (&first, buffer) in plan.first_ghost.iter().zip(&self.incoming) {
-                for (offset, motion) in records_of::<GhostMotion>(buffer).enumerate() {
+                for (offset, motion) in records_of_bytes::<GhostMotion>(buffer).enumerate() {
                     set_motion(particles, first + offset, &motion);
                 }
             }
@@ -154,7 +154,7 @@ impl ParticleHalo {
         ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
         for (side, buffer) in self.incoming.iter().enumerate() {
             plan.first_ghost[side] = particles.count();
-            for ghost in records_of::<NewGhost>(buffer) {
+            for ghost in records_of_bytes::<NewGhost>(buffer) {
                 let index = particles.count();
                 let motion = &ghost.motion;
                 let (position, velocity) = (motion.position.into(), motion.velocity.into());
