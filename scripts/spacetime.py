@@ -51,10 +51,7 @@ class NoWave(Exception):
 
 
 def bed_rows(profiles: Profiles) -> Array:
-    """The nodes within the bed: denser on average than half the densest, without a twentieth at either end.
-
-    Heights above the lowest top of the bed are left out: the surface goes up and down as a whole.
-    """
+    """The nodes within the bed: denser on average than half the densest, without a twentieth at either end."""
     mean = profiles.solids_fraction.mean(axis=0)
     inside = np.flatnonzero(mean > 0.5 * mean.max())
     if mean.max() <= 0.0 or len(inside) < 8:
@@ -239,8 +236,9 @@ def main(command_line: list[str] | None = None) -> None:
     parser = argument_parser(__doc__, "spacetime.png")
     parser.add_argument("--height", type=float, metavar="Z", help="top of the picture (default: top of the bed)")
     parser.add_argument(
-        "--measure", type=float, nargs=2, metavar=("LOW", "HIGH"), help="measure between these heights (default: the bed)"
-    )
+        "--measure", type=float, nargs=2, metavar=("LOW", "HIGH"),
+        help="measure between these heights (default: the bed)",
+    )  # fmt: skip
     parser.add_argument(
         "--colours", default="magma_r", help="a colour map of matplotlib; perceptually uniform are "
         "magma_r (default), viridis, cividis, gray_r"
