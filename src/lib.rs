@@ -1,5 +1,6 @@
 //! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders.
 
+pub mod case;
 pub mod contact;
 pub mod coupling;
 pub mod domain;
