@@ -1,0 +1,5 @@
+//! What is computed from the state and never changes it.
+
+mod digest;
+
+pub use digest::Digest;
