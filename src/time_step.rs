@@ -293,7 +293,7 @@ fn evaluate_forces(
     });
     let bodies = timers.time(Stage::BodyForces, || {
         tallies.weight = add_weight(particles, models, gravity);
-        match models.gas.as_ref().zip(fluid.as_ref()) {
+        match models.gas.as_ref().zip(fluid.as_mut()) {
             None => Ok([0; 3]),
             Some((gas, fluid)) => fluid.add_to(gas, particles),
         }

@@ -3,7 +3,7 @@
 use super::lanes::evaluate_in_lanes;
 use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
 use crate::domain::Wall;
-use crate::numbers::Quantum;
+use crate::numbers::{Quantum, in_wide_vectors};
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -76,35 +76,10 @@ pub fn add_pair_forces(
     laws: &ForceLaws,
     near: &mut Vec<NearPair>,
 ) -> Result<(), ForceOutOfRange> {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
-        return unsafe { evaluate_pairs_avx2(particles, contacts, laws, near) };
-    }
-    evaluate_pairs(particles, contacts, laws, near)
-}
-
-/// The same code, compiled for wider vectors: the same bits.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn evaluate_pairs_avx2(
-    particles: &mut Particles,
-    contacts: &mut Contacts,
-    laws: &ForceLaws,
-    near: &mut Vec<NearPair>,
-) -> Result<(), ForceOutOfRange> {
-    evaluate_pairs(particles, contacts, laws, near)
-}
-
-#[inline(always)]
-fn evaluate_pairs(
-    particles: &mut Particles,
-    contacts: &mut Contacts,
-    laws: &ForceLaws,
-    near: &mut Vec<NearPair>,
-) -> Result<(), ForceOutOfRange> {
-    find_near_pairs(particles, contacts, laws.range(), near);
-    evaluate_in_lanes(particles, contacts, laws, near)?;
+    in_wide_vectors(|| {
+        find_near_pairs(particles, contacts, laws.range(), near);
+        evaluate_in_lanes(particles, contacts, laws, near)
+    })?;
     particles.fold_image_forces();
     Ok(())
 }

@@ -4,7 +4,7 @@ use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
 use crate::gas::{ColumnFields, ColumnGas, Drive, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::Quantum;
+use crate::numbers::{Quantum, in_wide_vectors};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -46,15 +46,15 @@ pub struct FluidForce {
     lattice: Quantum,
     slope_lattice: Quantum,
     limit: f64,
+    local: AtParticles,
 }
 
-/// What the gas does to one particle per velocity, and the fields there.
-#[derive(Clone, Copy)]
-struct Local {
-    drag: f64,
-    solids_fraction: f64,
-    solids_velocity: f64,
-    voidage_squared: f64,
+/// The fields at each owned particle, and the drag on it per velocity.
+#[derive(Clone, Debug, Default)]
+struct AtParticles {
+    solids_fraction: Vec<f64>,
+    solids_velocity: Vec<f64>,
+    drag: Vec<f64>,
 }
 
 impl FluidForce {
@@ -78,6 +78,7 @@ impl FluidForce {
             lattice,
             slope_lattice,
             limit: force_limit,
+            local: AtParticles::default(),
         }
     }
 
@@ -96,9 +97,22 @@ impl FluidForce {
         self.superficial_velocity
     }
 
-    /// phi and u_s of the bed now. Collective.
+    /// phi and u_s of the bed now, on the grid and at the particles. Collective.
     pub fn coarse_grain(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
+        let AtParticles { solids_fraction, solids_velocity, .. } = &mut self.local;
+        let (phi, velocity) = (&self.bed.solids_fraction, &self.bed.solids_velocity);
+        solids_fraction.clear();
+        solids_velocity.clear();
+        for position in &particles.position[..particles.owned_count()] {
+            let weights = self.grid.weights(position.z);
+            let interpolate = |field: &[f64]| {
+                let (lower, upper) = (field[weights.lower], field[weights.upper]);
+                lower + weights.of_upper * (upper - lower)
+            };
+            solids_fraction.push(interpolate(phi));
+            solids_velocity.push(interpolate(velocity));
+        }
     }
 
     /// Sets U_s: what the case says for this time, or what carries the weight. Collective.
@@ -138,27 +152,30 @@ impl FluidForce {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_to(
-        &self,
+        &mut self,
         gas: &ColumnGas,
         particles: &mut Particles,
     ) -> Result<[i64; 3], GasForceOutOfRange> {
+        self.find_drag(gas, particles, self.superficial_velocity);
+        let local = &self.local;
         let mut total = [0; 3];
         for i in 0..particles.owned_count() {
-            let local = self.at_particle(gas, particles, i, self.superficial_velocity);
+            let (drag, u) = (local.drag[i], local.solids_velocity[i]);
+            let voidage = 1.0 - local.solids_fraction[i];
             let velocity = particles.velocity[i];
-            let slip = self.superficial_velocity - local.solids_velocity;
-            let lateral = if gas.lateral_drag { local.drag } else { 0.0 };
+            let slip = self.superficial_velocity - u;
+            let lateral = if gas.lateral_drag { drag } else { 0.0 };
             let force = self.lattice.round_vector(Vector3::new(
                 -lateral * velocity.x,
                 -lateral * velocity.y,
-                local.drag * ((local.solids_velocity - velocity.z) + slip / local.voidage_squared),
+                drag * ((u - velocity.z) + slip / (voidage * voidage)),
             ));
             if !(force.amax() <= self.limit) {
                 return Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
                     limit: self.limit,
-                    solids_fraction: local.solids_fraction,
+                    solids_fraction: local.solids_fraction[i],
                 });
             }
             particles.force[i] += force;
@@ -188,28 +205,17 @@ impl FluidForce {
         }
     }
 
-    #[inline(always)]
-    fn at_particle(
-        &self,
-        gas: &ColumnGas,
-        particles: &Particles,
-        i: usize,
-        velocity: f64,
-    ) -> Local {
-        let weights = self.grid.weights(particles.position[i].z);
-        let interpolate = |field: &[f64]| {
-            field[weights.lower] + weights.of_upper * (field[weights.upper] - field[weights.lower])
-        };
-        let solids_fraction = interpolate(&self.bed.solids_fraction);
-        let solids_velocity = interpolate(&self.bed.solids_velocity);
-        let slip = velocity - solids_velocity;
-        let drag = gas.drag_per_velocity(2.0 * particles.radius[i], solids_fraction, slip);
-        Local {
-            drag,
-            solids_fraction,
-            solids_velocity,
-            voidage_squared: (1.0 - solids_fraction).powi(2),
-        }
+    /// Drag per velocity on each owned particle at a superficial velocity.
+    fn find_drag(&mut self, gas: &ColumnGas, particles: &Particles, velocity: f64) {
+        let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
+        drag.clear();
+        drag.extend_from_slice(&particles.radius[..particles.owned_count()]);
+        let fields = solids_fraction.iter().zip(solids_velocity.iter());
+        in_wide_vectors(|| {
+            for (drag, (&phi, &u)) in drag.iter_mut().zip(fields.clone()) {
+                *drag = gas.drag_per_velocity(2.0 * *drag, phi, velocity - u);
+            }
+        });
     }
 
     /// Weight of all particles, as the sum of their rounded weights: exact.
@@ -223,7 +229,7 @@ impl FluidForce {
 
     /// U_s from sum_i F_i = W, each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds number.
     fn velocity_by_particle_force(
-        &self,
+        &mut self,
         gas: &ColumnGas,
         particles: &Particles,
         weight: f64,
@@ -231,12 +237,13 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
+            self.find_drag(gas, particles, velocity);
+            let local = &self.local;
             let mut sums = [0_i64; 2];
             for i in 0..particles.owned_count() {
-                let local = self.at_particle(gas, particles, i, velocity);
-                let (u, v) = (local.solids_velocity, particles.velocity[i].z);
-                let slope = local.drag / local.voidage_squared;
-                let constant = local.drag * (u - v) - slope * u;
+                let (u, v) = (local.solids_velocity[i], particles.velocity[i].z);
+                let slope = local.drag[i] / (1.0 - local.solids_fraction[i]).powi(2);
+                let constant = local.drag[i] * (u - v) - slope * u;
                 sums[0] += self.lattice.count(self.lattice.round(constant));
                 sums[1] += self.slope_lattice.count(self.slope_lattice.round(slope));
             }
