@@ -115,14 +115,9 @@ fn gather(block: &mut Block, pairs: &[NearPair], particles: &Particles, contacts
 
 /// All lanes, those beyond the last pair too: what they hold is never read.
 #[inline(always)]
-fn run<L: ContactLaw, A: Attraction>(
-    (law, attraction): (&L, A),
-    laws: &ForceLaws,
-    block: &mut Block,
-) {
+fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaws, block: &mut Block) {
     for lane in 0..LANES {
-        let vector =
-            |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+        let vector = |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
         let branch = vector(&block.branch);
         let distance = branch.dot(&branch).sqrt();
         let (radius_i, radius_j) = (block.radius_i[lane], block.radius_j[lane]);
@@ -131,8 +126,7 @@ fn run<L: ContactLaw, A: Attraction>(
         let contact = Contact {
             overlap,
             normal,
-            relative_velocity: vector(&block.relative_velocity)
-                - vector(&block.spin).cross(&normal),
+            relative_velocity: vector(&block.relative_velocity) - vector(&block.spin).cross(&normal),
             reduced_mass: block.reduced_mass[lane],
             cohesion: attraction.between(radius_i, radius_j, -overlap),
         };
@@ -162,8 +156,7 @@ fn scatter(block: &Block, pairs: &[NearPair], particles: &mut Particles, contact
     for (lane, pair) in pairs.iter().enumerate() {
         let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
         let memory = &mut contacts.memory[slot];
-        let vector =
-            |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+        let vector = |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
         memory.tangential_spring = vector(&block.spring);
         memory.largest_overlap = block.largest_overlap[lane];
         contacts.touching[slot] = block.overlap[lane] > 0.0;
