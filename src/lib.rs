@@ -1,6 +1,7 @@
 //! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders.
 
 pub mod analysis;
+pub mod case;
 pub mod contact;
 pub mod coupling;
 pub mod domain;

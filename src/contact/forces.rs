@@ -76,11 +76,41 @@ pub fn add_pair_forces(
     laws: &ForceLaws,
     near: &mut Vec<NearPair>,
 ) -> Result<(), ForceOutOfRange> {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        return unsafe { evaluate_pairs_avx2(particles, contacts, laws, near) };
+    }
+    evaluate_pairs(particles, contacts, laws, near)
+}
+
+/// The same code, compiled for wider vectors: the same bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn evaluate_pairs_avx2(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &mut Vec<NearPair>,
+) -> Result<(), ForceOutOfRange> {
+    evaluate_pairs(particles, contacts, laws, near)
+}
+
+#[inline(always)]
+fn evaluate_pairs(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &mut Vec<NearPair>,
+) -> Result<(), ForceOutOfRange> {
     find_near_pairs(particles, contacts, laws.range(), near);
-    evaluate_in_lanes(particles, contacts, laws, near)
+    evaluate_in_lanes(particles, contacts, laws, near)?;
+    particles.fold_image_forces();
+    Ok(())
 }
 
 /// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
+#[inline(always)]
 fn find_near_pairs(
     particles: &Particles,
     contacts: &mut Contacts,
@@ -89,20 +119,22 @@ fn find_near_pairs(
 ) {
     near.resize(contacts.pair_count(), NearPair::default());
     let mut found = 0;
-    let position = &particles.position[..];
-    let radius = &particles.radius[..position.len()];
-    for row in 0..particles.owned_count() {
-        let centre = position[row];
-        let reach_of_row = radius[row] + range;
-        for slot in contacts.row_start[row] as usize..contacts.row_start[row + 1] as usize {
-            let partner = contacts.partner[slot] as usize;
+    let n = particles.count();
+    let (position, radius) = (&particles.position[..n], &particles.radius[..n]);
+    let slots = contacts.pair_count();
+    let (partners, touching) = (&contacts.partner[..slots], &mut contacts.touching[..slots]);
+    let room = &mut near[..slots];
+    for (row, ends) in contacts.row_start.windows(2).enumerate() {
+        let (centre, reach_of_row) = (position[row], radius[row] + range);
+        for slot in ends[0] as usize..(ends[1] as usize).min(slots) {
+            let partner = partners[slot] as usize;
             let reach = reach_of_row + radius[partner];
             let is_near = (position[partner] - centre).norm_squared() < reach * reach;
             // Written always, kept only if near: cheaper than a branch that cannot be predicted.
-            near[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
+            room[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
             found += usize::from(is_near);
-            if contacts.touching[slot] && !is_near {
-                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
+            if touching[slot] && !is_near {
+                forget(&mut touching[slot], &mut contacts.memory[slot]);
             }
         }
     }

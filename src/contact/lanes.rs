@@ -22,16 +22,20 @@ struct Block {
     spin: [Lanes; 3],
     radius_i: Lanes,
     radius_j: Lanes,
-    reduced_mass: Lanes,
+    mass_i: Lanes,
+    mass_j: Lanes,
     spring: [Lanes; 3],
     largest_overlap: Lanes,
     overlap: Lanes,
     force_on_j: [Lanes; 3],
     torque_on_i: [Lanes; 3],
     torque_on_j: [Lanes; 3],
+    /// 1 where the force exceeds the limit or is undefined.
+    out_of_range: Lanes,
 }
 
 /// Chooses law and attraction once, for all pairs.
+#[inline(always)]
 pub(super) fn evaluate_in_lanes(
     particles: &mut Particles,
     contacts: &mut Contacts,
@@ -45,6 +49,7 @@ pub(super) fn evaluate_in_lanes(
     }
 }
 
+#[inline(always)]
 fn with_attraction<L: ContactLaw>(
     law: &L,
     particles: &mut Particles,
@@ -65,6 +70,7 @@ fn with_attraction<L: ContactLaw>(
     }
 }
 
+#[inline(always)]
 fn evaluate<L: ContactLaw, A: Attraction>(
     law: (&L, A),
     particles: &mut Particles,
@@ -76,14 +82,12 @@ fn evaluate<L: ContactLaw, A: Attraction>(
     for pairs in near.chunks(LANES) {
         gather(&mut block, pairs, particles, contacts);
         run(law, laws, &mut block);
-        for (lane, pair) in pairs.iter().enumerate() {
+        if let Some(lane) = (0..pairs.len()).find(|&lane| block.out_of_range[lane] != 0.0) {
             let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
-            if !(force.amax() <= laws.limit) {
-                let (i, j) = (pair.row as usize, pair.partner as usize);
-                let other = format!("particle {}", particles.id[j]);
-                let overlap = block.overlap[lane];
-                return Err(out_of_range(particles.id[i], other, force, overlap, laws.limit));
-            }
+            let (i, j) = (pairs[lane].row as usize, pairs[lane].partner as usize);
+            let other = format!("particle {}", particles.id[j]);
+            let overlap = block.overlap[lane];
+            return Err(out_of_range(particles.id[i], other, force, overlap, laws.limit));
         }
         scatter(&block, pairs, particles, contacts);
     }
@@ -92,23 +96,24 @@ fn evaluate<L: ContactLaw, A: Attraction>(
 
 #[inline(always)]
 fn gather(block: &mut Block, pairs: &[NearPair], particles: &Particles, contacts: &Contacts) {
-    for (lane, pair) in pairs.iter().enumerate() {
-        let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
-        let branch = particles.position[j] - particles.position[i];
-        let velocity = particles.velocity[j] - particles.velocity[i];
-        let (radius_i, radius_j) = (particles.radius[i], particles.radius[j]);
-        let (omega_i, omega_j) = (particles.angular_velocity[i], particles.angular_velocity[j]);
-        let memory = &contacts.memory[slot];
+    let n = particles.count();
+    let (position, velocity) = (&particles.position[..n], &particles.velocity[..n]);
+    let (spin, radius, mass) =
+        (&particles.angular_velocity[..n], &particles.radius[..n], &particles.mass[..n]);
+    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
+        let (i, j) = (pair.row as usize, pair.partner as usize);
+        assert!(i < n && j < n, "pairs are of known particles"); // the only bounds check of ten columns
+        let memory = &contacts.memory[pair.slot as usize];
         for axis in 0..3 {
-            block.branch[axis][lane] = branch[axis];
-            block.relative_velocity[axis][lane] = velocity[axis];
-            block.spin[axis][lane] = omega_i[axis] * radius_i + omega_j[axis] * radius_j;
+            block.branch[axis][lane] = position[j][axis] - position[i][axis];
+            block.relative_velocity[axis][lane] = velocity[j][axis] - velocity[i][axis];
+            block.spin[axis][lane] = spin[i][axis] * radius[i] + spin[j][axis] * radius[j];
             block.spring[axis][lane] = memory.tangential_spring[axis];
         }
-        block.radius_i[lane] = radius_i;
-        block.radius_j[lane] = radius_j;
-        let (mass_i, mass_j) = (particles.mass[i], particles.mass[j]);
-        block.reduced_mass[lane] = mass_i * mass_j / (mass_i + mass_j);
+        block.radius_i[lane] = radius[i];
+        block.radius_j[lane] = radius[j];
+        block.mass_i[lane] = mass[i];
+        block.mass_j[lane] = mass[j];
         block.largest_overlap[lane] = memory.largest_overlap;
     }
 }
@@ -121,13 +126,14 @@ fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaw
         let branch = vector(&block.branch);
         let distance = branch.dot(&branch).sqrt();
         let (radius_i, radius_j) = (block.radius_i[lane], block.radius_j[lane]);
+        let (mass_i, mass_j) = (block.mass_i[lane], block.mass_j[lane]);
         let overlap = radius_i + radius_j - distance;
         let normal = branch * (1.0 / distance);
         let contact = Contact {
             overlap,
             normal,
             relative_velocity: vector(&block.relative_velocity) - vector(&block.spin).cross(&normal),
-            reduced_mass: block.reduced_mass[lane],
+            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
             cohesion: attraction.between(radius_i, radius_j, -overlap),
         };
         let mut memory = ContactMemory {
@@ -148,22 +154,29 @@ fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaw
         }
         block.largest_overlap[lane] = memory.largest_overlap * touches;
         block.overlap[lane] = overlap;
+        let within = on_j.x.abs() <= laws.limit
+            && on_j.y.abs() <= laws.limit
+            && on_j.z.abs() <= laws.limit;
+        block.out_of_range[lane] = if within { 0.0 } else { 1.0 };
     }
 }
 
 #[inline(always)]
 fn scatter(block: &Block, pairs: &[NearPair], particles: &mut Particles, contacts: &mut Contacts) {
-    for (lane, pair) in pairs.iter().enumerate() {
+    let n = particles.count();
+    let (force, torque) = (&mut particles.force[..n], &mut particles.torque[..n]);
+    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
         let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
+        assert!(i < n && j < n, "pairs are of known particles");
         let memory = &mut contacts.memory[slot];
-        let vector = |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
-        memory.tangential_spring = vector(&block.spring);
+        for axis in 0..3 {
+            memory.tangential_spring[axis] = block.spring[axis][lane];
+            force[j][axis] += block.force_on_j[axis][lane];
+            force[i][axis] -= block.force_on_j[axis][lane];
+            torque[i][axis] += block.torque_on_i[axis][lane];
+            torque[j][axis] += block.torque_on_j[axis][lane];
+        }
         memory.largest_overlap = block.largest_overlap[lane];
         contacts.touching[slot] = block.overlap[lane] > 0.0;
-        let force = vector(&block.force_on_j);
-        particles.force[j] += force;
-        particles.force[i] -= force;
-        particles.torque[i] += vector(&block.torque_on_i);
-        particles.torque[j] += vector(&block.torque_on_j);
     }
 }
