@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod case;
+pub mod command_line;
 pub mod contact;
 pub mod coupling;
 pub mod domain;
@@ -11,6 +12,7 @@ pub mod numbers;
 pub mod output;
 pub mod parallel;
 pub mod particles;
+pub mod simulation;
 pub mod state;
 pub mod time_step;
 pub mod timers;

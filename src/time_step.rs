@@ -3,7 +3,9 @@
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::Face;
 use crate::numbers::ExactSum;
-use crate::parallel::{CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all};
+use crate::parallel::{
+    CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
+};
 use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Stage;
@@ -198,13 +200,8 @@ fn arrange(
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
-    let rebuilt = work.neighbours.rebuild(
-        particles,
-        contacts,
-        &domain.walls,
-        work.reach,
-        (&pairs, &walls),
-    );
+    let rebuilt =
+        work.neighbours.rebuild(particles, contacts, &domain.walls, work.reach, (&pairs, &walls));
     work.timers.add(Stage::Rebuild, begin.elapsed());
     agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
 }

@@ -101,7 +101,8 @@ fn read_drag(section: &Section<'_>) -> Option<(DragLaw, f64)> {
         }
         Some(Drag::WenYuCreeping) => {
             if section.has("density") {
-                section.fail("density", "cannot be given: drag \"wen_yu_creeping\" has no use for it");
+                section
+                    .fail("density", "cannot be given: drag \"wen_yu_creeping\" has no use for it");
             }
             Some((DragLaw::WenYuCreeping, 0.0))
         }

@@ -50,7 +50,8 @@ pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<Conta
     let cap = match section.has("friction_cap") || cohesive {
         true => section.value("friction_cap"),
         false => {
-            section.note_default("friction_cap", "\"contact\", without cohesion the same as \"net\"");
+            section
+                .note_default("friction_cap", "\"contact\", without cohesion the same as \"net\"");
             Some(Cap::Contact)
         }
     };
@@ -133,7 +134,10 @@ pub(super) fn read_gravity(section: Section<'_>, units: Option<Units>) -> Option
     let scale = units == Some(Units::Dimensionless);
     let is_wrong = scale && magnitude.is_some_and(|magnitude| magnitude != 0.0 && magnitude != 1.0);
     if is_wrong {
-        section.fail("magnitude", "must be 1 in dimensionless units, it is their scale; or 0, switched off");
+        section.fail(
+            "magnitude",
+            "must be 1 in dimensionless units, it is their scale; or 0, switched off",
+        );
     }
     section.finish();
     magnitude.filter(|_| !is_wrong)

@@ -227,7 +227,10 @@ mod tests {
     fn mismatches_say_what_is_allowed() {
         let words = |error: Result<(), Mismatch>| error.unwrap_err().0;
         assert_eq!(words(value("'a'").to::<f64>().map(drop)), "must be a number");
-        assert_eq!(words(value("-1").to::<u64>().map(drop)), "must be a whole number, not negative");
+        assert_eq!(
+            words(value("-1").to::<u64>().map(drop)),
+            "must be a whole number, not negative"
+        );
         assert_eq!(words(value("[1,2]").to::<[f64; 3]>().map(drop)), "must be a list of 3 numbers");
         assert_eq!(words(value("[1,2,3,4]").to::<[f64; 3]>().map(drop)), "has too many members");
         assert_eq!(words(value("{}").to::<String>().map(drop)), "must be a text in quotes");

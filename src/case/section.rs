@@ -164,9 +164,11 @@ impl<'a> Section<'a> {
         let schedule = if section.has("values") || section.has("every") {
             let values = section.numbers("values", allowed);
             let every = section.number("every", Allowed::POSITIVE);
-            values
-                .zip(every)
-                .map(|(values, every)| Schedule::Steps { values, start: stage.start, every })
+            values.zip(every).map(|(values, every)| Schedule::Steps {
+                values,
+                start: stage.start,
+                every,
+            })
         } else {
             let from = section.number("from", allowed);
             let to = section.number("to", allowed);

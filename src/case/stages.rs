@@ -241,9 +241,12 @@ impl Current {
             (_, Some("off")) if can_be_off => self.is_on = false,
             (_, Some("on")) if can_be_off && self.node.is_some() => self.is_on = true,
             (_, Some("on")) if can_be_off => {
-                problems.add(change.error("there is nothing to switch on: no keys are given before"));
+                problems
+                    .add(change.error("there is nothing to switch on: no keys are given before"));
             }
-            _ if can_be_off => problems.add(change.error("must be a section of keys, \"off\" or \"on\"")),
+            _ if can_be_off => {
+                problems.add(change.error("must be a section of keys, \"off\" or \"on\""))
+            }
             _ => problems.add(change.error("must be a section of keys")),
         }
     }

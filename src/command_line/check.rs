@@ -86,7 +86,7 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
 
 fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
     let _ = writeln!(words, "stage \"{}\":", stage.name);
-    let diameter = case.particles.reference_diameter();
+    let diameter = case.particles.reference_diameter;
     let density = case.particles.density;
     let mass = case.particles.mass_of(diameter);
     let g = stage.gravity.magnitude;
@@ -101,10 +101,14 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     }
     if let (Some(cohesion), true) = (&stage.cohesion, g > 0.0) {
         let weight = mass * g;
-        let pair = cohesion.hamaker_constant.largest() * 0.5 * diameter / (12.0 * cohesion.cut_off.powi(2));
-        let wall =
-            cohesion.wall_hamaker_constant.largest() * 0.5 * diameter / (6.0 * cohesion.cut_off.powi(2));
-        line("Bond number, particles and walls", format!("{:.4}, {:.4}", pair / weight, wall / weight));
+        let pair = cohesion.hamaker_constant.largest() * 0.5 * diameter
+            / (12.0 * cohesion.cut_off.powi(2));
+        let wall = cohesion.wall_hamaker_constant.largest() * 0.5 * diameter
+            / (6.0 * cohesion.cut_off.powi(2));
+        line(
+            "Bond number, particles and walls",
+            format!("{:.4}, {:.4}", pair / weight, wall / weight),
+        );
     }
     if let Some(vibration) = &stage.gravity.vibration {
         let gamma = vibration.relative_acceleration;
@@ -118,7 +122,10 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     let per_contact = duration / stage.time_step;
     line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
     if per_contact < LEAST_STEPS_PER_CONTACT {
-        line("warning", format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"));
+        line(
+            "warning",
+            format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),
+        );
     }
 }
 
@@ -130,7 +137,9 @@ fn describe_gas(
     g: f64,
 ) {
     let drive = match &gas.drive {
-        Drive::Velocity(schedule) => format!("superficial velocity up to {:.6e}", schedule.largest()),
+        Drive::Velocity(schedule) => {
+            format!("superficial velocity up to {:.6e}", schedule.largest())
+        }
         Drive::Weight(_) => "carries the weight of the bed".to_owned(),
     };
     line("gas", drive);
@@ -142,7 +151,9 @@ fn describe_gas(
     line("Stokes number", format!("{stokes:.4}"));
     let weight = density * std::f64::consts::PI / 6.0 * diameter.powi(3) * g;
     let expected: Vec<String> = [0.60, 0.62, 0.64]
-        .map(|phi| format!("{:.4e} at phi {phi:.2}", minimum_fluidisation(gas, diameter, weight, phi)))
+        .map(|phi| {
+            format!("{:.4e} at phi {phi:.2}", minimum_fluidisation(gas, diameter, weight, phi))
+        })
         .to_vec();
     line("U_mf of the force balance", expected.join(", "));
 }

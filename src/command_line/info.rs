@@ -20,7 +20,10 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     };
     line("case", provenance.title);
     line("units", provenance.units);
-    line("time", format!("{} (step {}, step length {})", clock.time(), clock.step, clock.time_step));
+    line(
+        "time",
+        format!("{} (step {}, step length {})", clock.time(), clock.step, clock.time_step),
+    );
     line("particles", particles.to_string());
     line("left the box", checkpoint.departed.count.to_string());
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));

@@ -9,7 +9,8 @@ use std::fmt::Write;
 pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
     let mut words = format!("{}: {particles} particles on {ranks} ranks\n", case.title);
     for stage in &case.stages {
-        let _ = writeln!(words, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
+        let _ =
+            writeln!(words, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
     }
     for note in &case.notes {
         let _ = writeln!(words, "  {note}");
@@ -28,7 +29,11 @@ pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
         rate / ranks as f64
     );
     let total: f64 = outcome.stages.iter().map(|stage| stage.mean).sum();
-    let _ = writeln!(words, "{:<24}{:>10}{:>8}{:>22}", "stage", "seconds", "share", "largest over mean");
+    let _ = writeln!(
+        words,
+        "{:<24}{:>10}{:>8}{:>22}",
+        "stage", "seconds", "share", "largest over mean"
+    );
     for stage in &outcome.stages {
         let imbalance = if stage.mean > 0.0 { stage.largest / stage.mean } else { 1.0 };
         let share = 100.0 * stage.mean / total.max(1.0e-12);

@@ -51,7 +51,8 @@ pub(super) fn run(
         Earlier::Continue => resume(&case, &folder, options, ranks)?,
         _ => begin_from_case(&case, options.changes.ranks, ranks)?,
     };
-    let resume = format!("talcum run {} --resume --output {}", path.display(), folder.path.display());
+    let resume =
+        format!("talcum run {} --resume --output {}", path.display(), folder.path.display());
     go(&case, beginning, folder, options, &resume, ranks)
 }
 
@@ -102,7 +103,9 @@ fn resume(
             let time = checkpoint.clock.time();
             say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
             if checkpoint.case_text != case.text {
-                log::warn!("the case has changed since that checkpoint; it goes on with the new one");
+                log::warn!(
+                    "the case has changed since that checkpoint; it goes on with the new one"
+                );
             }
             Ok(begin_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
@@ -149,18 +152,16 @@ fn go(
     let end_time = options.until.unwrap_or(case.end_time());
     let now = beginning.state.clock.time();
     if !(end_time.is_finite() && end_time >= now) {
-        bail!("--until {end_time}: must be at least {now}, the time of the state that the run begins with");
+        bail!(
+            "--until {end_time}: must be at least {now}, the time of the state that the run begins with"
+        );
     }
     let particles = ranks.total(beginning.state.particles.owned_count());
     say(ranks, report::head(case, particles, ranks.size()).trim_end());
     let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
     let mut progress = ProgressReport::new();
-    let conditions = Conditions {
-        end_time,
-        folder,
-        stop: &stop,
-        watch: &mut |now| progress.show(now),
-    };
+    let conditions =
+        Conditions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
     let outcome = simulation::run(case, beginning, conditions, ranks)?;
     progress.finish();
     say(ranks, &farewell(&outcome, resume, ranks.size()));
@@ -194,6 +195,7 @@ fn absolute(path: &Path) -> PathBuf {
 }
 
 fn same_folder(first: &Path, second: &Path) -> bool {
-    let whole = |path: &Path| std::fs::canonicalize(absolute(path)).unwrap_or_else(|_| absolute(path));
+    let whole =
+        |path: &Path| std::fs::canonicalize(absolute(path)).unwrap_or_else(|_| absolute(path));
     whole(first) == whole(second)
 }

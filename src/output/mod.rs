@@ -19,7 +19,7 @@ mod units;
 pub use particle_snapshots::ParticleSnapshots;
 pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;
-pub use series::{Series, SeriesRow};
+pub use series::Series;
 pub use units::ColumnUnits;
 
 /// A file that could not be written, or is not what it should be.

@@ -7,71 +7,31 @@ use std::path::{Path, PathBuf};
 use super::{
     ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside, sync_folder, with_suffix,
 };
+use crate::analysis::Measures;
 use crate::parallel::Communicator;
 
-/// One row of the table.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SeriesRow {
-    /// Time.
-    pub time: f64,
-    /// Superficial gas velocity U_s.
-    pub superficial_velocity: f64,
-    /// Pressure drop integrated over the grid, over bed weight per area.
-    pub grid_pressure_drop: f64,
-    /// Gas force on all particles over bed weight.
-    pub gas_force: f64,
-    /// Stress on the base plate over bed weight per area.
-    pub plate_stress: f64,
-    /// Effective gravity in the frame of the plate over gravity.
-    pub effective_gravity: f64,
-    /// Height of the centre of mass.
-    pub centre_height: f64,
-    /// Vertical velocity of the centre of mass.
-    pub centre_velocity: f64,
-    /// Lower end of the bed.
-    pub bed_bottom: f64,
-    /// Upper end of the bed.
-    pub bed_top: f64,
-    /// Kinetic energy of the mean motion.
-    pub mean_kinetic_energy: f64,
-    /// Kinetic energy of the motion about the mean.
-    pub fluctuating_kinetic_energy: f64,
-    /// Mean number of contacts of a particle.
-    pub coordination_number: f64,
-    /// Error of the momentum balance over bed weight.
-    pub momentum_error: f64,
-    /// Error of the mass balance over the mass of all particles.
-    pub mass_error: f64,
-    /// Number of particles in the box.
-    pub particles: f64,
-    /// Number of particles that have left.
-    pub departed: f64,
-}
-
-impl SeriesRow {
-    /// Name, unit and value of every column, in the order of the file.
-    fn columns(&self, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 17] {
-        let ColumnUnits { time, length, speed, energy, .. } = *units;
-        [
-            ("time", time, self.time),
-            ("superficial_velocity", speed, self.superficial_velocity),
-            ("grid_pressure_drop", "1", self.grid_pressure_drop),
-            ("gas_force", "1", self.gas_force),
-            ("plate_stress", "1", self.plate_stress),
-            ("effective_gravity", "1", self.effective_gravity),
-            ("centre_height", length, self.centre_height),
-            ("centre_velocity", speed, self.centre_velocity),
-            ("bed_bottom", length, self.bed_bottom),
-            ("bed_top", length, self.bed_top),
-            ("mean_kinetic_energy", energy, self.mean_kinetic_energy),
-            ("fluctuating_kinetic_energy", energy, self.fluctuating_kinetic_energy),
-            ("coordination_number", "1", self.coordination_number),
-            ("momentum_error", "1", self.momentum_error),
-            ("mass_error", "1", self.mass_error),
-            ("particles", "1", self.particles),
-            ("departed", "1", self.departed),
-        ]
-    }
+/// Name, unit and value of every column, in the order of the file.
+fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 17] {
+    let ColumnUnits { time, length, speed, energy, .. } = *units;
+    [
+        ("time", time, row.time),
+        ("superficial_velocity", speed, row.superficial_velocity),
+        ("grid_pressure_drop", "1", row.grid_pressure_drop),
+        ("gas_force", "1", row.gas_force),
+        ("plate_stress", "1", row.plate_stress),
+        ("effective_gravity", "1", row.effective_gravity),
+        ("centre_height", length, row.centre_height),
+        ("centre_velocity", speed, row.centre_velocity),
+        ("bed_bottom", length, row.bed_bottom),
+        ("bed_top", length, row.bed_top),
+        ("mean_kinetic_energy", energy, row.mean_kinetic_energy),
+        ("fluctuating_kinetic_energy", energy, row.fluctuating_kinetic_energy),
+        ("coordination_number", "1", row.coordination_number),
+        ("momentum_error", "1", row.momentum_error),
+        ("mass_error", "1", row.mass_error),
+        ("particles", "1", row.particles),
+        ("departed", "1", row.departed),
+    ]
 }
 
 /// The open table: a comment with what was run, a header with units, and a row for each time.
@@ -129,8 +89,8 @@ impl Series {
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn append(&mut self, row: &SeriesRow, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        let values = row.columns(&self.units).map(|(_, _, value)| shortest(value));
+    pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        let values = columns(row, &self.units).map(|(_, _, value)| shortest(value));
         let line = values.join(",") + "\n";
         on_root(&self.path, ranks, || {
             let file = self.file.as_mut().ok_or("the file is not open")?;
@@ -142,7 +102,7 @@ impl Series {
 
 /// The line of names and units.
 fn header(units: &ColumnUnits) -> String {
-    let columns = SeriesRow::default().columns(units);
+    let columns = columns(&Measures::default(), units);
     columns.map(|(name, unit, _)| format!("{name} [{unit}]")).join(",")
 }
 
@@ -212,8 +172,8 @@ mod tests {
         Provenance::here_and_now("A bed", "dimensionless", &OneRank)
     }
 
-    fn row(time: f64) -> SeriesRow {
-        SeriesRow { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
+    fn row(time: f64) -> Measures {
+        Measures { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
     }
 
     #[test]
