@@ -1,5 +1,7 @@
 //! Checkpoints come back as they were on any number of ranks, and anything else is refused in words.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 use std::path::Path;
 
 use bytemuck::Zeroable;

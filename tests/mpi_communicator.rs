@@ -1,5 +1,7 @@
 //! Ranks as real processes: this program starts itself again under `mpirun -n 1` to `-n 4`.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};

@@ -1,5 +1,7 @@
 //! The file of snapshots is read by VTK's own reader, bit by bit, whatever the number of ranks.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;

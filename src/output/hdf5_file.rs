@@ -8,8 +8,9 @@ use std::ptr;
 use std::str::FromStr;
 
 use bytemuck::Pod;
+use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Dataset, Extent, File, H5Type, Location, SimpleExtents, h5check};
+use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents, h5check};
 use hdf5_sys::h5::hsize_t;
 use hdf5_sys::h5d::{H5Dget_space, H5Dread, H5Dset_extent, H5Dwrite};
 use hdf5_sys::h5i::hid_t;
@@ -20,39 +21,26 @@ use hdf5_sys::h5s::{
     H5S_seloper_t, H5Sclose, H5Screate_simple, H5Sselect_hyperslab, H5Sselect_none,
 };
 
+use super::table::{Rows, TableHead};
 use super::{InWords, OutputError, agreed};
 use crate::parallel::{Communicator, FileAccess, records_of_bytes};
 
 /// Longest text of a fixed length: names of formats.
 const FIXED_TEXT: usize = 8;
 
+/// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
+/// reads a table while it grows must not end the run.
+fn options() -> FileBuilder {
+    let mut options = File::with_options();
+    options.with_fapl(|properties| properties.file_locking(false));
+    options
+}
+
 /// What datasets hold.
 pub(super) trait Element: Pod + H5Type + Default {}
 impl Element for f64 {}
 impl Element for u64 {}
 impl Element for i64 {}
-
-/// What a dataset is.
-#[derive(Clone, Copy)]
-pub(super) struct TableHead<'a> {
-    /// Path in the file.
-    pub(super) name: &'a str,
-    /// Numbers in a row; 1 for a plain column.
-    pub(super) width: usize,
-    /// Unit in words; `1` for pure numbers.
-    pub(super) unit: &'a str,
-    /// Meaning.
-    pub(super) description: &'a str,
-}
-
-/// How many rows a dataset has.
-#[derive(Clone, Copy)]
-pub(super) enum Rows {
-    /// So many, for ever.
-    Fixed(u64),
-    /// None yet; stored in pieces of so many rows.
-    Growing(usize),
-}
 
 /// A file that this process alone has open.
 pub(super) struct SerialFile(File);
@@ -64,17 +52,17 @@ fn in_words<T>(result: hdf5::Result<T>) -> InWords<T> {
 impl SerialFile {
     /// A new, empty file in the place of what was there.
     pub(super) fn create(path: &Path) -> InWords<Self> {
-        in_words(File::create(path)).map(Self)
+        in_words(options().create(path)).map(Self)
     }
 
     /// A file that is only read.
     pub(super) fn open(path: &Path) -> InWords<Self> {
-        in_words(File::open(path)).map(Self)
+        in_words(options().open(path)).map(Self)
     }
 
     /// A file that is changed.
     pub(super) fn open_to_change(path: &Path) -> InWords<Self> {
-        in_words(File::open_rw(path)).map(Self)
+        in_words(options().open_rw(path)).map(Self)
     }
 
     /// Brings everything to the file and closes it.
@@ -134,27 +122,20 @@ impl SerialFile {
         get().map_err(|error| missing(group, name, &error))
     }
 
-    /// A new dataset. Its room is taken at once if the number of rows is known, since ranks without rows
-    /// take no part in that later.
+    /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
+    /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> InWords<()> {
         let make = || {
-            let first = match rows {
-                Rows::Fixed(rows) => Extent::fixed(rows as usize),
-                Rows::Growing(_) => Extent::resizable(0),
+            let width = if head.width == 1 { &[][..] } else { &[head.width] };
+            let builder = self.0.new_dataset::<T>();
+            let (first, builder) = match rows {
+                Rows::Fixed(rows) => (Extent::fixed(rows as usize), builder.no_chunk()),
+                Rows::Growing(piece) => {
+                    (Extent::resizable(0), builder.chunk([&[piece], width].concat()))
+                }
             };
-            let mut extents = vec![first];
-            let mut piece = vec![if let Rows::Growing(rows) = rows { rows } else { 0 }];
-            if head.width != 1 {
-                extents.push(Extent::fixed(head.width));
-                piece.push(head.width);
-            }
-            let mut builder = self.0.new_dataset::<T>();
-            if let Rows::Growing(_) = rows {
-                builder = builder.chunk(piece);
-            } else {
-                builder = builder.no_chunk().alloc_time(Some(hdf5::dataset::AllocTime::Early));
-            }
-            let builder = builder.fill_time(hdf5::dataset::FillTime::Never);
+            let extents = std::iter::once(first).chain(width.iter().map(Extent::from)).collect();
+            let builder = builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never);
             let dataset = builder.shape(SimpleExtents::from_vec(extents)).create(head.name)?;
             set_text(&dataset, "unit", head.unit)?;
             set_text(&dataset, "description", head.description)
@@ -174,7 +155,11 @@ impl SerialFile {
 
     /// All rows of a dataset.
     pub(super) fn read<T: Element>(&self, name: &str) -> InWords<Vec<T>> {
-        in_words(self.0.dataset(name).and_then(|dataset| dataset.read_raw()))
+        let dataset = in_words(self.0.dataset(name))?;
+        if dataset.size() * size_of::<T>() > self.0.size() as usize {
+            return Err(format!("{name} claims to be larger than the file"));
+        }
+        in_words(dataset.read_raw())
     }
 
     /// Writes all rows of a dataset.
@@ -193,7 +178,7 @@ impl SerialFile {
     /// Appends rows to a dataset.
     pub(super) fn append<T: Element>(&self, name: &str, values: &[T]) -> InWords<()> {
         let (rows, width) = self.shape(name)?;
-        let added = (values.len() / width) as u64;
+        let added = (values.len() / width.max(1)) as u64;
         let append = || {
             let dataset = self.0.dataset(name)?;
             set_rows(&dataset, rows + added)?;
@@ -231,7 +216,7 @@ impl<'r> SharedFile<'r> {
     }
 
     fn open(path: &Path, ranks: &'r dyn Communicator, write: bool) -> Result<Self, OutputError> {
-        let mut options = File::with_options();
+        let mut options = options();
         let mut together = false;
         if let FileAccess::Collective(communicator) = ranks.file_access() {
             together = true;
@@ -318,7 +303,7 @@ fn set_text(location: &Location, name: &str, text: &str) -> hdf5::Result<()> {
 }
 
 fn width(dataset: &Dataset) -> usize {
-    dataset.shape().get(1).copied().unwrap_or(1)
+    dataset.shape().get(1).copied().unwrap_or(1).max(1)
 }
 
 #[allow(unsafe_code, reason = "the safe interface takes the whole shape in a type of fixed rank")]
@@ -358,6 +343,10 @@ fn transfer<T: Element>(
     let mut count: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
     if count.is_empty() || first_row + rows > count[0] {
         return Err("rows beyond the end of a dataset".into());
+    }
+    if count[0] == 0 {
+        // An empty dataset has no place in the file; all ranks see this alike.
+        return Ok(());
     }
     count[0] = rows;
     let mut start = vec![0; count.len()];

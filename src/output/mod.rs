@@ -13,6 +13,7 @@ mod profiles;
 mod provenance;
 mod seal;
 mod series;
+mod table;
 mod units;
 
 pub use particle_snapshots::ParticleSnapshots;

@@ -6,7 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::hdf5_file::{Rows, SerialFile, SharedFile, TableHead};
+use super::hdf5_file::{SerialFile, SharedFile};
+use super::table::{Rows, TableHead};
 use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
 use crate::parallel::{Communicator, ParticleRecord, sort_by_id};
 
@@ -218,7 +219,8 @@ fn cut_after(path: &Path, time: f64) -> InWords<[u64; 2]> {
     let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
     let times = times.iter().take(listed.max(0) as usize);
     let steps = times.take_while(|&&step_time| step_time <= time).count();
-    let points: i64 = counts.iter().take(steps).sum();
+    let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
+    let points = points.ok_or("its numbers of particles are damaged")?;
     for name in step_tables() {
         file.cut(&name, steps as u64)?;
     }

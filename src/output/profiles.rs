@@ -3,7 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::hdf5_file::{Rows, SerialFile, TableHead};
+use super::hdf5_file::SerialFile;
+use super::table::{Rows, TableHead};
 use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
 use crate::parallel::Communicator;
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use super::Checkpoint;
 use super::schema::{FORMAT, Table, VERSION};
 use crate::analysis::Digest;
-use crate::output::hdf5_file::{Rows, SerialFile, SharedFile, TableHead};
+use crate::output::hdf5_file::{SerialFile, SharedFile};
+use crate::output::table::{Rows, TableHead};
 use crate::output::{
     ColumnUnits, InWords, OutputError, Provenance, on_root, seal, sync_folder, with_suffix,
 };
