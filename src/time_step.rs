@@ -3,7 +3,9 @@
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::Face;
 use crate::numbers::ExactSum;
-use crate::parallel::{CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all};
+use crate::parallel::{
+    CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
+};
 use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
 use crate::state::{Domain, Models, State, Workspace};
 use crate::timers::Stage;
@@ -102,7 +104,8 @@ fn decide(
         let stopped = first_beyond(particles, domain, Face::Stop);
         let left = first_beyond(particles, domain, Face::Open).is_some();
         let outdated = left || neighbours.outdated(particles, *reach);
-        let mut flags = [outdated, fault.is_some(), stopped.is_some(), *stop_requested].map(i64::from);
+        let mut flags =
+            [outdated, fault.is_some(), stopped.is_some(), *stop_requested].map(i64::from);
         ranks.sum_integers(&mut flags);
         let [outdated, faulty, any_stopped, stop] = flags.map(|count| count > 0);
         if faulty {
@@ -179,13 +182,8 @@ fn arrange(
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
-    let rebuilt = work.neighbours.rebuild(
-        particles,
-        contacts,
-        &domain.walls,
-        work.reach,
-        (&pairs, &walls),
-    );
+    let rebuilt =
+        work.neighbours.rebuild(particles, contacts, &domain.walls, work.reach, (&pairs, &walls));
     work.timers.add(Stage::Rebuild, begin.elapsed());
     agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
 }

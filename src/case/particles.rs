@@ -145,12 +145,14 @@ pub(super) fn read_particles(
     let amount = kind.and_then(|kind| read_amount(&section, kind));
     let seed = section.optional_count("seed", 0..u64::MAX);
     let largest = sizes.as_ref().map(|sizes| sizes.bounds()[1]);
-    let start = start_section.zip(kind).map(|(inner, kind)| read_start(inner, kind, largest, folder));
-    section.get("seed");
-    let random = sizes.as_ref().is_some_and(SizeDistribution::is_random)
+    let start =
+        start_section.zip(kind).map(|(inner, kind)| read_start(inner, kind, largest, folder));
+    ["count", "fill_height"].map(|key| section.has(key));
+    let random = kind == Some(Kind::Random)
+        || sizes.as_ref().is_some_and(SizeDistribution::is_random)
         || start.as_ref().is_some_and(|(start, temperature)| {
             let jittered = matches!(start, Some(Start::Lattice { jitter, .. }) if *jitter > 0.0);
-            jittered || matches!(start, Some(Start::Random { .. })) || *temperature > 0.0
+            jittered || *temperature > 0.0
         });
     if random && !section.has("seed") {
         section.fail("seed", "missing: must be a whole number, since random numbers are drawn");
@@ -188,14 +190,16 @@ fn read_reference(
     let is_given = section.has("reference_diameter");
     match units? {
         Units::Dimensionless if is_given && given.is_some_and(|diameter| diameter != 1.0) => {
-            section.fail("reference_diameter", "must be 1 in dimensionless units, it is their scale");
+            section
+                .fail("reference_diameter", "must be 1 in dimensionless units, it is their scale");
             None
         }
         Units::Dimensionless => {
             if let (false, Some(SizeDistribution::Single(diameter))) = (is_given, sizes)
                 && *diameter != 1.0
             {
-                let words = "must be 1 in dimensionless units, or reference_diameter = 1.0 be given";
+                let words =
+                    "must be 1 in dimensionless units, or reference_diameter = 1.0 be given";
                 section.fail("diameter", words);
             }
             Some(1.0)
@@ -242,8 +246,11 @@ fn read_start(
             section.note_default("jitter", "0, an exact lattice");
             let jitter = section.number_or("jitter", Allowed::from_to_below(0.0, 1.0), 0.0);
             let bottom = bottom();
-            read_spacing(&section, largest)
-                .map(|spacing| Start::Lattice { spacing, jitter, bottom })
+            read_spacing(&section, largest).map(|spacing| Start::Lattice {
+                spacing,
+                jitter,
+                bottom,
+            })
         }
         Kind::Random => {
             let solids_fraction = section.number("solids_fraction", Allowed::positive_up_to(0.3));

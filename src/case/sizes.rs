@@ -163,11 +163,14 @@ fn read_distribution(outer: &Section<'_>, node: &Node) -> Option<SizeDistributio
     if !is_ordered {
         section.fail("largest", "must be at least smallest");
     }
-    let distribution = bounds.zip(centre).map(|((smallest, largest), [c, deviation])| match shape {
-        Shape::Uniform => SizeDistribution::Uniform { smallest, largest },
-        Shape::Normal => SizeDistribution::Normal { mean: c, deviation, smallest, largest },
-        Shape::LogNormal => SizeDistribution::LogNormal { median: c, deviation, smallest, largest },
-    });
+    let distribution =
+        bounds.zip(centre).map(|((smallest, largest), [c, deviation])| match shape {
+            Shape::Uniform => SizeDistribution::Uniform { smallest, largest },
+            Shape::Normal => SizeDistribution::Normal { mean: c, deviation, smallest, largest },
+            Shape::LogNormal => {
+                SizeDistribution::LogNormal { median: c, deviation, smallest, largest }
+            }
+        });
     section.finish();
     let distribution = distribution.filter(|_| is_ordered)?;
     let part = distribution.part_within_bounds();

@@ -34,7 +34,8 @@ fn read_bounds(section: Section<'_>) -> Option<Bounds> {
         }
         lengths.len() == 3
     });
-    let faces: Vec<Option<[Face; 2]>> = AXES.iter().map(|axis| read_faces(&section, axis)).collect();
+    let faces: Vec<Option<[Face; 2]>> =
+        AXES.iter().map(|axis| read_faces(&section, axis)).collect();
     section.finish();
     let lengths = lengths?;
     let lengths = Vector3::new(lengths[0], lengths[1], lengths[2]);

@@ -99,6 +99,7 @@ pub(super) fn read_stages(
         Some(_) => timetable(&members, step),
         None => (vec![Some("run".to_owned())], std::iter::once(0.0..end.unwrap_or(1.0)).collect()),
     };
+    SECTIONS.map(|name| root.has(name));
     if times.is_empty() {
         return (None, step);
     }
@@ -132,7 +133,7 @@ pub(super) fn read_stages(
     if current.iter().any(|current| !current.was_on && current.node.is_some()) {
         read_forces(&current, root, surroundings, &times);
     }
-    members.into_iter().for_each(Section::finish);
+    members.iter().for_each(Section::finish);
     (stages.into_iter().collect(), step)
 }
 
@@ -241,9 +242,12 @@ impl Current {
             (_, Some("off")) if can_be_off => self.is_on = false,
             (_, Some("on")) if can_be_off && self.node.is_some() => self.is_on = true,
             (_, Some("on")) if can_be_off => {
-                problems.add(change.error("there is nothing to switch on: no keys are given before"));
+                problems
+                    .add(change.error("there is nothing to switch on: no keys are given before"));
             }
-            _ if can_be_off => problems.add(change.error("must be a section of keys, \"off\" or \"on\"")),
+            _ if can_be_off => {
+                problems.add(change.error("must be a section of keys, \"off\" or \"on\""))
+            }
             _ => problems.add(change.error("must be a section of keys")),
         }
     }

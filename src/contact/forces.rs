@@ -143,7 +143,8 @@ fn evaluate<L: ContactLaw>(
             continue;
         }
         contacts.touching[slot] = true;
-        let spin = particles.angular_velocity[i] * radius_i + particles.angular_velocity[j] * radius_j;
+        let spin =
+            particles.angular_velocity[i] * radius_i + particles.angular_velocity[j] * radius_j;
         let (mass_i, mass_j) = (particles.mass[i], particles.mass[j]);
         let contact = Contact {
             overlap,

@@ -151,8 +151,7 @@ impl FluidForce {
             let force = self.lattice.round_vector(Vector3::new(
                 -lateral * velocity.x,
                 -lateral * velocity.y,
-                local.drag
-                    * ((local.solids_velocity - velocity.z) + slip / local.voidage_squared),
+                local.drag * ((local.solids_velocity - velocity.z) + slip / local.voidage_squared),
             ));
             if !(force.amax() <= self.limit) {
                 return Err(GasForceOutOfRange::Particle {
@@ -190,7 +189,13 @@ impl FluidForce {
     }
 
     #[inline(always)]
-    fn at_particle(&self, gas: &ColumnGas, particles: &Particles, i: usize, velocity: f64) -> Local {
+    fn at_particle(
+        &self,
+        gas: &ColumnGas,
+        particles: &Particles,
+        i: usize,
+        velocity: f64,
+    ) -> Local {
         let weights = self.grid.weights(particles.position[i].z);
         let interpolate = |field: &[f64]| {
             field[weights.lower] + weights.of_upper * (field[weights.upper] - field[weights.lower])
@@ -199,7 +204,12 @@ impl FluidForce {
         let solids_velocity = interpolate(&self.bed.solids_velocity);
         let slip = velocity - solids_velocity;
         let drag = gas.drag_per_velocity(2.0 * particles.radius[i], solids_fraction, slip);
-        Local { drag, solids_fraction, solids_velocity, voidage_squared: (1.0 - solids_fraction).powi(2) }
+        Local {
+            drag,
+            solids_fraction,
+            solids_velocity,
+            voidage_squared: (1.0 - solids_fraction).powi(2),
+        }
     }
 
     /// Weight of all particles, as the sum of their rounded weights: exact.
@@ -253,7 +263,8 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         self.coarse_graining.deposit_diameters(particles, &self.grid, &mut self.bed, ranks);
         let target = weight / (self.grid.cell_volume() / self.grid.spacing());
-        let excess = |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
+        let excess =
+            |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
         let (mut old, mut velocity) = (0.0, self.grid.spacing());
         let (mut excess_old, mut excess_now) = (excess(old), excess(velocity));
         for _ in 0..MOST_ITERATIONS {
@@ -268,6 +279,10 @@ impl FluidForce {
     }
 
     fn finite(&self, velocity: f64) -> Result<f64, GasForceOutOfRange> {
-        if velocity.is_finite() { Ok(velocity) } else { Err(GasForceOutOfRange::NoBalance(velocity)) }
+        if velocity.is_finite() {
+            Ok(velocity)
+        } else {
+            Err(GasForceOutOfRange::NoBalance(velocity))
+        }
     }
 }

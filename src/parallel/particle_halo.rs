@@ -87,7 +87,8 @@ impl ParticleHalo {
                     0 => position[axis] - lower[axis] < width,
                     _ => upper[axis] - position[axis] <= width,
                 };
-                let chosen = (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
+                let chosen =
+                    (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
                 shipment.indices.extend(chosen.map(|i| i as u32));
             }
             self.send_new_ghosts(axis, particles, ranks);

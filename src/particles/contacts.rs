@@ -133,9 +133,11 @@ impl Contacts {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
             for (number, wall) in walls.iter().enumerate() {
-                let gap = wall.height_of(&particles.position[particle]) - particles.radius[particle];
+                let gap =
+                    wall.height_of(&particles.position[particle]) - particles.radius[particle];
                 if gap < reach.range + reach.skin {
-                    self.wall_pairs.push(WallPair { particle: particle as u32, wall: number as u32 });
+                    self.wall_pairs
+                        .push(WallPair { particle: particle as u32, wall: number as u32 });
                 }
             }
         }
@@ -190,7 +192,9 @@ impl Contacts {
             let &index = index_of.get(&record.particle).ok_or_else(lost)?;
             let slot = self
                 .wall_pairs
-                .binary_search_by_key(&(index as u32, record.wall), |pair| (pair.particle, pair.wall))
+                .binary_search_by_key(&(index as u32, record.wall), |pair| {
+                    (pair.particle, pair.wall)
+                })
                 .map_err(|_| lost())?;
             self.wall_memory[slot] = record.memory;
             self.wall_touching[slot] = true;

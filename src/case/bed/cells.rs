@@ -18,9 +18,8 @@ pub(super) struct Cells<'a> {
 impl<'a> Cells<'a> {
     /// Empty cells for about so many spheres up to a diameter.
     pub(super) fn new(bounds: &'a Bounds, largest: f64, spheres: usize) -> Self {
-        let mut counts = [0, 1, 2].map(|axis| {
-            (bounds.lengths()[axis] / largest).floor().clamp(1.0, 1.0e6) as usize
-        });
+        let mut counts = [0, 1, 2]
+            .map(|axis| (bounds.lengths()[axis] / largest).floor().clamp(1.0, 1.0e6) as usize);
         // Not many more cells than spheres.
         while counts.iter().product::<usize>() > 8 * spheres + 1000 {
             let longest = counts.iter().copied().max().unwrap_or(1);
