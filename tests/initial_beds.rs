@@ -8,7 +8,7 @@ fn bed(name: &str, overrides: &[&str]) -> (Case, InitialBed) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/good").join(name);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     let case = Case::read(&file, &overrides).unwrap_or_else(|errors| panic!("{errors}"));
-    let bed = case.initial_bed().unwrap();
+    let bed = case.initial_bed().unwrap_or_else(|error| panic!("{name}: {error}"));
     (case, bed)
 }
 
