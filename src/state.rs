@@ -181,8 +181,17 @@ pub struct Workspace {
     pub timers: Timers,
     /// What went wrong on this rank, until the ranks next agree.
     pub fault: Option<String>,
-    /// Whether this rank was asked to stop.
-    pub stop_requested: bool,
+    /// What this rank was asked for.
+    pub requests: Requests,
+}
+
+/// What a rank was asked for between two steps, by a signal or by the clock on the wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Requests {
+    /// Stop, with a checkpoint.
+    pub stop: bool,
+    /// Write a checkpoint and go on.
+    pub checkpoint: bool,
 }
 
 /// When cut planes move.
@@ -220,7 +229,7 @@ impl Workspace {
             tallies: Tallies::default(),
             timers: Timers::default(),
             fault: None,
-            stop_requested: false,
+            requests: Requests::default(),
         }
     }
 

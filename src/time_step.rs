@@ -7,7 +7,7 @@ use crate::parallel::{
     CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
 };
 use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
-use crate::state::{Domain, Models, State, Workspace};
+use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Stage;
 use std::collections::HashSet;
 use thiserror::Error;
@@ -35,8 +35,8 @@ pub enum StepError {
 
 /// One step of length `models.time_step`.
 ///
-/// Before: forces are those of the current positions. After: the same, one step later. Returns whether a
-/// rank was asked to stop.
+/// Before: forces are those of the current positions. After: the same, one step later. Returns what any
+/// rank was asked for.
 ///
 /// # Errors
 /// If a force or a speed has no meaning, or a particle passes a face of kind "stop".
@@ -46,7 +46,7 @@ pub fn advance(
     models: &Models,
     work: &mut Workspace,
     ranks: &dyn Communicator,
-) -> Result<bool, StepError> {
+) -> Result<Requests, StepError> {
     let dt = models.time_step;
     let lattice = domain.bounds.lattice();
     work.timers.time(Stage::Integrate, || kick_and_drift(&mut state.particles, dt, lattice));
@@ -59,7 +59,7 @@ pub fn advance(
     }
     evaluate_forces(state, domain, models, work, dt, ranks);
     work.timers.time(Stage::Integrate, || kick(&mut state.particles, dt));
-    Ok(verdict.stop)
+    Ok(verdict.requests)
 }
 
 /// Makes lists and ghosts for the first step, and, for a new bed, the forces it begins with.
@@ -83,10 +83,26 @@ pub fn begin(
     Ok(())
 }
 
+/// Makes sure that the last forces have a meaning, before they are written anywhere. Collective.
+///
+/// # Errors
+/// As [`advance`] would say at the next step.
+pub fn confirm(
+    state: &State,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<(), StepError> {
+    if !ranks.any(work.fault.is_some()) {
+        return Ok(());
+    }
+    let words = agreed_words(work.fault.take(), ranks);
+    Err(StepError::Unstable { step: state.clock.step, words })
+}
+
 /// What all ranks do next.
 struct Verdict {
     rebuild: bool,
-    stop: bool,
+    requests: Requests,
 }
 
 /// One reduction per step: is any list outdated, has any particle left, has anything gone wrong, was any
@@ -97,17 +113,18 @@ fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<Verdict, StepError> {
-    let Workspace { neighbours, timers, reach, fault, stop_requested, balance, .. } = work;
+    let Workspace { neighbours, timers, reach, fault, requests, balance, .. } = work;
     let step = state.clock.step;
     timers.time(Stage::Decide, || {
         let particles = &state.particles;
         let stopped = first_beyond(particles, domain, Face::Stop);
         let left = first_beyond(particles, domain, Face::Open).is_some();
         let outdated = left || neighbours.outdated(particles, *reach);
-        let mut flags =
-            [outdated, fault.is_some(), stopped.is_some(), *stop_requested].map(i64::from);
+        let faulty = fault.is_some();
+        let Requests { stop, checkpoint } = *requests;
+        let mut flags = [outdated, faulty, stopped.is_some(), stop, checkpoint].map(i64::from);
         ranks.sum_integers(&mut flags);
-        let [outdated, faulty, any_stopped, stop] = flags.map(|count| count > 0);
+        let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|count| count > 0);
         if faulty {
             let words = agreed_words(fault.take(), ranks);
             return Err(StepError::Unstable { step: step - 1, words });
@@ -116,7 +133,8 @@ fn decide(
             return Err(StepError::Stopped { step, words: agreed_words(stopped, ranks) });
         }
         let balance_due = balance.is_some_and(|balance| step.is_multiple_of(balance.every));
-        Ok(Verdict { rebuild: outdated || balance_due, stop })
+        let requests = Requests { stop, checkpoint };
+        Ok(Verdict { rebuild: outdated || balance_due, requests })
     })
 }
 
@@ -143,7 +161,7 @@ fn first_beyond(particles: &Particles, domain: &Domain, kind: Face) -> Option<St
 ///
 /// # Errors
 /// If a particle is too fast, or the program loses a contact.
-fn rebuild(
+pub fn rebuild(
     state: &mut State,
     domain: &Domain,
     models: &Models,

@@ -1,5 +1,6 @@
 //! The loops over near pairs: geometry, law, cohesion, and exact sums.
 
+use super::lanes::evaluate_in_lanes;
 use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
 use crate::domain::Wall;
 use crate::numbers::Quantum;
@@ -52,9 +53,9 @@ impl ForceLaws<'_> {
 /// A pair within range of each other's force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NearPair {
-    row: u32,
-    partner: u32,
-    slot: u32,
+    pub(super) row: u32,
+    pub(super) partner: u32,
+    pub(super) slot: u32,
 }
 
 /// Adds the forces and torques of all pairs to both their particles.
@@ -75,13 +76,41 @@ pub fn add_pair_forces(
     laws: &ForceLaws,
     near: &mut Vec<NearPair>,
 ) -> Result<(), ForceOutOfRange> {
-    find_near_pairs(particles, contacts, laws.range(), near);
-    match laws.contact {
-        ContactModel::LinearSpringDashpot(law) => evaluate(law, particles, contacts, laws, near),
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        return unsafe { evaluate_pairs_avx2(particles, contacts, laws, near) };
     }
+    evaluate_pairs(particles, contacts, laws, near)
+}
+
+/// The same code, compiled for wider vectors: the same bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn evaluate_pairs_avx2(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &mut Vec<NearPair>,
+) -> Result<(), ForceOutOfRange> {
+    evaluate_pairs(particles, contacts, laws, near)
+}
+
+#[inline(always)]
+fn evaluate_pairs(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &mut Vec<NearPair>,
+) -> Result<(), ForceOutOfRange> {
+    find_near_pairs(particles, contacts, laws.range(), near);
+    evaluate_in_lanes(particles, contacts, laws, near)?;
+    particles.fold_image_forces();
+    Ok(())
 }
 
 /// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
+#[inline(always)]
 fn find_near_pairs(
     particles: &Particles,
     contacts: &mut Contacts,
@@ -90,20 +119,22 @@ fn find_near_pairs(
 ) {
     near.resize(contacts.pair_count(), NearPair::default());
     let mut found = 0;
-    let position = &particles.position[..];
-    let radius = &particles.radius[..position.len()];
-    for row in 0..particles.owned_count() {
-        let centre = position[row];
-        let reach_of_row = radius[row] + range;
-        for slot in contacts.row_start[row] as usize..contacts.row_start[row + 1] as usize {
-            let partner = contacts.partner[slot] as usize;
+    let n = particles.count();
+    let (position, radius) = (&particles.position[..n], &particles.radius[..n]);
+    let slots = contacts.pair_count();
+    let (partners, touching) = (&contacts.partner[..slots], &mut contacts.touching[..slots]);
+    let room = &mut near[..slots];
+    for (row, ends) in contacts.row_start.windows(2).enumerate() {
+        let (centre, reach_of_row) = (position[row], radius[row] + range);
+        for slot in ends[0] as usize..(ends[1] as usize).min(slots) {
+            let partner = partners[slot] as usize;
             let reach = reach_of_row + radius[partner];
             let is_near = (position[partner] - centre).norm_squared() < reach * reach;
             // Written always, kept only if near: cheaper than a branch that cannot be predicted.
-            near[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
+            room[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
             found += usize::from(is_near);
-            if contacts.touching[slot] && !is_near {
-                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
+            if touching[slot] && !is_near {
+                forget(&mut touching[slot], &mut contacts.memory[slot]);
             }
         }
     }
@@ -116,66 +147,14 @@ fn forget(touching: &mut bool, memory: &mut ContactMemory) {
     *memory = ContactMemory::default();
 }
 
-fn evaluate<L: ContactLaw>(
-    law: &L,
-    particles: &mut Particles,
-    contacts: &mut Contacts,
-    laws: &ForceLaws,
-    near: &[NearPair],
-) -> Result<(), ForceOutOfRange> {
-    for pair in near {
-        let (i, j, slot) = (pair.row as usize, pair.partner as usize, pair.slot as usize);
-        let branch = particles.position[j] - particles.position[i];
-        let distance = branch.norm_squared().sqrt();
-        let (radius_i, radius_j) = (particles.radius[i], particles.radius[j]);
-        let overlap = radius_i + radius_j - distance;
-        let cohesion = laws
-            .cohesion
-            .map_or(0.0, |cohesion| cohesion.between_particles(radius_i, radius_j, -overlap));
-        let normal = branch * (1.0 / distance);
-        if overlap <= 0.0 {
-            if contacts.touching[slot] {
-                forget(&mut contacts.touching[slot], &mut contacts.memory[slot]);
-            }
-            let pull = laws.force_lattice.round_vector(normal * cohesion);
-            particles.force[i] += pull;
-            particles.force[j] -= pull;
-            continue;
-        }
-        contacts.touching[slot] = true;
-        let spin =
-            particles.angular_velocity[i] * radius_i + particles.angular_velocity[j] * radius_j;
-        let (mass_i, mass_j) = (particles.mass[i], particles.mass[j]);
-        let contact = Contact {
-            overlap,
-            normal,
-            relative_velocity: particles.velocity[j] - particles.velocity[i] - spin.cross(&normal),
-            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
-            cohesion,
-        };
-        let force = law.force(&contact, &mut contacts.memory[slot], laws.dt);
-        let on_j = laws.force_lattice.round_vector(total(&contact, &force));
-        if !(on_j.amax() <= laws.limit) {
-            let other = format!("particle {}", particles.id[j]);
-            return Err(out_of_range(particles.id[i], other, on_j, overlap, laws.limit));
-        }
-        particles.force[j] += on_j;
-        particles.force[i] -= on_j;
-        let twist = normal.cross(&force.tangential);
-        particles.torque[i] -= laws.torque_lattice.round_vector(twist * radius_i);
-        particles.torque[j] -= laws.torque_lattice.round_vector(twist * radius_j);
-    }
-    Ok(())
-}
-
 /// Force on the second body: contact and attraction.
 #[inline(always)]
-fn total(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
+pub(super) fn total(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
     contact.normal * (force.normal - contact.cohesion) + force.tangential
 }
 
 #[cold]
-fn out_of_range(
+pub(super) fn out_of_range(
     particle: u64,
     other: String,
     force: Vector3<f64>,

@@ -2,6 +2,7 @@
 
 mod forces;
 mod geometry;
+mod lanes;
 mod law;
 mod linear_spring_dashpot;
 mod van_der_waals;

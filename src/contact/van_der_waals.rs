@@ -75,25 +75,66 @@ impl VanDerWaals {
     }
 }
 
+/// An attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
+pub(super) trait Attraction: Copy {
+    fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64;
+}
+
+/// No attraction at all.
+#[derive(Clone, Copy)]
+pub(super) struct NoAttraction;
+
+/// A r / (12 s^2), r = 2 r_1 r_2 / (r_1 + r_2).
+#[derive(Clone, Copy)]
+pub(super) struct NearContact(pub(super) VanDerWaalsNow);
+
+/// Hamaker's expression.
+#[derive(Clone, Copy)]
+pub(super) struct Full(pub(super) VanDerWaalsNow);
+
+impl Attraction for NoAttraction {
+    #[inline(always)]
+    fn between(&self, _radius_1: f64, _radius_2: f64, _separation: f64) -> f64 {
+        0.0
+    }
+}
+
+impl Attraction for NearContact {
+    #[inline(always)]
+    fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
+        let s = if separation > self.0.cut_off { separation } else { self.0.cut_off };
+        let force =
+            self.0.hamaker * (radius_1 * radius_2) / (6.0 * (radius_1 + radius_2) * (s * s));
+        if separation > self.0.range { 0.0 } else { force }
+    }
+}
+
+impl Attraction for Full {
+    #[inline(always)]
+    fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
+        let s = if separation > self.0.cut_off { separation } else { self.0.cut_off };
+        let force = self.0.hamaker * hamaker_full(radius_1, radius_2, s);
+        if separation > self.0.range { 0.0 } else { force }
+    }
+}
+
 impl VanDerWaalsNow {
     /// Magnitude of the attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
-    #[inline(always)]
     pub fn between_particles(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
-        if separation > self.range {
-            return 0.0;
-        }
-        let s = separation.max(self.cut_off);
         match self.expression {
             CohesionExpression::NearContact => {
-                let effective = 2.0 * radius_1 * radius_2 / (radius_1 + radius_2);
-                self.hamaker * effective / (12.0 * s * s)
+                NearContact(*self).between(radius_1, radius_2, separation)
             }
-            CohesionExpression::Full => self.hamaker * hamaker_full(radius_1, radius_2, s),
+            CohesionExpression::Full => Full(*self).between(radius_1, radius_2, separation),
         }
     }
 
+    /// Which expression holds.
+    pub fn expression(&self) -> CohesionExpression {
+        self.expression
+    }
+
     /// Magnitude of the attraction of a sphere and a wall.
-    #[inline(always)]
     pub fn to_wall(&self, radius: f64, separation: f64) -> f64 {
         if separation > self.range {
             return 0.0;
@@ -110,6 +151,7 @@ impl VanDerWaalsNow {
 
 /// Force over Hamaker constant: (1/3) 2 r_1 r_2 (s + r_1 + r_2) / p^2 [p / (p + 4 r_1 r_2) - 1]^2 with
 /// p = s (s + 2 r_1 + 2 r_2) (Moon 2006 eq. (4)).
+#[inline(always)]
 fn hamaker_full(radius_1: f64, radius_2: f64, s: f64) -> f64 {
     let product = radius_1 * radius_2;
     let near = s * (s + 2.0 * (radius_1 + radius_2));

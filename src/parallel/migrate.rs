@@ -1,6 +1,6 @@
 //! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
 
-use super::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use super::{Communicator, ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
 use crate::domain::Decomposition;
 use crate::particles::{PairMemory, Particles, WallMemory};
 use bytemuck::Pod;
@@ -108,10 +108,5 @@ fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
     let bytes: Vec<Vec<u8>> =
         outgoing.iter().map(|records| bytemuck::cast_slice(records).to_vec()).collect();
     let incoming = ranks.all_to_all(&bytes);
-    incoming.iter().flat_map(|bytes| records_of(bytes)).collect()
-}
-
-/// Records from bytes that need not be aligned.
-pub(crate) fn records_of<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> + '_ {
-    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
+    incoming.iter().flat_map(|bytes| records_of_bytes(bytes)).collect()
 }

@@ -6,17 +6,21 @@ use std::fmt;
 
 mod balance;
 mod migrate;
+mod mpi_ranks;
 mod one_rank;
 mod particle_halo;
 mod records;
+mod sort_by_id;
+mod thread_ranks;
 
 pub use balance::{balanced, imbalance};
 pub use migrate::{migrate, send_to_owners, share_with_all};
+pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
-/// Stand-in.
-pub type RawCommunicator = usize;
-pub use records::{ContactRecord, ParticleRecord, WallContactRecord};
+pub use records::{ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
+pub use sort_by_id::{SortedBlock, sort_by_id};
+pub use thread_ranks::run_on_threads;
 
 /// How files that all ranks write together are opened.
 #[derive(Clone, Copy)]
@@ -62,7 +66,8 @@ pub trait Communicator {
     /// Replaces each integer by its sum over ranks, modulo 2^64.
     fn sum_integers(&self, values: &mut [i64]);
 
-    /// Replaces each number by its largest over ranks.
+    /// Replaces each number by its largest over ranks. An undefined number (NaN) counts as infinity, so
+    /// that it is not lost.
     fn maximum(&self, values: &mut [f64]);
 
     /// All ranks' bytes on rank 0, by rank; nothing on the others.
@@ -123,4 +128,9 @@ pub fn agree<T, E: fmt::Display>(
         .unwrap_or_default();
     ranks.broadcast_from_root(&mut first);
     Err(CollectiveError(String::from_utf8_lossy(&first).into_owned()))
+}
+
+/// What is compared in a maximum: comparisons with undefined numbers depend on their order.
+fn comparable(value: f64) -> f64 {
+    if value.is_nan() { f64::INFINITY } else { value }
 }

@@ -34,11 +34,16 @@ impl Communicator for OneRank {
         outgoing.to_vec()
     }
 
-    fn sum_exact(&self, _values: &mut [f64]) {}
+    fn sum_exact(&self, values: &mut [f64]) {
+        // As with several ranks: a zero has no sign.
+        values.iter_mut().for_each(|value| *value += 0.0);
+    }
 
     fn sum_integers(&self, _values: &mut [i64]) {}
 
-    fn maximum(&self, _values: &mut [f64]) {}
+    fn maximum(&self, values: &mut [f64]) {
+        values.iter_mut().for_each(|value| *value = super::comparable(*value));
+    }
 
     fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
         Some(vec![bytes.to_vec()])

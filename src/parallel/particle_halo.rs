@@ -3,7 +3,7 @@
 //! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
 //! corners need no messages of their own.
 
-use super::migrate::records_of;
+use super::records_of_bytes;
 use super::{AxisNeighbours, Communicator};
 use crate::domain::{Bounds, Decomposition};
 use crate::particles::Particles;
@@ -105,6 +105,10 @@ impl ParticleHalo {
             if plan.neighbours == [None, None] {
                 continue;
             }
+            if plan.neighbours == [Some(ranks.rank()); 2] {
+                refresh_images(plan, axis, particles);
+                continue;
+            }
             for (shipment, buffer) in plan.shipments.iter().zip(&mut self.outgoing) {
                 buffer.clear();
                 for &index in &shipment.indices {
@@ -115,7 +119,7 @@ impl ParticleHalo {
             let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
             ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
             for (&first, buffer) in plan.first_ghost.iter().zip(&self.incoming) {
-                for (offset, motion) in records_of::<GhostMotion>(buffer).enumerate() {
+                for (offset, motion) in records_of_bytes::<GhostMotion>(buffer).enumerate() {
                     set_motion(particles, first + offset, &motion);
                 }
             }
@@ -155,13 +159,33 @@ impl ParticleHalo {
         ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
         for (side, buffer) in self.incoming.iter().enumerate() {
             plan.first_ghost[side] = particles.count();
-            for ghost in records_of::<NewGhost>(buffer) {
+            let from_here = plan.neighbours[side] == Some(ranks.rank());
+            for (row, ghost) in records_of_bytes::<NewGhost>(buffer).enumerate() {
+                // What comes from below was sent up.
+                let source = || plan.shipments[1 - side].indices[row] as usize;
+                let image_of = from_here.then(source);
                 let index = particles.count();
                 let motion = &ghost.motion;
                 let (position, velocity) = (motion.position.into(), motion.velocity.into());
-                particles.push_ghost(ghost.id, position, velocity, ghost.radius, ghost.mass);
+                let size = (ghost.radius, ghost.mass);
+                particles.push_ghost(ghost.id, position, velocity, size, image_of);
                 set_motion(particles, index, motion);
             }
+        }
+    }
+}
+
+/// Along an axis that this rank spans alone, ghosts are copied from their originals.
+fn refresh_images(plan: &AxisPlan, axis: usize, particles: &mut Particles) {
+    for (side, &first) in plan.first_ghost.iter().enumerate() {
+        let shipment = &plan.shipments[1 - side];
+        for (row, &source) in shipment.indices.iter().enumerate() {
+            let (source, ghost) = (source as usize, first + row);
+            let mut position = particles.position[source];
+            position[axis] += shipment.shift;
+            particles.position[ghost] = position;
+            particles.velocity[ghost] = particles.velocity[source];
+            particles.angular_velocity[ghost] = particles.angular_velocity[source];
         }
     }
 }

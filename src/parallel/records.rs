@@ -120,3 +120,9 @@ impl From<WallContactRecord> for WallMemory {
         Self { particle: record.particle, wall: record.wall as u32, memory }
     }
 }
+
+/// The records in bytes that another rank sent, which may lie at any address. Bytes at the end that are no
+/// whole record are left out.
+pub fn records_of_bytes<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> + '_ {
+    bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
+}

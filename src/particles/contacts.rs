@@ -2,7 +2,7 @@
 //!
 //! Every pair of particles closer than the list's reach, with at least one of them owned, has a slot.
 //! Pairs are stored in rows: the row of an owned particle lists its partners, each pair of two owned
-//! particles once. What a touching pair remembers lives in its slot; [`Contacts::records`] and
+//! particles once, also where they meet through a periodic face. What a touching pair remembers lives in its slot; [`Contacts::records`] and
 //! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
 
 use super::{Particles, Reach};
@@ -82,9 +82,11 @@ impl Contacts {
     }
 
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
-    /// particles, once those with ghosts.
-    pub fn touching_neighbours(&self, owned: usize) -> usize {
-        let ends = |slot: usize| if (self.partner[slot] as usize) < owned { 2 } else { 1 };
+    /// particles (images included), once those with other ranks' particles.
+    pub fn touching_neighbours(&self, particles: &Particles) -> usize {
+        let ends = |slot: usize| {
+            if particles.owned_original(self.partner[slot] as usize).is_some() { 2 } else { 1 }
+        };
         (0..self.pair_count()).filter(|&slot| self.touching[slot]).map(ends).sum()
     }
 
@@ -97,8 +99,8 @@ impl Contacts {
         })
     }
 
-    /// Memories of all touching pairs with an owned particle. A pair that meets across a periodic or rank
-    /// border appears on both sides, with the same contents; `once` leaves it to the owner of the lower id.
+    /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
+    /// both, with the same contents; `once` leaves it to the owner of the lower id.
     pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
         self.slots()
             .filter(|&(_, slot)| self.touching[slot])
@@ -109,7 +111,7 @@ impl Contacts {
                 if here < there {
                     return Some(PairMemory { lower: here, higher: there, memory });
                 }
-                let leave = once && partner >= particles.owned_count();
+                let leave = once && particles.owned_original(partner).is_none();
                 let memory = reversed(memory);
                 (!leave).then_some(PairMemory { lower: there, higher: here, memory })
             })

@@ -78,8 +78,8 @@ impl Neighbours {
             self.cells.for_each_neighbourhood(i, |members| {
                 for &member in members {
                     let j = member as usize;
-                    // Both owned: in the row of the lower index. Ghosts have the higher indices.
-                    if j <= i {
+                    // Both owned here, perhaps as an image: in the row of the lower index only.
+                    if particles.owned_original(j).is_some_and(|original| original <= i) {
                         continue;
                     }
                     let near = radius + particles.radius[j] + margin;

@@ -7,6 +7,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particles {
     owned: usize,
+    /// For each ghost the owned particle that it is a periodic image of, or [`REMOTE`].
+    image_of: Vec<u32>,
     /// Global ids: unique, never reused.
     pub id: Vec<u64>,
     /// Centres, on the position lattice of the box.
@@ -25,6 +27,9 @@ pub struct Particles {
     pub torque: Vec<Vector3<f64>>,
 }
 
+/// Marks a ghost whose owner is another rank.
+const REMOTE: u32 = u32::MAX;
+
 /// Solid sphere: I = (2/5) m r^2.
 const INERTIA_FACTOR: f64 = 0.4;
 
@@ -37,6 +42,27 @@ impl Particles {
     /// Number of owned particles and ghosts.
     pub fn count(&self) -> usize {
         self.id.len()
+    }
+
+    /// The owned particle that a particle is, or is a periodic image of; nothing if another rank owns it.
+    #[inline(always)]
+    pub fn owned_original(&self, index: usize) -> Option<usize> {
+        if index < self.owned {
+            return Some(index);
+        }
+        let original = self.image_of[index - self.owned];
+        (original != REMOTE).then_some(original as usize)
+    }
+
+    /// Moves what pairs have put on images of owned particles to those particles.
+    pub fn fold_image_forces(&mut self) {
+        for ghost in self.owned..self.count() {
+            if let Some(original) = self.owned_original(ghost) {
+                let (force, torque) = (self.force[ghost], self.torque[ghost]);
+                self.force[original] += force;
+                self.torque[original] += torque;
+            }
+        }
     }
 
     /// Moment of inertia of a solid sphere, (2/5) m r^2.
@@ -61,18 +87,30 @@ impl Particles {
         mass: f64,
     ) {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
-        self.push_ghost(id, position, velocity, radius, mass);
+        self.push_columns(id, position, velocity, (radius, mass));
         self.owned += 1;
     }
 
-    /// Adds a ghost.
+    /// Adds a ghost: the image of a particle known here, or another rank's.
     pub fn push_ghost(
         &mut self,
         id: u64,
         position: Vector3<f64>,
         velocity: Vector3<f64>,
-        radius: f64,
-        mass: f64,
+        size: (f64, f64),
+        image_of: Option<usize>,
+    ) {
+        let original = image_of.and_then(|index| self.owned_original(index));
+        self.image_of.push(original.map_or(REMOTE, |index| index as u32));
+        self.push_columns(id, position, velocity, size);
+    }
+
+    fn push_columns(
+        &mut self,
+        id: u64,
+        position: Vector3<f64>,
+        velocity: Vector3<f64>,
+        (radius, mass): (f64, f64),
     ) {
         self.id.push(id);
         self.position.push(position);
@@ -119,6 +157,7 @@ impl Particles {
     }
 
     fn truncate(&mut self, count: usize) {
+        self.image_of.clear();
         self.id.truncate(count);
         self.position.truncate(count);
         self.velocity.truncate(count);

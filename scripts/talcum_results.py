@@ -1,0 +1,282 @@
+"""Reads what a run of talcum leaves in its output folder, and holds what its drawing scripts share.
+
+A run that is still going on can be read: a last row that is only half written is left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, NoReturn
+
+try:
+    import h5py
+    import matplotlib
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"error: {missing}. Call scripts/install once, then start this script with .venv/bin/python")
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+from matplotlib.figure import Figure  # noqa: E402
+
+Array = np.ndarray
+
+# Colours that stay apart for colour-blind eyes and in grey print (after Okabe and Ito).
+BLUE, ORANGE, GREEN, RED, BLACK, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#000000", "#8c8c8c"
+
+
+class ResultsError(Exception):
+    """What is wrong with the results or with the wish, in words for the user."""
+
+
+@dataclass
+class Series:
+    """The table `series.csv`: columns over time, their units, and the comment lines above them."""
+
+    columns: dict[str, Array]
+    units: dict[str, str]
+    provenance: list[str] = field(default_factory=list)
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.columns:
+            raise ResultsError(f"series.csv has no column '{name}'; it has {', '.join(self.columns)}")
+        return self.columns[name]
+
+    @property
+    def time(self) -> Array:
+        """The times of the rows."""
+        return self["time"]
+
+    def label(self, name: str, words: str | None = None) -> str:
+        """An axis label: words (by default the column's name) and the column's unit."""
+        return axis_label(words or name.replace("_", " "), self.units.get(name, ""))
+
+    def between(self, start: float | None, end: float | None) -> Series:
+        """The rows with start <= time <= end."""
+        rows = rows_between(self.time, start, end)
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Series(columns, self.units, self.provenance)
+
+
+@dataclass
+class Profiles:
+    """Horizontal averages over height and time, from `profiles.h5`; arrays are [time][height]."""
+
+    time: Array
+    height: Array
+    solids_fraction: Array
+    solids_velocity: Array
+    superficial_velocity: Array
+    units: dict[str, str]
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+    def between(self, start: float | None, end: float | None) -> Profiles:
+        """The rows with start <= time <= end."""
+        rows = rows_between(self.time, start, end)
+        return Profiles(
+            self.time[rows],
+            self.height,
+            self.solids_fraction[rows],
+            self.solids_velocity[rows],
+            self.superficial_velocity[rows],
+            self.units,
+            self.attributes,
+        )
+
+
+def rows_between(time: Array, start: float | None, end: float | None) -> Array:
+    """Marks the rows with start <= time <= end; an error if there are none."""
+    rows = np.ones(len(time), dtype=bool)
+    if start is not None:
+        rows &= time >= start
+    if end is not None:
+        rows &= time <= end
+    if not rows.any():
+        last = f"{time[0]:g} to {time[-1]:g}" if len(time) else "none"
+        raise ResultsError(f"no results between times {start} and {end}; there are results of times {last}")
+    return rows
+
+
+def axis_label(words: str, unit: str) -> str:
+    """Words with a unit in square brackets; a pure number has none."""
+    return words if unit in ("", "1") else f"{words} [{unit}]"
+
+
+def velocity_unit(length: str, time: str) -> str:
+    """The unit of a velocity, from those of length and time."""
+    if (length, time) == ("d", "sqrt(d/g)"):
+        return "sqrt(g d)"
+    return f"{length}/{time}"
+
+
+def result_file(path: Path, name: str) -> Path:
+    """The file `name` of a results folder, or `path` itself if it is a file."""
+    if path.is_dir():
+        path = path / name
+    if not path.is_file():
+        raise ResultsError(f"{path}: there is no such file; name the output folder of a run, or the file itself")
+    return path
+
+
+def results_folder(path: Path) -> Path:
+    """The folder that pictures are put into if no other place is named."""
+    return path if path.is_dir() else path.parent
+
+
+def split_heading(heading: str) -> tuple[str, str]:
+    """Splits `name [unit]` into name and unit."""
+    name, _, unit = heading.strip().partition("[")
+    return name.strip(), unit.strip().removesuffix("]")
+
+
+def complete_lines(file: Path) -> list[str]:
+    """The lines of a text file without a last one that is not finished."""
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        raise ResultsError(f"{file}: cannot be read: {reason}") from reason
+    return text[: text.rfind("\n") + 1].splitlines()
+
+
+def read_series(path: Path) -> Series:
+    """Reads `series.csv` of a folder."""
+    file = result_file(path, "series.csv")
+    lines = complete_lines(file)
+    provenance = [line[1:].strip() for line in lines if line.startswith("#")]
+    rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
+    if len(rows) < 2:
+        raise ResultsError(f"{file}: holds no results yet")
+    headings = [split_heading(heading) for heading in rows[0]]
+    table = series_table(file, rows[1:], len(headings))
+    columns = {name: table[:, index] for index, (name, _) in enumerate(headings)}
+    return Series(columns, dict(headings), provenance)
+
+
+def series_table(file: Path, rows: list[list[str]], width: int) -> Array:
+    """Turns the rows of a series into numbers; says which row cannot be read."""
+    table = np.empty((len(rows), width))
+    for index, row in enumerate(rows):
+        try:
+            table[index] = [float(value) if value.strip() else np.nan for value in row]
+        except ValueError as reason:
+            words = f"row {index + 1} below the header does not hold {width} numbers"
+            raise ResultsError(f"{file}: {words}: {','.join(row)}") from reason
+    return table
+
+
+def read_profiles(path: Path) -> Profiles:
+    """Reads `profiles.h5` of a folder, also while a run is writing it."""
+    file = result_file(path, "profiles.h5")
+    try:
+        with h5py.File(file, "r", locking=False) as contents:
+            profiles = profiles_of(file, contents)
+    except OSError as reason:
+        words = "is damaged, no HDF5 file, or being written at this moment (then try again)"
+        raise ResultsError(f"{file}: {words}: {reason}") from reason
+    if len(profiles.time) == 0:
+        raise ResultsError(f"{file}: holds no results yet")
+    return profiles
+
+
+def profiles_of(file: Path, contents: h5py.File) -> Profiles:
+    """Takes the profiles from an open file; rows that are not complete yet are left out."""
+    names = ["time", "height", "solids_fraction", "solids_velocity", "superficial_velocity"]
+    absent = [name for name in names if name not in contents]
+    if absent:
+        raise ResultsError(f"{file}: has no dataset {', '.join(absent)}; is it a profiles.h5 of talcum?")
+    data = {name: np.asarray(contents[name][...], dtype=float) for name in names}
+    units = {name: text_of(contents[name].attrs.get("unit", "")) for name in names}
+    rows = min(len(data[name]) for name in names if name != "height")
+    while rows > 1 and data["time"][rows - 1] <= data["time"][rows - 2]:
+        rows -= 1  # room that was made in the file but is not filled yet
+    columns = {name: data[name] if name == "height" else data[name][:rows] for name in names}
+    attributes = {name: text_of(value) for name, value in contents.attrs.items()}
+    return Profiles(**columns, units=units, attributes=attributes)
+
+
+def text_of(value: Any) -> Any:
+    """An attribute's value, with bytes turned into text."""
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(-1)[0]
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    return value
+
+
+def read_case(profiles: Profiles | None, path: Path) -> dict[str, Any]:
+    """The case that was run, from the profiles or from `case.toml`; empty if it cannot be had."""
+    try:
+        import tomllib
+    except ImportError:  # Python before 3.11
+        return {}
+    text = profiles.attributes.get("case") if profiles is not None else None
+    beside = results_folder(path) / "case.toml"
+    if not isinstance(text, str) and beside.is_file():
+        text = beside.read_text(encoding="utf-8")
+    try:
+        return tomllib.loads(text) if isinstance(text, str) else {}
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 5.5)) -> tuple[Figure, Array]:
+    """A figure with panels in rows and columns, and one look for all scripts."""
+    plt.rcParams.update(
+        {
+            "font.size": 12,
+            "axes.titlesize": 12,
+            "legend.fontsize": 10,
+            "axes.grid": True,
+            "grid.alpha": 0.3,
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "lines.linewidth": 1.3,
+        }
+    )
+    figure, panels = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+    return figure, panels
+
+
+def save_figure(figure: Figure, picture: Path) -> None:
+    """Writes a figure to a file beside its name first, so that no half a picture is ever seen."""
+    beside = picture.with_name(f".{os.getpid()}-{picture.name}")
+    try:
+        figure.savefig(beside, dpi=150)
+        os.replace(beside, picture)
+    except (OSError, ValueError) as reason:
+        beside.unlink(missing_ok=True)
+        raise ResultsError(f"{picture}: cannot be written: {reason}") from reason
+    finally:
+        plt.close(figure)
+    print(f"picture: {picture}")
+
+
+def argument_parser(description: str, picture: str) -> argparse.ArgumentParser:
+    """The options that all drawing scripts have."""
+    parser = argparse.ArgumentParser(
+        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("results", type=Path, help="output folder of a run")
+    parser.add_argument("--from", dest="start", type=float, metavar="TIME", help="leave out what came before")
+    parser.add_argument("--to", dest="end", type=float, metavar="TIME", help="leave out what came after")
+    parser.add_argument("--output", type=Path, metavar="FILE", help=f"the picture (default: RESULTS/{picture})")
+    return parser
+
+
+def picture_of(arguments: argparse.Namespace, name: str) -> Path:
+    """Where the picture goes: --output, or `name` in the results folder."""
+    return arguments.output or results_folder(arguments.results) / name
+
+
+def run_script(main: Callable[[list[str] | None], None]) -> NoReturn:
+    """Runs a script's main function; errors go to the user in words, with exit code 1."""
+    try:
+        main(None)
+    except ResultsError as error:
+        sys.exit(f"error: {error}")
+    sys.exit(0)

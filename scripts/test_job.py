@@ -1,0 +1,100 @@
+"""Tests of the Slurm script in jobs/, with stand-ins for Slurm and talcum."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+from made_up_results import SCRIPTS, ScriptTest
+
+FAKE_TALCUM = """#!/usr/bin/env bash
+# Counts its calls; the first two stop at a signal with a newer checkpoint, the third completes the run.
+output=$4
+mkdir -p "$output"
+calls=$(ls "$output"/checkpoint-*.h5 2>/dev/null | wc -l)
+echo "$@" >>"$output/calls"
+[ "$FAKE" = fail ] && exit 3
+[ "$FAKE" = stuck ] && exit 0
+if [ "$calls" -ge 2 ]; then touch "$output/complete"; echo "digest 0123"; exit 0; fi
+trap 'sleep 0.5; touch "$output/checkpoint-00000000000$calls.h5"; echo stopped; exit 0' USR1
+touch "$output/ready"
+while :; do sleep 0.05; done
+"""
+
+
+class TestSlurmScript(ScriptTest):
+    """jobs/talcum.slurm with stand-ins for srun, scontrol and talcum."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.tools = self.folder / "tools"
+        self.tools.mkdir()
+        self.program("srun", '#!/usr/bin/env bash\nexec "$@"\n')
+        self.program("scontrol", f'#!/usr/bin/env bash\necho "$@" >>"{self.folder}/requeued"\n')
+        self.program("talcum", FAKE_TALCUM)
+        (self.folder / "case.toml").write_text("")
+        self.output = self.folder / "output"
+
+    def program(self, name: str, text: str) -> None:
+        """Makes a stand-in that is found first."""
+        (self.tools / name).write_text(text)
+        (self.tools / name).chmod(0o755)
+
+    def job(self, warning: signal.Signals | None, fake: str = "") -> tuple[int, str]:
+        """Runs the job script, warns it once the run has begun, and returns exit code and output."""
+        environment = os.environ | {
+            "PATH": f"{self.tools}:{os.environ['PATH']}",
+            "TALCUM": str(self.tools / "talcum"),
+            "SLURM_JOB_ID": "17",
+            "FAKE": fake,
+        }
+        command = ["bash", str(SCRIPTS.parent / "jobs/talcum.slurm"), str(self.folder / "case.toml"), str(self.output)]
+        (self.output / "ready").unlink(missing_ok=True)
+        with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as job:
+            if warning is not None:
+                for _ in range(400):
+                    if (self.output / "ready").exists():
+                        break
+                    time.sleep(0.025)
+                job.send_signal(warning)
+            printed, _ = job.communicate(timeout=60)
+        return job.returncode, printed
+
+    def requeued(self) -> list[str]:
+        """What scontrol was asked for."""
+        file = self.folder / "requeued"
+        return file.read_text().splitlines() if file.exists() else []
+
+    def test_run_in_three_parts(self) -> None:
+        for part in [1, 2]:
+            code, printed = self.job(signal.SIGUSR1)
+            self.assertEqual(code, 0, printed)
+            self.assertIn("into the queue again", printed)
+            self.assertEqual(self.requeued(), ["requeue 17"] * part)
+        code, printed = self.job(None)
+        self.assertEqual((code, len(self.requeued())), (0, 2), printed)
+        self.assertIn("digest 0123", printed)
+        self.assertIn("complete", self.job(None)[1])  # and nothing is run again
+        calls = (self.output / "calls").read_text().splitlines()
+        self.assertEqual(calls, [f"run {self.folder}/case.toml --output {self.output} --resume"] * 3)
+
+    def test_failure_is_not_queued_again(self) -> None:
+        code, printed = self.job(None, "fail")
+        self.assertEqual((code, self.requeued()), (3, []), printed)
+
+    def test_no_progress_is_not_queued_again(self) -> None:
+        code, printed = self.job(None, "stuck")
+        self.assertEqual((code, self.requeued()), (1, []), printed)
+        self.assertIn("without a newer checkpoint", printed)
+
+    def test_cancelled_job_is_not_queued_again(self) -> None:
+        code, printed = self.job(signal.SIGTERM)
+        self.assertEqual((code, self.requeued()), (0, []), printed)
+        self.assertIn("ended from outside", printed)
+        self.assertTrue((self.output / "checkpoint-000000000000.h5").exists())
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,182 @@
+//! The numbers of one row of the series: balances, pressure drops, and how the bed moves.
+
+use super::BedProfile;
+use crate::numbers::ExactSum;
+use crate::parallel::Communicator;
+use crate::particles::Particles;
+use crate::state::{Domain, Models, State, Workspace};
+
+/// What the bed does at one instant. "Over weight" is over the bed's weight at rest, M g.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// Time.
+    pub time: f64,
+    /// U_s; 0 without gas.
+    pub superficial_velocity: f64,
+    /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight.
+    pub grid_pressure_drop: f64,
+    /// Vertical gas force on all particles, over weight.
+    pub gas_force: f64,
+    /// Force on the base plate, downwards, over weight.
+    pub plate_stress: f64,
+    /// g_eff / g.
+    pub effective_gravity: f64,
+    /// Height of the centre of mass.
+    pub centre_height: f64,
+    /// Its vertical velocity.
+    pub centre_velocity: f64,
+    /// Lowest height of the bed.
+    pub bed_bottom: f64,
+    /// Highest.
+    pub bed_top: f64,
+    /// Kinetic energy of the mean motion, M V^2 / 2.
+    pub mean_kinetic_energy: f64,
+    /// Kinetic energy of translation about the mean motion.
+    pub fluctuating_kinetic_energy: f64,
+    /// Mean number of touching particles per particle.
+    pub coordination_number: f64,
+    /// Largest component of d(momentum)/dt less the external forces, over the last step, over weight.
+    pub momentum_error: f64,
+    /// Volume of solids on the grid over that of the particles, less 1.
+    pub mass_error: f64,
+    /// Number of particles.
+    pub particles: f64,
+    /// Number of particles that have left.
+    pub departed: f64,
+}
+
+/// Momentum and total force before a step, to be held against those after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MomentumProbe {
+    momentum: [f64; 3],
+    force: [f64; 3],
+}
+
+/// Sums over all ranks' owned particles, exact.
+fn sums<const N: usize>(
+    particles: &Particles,
+    ranks: &dyn Communicator,
+    of: impl Fn(usize) -> [f64; N],
+) -> [f64; N] {
+    let mut local = [(); N].map(|()| ExactSum::default());
+    for i in 0..particles.owned_count() {
+        for (sum, value) in local.iter_mut().zip(of(i)) {
+            sum.add(value);
+        }
+    }
+    let mut integers: Vec<i64> = local.iter().flat_map(ExactSum::to_integers).collect();
+    ranks.sum_integers(&mut integers);
+    let mut totals = integers.chunks(ExactSum::INTEGERS).map(ExactSum::from_integers);
+    [(); N].map(|()| totals.next().map_or(0.0, |sum| sum.value()))
+}
+
+impl MomentumProbe {
+    /// Momentum and total force now. Collective.
+    pub fn take(particles: &Particles, ranks: &dyn Communicator) -> Self {
+        let [px, py, pz, fx, fy, fz] = sums(particles, ranks, |i| {
+            let (p, f) = (particles.velocity[i] * particles.mass[i], particles.force[i]);
+            [p.x, p.y, p.z, f.x, f.y, f.z]
+        });
+        Self { momentum: [px, py, pz], force: [fx, fy, fz] }
+    }
+
+    /// (P_after - P_before) / dt - (F_before + F_after) / 2, where F_after is not the sum over particles but
+    /// what walls, gas and weight are said to do: contact forces cancel, or this is not zero.
+    fn imbalance(&self, after: &Self, external: [f64; 3], dt: f64) -> [f64; 3] {
+        std::array::from_fn(|axis| {
+            let change = (after.momentum[axis] - self.momentum[axis]) / dt;
+            change - 0.5 * (self.force[axis] + external[axis])
+        })
+    }
+}
+
+/// Forces of walls (on the particles), gas and weight over all ranks, and that on the base plate. Collective.
+fn external_forces(
+    domain: &Domain,
+    models: &Models,
+    work: &Workspace,
+    ranks: &dyn Communicator,
+) -> ([f64; 3], f64, f64) {
+    let mut counts = vec![0_i64; 7];
+    for (wall, force) in domain.walls.iter().zip(&work.tallies.on_walls) {
+        for axis in 0..3 {
+            counts[axis] -= force[axis];
+        }
+        if wall.name == "base plate" {
+            counts[6] -= force[2];
+        }
+    }
+    for axis in 0..3 {
+        counts[axis] += work.tallies.by_gas[axis];
+    }
+    counts[2] -= work.tallies.weight;
+    counts[3..6].copy_from_slice(&work.tallies.by_gas);
+    ranks.sum_integers(&mut counts);
+    let spacing = models.force_lattice.spacing();
+    let force = |index: usize| counts[index] as f64 * spacing;
+    ([force(0), force(1), force(2)], force(5), force(6))
+}
+
+/// Reads off everything. Collective.
+///
+/// Before: `state` is at the end of a step; `probe` was taken before that step, if there was one.
+pub fn measure(
+    state: &State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    profile: &mut BedProfile,
+    probe: Option<MomentumProbe>,
+    ranks: &dyn Communicator,
+) -> Measures {
+    let particles = &state.particles;
+    profile.update(particles, ranks);
+    let wrapped = |i: usize| domain.bounds.wrap_coordinate(2, particles.position[i].z);
+    let [count, mass, moment, momentum, energy, volume, neighbours] = sums(particles, ranks, |i| {
+        let (m, v) = (particles.mass[i], particles.velocity[i]);
+        let contacts = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
+        let energy = 0.5 * m * v.norm_squared();
+        [1.0, m, m * wrapped(i), m * v.z, energy, particles.volume(i), contacts as f64]
+    });
+    let (external, gas_force, plate_force) = external_forces(domain, models, work, ranks);
+    let weight = mass * models.gravity.magnitude;
+    let over_weight = |force: f64| if weight > 0.0 { force / weight } else { force };
+    let after = MomentumProbe::take(particles, ranks);
+    let momentum_error = probe.map_or(0.0, |before| {
+        let errors = before.imbalance(&after, external, models.time_step);
+        over_weight(errors.iter().fold(0.0, |largest: f64, error| largest.max(error.abs())))
+    });
+    let mean_energy = if mass > 0.0 {
+        0.5 * after.momentum.iter().map(|p| p * p).sum::<f64>() / mass
+    } else {
+        0.0
+    };
+    let per = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
+    let (bed_bottom, bed_top) = profile.bottom_and_top();
+    let (superficial_velocity, pressure_drop) = match (&models.gas, &mut work.fluid) {
+        (Some(gas), Some(fluid)) => {
+            let drop = fluid.pressure_drop(gas, particles, ranks);
+            (fluid.superficial_velocity(), drop * domain.bounds.cross_section())
+        }
+        _ => (0.0, 0.0),
+    };
+    Measures {
+        time: state.clock.time(),
+        superficial_velocity,
+        grid_pressure_drop: over_weight(pressure_drop),
+        gas_force: over_weight(gas_force),
+        plate_stress: over_weight(plate_force),
+        effective_gravity: per(models.gravity.at(state.clock.time()), models.gravity.magnitude),
+        centre_height: per(moment, mass),
+        centre_velocity: per(momentum, mass),
+        bed_bottom,
+        bed_top,
+        mean_kinetic_energy: mean_energy,
+        fluctuating_kinetic_energy: energy - mean_energy,
+        coordination_number: per(neighbours, count),
+        momentum_error,
+        mass_error: if volume > 0.0 { profile.solids_volume() / volume - 1.0 } else { 0.0 },
+        particles: count,
+        departed: state.departed.count as f64,
+    }
+}

@@ -1,0 +1,222 @@
+//! Ranks as processes of MPI. The only file that names the `mpi` crate.
+
+use std::cell::RefCell;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use mpi::Tag;
+use mpi::collective::SystemOperation;
+use mpi::datatype::Equivalence;
+use mpi::environment::{Threading, Universe};
+use mpi::request::{WaitGuard, scope};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
+
+use super::{AxisNeighbours, Communicator, FileAccess};
+
+/// The communicator as the HDF5 library takes it.
+pub type RawCommunicator = mpi::ffi::MPI_Comm;
+
+/// Messages to the neighbour below.
+const DOWNWARDS: Tag = 1;
+/// Messages to the neighbour above. Another tag, because both neighbours may be one rank.
+const UPWARDS: Tag = 2;
+/// Messages of collective operations.
+const COLLECTIVE: Tag = 3;
+
+/// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
+const PANIC_CODE: i32 = 101;
+
+/// Bytes that are broadcast at once: MPI counts in 32-bit integers.
+const BROADCAST_PIECE: usize = 1 << 30;
+
+/// Whether MPI may be called: from the start to the beginning of the end.
+static RUNNING: AtomicBool = AtomicBool::new(false);
+
+/// The processes that `mpirun` (or `srun`) started together; one if the program was started alone.
+///
+/// MPI ends when this is dropped, so it must outlive every file that the ranks write together. While it
+/// lives, a panic on one rank ends all ranks.
+pub struct MpiRanks {
+    // The order of the fields is the order in which they are dropped: MPI ends last.
+    world: SimpleCommunicator,
+    rank: usize,
+    size: usize,
+    scratch: RefCell<Vec<f64>>,
+    integer_scratch: RefCell<Vec<u64>>,
+    universe: Universe,
+}
+
+/// MPI can be started only once in the life of a process.
+#[derive(Debug, thiserror::Error)]
+#[error("MPI was already started in this process, or has ended; it starts only once")]
+pub struct AlreadyStarted;
+
+impl MpiRanks {
+    /// Starts MPI. Only this thread may speak to other ranks.
+    ///
+    /// # Errors
+    /// If MPI was started before.
+    pub fn start() -> Result<Self, AlreadyStarted> {
+        let (universe, _) =
+            mpi::initialize_with_threading(Threading::Funneled).ok_or(AlreadyStarted)?;
+        let world = universe.world().duplicate();
+        RUNNING.store(true, Ordering::SeqCst);
+        end_all_ranks_on_panic();
+        Ok(Self {
+            rank: world.rank() as usize,
+            size: world.size() as usize,
+            world,
+            scratch: RefCell::default(),
+            integer_scratch: RefCell::default(),
+            universe,
+        })
+    }
+
+    /// Ends all ranks at once with an exit code: for errors that one rank cannot share with the others.
+    pub fn abort(&self, code: i32) -> ! {
+        flush_standard_streams();
+        self.universe.world().abort(code)
+    }
+
+    /// Receives a message of any length into a buffer that is kept between calls.
+    fn receive(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
+        let process = self.world.process_at_rank(source as i32);
+        let (message, status) = process.matched_probe_with_tag(tag);
+        incoming.resize(status.count(u8::equivalent_datatype()) as usize, 0);
+        message.matched_receive_into(&mut incoming[..]);
+    }
+}
+
+impl Drop for MpiRanks {
+    fn drop(&mut self) {
+        // Unwinding would end in MPI_Finalize, which waits for the other ranks; they may wait for this one.
+        if std::thread::panicking() {
+            self.abort(PANIC_CODE);
+        }
+        RUNNING.store(false, Ordering::SeqCst);
+    }
+}
+
+impl Communicator for MpiRanks {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn exchange(
+        &self,
+        neighbours: AxisNeighbours,
+        outgoing: [&[u8]; 2],
+        incoming: &mut [Vec<u8>; 2],
+    ) {
+        let others = neighbours.map(|neighbour| neighbour.filter(|&rank| rank != self.rank));
+        scope(|scope| {
+            let _sent: [Option<WaitGuard<_, _>>; 2] = std::array::from_fn(|side| {
+                let process = self.world.process_at_rank(others[side]? as i32);
+                let tag = [DOWNWARDS, UPWARDS][side];
+                Some(process.immediate_send_with_tag(scope, outgoing[side], tag).into())
+            });
+            for side in 0..2 {
+                incoming[side].clear();
+                if let Some(other) = others[side] {
+                    self.receive(other, [UPWARDS, DOWNWARDS][side], &mut incoming[side]);
+                } else if neighbours[side].is_some() {
+                    incoming[side].extend_from_slice(outgoing[1 - side]);
+                }
+            }
+        });
+    }
+
+    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>> {
+        scope(|scope| {
+            let send = |rank: usize| -> WaitGuard<_, _> {
+                let process = self.world.process_at_rank(rank as i32);
+                process.immediate_send_with_tag(scope, &outgoing[rank][..], COLLECTIVE).into()
+            };
+            let others = (0..self.size).filter(|&rank| rank != self.rank);
+            let _sent: Vec<_> = others.map(send).collect();
+            let received = (0..self.size).map(|rank| {
+                let mut incoming = Vec::new();
+                if rank == self.rank {
+                    incoming.extend_from_slice(&outgoing[rank]);
+                } else {
+                    self.receive(rank, COLLECTIVE, &mut incoming);
+                }
+                incoming
+            });
+            received.collect()
+        })
+    }
+
+    fn sum_exact(&self, values: &mut [f64]) {
+        let mut summed = self.scratch.borrow_mut();
+        summed.resize(values.len(), 0.0);
+        self.world.all_reduce_into(&*values, &mut summed[..], SystemOperation::sum());
+        // Whether a zero has a sign must not depend on the number of ranks.
+        values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
+    }
+
+    fn sum_integers(&self, values: &mut [i64]) {
+        // As unsigned integers: their overflow is defined, and the same modulo 2^64.
+        let mut summed = self.integer_scratch.borrow_mut();
+        summed.resize(values.len(), 0);
+        let unsigned: &[u64] = bytemuck::cast_slice(values);
+        self.world.all_reduce_into(unsigned, &mut summed[..], SystemOperation::sum());
+        values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = *sum as i64);
+    }
+
+    fn maximum(&self, values: &mut [f64]) {
+        let mut largest = self.scratch.borrow_mut();
+        largest.resize(values.len(), 0.0);
+        values.iter_mut().for_each(|value| *value = super::comparable(*value));
+        self.world.all_reduce_into(&*values, &mut largest[..], SystemOperation::max());
+        values.copy_from_slice(&largest);
+    }
+
+    fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
+        if !self.is_root() {
+            self.world.process_at_rank(0).send_with_tag(bytes, COLLECTIVE);
+            return None;
+        }
+        let mut gathered = vec![Vec::new(); self.size];
+        gathered[0].extend_from_slice(bytes);
+        for (rank, incoming) in gathered.iter_mut().enumerate().skip(1) {
+            self.receive(rank, COLLECTIVE, incoming);
+        }
+        Some(gathered)
+    }
+
+    fn broadcast_from_root(&self, bytes: &mut Vec<u8>) {
+        let root = self.world.process_at_rank(0);
+        let mut length = bytes.len() as u64;
+        root.broadcast_into(&mut length);
+        bytes.resize(length as usize, 0);
+        bytes.chunks_mut(BROADCAST_PIECE).for_each(|piece| root.broadcast_into(piece));
+    }
+
+    fn file_access(&self) -> FileAccess {
+        FileAccess::Collective(self.world.as_raw())
+    }
+}
+
+/// Adds to the panic hook that a panic on one rank, in any of its threads, ends all ranks.
+fn end_all_ranks_on_panic() {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |information| {
+        print(information);
+        if RUNNING.load(Ordering::SeqCst) {
+            flush_standard_streams();
+            SimpleCommunicator::world().abort(PANIC_CODE);
+        }
+    }));
+}
+
+/// What was printed must be seen before all ranks end. Failures are of no interest any more.
+fn flush_standard_streams() {
+    let _ = std::io::stdout().flush();
+    let _ = std::io::stderr().flush();
+}

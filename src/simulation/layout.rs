@@ -1,0 +1,76 @@
+//! How the ranks divide the box.
+
+use crate::case::{Case, RankLayout};
+use crate::domain::{Decomposition, RankGrid};
+use crate::particles::Reach;
+use crate::state::SizeRange;
+use thiserror::Error;
+
+/// Ranks that cannot be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum LayoutError {
+    /// The case or the command line asks for another number of ranks.
+    #[error("the rank grid {grid} needs {} ranks, but {ranks} were started (mpirun -n {})", grid.size(), grid.size())]
+    WrongSize {
+        /// Ranks along x, y and z.
+        grid: RankGrid,
+        /// How many there are.
+        ranks: usize,
+    },
+    /// Blocks narrower than the ghosts they need.
+    #[error(
+        "{ranks} ranks along {axis} cut the box into blocks {width:.4} wide, but ghosts need {needed:.4}: use at most \
+         {most} along {axis}, or cut along another axis as well (--ranks, or parallel.ranks)"
+    )]
+    TooNarrow {
+        /// The axis.
+        axis: &'static str,
+        /// Ranks along it.
+        ranks: usize,
+        /// Width of their blocks.
+        width: f64,
+        /// Width that ghosts need.
+        needed: f64,
+        /// How many ranks would do.
+        most: usize,
+    },
+}
+
+/// Blocks of equal size on the rank grid of the case, or on `grid` if given.
+///
+/// # Errors
+/// If the grid does not fit the number of ranks, or blocks would be narrower than their ghosts.
+pub fn lay_out(
+    case: &Case,
+    sizes: &SizeRange,
+    grid: Option<RankGrid>,
+    ranks: usize,
+) -> Result<Decomposition, LayoutError> {
+    let grid = grid.unwrap_or(match case.parallel.layout {
+        RankLayout::Slabs(axis) => RankGrid::slabs(axis, ranks),
+        RankLayout::Grid(grid) => grid,
+    });
+    if grid.size() != ranks {
+        return Err(LayoutError::WrongSize { grid, ranks });
+    }
+    let bounds = &case.domain.bounds;
+    let needed = ghost_width(case, sizes);
+    for axis in (0..3).filter(|&axis| grid.0[axis] > 1) {
+        let (length, ranks) = (bounds.lengths()[axis], grid.0[axis]);
+        let width = length / ranks as f64;
+        if width < needed {
+            let most = ((length / needed) as usize).max(1);
+            let axis = ["x", "y", "z"][axis];
+            return Err(LayoutError::TooNarrow { axis, ranks, width, needed, most });
+        }
+    }
+    Ok(Decomposition::even(grid, bounds))
+}
+
+/// Width of the ghost layer in the stage that needs the widest.
+pub(super) fn ghost_width(case: &Case, sizes: &SizeRange) -> f64 {
+    let ranges =
+        case.stages.iter().filter_map(|stage| stage.cohesion.as_ref()).map(|law| law.range);
+    let skin = case.parallel.skin * sizes.largest_diameter;
+    Reach { range: ranges.fold(0.0, f64::max), skin }.ghost_width(sizes.largest_diameter)
+}

@@ -1,0 +1,192 @@
+//! Where a run begins: with a new bed, with the end of another run, or with its own checkpoint.
+
+use super::layout::{LayoutError, lay_out};
+use crate::case::{Case, InitialBed, Start as BedStart};
+use crate::domain::{Decomposition, RankGrid};
+use crate::output::checkpoint::{self, Checkpoint};
+use crate::parallel::{
+    CollectiveError, Communicator, ParticleRecord, agree, balanced, send_to_owners, share_with_all,
+};
+use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
+use crate::state::{Clock, Departed, SizeRange, State, Workspace};
+use nalgebra::Vector3;
+use thiserror::Error;
+
+/// Why a run cannot begin. The same on all ranks.
+#[derive(Debug, Error)]
+pub enum StartError {
+    /// The ranks cannot divide the box.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The bed cannot be made, or its file is wrong.
+    #[error("{0}")]
+    Bed(CollectiveError),
+    /// A checkpoint cannot be read.
+    #[error(transparent)]
+    Checkpoint(#[from] crate::output::OutputError),
+    /// The particles do not fit the case.
+    #[error("{key}: {words}")]
+    Sizes {
+        /// Which key of the case.
+        key: &'static str,
+        /// What is wrong.
+        words: String,
+    },
+}
+
+/// A state spread over the ranks, and what is still to be done before its first step.
+pub struct Beginning {
+    /// The state, without ghosts and lists.
+    pub state: State,
+    /// An empty workspace.
+    pub work: Workspace,
+    /// How it starts.
+    pub start: Start,
+}
+
+/// How the first step is prepared.
+pub struct Start {
+    /// What contacts remember.
+    pub remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    /// Whether forces are still to be found.
+    pub new_bed: bool,
+    /// Whether results are continued from this time on.
+    pub continues: bool,
+}
+
+/// What this rank holds of a bed, before it is sent to its owners.
+struct Share {
+    particles: Vec<ParticleRecord>,
+    pairs: Vec<PairMemory>,
+    walls: Vec<WallMemory>,
+}
+
+/// The bed that the case describes, at time zero. Collective.
+///
+/// # Errors
+/// If it cannot be made, or the ranks cannot divide it.
+pub fn begin_from_case(
+    case: &Case,
+    grid: Option<RankGrid>,
+    ranks: &dyn Communicator,
+) -> Result<Beginning, StartError> {
+    let share = match &case.particles.start {
+        BedStart::Run { path } => {
+            let (end, _, _) = checkpoint::read(path, ranks)?;
+            share_of(end, ranks)
+        }
+        _ => {
+            let bed = agree(case.initial_bed(), ranks).map_err(StartError::Bed)?;
+            own_part(bed, ranks)
+        }
+    };
+    let sizes = match case.size_range() {
+        Some(sizes) => sizes,
+        None => measured_sizes(&share.particles, ranks),
+    };
+    let time_step = case.stages[0].time_step;
+    let start = (Clock::new(time_step), Departed::default(), sizes);
+    spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
+        state,
+        work,
+        start: Start { remembered, new_bed: true, continues: false },
+    })
+}
+
+/// The state of a checkpoint; `continues` says whether earlier results are in the output folder. Collective.
+///
+/// # Errors
+/// If the ranks cannot divide it, or it does not fit the case.
+pub fn begin_from_checkpoint(
+    case: &Case,
+    checkpoint: Checkpoint,
+    grid: Option<RankGrid>,
+    continues: bool,
+    ranks: &dyn Communicator,
+) -> Result<Beginning, StartError> {
+    let start = (checkpoint.clock, checkpoint.departed, checkpoint.sizes);
+    let share = share_of(checkpoint, ranks);
+    spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
+        state,
+        work,
+        start: Start { remembered, new_bed: false, continues },
+    })
+}
+
+/// Contact memories are made known to all, so that each finds those of its particles.
+fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> Share {
+    let pairs = share_with_all(&checkpoint.contacts, ranks);
+    let walls = share_with_all(&checkpoint.wall_contacts, ranks);
+    Share {
+        particles: checkpoint.particles,
+        pairs: pairs.into_iter().map(PairMemory::from).collect(),
+        walls: walls.into_iter().map(WallMemory::from).collect(),
+    }
+}
+
+/// Every rank makes the whole bed, which depends on ids alone, and keeps an even part.
+fn own_part(bed: InitialBed, ranks: &dyn Communicator) -> Share {
+    let (here, size) = (ranks.rank(), ranks.size());
+    let mine = |index: usize| index % size == here;
+    let particles = bed.particles.into_iter().enumerate();
+    Share {
+        particles: particles.filter(|&(index, _)| mine(index)).map(|(_, record)| record).collect(),
+        pairs: bed.contacts.into_iter().map(PairMemory::from).collect(),
+        walls: bed.wall_contacts.into_iter().map(WallMemory::from).collect(),
+    }
+}
+
+fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {
+    let mut extremes = [f64::NEG_INFINITY, 0.0, 0.0];
+    for particle in particles {
+        extremes[0] = extremes[0].max(-2.0 * particle.radius);
+        extremes[1] = extremes[1].max(2.0 * particle.radius);
+        extremes[2] = extremes[2].max(particle.mass);
+    }
+    ranks.maximum(&mut extremes);
+    let [smallest, largest_diameter, largest_mass] = extremes;
+    SizeRange { smallest_diameter: -smallest, largest_diameter, largest_mass }
+}
+
+type Spread = (State, Workspace, (Vec<PairMemory>, Vec<WallMemory>));
+
+fn spread(
+    case: &Case,
+    share: Share,
+    (clock, departed, sizes): (Clock, Departed, SizeRange),
+    grid: Option<RankGrid>,
+    ranks: &dyn Communicator,
+) -> Result<Spread, StartError> {
+    if let Some((key, words)) = case.check_sizes(&sizes).into_iter().next() {
+        return Err(StartError::Sizes { key, words });
+    }
+    let mut cut = lay_out(case, &sizes, grid, ranks.size())?;
+    let skin = case.parallel.skin * sizes.largest_diameter;
+    if case.parallel.balance.is_some() {
+        cut = balanced_at_start(case, &cut, &share.particles, &sizes, ranks);
+    }
+    let mut particles = Particles::default();
+    for record in send_to_owners(&share.particles, &cut, ranks) {
+        record.push_to(&mut particles);
+    }
+    let owned: std::collections::HashSet<u64> = particles.id.iter().copied().collect();
+    let Share { mut pairs, mut walls, .. } = share;
+    pairs.retain(|pair| owned.contains(&pair.lower) || owned.contains(&pair.higher));
+    walls.retain(|contact| owned.contains(&contact.particle));
+    let contacts = Contacts::default();
+    let state = State { particles, contacts, clock, departed, sizes };
+    Ok((state, Workspace::new(cut, skin, case.parallel.balance), (pairs, walls)))
+}
+
+fn balanced_at_start(
+    case: &Case,
+    cut: &Decomposition,
+    particles: &[ParticleRecord],
+    sizes: &SizeRange,
+    ranks: &dyn Communicator,
+) -> Decomposition {
+    let positions: Vec<Vector3<f64>> =
+        particles.iter().map(|record| Vector3::from(record.position)).collect();
+    let width = super::layout::ghost_width(case, sizes);
+    balanced(cut, &positions, &case.domain.bounds, width, ranks)
+}
