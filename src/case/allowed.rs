@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+/// A number for people: 9 digits.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.8e}").parse().unwrap_or(number)
+}
+
 /// A range of numbers that a key may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Allowed {

@@ -1,6 +1,6 @@
 //! The section of the gas.
 
-use super::allowed::Allowed;
+use super::allowed::{Allowed, rounded};
 use super::forces::positive_gravity;
 use super::particles::Scales;
 use super::section::Section;
@@ -88,7 +88,7 @@ fn read_viscosity(section: &Section<'_>, scales: Scales, gravity: Option<f64>) -
     if key == "viscosity" {
         return Some(number);
     }
-    let gravity = positive_gravity(section, key, "give viscosity", gravity)?;
+    let gravity = positive_gravity(section, key, "viscosity", gravity)?;
     let diameter = scales.diameter?;
     Some(scales.density? * (gravity * diameter).sqrt() * diameter / number)
 }
@@ -119,7 +119,7 @@ fn read_spacing(section: &Section<'_>, bounds: Option<&Bounds>) -> Option<f64> {
     let bounds = bounds?;
     let height = bounds.lengths().z;
     if height / asked > MOST_NODES {
-        let least = height / MOST_NODES;
+        let least = rounded(height / MOST_NODES);
         section.fail("spacing", format!("must be at least {least}, a millionth of the box height"));
         return None;
     }
@@ -127,7 +127,7 @@ fn read_spacing(section: &Section<'_>, bounds: Option<&Bounds>) -> Option<f64> {
         return Some(asked);
     }
     if height / asked < FEWEST_PERIODIC_NODES {
-        let most = height / FEWEST_PERIODIC_NODES;
+        let most = rounded(height / FEWEST_PERIODIC_NODES);
         section.fail("spacing", format!("must be at most {most}, a third of the periodic height"));
         return None;
     }

@@ -59,16 +59,15 @@ pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<Conta
         Cap::Contact => FrictionCap::Contact,
         Cap::Net => FrictionCap::Net,
     });
-    let model = match law? {
+    section.finish();
+    match law? {
         Law::LinearSpringDashpot => {
             LinearSpringDashpot::new(normal?, tangential?, restitution?, friction?, cap?)
                 .map_err(|error| section.fail(error.parameter, error.to_string()))
                 .map(ContactModel::LinearSpringDashpot)
                 .ok()
         }
-    };
-    section.finish();
-    model
+    }
 }
 
 /// `[cohesion]`. Bond number Bo = F_c,max / (m g) at the reference diameter: A = 12 delta^2 Bo m g / r for
@@ -122,7 +121,7 @@ pub(super) fn positive_gravity(
 ) -> Option<f64> {
     let gravity = gravity?;
     if gravity == 0.0 {
-        section.fail(key, format!("has no meaning while gravity.magnitude is 0: {instead}"));
+        section.fail(key, format!("has no meaning while gravity.magnitude is 0: give {instead}"));
         return None;
     }
     Some(gravity)
@@ -153,8 +152,7 @@ pub(super) fn read_vibration(
     let start = section.get("frequency").map(|node| stages[node.stage].start);
     let key = section.exactly_one(&["gamma", "amplitude"]);
     let strength = key.and_then(|key| section.optional_number(key, Allowed::NOT_NEGATIVE));
-    let gravity =
-        key.and_then(|key| positive_gravity(&section, key, "vibration is relative to it", gravity));
+    let gravity = key.and_then(|key| positive_gravity(&section, key, "it a magnitude", gravity));
     section.finish();
     let (frequency, strength) = (frequency?, strength?);
     let relative_acceleration = match key? {

@@ -30,6 +30,7 @@ pub use units::{Quantity, Units};
 use crate::contact::ContactLaw;
 use crate::domain::Bounds;
 use crate::state::{Domain, SizeRange};
+use allowed::rounded;
 use errors::Problems;
 use particles::Scales;
 use section::Section;
@@ -160,7 +161,7 @@ fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static s
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let length = bounds.lengths()[axis];
         if bounds.is_periodic(axis) && length < 2.0 * reach {
-            let least = 2.0 * reach;
+            let least = rounded(2.0 * reach);
             let words = format!(
                 "is too narrow along {name} for its ghosts: must be at least {least}, twice the largest \
                  diameter with skin and range of cohesion"

@@ -77,10 +77,10 @@ fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     let (path, value) =
         given.split_once('=').ok_or("an override must look like key.path=value".to_owned())?;
     let keys: Vec<&str> = path.trim().split('.').map(str::trim).collect();
-    let plain = |key: &&str| {
+    let plain = |key: &str| {
         !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "_- ".contains(c))
     };
-    if !keys.iter().all(|key| plain(&key)) {
+    if !keys.iter().all(|key| plain(key)) {
         return Err("an override must look like key.path=value".to_owned());
     }
     let value = value_of(value.trim())?;
@@ -105,19 +105,13 @@ fn value_of(text: &str) -> Result<Value, String> {
 fn set_in(
     table: &mut dyn TableLike,
     keys: &[&str],
-    mut value: Value,
+    value: Value,
     resolved: &mut Vec<String>,
 ) -> Result<(), String> {
     let (key, rest) = keys.split_first().ok_or("the path ends too early".to_owned())?;
     resolved.push((*key).to_owned());
     if rest.is_empty() {
-        if let Some(partner) = partner(key) {
-            table.remove(partner);
-        }
-        if let Some(old) = table.get(key).and_then(Item::as_value) {
-            *value.decor_mut() = old.decor().clone();
-        }
-        table.insert(key, Item::Value(value));
+        insert(table, key, value);
         return Ok(());
     }
     if !table.contains_key(key) {
@@ -151,6 +145,17 @@ fn set_in(
     }
 }
 
+/// Gives a key a value, in the place of its partner if it has one; a comment behind the old value stays.
+fn insert(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    if let Some(partner) = partner(key) {
+        table.remove(partner);
+    }
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(value));
+}
+
 /// The member of a list by its number, from 1, or by its name.
 fn choose<'a>(
     members: Vec<&'a mut dyn TableLike>,
@@ -160,7 +165,7 @@ fn choose<'a>(
         let named = |table: &&mut dyn TableLike| {
             table.get("name").and_then(Item::as_str).is_some_and(|name| name == chosen)
         };
-        members.iter().position(|table| named(table)).map(|index| index + 1)
+        members.iter().position(named).map(|index| index + 1)
     })?;
     members.into_iter().enumerate().nth(usize::checked_sub(number, 1)?).map(|(_, m)| (number, m))
 }

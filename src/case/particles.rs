@@ -147,13 +147,13 @@ pub(super) fn read_particles(
     let largest = sizes.as_ref().map(|sizes| sizes.bounds()[1]);
     let start =
         start_section.zip(kind).map(|(inner, kind)| read_start(inner, kind, largest, folder));
-    section.get("seed");
-    let random = sizes.as_ref().is_some_and(SizeDistribution::is_random)
-        || start.as_ref().is_some_and(|(start, temperature)| {
-            let jittered = matches!(start, Some(Start::Lattice { jitter, .. }) if *jitter > 0.0);
-            jittered || matches!(start, Some(Start::Random { .. })) || *temperature > 0.0
-        });
-    if random && !section.has("seed") {
+    // Known keys, even if the kind of start is not known.
+    section.get("count");
+    section.get("fill_height");
+    let is_random = kind == Some(Kind::Random)
+        || sizes.as_ref().is_some_and(SizeDistribution::is_random)
+        || start.as_ref().is_some_and(draws_random_numbers);
+    if is_random && !section.has("seed") {
         section.fail("seed", "missing: must be a whole number, since random numbers are drawn");
     }
     section.finish();
@@ -169,6 +169,12 @@ pub(super) fn read_particles(
         })
     });
     (setup, scales)
+}
+
+/// Whether a start, with its granular temperature, needs random numbers by what its keys say.
+fn draws_random_numbers((start, temperature): &(Option<Start>, f64)) -> bool {
+    let is_jittered = matches!(start, Some(Start::Lattice { jitter, .. }) if *jitter > 0.0);
+    is_jittered || *temperature > 0.0
 }
 
 fn read_density(section: &Section<'_>, units: Option<Units>) -> Option<f64> {

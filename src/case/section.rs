@@ -190,7 +190,9 @@ impl<'a> Section<'a> {
 
     /// Which one of several keys is given, `Some(None)` if none is; an error if several are.
     pub(super) fn at_most_one(&self, keys: &[&'static str]) -> Option<Option<&'static str>> {
-        let given: Vec<&'static str> = keys.iter().copied().filter(|key| self.has(key)).collect();
+        let mut given: Vec<&'static str> =
+            keys.iter().copied().filter(|key| self.has(key)).collect();
+        given.sort_by_key(|key| self.node.get(key).map(|node| &node.place));
         if let [first, others @ ..] = given.as_slice() {
             for other in others {
                 self.fail(other, format!("cannot be given together with {first}: give one only"));
@@ -201,7 +203,7 @@ impl<'a> Section<'a> {
     }
 
     /// Reports the keys that nobody asked for.
-    pub(super) fn finish(self) {
+    pub(super) fn finish(&self) {
         let known = self.known.borrow();
         let mut unique = known.clone();
         unique.sort_unstable();

@@ -172,17 +172,19 @@ fn read_distribution(outer: &Section<'_>, node: &Node) -> Option<SizeDistributio
             }
         });
     section.finish();
-    let distribution = distribution.filter(|_| is_ordered)?;
+    distribution.filter(|distribution| is_ordered && holds_enough(outer, distribution))
+}
+
+/// Whether enough of a distribution lies between its bounds; if not, that is reported.
+fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool {
     let part = distribution.part_within_bounds();
-    if part.is_nan() || part < SizeDistribution::LEAST_PART {
-        let least = SizeDistribution::LEAST_PART;
-        outer.fail(
-            "diameter",
-            format!("smallest and largest must hold at least {least} of the distribution, not {part:.2e}"),
-        );
-        return None;
+    let least = SizeDistribution::LEAST_PART;
+    if part >= least {
+        return true;
     }
-    Some(distribution)
+    let words = "smallest and largest must hold at least";
+    section.fail("diameter", format!("{words} {least} of the distribution, not {part:.2e}"));
+    false
 }
 
 fn read_classes(section: Section<'_>) -> Option<SizeDistribution> {

@@ -99,23 +99,15 @@ pub(super) fn read_stages(
         Some(_) => timetable(&members, step),
         None => (vec![Some("run".to_owned())], std::iter::once(0.0..end.unwrap_or(1.0)).collect()),
     };
+    let mut current: [Current; SECTIONS.len()] = Default::default();
+    change_all(&mut current, root, 0);
     if times.is_empty() {
         return (None, step);
-    }
-    let mut current: [Current; SECTIONS.len()] = Default::default();
-    for (name, current) in SECTIONS.into_iter().zip(&mut current) {
-        if let Some(node) = root.get(name) {
-            current.change(name, node, 0, problems);
-        }
     }
     let mut stages = Vec::new();
     for (index, time) in times.iter().enumerate() {
         if let Some(section) = members.get(index) {
-            for (name, current) in SECTIONS.into_iter().zip(&mut current) {
-                if let Some(node) = section.get(name) {
-                    current.change(name, node, index, problems);
-                }
-            }
+            change_all(&mut current, section, index);
         }
         let forces = read_forces(&current, root, surroundings, &times);
         current.iter_mut().for_each(|current| current.was_on |= current.is_on);
@@ -125,15 +117,22 @@ pub(super) fn read_stages(
             Some(Stage { name, start, end, time_step, contact, cohesion, gas, gravity })
         }));
     }
-    for current in &mut current {
-        // Also a section that no stage switches on must be right.
-        current.is_on |= !current.was_on;
-    }
+    // Also a section that no stage switches on must be right.
     if current.iter().any(|current| !current.was_on && current.node.is_some()) {
+        current.iter_mut().for_each(|current| current.is_on |= !current.was_on);
         read_forces(&current, root, surroundings, &times);
     }
-    members.into_iter().for_each(Section::finish);
+    members.iter().for_each(Section::finish);
     (stages.into_iter().collect(), step)
+}
+
+/// What the base of the file, or a stage, says about each of the sections.
+fn change_all(current: &mut [Current; SECTIONS.len()], section: &Section<'_>, stage: usize) {
+    for (name, current) in SECTIONS.into_iter().zip(current) {
+        if let Some(node) = section.get(name) {
+            current.change(name, node, stage, section.problems);
+        }
+    }
 }
 
 /// `[time]`: step and end.

@@ -63,7 +63,7 @@ impl Node {
         }
         let lines = Lines::of(text);
         let value = table(root.get_ref(), "", &lines);
-        Some(Self { value, place: Place::Line(1), path: String::new(), stage: 0 })
+        Some(Self { value, place: Place::File, path: String::new(), stage: 0 })
     }
 
     /// A member of a table.

@@ -87,7 +87,7 @@ impl<'a> Cells<'a> {
         cell[0] + self.counts[0] * (cell[1] + self.counts[1] * cell[2])
     }
 
-    /// A cell's neighbours along an axis, itself included, none twice.
+    /// A cell along an axis, first since it holds most overlaps, and its neighbours, none twice.
     fn neighbours(&self, axis: usize, cell: usize) -> [Option<usize>; 3] {
         let count = self.counts[axis];
         let periodic = self.bounds.is_periodic(axis);
@@ -101,7 +101,7 @@ impl<'a> Cells<'a> {
             _ if periodic && count > 1 => Some(0),
             _ => None,
         };
-        [below, Some(cell), above.filter(|_| above != below)]
+        [Some(cell), below, above.filter(|_| above != below)]
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) fn read(
         return Err(failed(words.to_owned()));
     }
     rows.sort_by_key(|row| (row.id, row.line));
-    for pair in rows.windows(2).filter(|pair| pair[0].id == pair[1].id) {
+    if let Some(pair) = rows.windows(2).find(|pair| pair[0].id == pair[1].id) {
         let at = At { file, line: pair[1].line };
         return Err(at.error(format!("id {} is that of line {} too", pair[0].id, pair[0].line)));
     }

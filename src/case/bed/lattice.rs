@@ -31,19 +31,9 @@ pub(super) fn fill(
     let largest = case.size_range().map_or(spacing, |sizes| sizes.largest_diameter);
     let sites = Sites::new(case, spacing, bottom)?;
     let room: f64 = sites.counts.iter().product();
-    let wanted = match case.particles.amount {
-        Some(Amount::Count(count)) => count as f64,
-        _ => room,
-    };
-    if wanted > room {
-        return Err(BedError::TooMany { asked: wanted as u64, room: room as u64 });
-    }
-    if wanted > MOST {
-        let reason = format!("{wanted} particles fit below fill_height: at most 1e9 are possible");
-        return Err(BedError::NoRoom(reason));
-    }
+    let wanted = wanted(case, room)?;
     let displacements = sites.spacings.map(|spacing| 0.5 * jitter * (spacing - largest).max(0.0));
-    let mut spheres = Vec::with_capacity(wanted as usize);
+    let mut spheres = Vec::with_capacity(wanted.min(1.0e7) as usize);
     for number in 0..room.min(wanted * (1.0 + SKIPPED)) as u64 {
         if spheres.len() as f64 >= wanted {
             break;
@@ -64,6 +54,22 @@ pub(super) fn fill(
         }
         _ if placed == 0 => Err(BedError::NoRoom("not one particle fits".to_owned())),
         _ => Ok(spheres),
+    }
+}
+
+/// How many particles the case wants, of so many that there is room for.
+fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
+    match case.particles.amount {
+        Some(Amount::Count(asked)) if asked as f64 > room => {
+            Err(BedError::TooMany { asked, room: room as u64 })
+        }
+        Some(Amount::Count(count)) => Ok(count as f64),
+        _ if room > MOST => {
+            let reason =
+                format!("{room} particles fit below fill_height: at most 1e9 are possible");
+            Err(BedError::NoRoom(reason))
+        }
+        _ => Ok(room),
     }
 }
 
