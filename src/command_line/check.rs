@@ -160,7 +160,8 @@ fn describe_gas(
 
 /// The superficial velocity at which the gas carries particles at rest: (V / phi) beta U / (1 - phi)^2 = m g.
 fn minimum_fluidisation(gas: &ColumnGas, diameter: f64, weight: f64, phi: f64) -> f64 {
-    let force = |u: f64| gas.drag_per_velocity(diameter, phi, u) * u / (1.0 - phi).powi(2);
+    let force =
+        |u: f64| gas.particle_drag().per_velocity(diameter, phi, u) * u / (1.0 - phi).powi(2);
     let (mut low, mut high) = (0.0, 1.0e-12);
     while force(high) < weight {
         high *= 2.0;

@@ -2,7 +2,7 @@
 
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, Drive, WeightBalance};
+use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, in_wide_vectors};
 use crate::parallel::Communicator;
@@ -208,12 +208,19 @@ impl FluidForce {
     /// Drag per velocity on each owned particle at a superficial velocity.
     fn find_drag(&mut self, gas: &ColumnGas, particles: &Particles, velocity: f64) {
         let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
-        drag.clear();
-        drag.extend_from_slice(&particles.radius[..particles.owned_count()]);
-        let fields = solids_fraction.iter().zip(solids_velocity.iter());
-        in_wide_vectors(|| {
-            for (drag, (&phi, &u)) in drag.iter_mut().zip(fields.clone()) {
-                *drag = gas.drag_per_velocity(2.0 * *drag, phi, velocity - u);
+        drag.resize(solids_fraction.len(), 0.0);
+        let radii = &particles.radius[..particles.owned_count()];
+        let bed = (&solids_fraction[..], &solids_velocity[..]);
+        let on_particle = gas.particle_drag();
+        // The law is chosen once, so that the loop holds no branch.
+        in_wide_vectors(|| match gas.drag {
+            DragLaw::WenYuCreeping => {
+                let law = ParticleDrag { law: DragLaw::WenYuCreeping, ..on_particle };
+                fill_drag(law, radii, bed, velocity, drag);
+            }
+            DragLaw::WenYu => {
+                let law = ParticleDrag { law: DragLaw::WenYu, ..on_particle };
+                fill_drag(law, radii, bed, velocity, drag);
             }
         });
     }
@@ -291,5 +298,20 @@ impl FluidForce {
         } else {
             Err(GasForceOutOfRange::NoBalance(velocity))
         }
+    }
+}
+
+/// Drag per velocity on particles of these radii where the bed has this phi and u_s.
+#[inline(always)]
+fn fill_drag(
+    law: ParticleDrag,
+    radii: &[f64],
+    (solids_fraction, solids_velocity): (&[f64], &[f64]),
+    velocity: f64,
+    drag: &mut [f64],
+) {
+    let bed = solids_fraction.iter().zip(solids_velocity);
+    for ((drag, &radius), (&phi, &u)) in drag.iter_mut().zip(radii).zip(bed) {
+        *drag = law.per_velocity(2.0 * radius, phi, velocity - u);
     }
 }

@@ -22,6 +22,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantum {
     spacing: f64,
+    /// 1 / spacing, exact.
+    inverse: f64,
     shift: f64,
 }
 
@@ -41,7 +43,7 @@ impl Quantum {
         }
         let spacing = range * 0.5_f64.powi(51);
         // Adding 1.5 * 2^52 spacings leaves no bits below one spacing; subtracting it again is exact.
-        Self { spacing, shift: 1.5 * 2.0_f64.powi(52) * spacing }
+        Self { spacing, inverse: 1.0 / spacing, shift: 1.5 * 2.0_f64.powi(52) * spacing }
     }
 
     /// Distance of two neighbouring lattice numbers.
@@ -69,7 +71,7 @@ impl Quantum {
     /// The integer k of a lattice number `k * spacing`.
     #[inline(always)]
     pub fn count(self, lattice_number: f64) -> i64 {
-        (lattice_number / self.spacing) as i64
+        (lattice_number * self.inverse) as i64
     }
 }
 
