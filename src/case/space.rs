@@ -5,7 +5,7 @@ use super::errors::Problems;
 use super::leaf::must_be_one_of;
 use super::section::Section;
 use super::tree::{Node, Value};
-use crate::domain::{Bounds, Face, Wall};
+use crate::domain::{BASE_PLATE, Bounds, Face, Wall};
 use crate::state::Domain;
 use nalgebra::Vector3;
 
@@ -92,7 +92,7 @@ fn face_walls(bounds: &Bounds) -> Vec<Wall> {
                 continue;
             }
             let name = match (axis, side) {
-                (2, 0) => "base plate".to_owned(),
+                (2, 0) => BASE_PLATE.to_owned(),
                 _ => format!("{} {name}", AXES[axis]),
             };
             let mut point = Vector3::zeros();

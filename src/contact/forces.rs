@@ -3,7 +3,7 @@
 use super::lanes::evaluate_in_lanes;
 use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
 use crate::domain::Wall;
-use crate::numbers::{Quantum, in_wide_vectors};
+use crate::numbers::{Quantum, in_wide_vectors, within};
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -179,7 +179,7 @@ pub fn add_wall_forces(
             ContactForce { normal: 0.0, tangential: Vector3::zeros() }
         };
         let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
-        if !(on_wall.amax() <= laws.limit) {
+        if !within(&on_wall, laws.limit) {
             let other = format!("wall \"{}\"", wall.name);
             return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
         }

@@ -4,7 +4,7 @@ use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
 use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, in_wide_vectors};
+use crate::numbers::{Quantum, in_wide_vectors, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -170,7 +170,7 @@ impl FluidForce {
                 -lateral * velocity.y,
                 drag * ((u - velocity.z) + slip / (voidage * voidage)),
             ));
-            if !(force.amax() <= self.limit) {
+            if !within(&force, self.limit) {
                 return Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
