@@ -4,7 +4,7 @@ use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
 use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, in_wide_vectors, within};
+use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -210,18 +210,13 @@ impl FluidForce {
         let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
         drag.resize(solids_fraction.len(), 0.0);
         let radii = &particles.radius[..particles.owned_count()];
-        let bed = (&solids_fraction[..], &solids_velocity[..]);
-        let on_particle = gas.particle_drag();
-        // The law is chosen once, so that the loop holds no branch.
-        in_wide_vectors(|| match gas.drag {
-            DragLaw::WenYuCreeping => {
-                let law = ParticleDrag { law: DragLaw::WenYuCreeping, ..on_particle };
-                fill_drag(law, radii, bed, velocity, drag);
-            }
-            DragLaw::WenYu => {
-                let law = ParticleDrag { law: DragLaw::WenYu, ..on_particle };
-                fill_drag(law, radii, bed, velocity, drag);
-            }
+        in_wide_vectors(DragWork {
+            drag_law: gas.particle_drag(),
+            radii,
+            solids_fraction,
+            solids_velocity,
+            velocity,
+            drag,
         });
     }
 
@@ -302,16 +297,35 @@ impl FluidForce {
 }
 
 /// Drag per velocity on particles of these radii where the bed has this phi and u_s.
-#[inline(always)]
-fn fill_drag(
-    law: ParticleDrag,
-    radii: &[f64],
-    (solids_fraction, solids_velocity): (&[f64], &[f64]),
+struct DragWork<'a> {
+    drag_law: ParticleDrag,
+    radii: &'a [f64],
+    solids_fraction: &'a [f64],
+    solids_velocity: &'a [f64],
     velocity: f64,
-    drag: &mut [f64],
-) {
-    let bed = solids_fraction.iter().zip(solids_velocity);
-    for ((drag, &radius), (&phi, &u)) in drag.iter_mut().zip(radii).zip(bed) {
-        *drag = law.per_velocity(2.0 * radius, phi, velocity - u);
+    drag: &'a mut [f64],
+}
+
+impl VectorWork for DragWork<'_> {
+    type Output = ();
+
+    /// The law is chosen once, so that the loop holds no branch.
+    #[inline(always)]
+    fn run(self) {
+        match self.drag_law.law {
+            DragLaw::WenYuCreeping => self.fill(DragLaw::WenYuCreeping),
+            DragLaw::WenYu => self.fill(DragLaw::WenYu),
+        }
+    }
+}
+
+impl DragWork<'_> {
+    #[inline(always)]
+    fn fill(self, law: DragLaw) {
+        let drag_law = ParticleDrag { law, ..self.drag_law };
+        let bed = self.solids_fraction.iter().zip(self.solids_velocity);
+        for ((drag, &radius), (&phi, &u)) in self.drag.iter_mut().zip(self.radii).zip(bed) {
+            *drag = drag_law.per_velocity(2.0 * radius, phi, self.velocity - u);
+        }
     }
 }

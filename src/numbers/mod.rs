@@ -13,4 +13,4 @@ pub use functions::{power, sine};
 pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;
-pub use wide_vectors::in_wide_vectors;
+pub use wide_vectors::{VectorWork, in_wide_vectors};
