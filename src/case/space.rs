@@ -21,6 +21,15 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
         if all.iter().any(|other| other.name == wall.name) {
             root.problems.add(node.error(format!("there is another wall {:?}", wall.name)));
         }
+        if let Some(axis) =
+            (0..3).find(|&axis| bounds.is_periodic(axis) && wall.normal[axis] != 0.0)
+        {
+            let axis = AXES[axis];
+            let words = format!(
+                "must be parallel to {axis}, along which the box is periodic: normal = 0 there"
+            );
+            root.problems.add(node.error(words));
+        }
         all.push(wall);
     }
     Some(Domain { bounds, walls: all })
