@@ -75,6 +75,13 @@ fn reversed(memory: ContactMemory) -> ContactMemory {
     ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
 }
 
+/// The same memory without negative zeros: the difference of two equal numbers is +0 from both sides, so the
+/// sign of a zero says only from which side the pair was evaluated.
+fn without_negative_zeros(memory: ContactMemory) -> ContactMemory {
+    let tangential_spring = memory.tangential_spring.map(|component| component + 0.0);
+    ContactMemory { tangential_spring, ..memory }
+}
+
 impl Contacts {
     /// Number of slots.
     pub fn pair_count(&self) -> usize {
@@ -109,10 +116,11 @@ impl Contacts {
                 let (here, there) = (particles.id[row], particles.id[partner]);
                 let memory = self.memory[slot];
                 if here < there {
+                    let memory = without_negative_zeros(memory);
                     return Some(PairMemory { lower: here, higher: there, memory });
                 }
                 let leave = once && particles.owned_original(partner).is_none();
-                let memory = reversed(memory);
+                let memory = without_negative_zeros(reversed(memory));
                 (!leave).then_some(PairMemory { lower: there, higher: here, memory })
             })
             .collect()
@@ -135,9 +143,11 @@ impl Contacts {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
             for (number, wall) in walls.iter().enumerate() {
-                let gap = wall.height_of(&particles.position[particle]) - particles.radius[particle];
+                let gap =
+                    wall.height_of(&particles.position[particle]) - particles.radius[particle];
                 if gap < reach.range + reach.skin {
-                    self.wall_pairs.push(WallPair { particle: particle as u32, wall: number as u32 });
+                    self.wall_pairs
+                        .push(WallPair { particle: particle as u32, wall: number as u32 });
                 }
             }
         }
@@ -192,7 +202,9 @@ impl Contacts {
             let &index = index_of.get(&record.particle).ok_or_else(lost)?;
             let slot = self
                 .wall_pairs
-                .binary_search_by_key(&(index as u32, record.wall), |pair| (pair.particle, pair.wall))
+                .binary_search_by_key(&(index as u32, record.wall), |pair| {
+                    (pair.particle, pair.wall)
+                })
                 .map_err(|_| lost())?;
             self.wall_memory[slot] = record.memory;
             self.wall_touching[slot] = true;
