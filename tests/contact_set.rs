@@ -3,11 +3,11 @@
 
 mod beds;
 
-use beds::{Bench, OPEN, PERIODIC, Run, Snapshot, attraction, law};
+use beds::{Bench, OPEN, PERIODIC, Run, Snapshot, attraction, branch, law};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use talcum::domain::Bounds;
-use talcum::parallel::{ParticleRecord, share_with_all};
+use talcum::parallel::share_with_all;
 
 const RANK_GRIDS: [[usize; 3]; 4] = [[1, 1, 1], [1, 1, 2], [1, 1, 3], [2, 2, 1]];
 
@@ -21,14 +21,6 @@ fn agitated_box(diameters: &[f64]) -> Bench {
         particle.velocity[0] += if particle.position[2] > 3.45 { 4.0 } else { -4.0 };
     }
     bench
-}
-
-/// From one centre to another's nearest image.
-fn branch(bounds: &Bounds, one: &ParticleRecord, other: &ParticleRecord) -> Vector3<f64> {
-    Vector3::from_fn(|axis, _| {
-        let (way, length) = (other.position[axis] - one.position[axis], bounds.lengths()[axis]);
-        if bounds.is_periodic(axis) { way - length * (way / length).round() } else { way }
-    })
 }
 
 /// All pairs whose surfaces are closer than `range`, found by trying all.

@@ -84,6 +84,18 @@ pub(crate) fn shaken(relative_acceleration: f64, frequency: f64) -> EffectiveGra
     EffectiveGravity { magnitude: 1.0, vibration: Some(vibration) }
 }
 
+/// From one centre to another's nearest image.
+pub(crate) fn branch(
+    bounds: &Bounds,
+    one: &ParticleRecord,
+    other: &ParticleRecord,
+) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| {
+        let (way, length) = (other.position[axis] - one.position[axis], bounds.lengths()[axis]);
+        if bounds.is_periodic(axis) { way - length * (way / length).round() } else { way }
+    })
+}
+
 fn face_walls(bounds: &Bounds) -> Vec<Wall> {
     let mut walls = Vec::new();
     for axis in 0..3 {
