@@ -58,8 +58,8 @@ fn a_head_on_collision_follows_the_closed_form_to_second_order() {
         [(velocity.z - exact[0]).abs(), (place.z - exact[1]).abs() * omega]
     });
     for pair in errors.windows(2) {
-        for kind in 0..2 {
-            let ratio = pair[0][kind] / pair[1][kind];
+        for (coarse, fine) in pair[0].iter().zip(pair[1]) {
+            let ratio = coarse / fine;
             println!("head on, error ratio {ratio:.3}");
             // 4, and terms of order (omega dt)^2 = 0.006 beside it.
             assert!((ratio - 4.0).abs() < 0.1, "{errors:?}");
