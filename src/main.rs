@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `talcum`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    talcum::command_line::main()
+}

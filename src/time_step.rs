@@ -3,7 +3,9 @@
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::Face;
 use crate::numbers::ExactSum;
-use crate::parallel::{CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all};
+use crate::parallel::{
+    CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
+};
 use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Stage;
@@ -198,13 +200,8 @@ fn arrange(
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
-    let rebuilt = work.neighbours.rebuild(
-        particles,
-        contacts,
-        &domain.walls,
-        work.reach,
-        (&pairs, &walls),
-    );
+    let rebuilt =
+        work.neighbours.rebuild(particles, contacts, &domain.walls, work.reach, (&pairs, &walls));
     work.timers.add(Stage::Rebuild, begin.elapsed());
     agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
 }
@@ -243,7 +240,8 @@ fn check_speeds(
     limit: f64,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    let too_fast = (0..particles.owned_count()).find(|&i| !(particles.velocity[i].norm() <= limit));
+    let allowed = |i: usize| particles.velocity[i].norm() <= limit; // an undefined one is not
+    let too_fast = (0..particles.owned_count()).find(|&i| !allowed(i));
     let result = match too_fast {
         None => Ok(()),
         Some(i) => Err(format!(
@@ -296,7 +294,7 @@ fn evaluate_forces(
     });
     let bodies = timers.time(Stage::BodyForces, || {
         tallies.weight = add_weight(particles, models, gravity);
-        match models.gas.as_ref().zip(fluid.as_ref()) {
+        match models.gas.as_ref().zip(fluid.as_mut()) {
             None => Ok([0; 3]),
             Some((gas, fluid)) => fluid.add_to(gas, particles),
         }

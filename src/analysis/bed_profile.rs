@@ -55,7 +55,8 @@ impl BedProfile {
         };
         let nodes = self.grid.nodes();
         let inside = |&node: &usize| phi(node) >= self.threshold;
-        let (Some(first), Some(last)) = ((0..nodes).find(inside), (0..nodes).rev().find(inside)) else {
+        let (Some(first), Some(last)) = ((0..nodes).find(inside), (0..nodes).rev().find(inside))
+        else {
             return (0.0, 0.0);
         };
         let crossing = |outer: usize, inner: usize| {
@@ -64,11 +65,8 @@ impl BedProfile {
             outer + part * (inner - outer)
         };
         let bottom = if first == 0 { 0.0 } else { crossing(first - 1, first) };
-        let top = if last + 1 == nodes {
-            self.grid.height_of(last)
-        } else {
-            crossing(last + 1, last)
-        };
+        let top =
+            if last + 1 == nodes { self.grid.height_of(last) } else { crossing(last + 1, last) };
         (bottom, top)
     }
 }

@@ -7,6 +7,7 @@
 use super::forces::{ForceLaws, ForceOutOfRange, NearPair, out_of_range, total};
 use super::van_der_waals::{Attraction, Full, NearContact, NoAttraction};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
+use crate::numbers::within;
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 
@@ -120,9 +121,14 @@ fn gather(block: &mut Block, pairs: &[NearPair], particles: &Particles, contacts
 
 /// All lanes, those beyond the last pair too: what they hold is never read.
 #[inline(always)]
-fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaws, block: &mut Block) {
+fn run<L: ContactLaw, A: Attraction>(
+    (law, attraction): (&L, A),
+    laws: &ForceLaws,
+    block: &mut Block,
+) {
     for lane in 0..LANES {
-        let vector = |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+        let vector =
+            |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
         let branch = vector(&block.branch);
         let distance = branch.dot(&branch).sqrt();
         let (radius_i, radius_j) = (block.radius_i[lane], block.radius_j[lane]);
@@ -132,7 +138,8 @@ fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaw
         let contact = Contact {
             overlap,
             normal,
-            relative_velocity: vector(&block.relative_velocity) - vector(&block.spin).cross(&normal),
+            relative_velocity: vector(&block.relative_velocity)
+                - vector(&block.spin).cross(&normal),
             reduced_mass: mass_i * mass_j / (mass_i + mass_j),
             cohesion: attraction.between(radius_i, radius_j, -overlap),
         };
@@ -154,10 +161,7 @@ fn run<L: ContactLaw, A: Attraction>((law, attraction): (&L, A), laws: &ForceLaw
         }
         block.largest_overlap[lane] = memory.largest_overlap * touches;
         block.overlap[lane] = overlap;
-        let within = on_j.x.abs() <= laws.limit
-            && on_j.y.abs() <= laws.limit
-            && on_j.z.abs() <= laws.limit;
-        block.out_of_range[lane] = if within { 0.0 } else { 1.0 };
+        block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
     }
 }
 

@@ -103,8 +103,8 @@ impl Attraction for NearContact {
     #[inline(always)]
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
         let s = if separation > self.0.cut_off { separation } else { self.0.cut_off };
-        let force = self.0.hamaker * (radius_1 * radius_2)
-            / (6.0 * (radius_1 + radius_2) * (s * s));
+        let force =
+            self.0.hamaker * (radius_1 * radius_2) / (6.0 * (radius_1 + radius_2) * (s * s));
         if separation > self.0.range { 0.0 } else { force }
     }
 }

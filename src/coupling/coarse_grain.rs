@@ -89,7 +89,8 @@ impl CoarseGraining {
         for i in 0..particles.owned_count() {
             let weights = grid.weights(particles.position[i].z);
             let diameter = 2.0 * particles.radius[i];
-            bed.diameter_density[weights.lower] += lattice.round(diameter * (1.0 - weights.of_upper));
+            bed.diameter_density[weights.lower] +=
+                lattice.round(diameter * (1.0 - weights.of_upper));
             bed.diameter_density[weights.upper] += lattice.round(diameter * weights.of_upper);
         }
         ranks.sum_exact(&mut bed.diameter_density);

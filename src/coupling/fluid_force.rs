@@ -2,9 +2,9 @@
 
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, Drive, WeightBalance};
+use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::Quantum;
+use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -46,15 +46,15 @@ pub struct FluidForce {
     lattice: Quantum,
     slope_lattice: Quantum,
     limit: f64,
+    local: AtParticles,
 }
 
-/// What the gas does to one particle per velocity, and the fields there.
-#[derive(Clone, Copy)]
-struct Local {
-    drag: f64,
-    solids_fraction: f64,
-    solids_velocity: f64,
-    voidage_squared: f64,
+/// The fields at each owned particle, and the drag on it per velocity.
+#[derive(Clone, Debug, Default)]
+struct AtParticles {
+    solids_fraction: Vec<f64>,
+    solids_velocity: Vec<f64>,
+    drag: Vec<f64>,
 }
 
 impl FluidForce {
@@ -78,6 +78,7 @@ impl FluidForce {
             lattice,
             slope_lattice,
             limit: force_limit,
+            local: AtParticles::default(),
         }
     }
 
@@ -96,9 +97,22 @@ impl FluidForce {
         self.superficial_velocity
     }
 
-    /// phi and u_s of the bed now. Collective.
+    /// phi and u_s of the bed now, on the grid and at the particles. Collective.
     pub fn coarse_grain(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
+        let AtParticles { solids_fraction, solids_velocity, .. } = &mut self.local;
+        let (phi, velocity) = (&self.bed.solids_fraction, &self.bed.solids_velocity);
+        solids_fraction.clear();
+        solids_velocity.clear();
+        for position in &particles.position[..particles.owned_count()] {
+            let weights = self.grid.weights(position.z);
+            let interpolate = |field: &[f64]| {
+                let (lower, upper) = (field[weights.lower], field[weights.upper]);
+                lower + weights.of_upper * (upper - lower)
+            };
+            solids_fraction.push(interpolate(phi));
+            solids_velocity.push(interpolate(velocity));
+        }
     }
 
     /// Sets U_s: what the case says for this time, or what carries the weight. Collective.
@@ -138,28 +152,30 @@ impl FluidForce {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_to(
-        &self,
+        &mut self,
         gas: &ColumnGas,
         particles: &mut Particles,
     ) -> Result<[i64; 3], GasForceOutOfRange> {
+        self.find_drag(gas, particles, self.superficial_velocity);
+        let local = &self.local;
         let mut total = [0; 3];
         for i in 0..particles.owned_count() {
-            let local = self.at_particle(gas, particles, i, self.superficial_velocity);
+            let (drag, u) = (local.drag[i], local.solids_velocity[i]);
+            let voidage = 1.0 - local.solids_fraction[i];
             let velocity = particles.velocity[i];
-            let slip = self.superficial_velocity - local.solids_velocity;
-            let lateral = if gas.lateral_drag { local.drag } else { 0.0 };
+            let slip = self.superficial_velocity - u;
+            let lateral = if gas.lateral_drag { drag } else { 0.0 };
             let force = self.lattice.round_vector(Vector3::new(
                 -lateral * velocity.x,
                 -lateral * velocity.y,
-                local.drag
-                    * ((local.solids_velocity - velocity.z) + slip / local.voidage_squared),
+                drag * ((u - velocity.z) + slip / (voidage * voidage)),
             ));
-            if !(force.amax() <= self.limit) {
+            if !within(&force, self.limit) {
                 return Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
                     limit: self.limit,
-                    solids_fraction: local.solids_fraction,
+                    solids_fraction: local.solids_fraction[i],
                 });
             }
             particles.force[i] += force;
@@ -189,17 +205,19 @@ impl FluidForce {
         }
     }
 
-    #[inline(always)]
-    fn at_particle(&self, gas: &ColumnGas, particles: &Particles, i: usize, velocity: f64) -> Local {
-        let weights = self.grid.weights(particles.position[i].z);
-        let interpolate = |field: &[f64]| {
-            field[weights.lower] + weights.of_upper * (field[weights.upper] - field[weights.lower])
-        };
-        let solids_fraction = interpolate(&self.bed.solids_fraction);
-        let solids_velocity = interpolate(&self.bed.solids_velocity);
-        let slip = velocity - solids_velocity;
-        let drag = gas.drag_per_velocity(2.0 * particles.radius[i], solids_fraction, slip);
-        Local { drag, solids_fraction, solids_velocity, voidage_squared: (1.0 - solids_fraction).powi(2) }
+    /// Drag per velocity on each owned particle at a superficial velocity.
+    fn find_drag(&mut self, gas: &ColumnGas, particles: &Particles, velocity: f64) {
+        let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
+        drag.resize(solids_fraction.len(), 0.0);
+        let radii = &particles.radius[..particles.owned_count()];
+        in_wide_vectors(DragWork {
+            drag_law: gas.particle_drag(),
+            radii,
+            solids_fraction,
+            solids_velocity,
+            velocity,
+            drag,
+        });
     }
 
     /// Weight of all particles, as the sum of their rounded weights: exact.
@@ -216,7 +234,7 @@ impl FluidForce {
     /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
     /// particles' forces: nearer than that the sums do not settle.
     fn velocity_by_particle_force(
-        &self,
+        &mut self,
         gas: &ColumnGas,
         particles: &Particles,
         weight: f64,
@@ -224,12 +242,13 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
+            self.find_drag(gas, particles, velocity);
+            let local = &self.local;
             let mut sums = [0, 0, particles.owned_count() as i64];
             for i in 0..particles.owned_count() {
-                let local = self.at_particle(gas, particles, i, velocity);
-                let (u, v) = (local.solids_velocity, particles.velocity[i].z);
-                let slope = local.drag / local.voidage_squared;
-                let constant = local.drag * (u - v) - slope * u;
+                let (u, v) = (local.solids_velocity[i], particles.velocity[i].z);
+                let slope = local.drag[i] / (1.0 - local.solids_fraction[i]).powi(2);
+                let constant = local.drag[i] * (u - v) - slope * u;
                 sums[0] += self.lattice.count(self.lattice.round(constant));
                 sums[1] += self.slope_lattice.count(self.slope_lattice.round(slope));
             }
@@ -257,7 +276,8 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         self.coarse_graining.deposit_diameters(particles, &self.grid, &mut self.bed, ranks);
         let target = weight / (self.grid.cell_volume() / self.grid.spacing());
-        let excess = |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
+        let excess =
+            |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
         let (mut old, mut velocity) = (0.0, self.grid.spacing());
         let (mut excess_old, mut excess_now) = (excess(old), excess(velocity));
         for _ in 0..MOST_ITERATIONS {
@@ -272,6 +292,44 @@ impl FluidForce {
     }
 
     fn finite(&self, velocity: f64) -> Result<f64, GasForceOutOfRange> {
-        if velocity.is_finite() { Ok(velocity) } else { Err(GasForceOutOfRange::NoBalance(velocity)) }
+        if velocity.is_finite() {
+            Ok(velocity)
+        } else {
+            Err(GasForceOutOfRange::NoBalance(velocity))
+        }
+    }
+}
+
+/// Drag per velocity on particles of these radii where the bed has this phi and u_s.
+struct DragWork<'a> {
+    drag_law: ParticleDrag,
+    radii: &'a [f64],
+    solids_fraction: &'a [f64],
+    solids_velocity: &'a [f64],
+    velocity: f64,
+    drag: &'a mut [f64],
+}
+
+impl VectorWork for DragWork<'_> {
+    type Output = ();
+
+    /// The law is chosen once, so that the loop holds no branch.
+    #[inline(always)]
+    fn run(self) {
+        match self.drag_law.law {
+            DragLaw::WenYuCreeping => self.fill(DragLaw::WenYuCreeping),
+            DragLaw::WenYu => self.fill(DragLaw::WenYu),
+        }
+    }
+}
+
+impl DragWork<'_> {
+    #[inline(always)]
+    fn fill(self, law: DragLaw) {
+        let drag_law = ParticleDrag { law, ..self.drag_law };
+        let bed = self.solids_fraction.iter().zip(self.solids_velocity);
+        for ((drag, &radius), (&phi, &u)) in self.drag.iter_mut().zip(self.radii).zip(bed) {
+            *drag = drag_law.per_velocity(2.0 * radius, phi, self.velocity - u);
+        }
     }
 }

@@ -64,18 +64,9 @@ impl ColumnGas {
         ColumnGrid::new(bounds, self.spacing, base_part)
     }
 
-    /// (V / phi) beta = 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
-    /// where the solids fraction is phi and U_s - u_s is `slip`.
-    ///
-    /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
-    #[inline(always)]
-    pub fn drag_per_velocity(&self, diameter: f64, solids_fraction: f64, slip: f64) -> f64 {
-        let reynolds = match self.drag.depends_on_reynolds() {
-            true => self.density * diameter * slip.abs() / self.viscosity,
-            false => 0.0,
-        };
-        let stokes = 3.0 * PI * self.viscosity * diameter;
-        stokes * self.drag.scaled_drag(solids_fraction, reynolds)
+    /// The drag on one particle, whatever its size and surroundings.
+    pub fn particle_drag(&self) -> ParticleDrag {
+        ParticleDrag { law: self.drag, viscosity: self.viscosity, density: self.density }
     }
 
     /// Pressure drop over the column, the integral of beta (U_s - u_s) / (1 - phi)^2 dz.
@@ -84,6 +75,7 @@ impl ColumnGas {
     /// counts in full width if it averages over a full cell, so that the integral of phi is the solids'
     /// volume per area.
     pub fn pressure_drop(&self, grid: &ColumnGrid, fields: &ColumnFields, velocity: f64) -> f64 {
+        let drag = self.particle_drag();
         (0..grid.nodes())
             .filter(|&node| fields.solids_fraction[node] > 0.0)
             .map(|node| {
@@ -92,11 +84,38 @@ impl ColumnGas {
                 let lengths = fields.diameter_density[node];
                 // The diameter d of equal spheres with this phi and this sum of diameters.
                 let diameter = (6.0 * phi / (PI * lengths)).sqrt();
-                let beta = lengths / diameter * self.drag_per_velocity(diameter, phi, slip);
+                let beta = lengths / diameter * drag.per_velocity(diameter, phi, slip);
                 let width = grid.volume_of(node) / grid.cell_volume() * grid.spacing();
                 beta * slip / (1.0 - phi).powi(2) * width
             })
             .sum()
+    }
+}
+
+/// Drag of a gas on single particles in a suspension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleDrag {
+    /// Drag law.
+    pub law: DragLaw,
+    /// Gas viscosity.
+    pub viscosity: f64,
+    /// Gas density.
+    pub density: f64,
+}
+
+impl ParticleDrag {
+    /// (V / phi) beta = 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
+    /// where the solids fraction is phi and U_s - u_s is `slip`.
+    ///
+    /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
+    #[inline(always)]
+    pub fn per_velocity(&self, diameter: f64, solids_fraction: f64, slip: f64) -> f64 {
+        let reynolds = match self.law.depends_on_reynolds() {
+            true => self.density * diameter * slip.abs() / self.viscosity,
+            false => 0.0,
+        };
+        let stokes = 3.0 * PI * self.viscosity * diameter;
+        stokes * self.law.scaled_drag(solids_fraction, reynolds)
     }
 }
 

@@ -3,5 +3,5 @@
 mod column;
 mod drag;
 
-pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, WeightBalance};
+pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
 pub use drag::DragLaw;

@@ -1,12 +1,80 @@
-//! Elementary functions in the path of the state: in pure Rust, so that the bits do not depend on the
-//! machine's C library.
+//! Elementary functions in the path of the state: the same bits on every machine.
+
+use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
 /// sin(x), x in radians.
 pub fn sine(x: f64) -> f64 {
     libm::sin(x)
 }
 
-/// x^y for x > 0.
+/// x^y for normal x > 0 and results that are normal numbers; relative error below 1e-14 while x^y lies within
+/// 1e-3 to 1e3, growing with |ln x^y|.
+///
+/// Additions, multiplications and one division only, without branches: a loop over it runs in vector
+/// instructions, where a call into a library costs more than all contacts of a particle. Every operation is
+/// rounded once, so the bits do not depend on the machine.
+///
+/// log2 by the series of artanh((m - 1)/(m + 1)), 2^f by its Taylor series; both are cut where the next term is
+/// below 2^-53 (Muller, "Elementary Functions", 3rd ed., chapters 3 and 11).
+#[inline(always)]
 pub fn power(x: f64, y: f64) -> f64 {
-    libm::pow(x, y)
+    exp2(y * log2(x))
+}
+
+const MANTISSA: u64 = (1 << 52) - 1;
+const ONE: u64 = 1023 << 52;
+/// 2^52: numbers in [2^52, 2^53) hold an integer in their mantissa.
+const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
+
+#[inline(always)]
+fn log2(x: f64) -> f64 {
+    let bits = x.to_bits();
+    let exponent = f64::from_bits((bits >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + 1023.0);
+    let mantissa = f64::from_bits((bits & MANTISSA) | ONE); // in [1, 2)
+    let upper = mantissa > SQRT_2;
+    let m = if upper { 0.5 * mantissa } else { mantissa };
+    let exponent = if upper { exponent + 1.0 } else { exponent };
+    let s = (m - 1.0) / (m + 1.0); // |s| < 0.1716
+    let q = s * s;
+    let mut series = 1.0 / 19.0;
+    for odd in [17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+        series = series * q + 1.0 / odd;
+    }
+    exponent + 2.0 * LOG2_E * s * series
+}
+
+#[inline(always)]
+fn exp2(t: f64) -> f64 {
+    let shifted = t + 1.5 * TWO_TO_52;
+    let whole = shifted - 1.5 * TWO_TO_52;
+    let f = (t - whole) * LN_2; // |f| < 0.3466
+    let mut series = 1.0;
+    for n in [13.0, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
+        series = 1.0 + series * f * (1.0 / n);
+    }
+    let scale = f64::from_bits((shifted.to_bits().wrapping_add(1023)) << 52);
+    series * scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn powers_agree_with_the_library(x in 0.02..50.0f64, y in -3.0..3.0f64) {
+            let (ours, theirs) = (power(x, y), libm::pow(x, y));
+            // The rounding of y log2 x, up to 17 in magnitude here, enters as 17 * 2^-53 * ln 2 per rounding.
+            prop_assert!((ours / theirs - 1.0).abs() < 1.0e-14, "{ours} {theirs}");
+        }
+    }
+
+    #[test]
+    fn simple_powers_are_right() {
+        assert_eq!(power(1.0, -2.65), 1.0);
+        assert_eq!(power(4.0, 0.5), 2.0);
+        assert_eq!(power(2.0, -3.0), 0.125);
+        assert!((power(0.37, -2.65) / power(0.37, -2.6) - 1.0).abs() > 1.0e-2); // a control
+    }
 }

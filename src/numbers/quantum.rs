@@ -22,6 +22,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantum {
     spacing: f64,
+    /// 1 / spacing, exact.
+    inverse: f64,
     shift: f64,
 }
 
@@ -41,7 +43,7 @@ impl Quantum {
         }
         let spacing = range * 0.5_f64.powi(51);
         // Adding 1.5 * 2^52 spacings leaves no bits below one spacing; subtracting it again is exact.
-        Self { spacing, shift: 1.5 * 2.0_f64.powi(52) * spacing }
+        Self { spacing, inverse: 1.0 / spacing, shift: 1.5 * 2.0_f64.powi(52) * spacing }
     }
 
     /// Distance of two neighbouring lattice numbers.
@@ -69,8 +71,14 @@ impl Quantum {
     /// The integer k of a lattice number `k * spacing`.
     #[inline(always)]
     pub fn count(self, lattice_number: f64) -> i64 {
-        (lattice_number / self.spacing) as i64
+        (lattice_number * self.inverse) as i64
     }
+}
+
+/// Whether every component lies within `limit`; not so if one is undefined.
+#[inline(always)]
+pub fn within(vector: &Vector3<f64>, limit: f64) -> bool {
+    vector.x.abs() <= limit && vector.y.abs() <= limit && vector.z.abs() <= limit
 }
 
 #[cfg(test)]
@@ -105,6 +113,13 @@ mod tests {
             let backwards: f64 = values.iter().rev().sum();
             prop_assert_eq!(forwards.to_bits(), backwards.to_bits());
         }
+    }
+
+    #[test]
+    fn an_undefined_component_is_not_within_any_limit() {
+        assert!(within(&Vector3::new(1.0, -2.0, 0.0), 2.0));
+        assert!(!within(&Vector3::new(1.0, -2.1, 0.0), 2.0));
+        assert!(!within(&Vector3::new(0.0, f64::NAN, 0.0), 2.0));
     }
 
     #[test]

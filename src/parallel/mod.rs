@@ -15,9 +15,9 @@ mod thread_ranks;
 
 pub use balance::{balanced, imbalance};
 pub use migrate::{migrate, send_to_owners, share_with_all};
-pub use particle_halo::ParticleHalo;
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
+pub use particle_halo::ParticleHalo;
 pub use records::{ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
 pub use sort_by_id::{SortedBlock, sort_by_id};
 pub use thread_ranks::run_on_threads;

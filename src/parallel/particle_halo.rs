@@ -72,8 +72,7 @@ impl ParticleHalo {
             plan.neighbours = cut.neighbours(here, axis, bounds);
             let length = bounds.lengths()[axis];
             let at_end = [lower[axis] == 0.0, upper[axis] == length];
-            for side in 0..2 {
-                let shipment = &mut plan.shipments[side];
+            for (side, shipment) in plan.shipments.iter_mut().enumerate() {
                 shipment.shift = match (at_end[side], side) {
                     (false, _) => 0.0,
                     (true, 0) => length,
@@ -87,7 +86,8 @@ impl ParticleHalo {
                     0 => position[axis] - lower[axis] < width,
                     _ => upper[axis] - position[axis] <= width,
                 };
-                let chosen = (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
+                let chosen =
+                    (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
                 shipment.indices.extend(chosen.map(|i| i as u32));
             }
             self.send_new_ghosts(axis, particles, ranks);

@@ -84,9 +84,8 @@ impl CellGrid {
         }
         let counts = cells(width);
         self.counts = [counts.x as usize, counts.y as usize, counts.z as usize];
-        self.inverse_width = extent.zip_map(&counts, |length, count| {
-            if length > 0.0 { count / length } else { 0.0 }
-        });
+        self.inverse_width = extent
+            .zip_map(&counts, |length, count| if length > 0.0 { count / length } else { 0.0 });
     }
 }
 

@@ -69,7 +69,8 @@ pub fn lay_out(
 
 /// Width of the ghost layer in the stage that needs the widest.
 pub(super) fn ghost_width(case: &Case, sizes: &SizeRange) -> f64 {
-    let ranges = case.stages.iter().filter_map(|stage| stage.cohesion.as_ref()).map(|law| law.range);
+    let ranges =
+        case.stages.iter().filter_map(|stage| stage.cohesion.as_ref()).map(|law| law.range);
     let skin = case.parallel.skin * sizes.largest_diameter;
     Reach { range: ranges.fold(0.0, f64::max), skin }.ghost_width(sizes.largest_diameter)
 }

@@ -111,9 +111,7 @@ impl Outputs {
         let path = file("profiles.h5");
         let profiles = match (case.output.profiles, continues) {
             (None, _) => None,
-            (_, true) => {
-                Some(Profiles::resume(&path, time, (&heights, text), &provenance, ranks)?)
-            }
+            (_, true) => Some(Profiles::resume(&path, time, (&heights, text), &provenance, ranks)?),
             (_, false) => Some(Profiles::create(&path, &heights, text, &provenance, ranks)?),
         };
         let path = file("particles.vtkhdf");

@@ -72,8 +72,8 @@ pub fn begin_from_case(
 ) -> Result<Beginning, StartError> {
     let share = match &case.particles.start {
         BedStart::Run { path } => {
-            let (end, _) = checkpoint::read(path, ranks)?;
-            share_of(end, ranks).0
+            let (end, _, _) = checkpoint::read(path, ranks)?;
+            share_of(end, ranks)
         }
         _ => {
             let bed = agree(case.initial_bed(), ranks).map_err(StartError::Bed)?;
@@ -105,7 +105,7 @@ pub fn begin_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<Beginning, StartError> {
     let start = (checkpoint.clock, checkpoint.departed, checkpoint.sizes);
-    let (share, _) = share_of(checkpoint, ranks);
+    let share = share_of(checkpoint, ranks);
     spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
         state,
         work,
@@ -114,15 +114,14 @@ pub fn begin_from_checkpoint(
 }
 
 /// Contact memories are made known to all, so that each finds those of its particles.
-fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> (Share, SizeRange) {
+fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> Share {
     let pairs = share_with_all(&checkpoint.contacts, ranks);
     let walls = share_with_all(&checkpoint.wall_contacts, ranks);
-    let share = Share {
+    Share {
         particles: checkpoint.particles,
         pairs: pairs.into_iter().map(PairMemory::from).collect(),
         walls: walls.into_iter().map(WallMemory::from).collect(),
-    };
-    (share, checkpoint.sizes)
+    }
 }
 
 /// Every rank makes the whole bed, which depends on ids alone, and keeps an even part.

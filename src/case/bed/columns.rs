@@ -1,0 +1,163 @@
+//! Columns of a file of particles: which ones there are, and how their numbers are read.
+
+use super::BedError;
+use crate::case::leaf::nearest;
+use std::path::Path;
+
+/// One row: what the file says about a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Row {
+    /// Line of the file, from 1.
+    pub(super) line: usize,
+    pub(super) id: u64,
+    pub(super) position: [f64; 3],
+    pub(super) velocity: [f64; 3],
+    pub(super) angular_velocity: [f64; 3],
+    pub(super) diameter: Option<f64>,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Column {
+    Id,
+    Position(usize),
+    /// Position over the box of the file, whose bounds a dump states.
+    ScaledPosition(usize),
+    Velocity(usize),
+    AngularVelocity(usize),
+    Diameter,
+    Radius,
+    /// Not of use here.
+    Ignored,
+}
+
+/// The rows of a file, and whether they say velocities.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    pub(super) rows: Vec<Row>,
+    pub(super) have_velocities: bool,
+}
+
+/// A file and a line of it, for errors.
+#[derive(Clone, Copy)]
+pub(super) struct At<'a> {
+    pub(super) file: &'a Path,
+    pub(super) line: usize,
+}
+
+impl At<'_> {
+    pub(super) fn error(self, reason: impl Into<String>) -> BedError {
+        BedError::Line { file: self.file.to_owned(), line: self.line, reason: reason.into() }
+    }
+}
+
+/// The columns of a file: names and meanings.
+pub(super) struct Header<'a> {
+    names: Vec<&'a str>,
+    columns: Vec<Column>,
+}
+
+impl<'a> Header<'a> {
+    /// A header whose names are among those known; others are ignored or refused.
+    pub(super) fn new(
+        names: Vec<&'a str>,
+        known: &[(&'static str, Column)],
+        ignore_others: bool,
+        at: At<'_>,
+    ) -> Result<Self, BedError> {
+        let mut columns = Vec::new();
+        for name in &names {
+            let column = match known.iter().find(|(known, _)| known == name) {
+                Some((_, column)) => *column,
+                None if ignore_others => Column::Ignored,
+                None => return Err(at.error(unknown(name, known))),
+            };
+            if column != Column::Ignored && columns.contains(&column) {
+                return Err(at.error(format!("column {name:?} is there twice")));
+            }
+            columns.push(column);
+        }
+        let header = Self { names, columns };
+        header.check().map_err(|reason| at.error(reason))?;
+        Ok(header)
+    }
+
+    /// Whether there are velocities.
+    pub(super) fn has_velocities(&self) -> bool {
+        self.columns.iter().any(|column| matches!(column, Column::Velocity(_)))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let has = |column: Column| self.columns.contains(&column);
+        if !has(Column::Id) {
+            return Err("there is no column id".to_owned());
+        }
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            match (has(Column::Position(axis)), has(Column::ScaledPosition(axis))) {
+                (false, false) => return Err(format!("there is no column {name}")),
+                (true, true) => return Err(format!("there are several columns for {name}")),
+                _ => {}
+            }
+        }
+        if has(Column::Diameter) && has(Column::Radius) {
+            return Err("there are columns of both diameter and radius".to_owned());
+        }
+        Ok(())
+    }
+
+    /// One row from its fields; scaled positions refer to a box `[axis][lower, upper]`.
+    pub(super) fn row(
+        &self,
+        fields: &[&str],
+        file_box: &[[f64; 2]; 3],
+        at: At<'_>,
+    ) -> Result<Row, BedError> {
+        let (found, wanted) = (fields.len(), self.columns.len());
+        if found != wanted {
+            return Err(at.error(format!("has {found} fields where the header names {wanted}")));
+        }
+        let mut row = Row { line: at.line, ..Row::default() };
+        for ((field, name), column) in fields.iter().zip(&self.names).zip(&self.columns) {
+            if *column == Column::Ignored {
+                continue;
+            }
+            let wrong = |what| at.error(format!("column {name}: {field:?} is not {what}"));
+            if *column == Column::Id {
+                let id = field.parse().ok().filter(|&id| id < u64::MAX);
+                row.id = id.ok_or_else(|| wrong("an id, a whole number from 0"))?;
+                continue;
+            }
+            let number = field.parse().ok().filter(|number: &f64| number.abs() <= 1.0e30);
+            row.set(*column, number.ok_or_else(|| wrong("a finite number"))?, file_box);
+            if row.diameter.is_some_and(|diameter| diameter < 1.0e-30) {
+                return Err(wrong("above 0"));
+            }
+        }
+        Ok(row)
+    }
+}
+
+impl Row {
+    fn set(&mut self, column: Column, number: f64, file_box: &[[f64; 2]; 3]) {
+        match column {
+            Column::Position(axis) => self.position[axis] = number,
+            Column::ScaledPosition(axis) => {
+                let [lower, upper] = file_box[axis];
+                self.position[axis] = lower + (upper - lower) * number;
+            }
+            Column::Velocity(axis) => self.velocity[axis] = number,
+            Column::AngularVelocity(axis) => self.angular_velocity[axis] = number,
+            Column::Diameter => self.diameter = Some(number),
+            Column::Radius => self.diameter = Some(2.0 * number),
+            Column::Id | Column::Ignored => {}
+        }
+    }
+}
+
+fn unknown(name: &str, known: &[(&'static str, Column)]) -> String {
+    let all: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+    match nearest(name, &all) {
+        Some(near) => format!("unknown column {name:?}: did you mean {near}?"),
+        None => format!("unknown column {name:?}: known are {}", all.join(", ")),
+    }
+}

@@ -1,0 +1,125 @@
+//! Layers of a simple cubic lattice, from the bottom up.
+
+use super::super::particles::Amount;
+use super::{BedError, Sphere, diameter_of};
+use crate::case::Case;
+use crate::numbers::{random_of, uniform};
+use nalgebra::Vector3;
+
+/// Sites that may be skipped behind walls, over particles that are placed.
+const SKIPPED: f64 = 100.0;
+/// What ends within this part of a spacing beyond a bound still ends below it.
+const ROUNDING: f64 = 1.0e-9;
+/// More particles than this are a mistake.
+const MOST: f64 = 1.0e9;
+
+/// Sites of the lattice: as many per axis as fit, stretched to fill a width.
+struct Sites {
+    counts: [f64; 3],
+    spacings: [f64; 3],
+    bottom: f64,
+}
+
+/// Spheres on lattice sites, each displaced along each axis by up to `jitter` of half the free gap: less than
+/// half of it, so that no two can touch.
+pub(super) fn fill(
+    case: &Case,
+    spacing: f64,
+    jitter: f64,
+    bottom: f64,
+) -> Result<Vec<Sphere>, BedError> {
+    let largest = case.size_range().map_or(spacing, |sizes| sizes.largest_diameter);
+    let sites = Sites::new(case, spacing, bottom)?;
+    let room: f64 = sites.counts.iter().product();
+    let wanted = wanted(case, room)?;
+    let displacements = sites.spacings.map(|spacing| 0.5 * jitter * (spacing - largest).max(0.0));
+    let mut spheres = Vec::with_capacity(wanted.min(1.0e7) as usize);
+    for number in 0..room.min(wanted * (1.0 + SKIPPED)) as u64 {
+        if spheres.len() as f64 >= wanted {
+            break;
+        }
+        let site = sites.position_of(number);
+        if behind_wall(case, &site, 0.5 * largest, &displacements) {
+            continue;
+        }
+        let id = spheres.len() as u64;
+        let diameter = diameter_of(case, id).unwrap_or(largest);
+        let position = site + displacement_of(case, id, displacements);
+        spheres.push(Sphere { position, diameter });
+    }
+    let placed = spheres.len() as u64;
+    match case.particles.amount {
+        Some(Amount::Count(asked)) if placed < asked => {
+            Err(BedError::TooMany { asked, room: placed })
+        }
+        _ if placed == 0 => Err(BedError::NoRoom("not one particle fits".to_owned())),
+        _ => Ok(spheres),
+    }
+}
+
+/// How many particles the case wants, of so many that there is room for.
+fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
+    match case.particles.amount {
+        Some(Amount::Count(asked)) if asked as f64 > room => {
+            Err(BedError::TooMany { asked, room: room as u64 })
+        }
+        Some(Amount::Count(count)) => Ok(count as f64),
+        _ if room > MOST => {
+            let reason =
+                format!("{room} particles fit below fill_height: at most 1e9 are possible");
+            Err(BedError::NoRoom(reason))
+        }
+        _ => Ok(room),
+    }
+}
+
+/// Whether a particle of this site, wherever it is displaced to, could touch a wall.
+fn behind_wall(case: &Case, site: &Vector3<f64>, radius: f64, displacements: &[f64; 3]) -> bool {
+    case.domain.walls.iter().any(|wall| {
+        let towards: f64 =
+            displacements.iter().zip(wall.normal.iter()).map(|(d, n)| d * n.abs()).sum();
+        wall.height_of(site) < (radius + towards) * (1.0 - ROUNDING)
+    })
+}
+
+fn displacement_of(case: &Case, id: u64, displacements: [f64; 3]) -> Vector3<f64> {
+    if displacements == [0.0; 3] {
+        return Vector3::zeros();
+    }
+    let mut generator = random_of(case.particles.seed, id, "jitter");
+    Vector3::from(displacements.map(|largest| largest * (2.0 * uniform(&mut generator) - 1.0)))
+}
+
+impl Sites {
+    fn new(case: &Case, spacing: f64, bottom: f64) -> Result<Self, BedError> {
+        let bounds = &case.domain.bounds;
+        let lengths = bounds.lengths();
+        let fitting = |length: f64, spacing: f64| (length / spacing * (1.0 + ROUNDING)).floor();
+        let mut counts: [f64; 3] = std::array::from_fn(|axis| fitting(lengths[axis], spacing));
+        let mut spacings: [f64; 3] = std::array::from_fn(|axis| lengths[axis] / counts[axis]);
+        let top = match case.particles.amount {
+            Some(Amount::FillHeight(height)) => height.min(lengths.z),
+            _ => lengths.z,
+        };
+        if !bounds.is_periodic(2) {
+            spacings[2] = spacing;
+        }
+        counts[2] = counts[2].min(fitting(top - bottom, spacings[2]));
+        if counts.iter().any(|&count| count.is_nan() || count < 1.0) {
+            let reason = format!(
+                "not one particle fits between bottom = {bottom} and a height of {top} with \
+                 spacing = {spacing}"
+            );
+            return Err(BedError::NoRoom(reason));
+        }
+        Ok(Self { counts, spacings, bottom })
+    }
+
+    /// Sites are numbered along x, then y, then z.
+    fn position_of(&self, number: u64) -> Vector3<f64> {
+        let [nx, ny] = [self.counts[0] as u64, self.counts[1] as u64];
+        let index = [number % nx, number / nx % ny, number / nx / ny];
+        let at = |axis: usize| (index[axis] as f64 + 0.5) * self.spacings[axis];
+        Vector3::new(at(0), at(1), self.bottom + at(2))
+    }
+}

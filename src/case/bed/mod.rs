@@ -1,0 +1,165 @@
+//! The particles at the start of a run.
+
+mod cells;
+mod columns;
+mod csv;
+mod file;
+mod lammps;
+mod lattice;
+mod random_fill;
+
+use super::Case;
+use super::particles::Start;
+use crate::numbers::{normal, random_of};
+use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
+use crate::state::SizeRange;
+use nalgebra::Vector3;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Particles by id, and what they remember of contacts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InitialBed {
+    /// Particles in the order of their ids; positions on the lattice of the box, inside it.
+    pub particles: Vec<ParticleRecord>,
+    /// Touching pairs.
+    pub contacts: Vec<ContactRecord>,
+    /// Touching walls.
+    pub wall_contacts: Vec<WallContactRecord>,
+}
+
+/// Why there is no initial bed.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BedError {
+    /// The file cannot be read.
+    #[error("{}: {reason}", .file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A line of the file is wrong.
+    #[error("{}:{line}: {reason}", .file.display())]
+    Line {
+        /// The file.
+        file: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Not all particles fit.
+    #[error("particles.count = {asked}: only {room} fit into the box from such a start")]
+    TooMany {
+        /// How many the case wants.
+        asked: u64,
+        /// How many fit.
+        room: u64,
+    },
+    /// There is no room.
+    #[error("particles.start: {0}")]
+    NoRoom(String),
+    /// The sizes of the particles do not suit box or time step.
+    #[error("{0}")]
+    Sizes(String),
+    /// Two particles, or a particle and a wall, are too deep in each other.
+    #[error(
+        "{first} and {second} overlap by {overlap:.4} of the smaller diameter: must be at most {most}"
+    )]
+    Overlap {
+        /// The particle.
+        first: String,
+        /// The other one, or the wall.
+        second: String,
+        /// Overlap over the smaller diameter.
+        overlap: f64,
+        /// What is allowed.
+        most: f64,
+    },
+    /// A particle is outside.
+    #[error("particle {id} is outside of the box: its {axis} is {coordinate}")]
+    Outside {
+        /// Its id.
+        id: u64,
+        /// Along which axis.
+        axis: char,
+        /// Where.
+        coordinate: f64,
+    },
+    /// The start is the end of another run, which this module cannot read.
+    #[error("the start is the end of another run, {}: it is read from that checkpoint", .0.display())]
+    AnotherRun(PathBuf),
+}
+
+impl InitialBed {
+    /// The sizes that occur; `None` without particles.
+    pub fn size_range(&self) -> Option<SizeRange> {
+        let first = self.particles.first()?;
+        let mut range = SizeRange {
+            smallest_diameter: 2.0 * first.radius,
+            largest_diameter: 2.0 * first.radius,
+            largest_mass: first.mass,
+        };
+        for particle in &self.particles {
+            range.smallest_diameter = range.smallest_diameter.min(2.0 * particle.radius);
+            range.largest_diameter = range.largest_diameter.max(2.0 * particle.radius);
+            range.largest_mass = range.largest_mass.max(particle.mass);
+        }
+        Some(range)
+    }
+}
+
+/// A sphere that is to become a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sphere {
+    position: Vector3<f64>,
+    diameter: f64,
+}
+
+/// The initial bed of a case.
+pub(super) fn build(case: &Case) -> Result<InitialBed, BedError> {
+    let spheres = match &case.particles.start {
+        Start::Lattice { spacing, jitter, bottom } => {
+            lattice::fill(case, *spacing, *jitter, *bottom)?
+        }
+        Start::Random { solids_fraction, bottom } => {
+            random_fill::fill(case, *solids_fraction, *bottom)?
+        }
+        Start::File { path, format, offset } => return file::read(case, path, *format, *offset),
+        Start::Run { path } => return Err(BedError::AnotherRun(path.clone())),
+    };
+    let records = spheres.iter().enumerate().map(|(id, sphere)| record(case, id as u64, sphere));
+    Ok(InitialBed { particles: records.collect(), ..InitialBed::default() })
+}
+
+/// A particle at rest, or with the random velocity that the case wants.
+fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
+    let bounds = &case.domain.bounds;
+    let position = bounds.wrap(bounds.lattice().round_vector(sphere.position));
+    ParticleRecord {
+        id,
+        position: position.into(),
+        velocity: random_velocity(case, id),
+        angular_velocity: [0.0; 3],
+        force: [0.0; 3],
+        torque: [0.0; 3],
+        radius: 0.5 * sphere.diameter,
+        mass: case.particles.mass_of(sphere.diameter),
+    }
+}
+
+/// Components normally distributed, their variance the granular temperature.
+fn random_velocity(case: &Case, id: u64) -> [f64; 3] {
+    let temperature = case.particles.granular_temperature;
+    if temperature == 0.0 {
+        return [0.0; 3];
+    }
+    let mut generator = random_of(case.particles.seed, id, "velocity");
+    std::array::from_fn(|_| temperature.sqrt() * normal(&mut generator))
+}
+
+/// Diameter of a particle that the case draws.
+fn diameter_of(case: &Case, id: u64) -> Option<f64> {
+    case.particles.sizes.as_ref().map(|sizes| sizes.diameter_of(case.particles.seed, id))
+}

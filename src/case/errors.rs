@@ -1,0 +1,112 @@
+//! What is wrong with a case file: every error with its place, key, value and what is allowed.
+
+use std::cell::RefCell;
+use std::fmt;
+use thiserror::Error;
+
+/// Where in its input an error lies.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line, from 1.
+    Line(usize),
+    /// A line and a column, from 1: where the parser stumbled.
+    Column(usize, usize),
+    /// An override, `key.path=value`, of the command line.
+    Override(String),
+}
+
+/// One error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseError {
+    /// Where.
+    pub place: Place,
+    /// Path of the key, for example `contact.restitution`; empty if it is no key's error.
+    pub key: String,
+    /// The value as it was written, if there is one.
+    pub value: Option<String>,
+    /// What is wrong or what is allowed, in words.
+    pub message: String,
+}
+
+/// All errors of a case file, in the order of its lines; at least one.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub struct CaseErrors {
+    /// Name of the file as the user gave it.
+    pub file_name: String,
+    /// The errors.
+    pub errors: Vec<CaseError>,
+}
+
+impl fmt::Display for CaseErrors {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.errors.iter().enumerate() {
+            if index > 0 {
+                writeln!(formatter)?;
+            }
+            let file = &self.file_name;
+            match &error.place {
+                Place::File => write!(formatter, "{file}")?,
+                Place::Line(line) => write!(formatter, "{file}:{line}")?,
+                Place::Column(line, column) => write!(formatter, "{file}:{line}:{column}")?,
+                Place::Override(text) => write!(formatter, "{file}, --set {text}")?,
+            }
+            if !error.key.is_empty() {
+                write!(formatter, ": {}", error.key)?;
+                if let Some(value) = &error.value {
+                    write!(formatter, " = {value}")?;
+                }
+            }
+            write!(formatter, ": {}", error.message)?;
+        }
+        Ok(())
+    }
+}
+
+/// Collects errors, and notes on values that the file leaves to a default.
+#[derive(Debug, Default)]
+pub(super) struct Problems {
+    errors: RefCell<Vec<CaseError>>,
+    notes: RefCell<Vec<String>>,
+}
+
+impl Problems {
+    /// Adds an error, once: stages repeat what they take over from the base.
+    pub(super) fn add(&self, error: CaseError) {
+        let mut errors = self.errors.borrow_mut();
+        if !errors.contains(&error) {
+            errors.push(error);
+        }
+    }
+
+    /// Adds an error that belongs to no key.
+    pub(super) fn add_at(&self, place: Place, message: impl Into<String>) {
+        self.add(CaseError { place, key: String::new(), value: None, message: message.into() });
+    }
+
+    /// Adds a note, once.
+    pub(super) fn note(&self, note: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+
+    /// Whether nothing is wrong so far.
+    pub(super) fn is_empty(&self) -> bool {
+        self.errors.borrow().is_empty()
+    }
+
+    /// The notes so far.
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.notes.borrow().clone()
+    }
+
+    /// The errors in the order of their places.
+    pub(super) fn into_errors(self, file_name: &str) -> CaseErrors {
+        let mut errors = self.errors.into_inner();
+        errors.sort_by(|a, b| a.place.cmp(&b.place));
+        CaseErrors { file_name: file_name.to_owned(), errors }
+    }
+}

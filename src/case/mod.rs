@@ -1,0 +1,217 @@
+//! The case file: a schema of its own, read strictly and turned once into what the rest works with.
+//!
+//! Every key is described in `docs/input.md`.
+
+mod allowed;
+mod bed;
+mod column;
+mod errors;
+mod forces;
+mod leaf;
+mod overrides;
+mod particles;
+mod plans;
+mod section;
+mod sizes;
+mod space;
+mod stages;
+mod tree;
+mod units;
+mod wall_time;
+
+pub use bed::{BedError, InitialBed};
+pub use errors::{CaseError, CaseErrors, Place};
+pub use particles::{Amount, BedFormat, ParticleSetup, Start};
+pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
+pub use sizes::SizeDistribution;
+pub use stages::Stage;
+pub use units::{Quantity, Units};
+
+use crate::contact::ContactLaw;
+use crate::domain::Bounds;
+use crate::state::{Domain, SizeRange};
+use allowed::rounded;
+use errors::Problems;
+use particles::Scales;
+use section::Section;
+use stages::Surroundings;
+use std::path::Path;
+use std::time::Duration;
+use tree::Node;
+
+/// A run as its case file describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What the user calls it.
+    pub title: String,
+    /// The system of units of all numbers.
+    pub units: Units,
+    /// The file's text with all overrides applied: reading it gives the same case.
+    pub text: String,
+    /// Box and walls.
+    pub domain: Domain,
+    /// Stages, one after another; at least one.
+    pub stages: Vec<Stage>,
+    /// Particles.
+    pub particles: ParticleSetup,
+    /// Results.
+    pub output: OutputPlan,
+    /// Checkpoints.
+    pub checkpoint: CheckpointPlan,
+    /// Wall-clock time after which the run ends itself with a checkpoint.
+    pub wall_clock: Option<Duration>,
+    /// Ranks.
+    pub parallel: ParallelPlan,
+    /// Choices of physics that the file leaves to a default, in words.
+    pub notes: Vec<String>,
+}
+
+impl Case {
+    /// Reads a case file; each override is a text `key.path=value`.
+    ///
+    /// # Errors
+    /// All that is wrong with the file, not only the first.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, CaseErrors> {
+        let name = path.display().to_string();
+        let text = std::fs::read(path).map_err(|error| error.to_string()).and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
+        });
+        let text = text.map_err(|reason| {
+            let problems = Problems::default();
+            problems.add_at(Place::File, format!("cannot be read: {reason}"));
+            problems.into_errors(&name)
+        })?;
+        Self::from_text(&text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+    }
+
+    /// Reads the text of a case, which errors call `file_name`; paths in it are relative to `folder`.
+    ///
+    /// # Errors
+    /// All that is wrong with the text, not only the first.
+    pub fn from_text(
+        text: &str,
+        file_name: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, CaseErrors> {
+        let problems = Problems::default();
+        let case = overrides::apply(text, overrides, &problems)
+            .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
+        match case {
+            Some(case) if problems.is_empty() => Ok(case),
+            _ => Err(problems.into_errors(file_name)),
+        }
+    }
+
+    /// When the run ends.
+    pub fn end_time(&self) -> f64 {
+        self.stages.last().map_or(0.0, |stage| stage.end)
+    }
+
+    /// The stage at a time; a stage begins at its start, and the last one never ends.
+    pub fn stage_at(&self, time: f64) -> &Stage {
+        let next = self.stages.partition_point(|stage| stage.start <= time);
+        &self.stages[next.saturating_sub(1)]
+    }
+
+    /// The range that the sizes of particles can have; `None` if a file or another run says it.
+    pub fn size_range(&self) -> Option<SizeRange> {
+        self.particles.size_range()
+    }
+
+    /// The particles at the start: all of them, in the order of their ids, and what they remember.
+    ///
+    /// # Errors
+    /// If they do not fit, if their file is wrong, or if the start is the end of another run.
+    pub fn initial_bed(&self) -> Result<InitialBed, BedError> {
+        bed::build(self)
+    }
+
+    /// What is wrong with box and time step for particles of these sizes: (key, words).
+    pub fn check_sizes(&self, sizes: &SizeRange) -> Vec<(&'static str, String)> {
+        let mut wrong = check_box(&self.domain.bounds, self, sizes);
+        for stage in &self.stages {
+            let smallest_mass = self.particles.mass_of(sizes.smallest_diameter);
+            let duration = stage.contact.contact_duration(0.5 * smallest_mass);
+            if stage.time_step > duration {
+                let name = &stage.name;
+                let words = format!(
+                    "must be below {duration:.3e}, the duration of a contact in stage {name:?}; a \
+                     twelfth of it or less is advised"
+                );
+                wrong.push(("time.step", words));
+            }
+            let limits = stage.limits(sizes);
+            let torque = limits.force * sizes.largest_diameter;
+            if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
+                let words = "gives forces beyond the range of numbers".to_owned();
+                wrong.push(("contact.normal_stiffness", words));
+            }
+        }
+        wrong
+    }
+}
+
+/// The box must hold a particle, and be wide enough for its ghosts where it is periodic.
+fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static str, String)> {
+    let largest = sizes.largest_diameter;
+    let ranges = case.stages.iter().filter_map(|stage| Some(stage.cohesion.as_ref()?.range));
+    let reach = largest * (1.0 + case.parallel.skin) + ranges.fold(0.0, f64::max);
+    let mut wrong = Vec::new();
+    for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+        let length = bounds.lengths()[axis];
+        if bounds.is_periodic(axis) && length < 2.0 * reach {
+            let least = rounded(2.0 * reach);
+            let words = format!(
+                "is too narrow along {name} for its ghosts: must be at least {least}, twice the largest \
+                 diameter with skin and range of cohesion"
+            );
+            wrong.push(("box.lengths", words));
+        } else if length < largest {
+            let words = format!("is smaller along {name} than the largest particle, {largest}");
+            wrong.push(("box.lengths", words));
+        } else if length > 1.0e9 * sizes.smallest_diameter {
+            let words = format!("must be at most 1e9 of the smallest diameter along {name}");
+            wrong.push(("box.lengths", words));
+        }
+    }
+    wrong
+}
+
+fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> Option<Case> {
+    let root = Section::of(tree, problems)?;
+    let title = root.text("title");
+    let units = root.value("units");
+    let domain = space::read_domain(&root);
+    let (particles, scales) = match root.section("particles") {
+        Some(section) => particles::read_particles(section, units, folder),
+        None => (None, Scales { density: None, diameter: None }),
+    };
+    let bounds = domain.as_ref().map(|domain| &domain.bounds);
+    let (stages, step) = stages::read_stages(&root, &Surroundings { units, scales, bounds });
+    let output = root.section("output").and_then(|section| plans::read_output(section, step));
+    let checkpoint = plans::read_checkpoint(root.optional_section("checkpoint"));
+    let wall_clock = plans::read_run(root.optional_section("run"));
+    let parallel = plans::read_parallel(root.optional_section("parallel"));
+    root.finish();
+    let case = Case {
+        title: title?,
+        units: units?,
+        text,
+        domain: domain?,
+        stages: stages?,
+        particles: particles?,
+        output: output?,
+        checkpoint,
+        wall_clock,
+        parallel,
+        notes: problems.notes(),
+    };
+    if let Some(sizes) = case.size_range() {
+        for (key, words) in case.check_sizes(&sizes) {
+            let node = key.split('.').try_fold(tree, |node, key| node.get(key)).unwrap_or(tree);
+            problems.add(node.error(words));
+        }
+    }
+    Some(case)
+}

@@ -1,0 +1,230 @@
+//! Overrides of the command line, `key.path=value`: put into the text, with its format kept.
+
+use super::errors::{Place, Problems};
+use super::tree::Node;
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+
+/// Keys of which exactly one is given: setting one takes the place of its partner.
+const EXCLUSIVE: [[&str; 2]; 8] = [
+    ["bond_number", "hamaker_constant"],
+    ["wall_bond_number", "wall_hamaker_constant"],
+    ["stokes_number", "viscosity"],
+    ["superficial_velocity", "weight"],
+    ["gamma", "amplitude"],
+    ["poisson_ratio", "tangential_stiffness"],
+    ["count", "fill_height"],
+    ["axis", "ranks"],
+];
+
+/// The key that a key takes the place of.
+pub(super) fn partner(key: &str) -> Option<&'static str> {
+    EXCLUSIVE.iter().find_map(|[first, second]| match key {
+        _ if key == *first => Some(*second),
+        _ if key == *second => Some(*first),
+        _ => None,
+    })
+}
+
+/// The text with overrides applied, and its tree: places are lines of the text as it was, or overrides.
+pub(super) fn apply(
+    text: &str,
+    overrides: &[String],
+    problems: &Problems,
+) -> Option<(String, Node)> {
+    let original = Node::parse(text, problems)?;
+    if overrides.is_empty() {
+        return Some((text.to_owned(), original));
+    }
+    let mut document: DocumentMut = match text.parse() {
+        Ok(document) => document,
+        Err(error) => {
+            problems.add_at(Place::File, format!("not valid TOML: {error}"));
+            return None;
+        }
+    };
+    let mut applied = Vec::new();
+    for given in overrides {
+        match set(&mut document, given) {
+            Ok(path) => applied.push((path, given.clone())),
+            Err(message) => problems.add_at(Place::Override(given.clone()), message),
+        }
+    }
+    let effective = document.to_string();
+    let mut tree = Node::parse(&effective, problems)?;
+    let mut places = Vec::new();
+    original.clone().for_each(&mut |node| places.push((node.path.clone(), node.place.clone())));
+    tree.for_each(&mut |node| node.place = place_of(&node.path, &applied, &places));
+    Some((effective, tree))
+}
+
+fn place_of(path: &str, applied: &[(String, String)], places: &[(String, Place)]) -> Place {
+    let below = |inner: &str, outer: &str| {
+        inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    if let Some((_, given)) = applied.iter().rev().find(|(set, _)| below(path, set)) {
+        return Place::Override(given.clone());
+    }
+    if let Some((_, place)) = places.iter().find(|(known, _)| known == path) {
+        return place.clone();
+    }
+    // A section that an override made.
+    let maker = applied.iter().find(|(set, _)| below(set, path));
+    maker.map_or(Place::File, |(_, given)| Place::Override(given.clone()))
+}
+
+/// Applies one override; returns the path that it sets, members of lists by number.
+fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
+    let (path, value) =
+        given.split_once('=').ok_or("an override must look like key.path=value".to_owned())?;
+    let keys: Vec<&str> = path.trim().split('.').map(str::trim).collect();
+    let plain = |key: &str| {
+        !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "_- ".contains(c))
+    };
+    if !keys.iter().all(|key| plain(key)) {
+        return Err("an override must look like key.path=value".to_owned());
+    }
+    let value = value_of(value.trim())?;
+    let mut resolved = Vec::new();
+    set_in(document.as_table_mut(), &keys, value, &mut resolved)?;
+    Ok(resolved.join("."))
+}
+
+/// A value of TOML; a bare word is a text.
+fn value_of(text: &str) -> Result<Value, String> {
+    if let Ok(value) = text.parse::<Value>() {
+        return Ok(value);
+    }
+    let word = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    let is_word = text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(word);
+    match is_word {
+        true => Ok(Value::from(text)),
+        false => Err(format!("{text:?} is not a value of TOML; texts need quotes")),
+    }
+}
+
+fn set_in(
+    table: &mut dyn TableLike,
+    keys: &[&str],
+    value: Value,
+    resolved: &mut Vec<String>,
+) -> Result<(), String> {
+    let (key, rest) = keys.split_first().ok_or("the path ends too early".to_owned())?;
+    resolved.push((*key).to_owned());
+    if rest.is_empty() {
+        insert(table, key, value);
+        return Ok(());
+    }
+    if !table.contains_key(key) {
+        table.insert(key, Item::Table(Table::new()));
+    }
+    let item = table.get_mut(key).ok_or("the path leads nowhere".to_owned())?;
+    if item.is_table_like() {
+        let inner = item.as_table_like_mut().ok_or("the path leads nowhere".to_owned())?;
+        return set_in(inner, rest, value, resolved);
+    }
+    let path = resolved.join(".");
+    let members: Vec<&mut dyn TableLike> = match item {
+        Item::ArrayOfTables(tables) => {
+            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
+        }
+        Item::Value(Value::Array(array)) => array
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        _ => return Err(format!("{path} is not a section")),
+    };
+    let (chosen, rest) = rest.split_first().ok_or("the path ends too early".to_owned())?;
+    let (number, member) = choose(members, chosen).ok_or_else(|| {
+        format!("{path} has no member {chosen:?}: give its number, from 1, or its name")
+    })?;
+    resolved.push(number.to_string());
+    match rest {
+        [] => Err(format!("{path}.{chosen} is a section: set one of its keys")),
+        _ => set_in(member, rest, value, resolved),
+    }
+}
+
+/// Gives a key a value, in the place of its partner if it has one; a comment behind the old value stays.
+fn insert(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    if let Some(partner) = partner(key) {
+        table.remove(partner);
+    }
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(value));
+}
+
+/// The member of a list by its number, from 1, or by its name.
+fn choose<'a>(
+    members: Vec<&'a mut dyn TableLike>,
+    chosen: &str,
+) -> Option<(usize, &'a mut dyn TableLike)> {
+    let number = chosen.parse().ok().or_else(|| {
+        let named = |table: &&mut dyn TableLike| {
+            table.get("name").and_then(Item::as_str).is_some_and(|name| name == chosen)
+        };
+        members.iter().position(named).map(|index| index + 1)
+    })?;
+    members.into_iter().enumerate().nth(usize::checked_sub(number, 1)?).map(|(_, m)| (number, m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "a = 1 # one\n[gas]\nviscosity = 2 # two\n[[stage]]\nname = \"x\"\n[[stage]]\nname = \"y\"\n[stage.gas]\nweight = \"w\"\n";
+
+    fn applied(overrides: &[&str]) -> Result<(String, Node), String> {
+        let problems = Problems::default();
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        let result = apply(TEXT, &overrides, &problems);
+        match problems.is_empty() {
+            true => Ok(result.unwrap()),
+            false => Err(problems.into_errors("f.toml").to_string()),
+        }
+    }
+
+    #[test]
+    fn format_and_places_are_kept() {
+        let (text, tree) = applied(&["gas.stokes_number=55", "new.key=word", "a=3"]).unwrap();
+        assert!(text.contains("a = 3 # one"), "{text}");
+        assert!(!text.contains("viscosity"), "{text}");
+        let stokes = tree.get("gas").unwrap().get("stokes_number").unwrap();
+        assert_eq!(stokes.place, Place::Override("gas.stokes_number=55".into()));
+        assert_eq!(tree.get("gas").unwrap().place, Place::Line(2));
+        assert_eq!(tree.get("new").unwrap().place, Place::Override("new.key=word".into()));
+        assert_eq!(tree.get("stage").unwrap().items()[1].place, Place::Line(6));
+    }
+
+    #[test]
+    fn stages_go_by_number_or_name() {
+        for path in ["stage.2.gas.superficial_velocity=0.1", "stage.y.gas.superficial_velocity=0.1"]
+        {
+            let (text, tree) = applied(&[path]).unwrap();
+            assert!(!text.contains("weight"));
+            let gas = tree.get("stage").unwrap().items()[1].get("gas").unwrap().clone();
+            assert_eq!(gas.entries()[0].1.path, "stage.2.gas.superficial_velocity");
+            assert_eq!(gas.entries()[0].1.place, Place::Override(path.into()));
+        }
+    }
+
+    #[test]
+    fn wrong_overrides_are_refused_in_words() {
+        for (given, words) in [
+            ("a", "must look like key.path=value"),
+            ("a..b=1", "must look like key.path=value"),
+            ("a=[1", "is not a value of TOML"),
+            ("a.b=1", "a is not a section"),
+            ("stage.3.name='z'", "stage has no member \"3\""),
+            ("stage.0.name='z'", "stage has no member \"0\""),
+            ("stage=1.5.2", "is not a value of TOML"),
+            ("stage.1=2", "stage.1 is a section"),
+        ] {
+            let error = applied(&[given]).unwrap_err();
+            assert!(error.starts_with(&format!("f.toml, --set {given}: ")), "{error}");
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Diameters of particles: a number, a list, or a distribution. Drawn by id, so that they depend on the
+//! seed alone.
+
+use super::allowed::Allowed;
+use super::section::Section;
+use super::tree::{Node, Value};
+use crate::numbers::{normal, random_of, uniform};
+use serde::Deserialize;
+
+/// How diameters are distributed over particles, by number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SizeDistribution {
+    /// All the same.
+    Single(f64),
+    /// A few classes.
+    Classes {
+        /// Diameters.
+        values: Vec<f64>,
+        /// Number fractions, one each; their sum is 1.
+        fractions: Vec<f64>,
+    },
+    /// Equally likely between two diameters.
+    Uniform {
+        /// Lower bound.
+        smallest: f64,
+        /// Upper bound.
+        largest: f64,
+    },
+    /// Normal, drawn again outside the bounds.
+    Normal {
+        /// Mean before truncation.
+        mean: f64,
+        /// Standard deviation before truncation.
+        deviation: f64,
+        /// Lower bound.
+        smallest: f64,
+        /// Upper bound.
+        largest: f64,
+    },
+    /// ln d is normal, drawn again outside the bounds.
+    LogNormal {
+        /// Median before truncation.
+        median: f64,
+        /// Standard deviation of ln d before truncation.
+        deviation: f64,
+        /// Lower bound.
+        smallest: f64,
+        /// Upper bound.
+        largest: f64,
+    },
+}
+
+impl SizeDistribution {
+    /// Part of a distribution that must lie between its bounds: the rest is drawn again.
+    const LEAST_PART: f64 = 0.05;
+
+    /// The diameter of a particle.
+    pub fn diameter_of(&self, seed: u64, id: u64) -> f64 {
+        let mut generator = match self {
+            Self::Single(diameter) => return *diameter,
+            _ => random_of(seed, id, "diameter"),
+        };
+        match self {
+            Self::Single(diameter) => *diameter,
+            Self::Classes { values, fractions } => {
+                let mut rest = uniform(&mut generator);
+                let class = fractions.iter().position(|fraction| {
+                    rest -= fraction;
+                    rest < 0.0
+                });
+                values[class.unwrap_or(values.len() - 1)]
+            }
+            Self::Uniform { smallest, largest } => {
+                let diameter = smallest + (largest - smallest) * uniform(&mut generator);
+                diameter.min(*largest)
+            }
+            Self::Normal { mean, deviation, smallest, largest } => loop {
+                let diameter = mean + deviation * normal(&mut generator);
+                if (*smallest..=*largest).contains(&diameter) {
+                    return diameter;
+                }
+            },
+            Self::LogNormal { median, deviation, smallest, largest } => loop {
+                let diameter = median * libm::exp(deviation * normal(&mut generator));
+                if (*smallest..=*largest).contains(&diameter) {
+                    return diameter;
+                }
+            },
+        }
+    }
+
+    /// The smallest and the largest diameter that can occur.
+    pub fn bounds(&self) -> [f64; 2] {
+        match self {
+            Self::Single(diameter) => [*diameter; 2],
+            Self::Classes { values, .. } => [
+                values.iter().copied().fold(f64::INFINITY, f64::min),
+                values.iter().copied().fold(0.0, f64::max),
+            ],
+            Self::Uniform { smallest, largest }
+            | Self::Normal { smallest, largest, .. }
+            | Self::LogNormal { smallest, largest, .. } => [*smallest, *largest],
+        }
+    }
+
+    /// Whether random numbers are drawn.
+    pub fn is_random(&self) -> bool {
+        !matches!(self, Self::Single(_))
+    }
+
+    /// Part of the distribution, before truncation, between its bounds.
+    fn part_within_bounds(&self) -> f64 {
+        let below = |x: f64| 0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2));
+        match self {
+            Self::Normal { mean, deviation, smallest, largest } => {
+                below((largest - mean) / deviation) - below((smallest - mean) / deviation)
+            }
+            Self::LogNormal { median, deviation, smallest, largest } => {
+                below(libm::log(largest / median) / deviation)
+                    - below(libm::log(smallest / median) / deviation)
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Shape {
+    Uniform,
+    Normal,
+    LogNormal,
+}
+
+/// The key `diameter`, if it is given and right.
+pub(super) fn read_diameter(section: &Section<'_>) -> Option<SizeDistribution> {
+    let node = section.get("diameter")?;
+    match node.value {
+        Value::Table(_) => read_distribution(section, node),
+        _ => section.optional_number("diameter", Allowed::POSITIVE).map(SizeDistribution::Single),
+    }
+}
+
+fn read_distribution(outer: &Section<'_>, node: &Node) -> Option<SizeDistribution> {
+    let section = Section::of(node, outer.problems)?;
+    if section.has("values") || !section.has("distribution") {
+        return read_classes(section);
+    }
+    let shape: Shape = section.value("distribution")?;
+    let smallest = section.number("smallest", Allowed::POSITIVE);
+    let largest = section.number("largest", Allowed::POSITIVE);
+    let centre = |key| match shape {
+        Shape::Uniform => Some([0.0; 2]),
+        _ => {
+            let centre = section.number(key, Allowed::POSITIVE);
+            let deviation = section.number("deviation", Allowed::POSITIVE);
+            Some([centre?, deviation?])
+        }
+    };
+    let centre = centre(if matches!(shape, Shape::Normal) { "mean" } else { "median" });
+    let bounds = smallest.zip(largest);
+    let is_ordered = bounds.is_none_or(|(smallest, largest)| smallest <= largest);
+    if !is_ordered {
+        section.fail("largest", "must be at least smallest");
+    }
+    let distribution =
+        bounds.zip(centre).map(|((smallest, largest), [c, deviation])| match shape {
+            Shape::Uniform => SizeDistribution::Uniform { smallest, largest },
+            Shape::Normal => SizeDistribution::Normal { mean: c, deviation, smallest, largest },
+            Shape::LogNormal => {
+                SizeDistribution::LogNormal { median: c, deviation, smallest, largest }
+            }
+        });
+    section.finish();
+    distribution.filter(|distribution| is_ordered && holds_enough(outer, distribution))
+}
+
+/// Whether enough of a distribution lies between its bounds; if not, that is reported.
+fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool {
+    let part = distribution.part_within_bounds();
+    let least = SizeDistribution::LEAST_PART;
+    if part >= least {
+        return true;
+    }
+    let words = "smallest and largest must hold at least";
+    section.fail("diameter", format!("{words} {least} of the distribution, not {part:.2e}"));
+    false
+}
+
+fn read_classes(section: Section<'_>) -> Option<SizeDistribution> {
+    let values = section.numbers("values", Allowed::POSITIVE);
+    let fractions = section.numbers("fractions", Allowed::between(0.0, 1.0));
+    section.optional::<String>("distribution");
+    if section.has("distribution") {
+        section.fail("distribution", "cannot be given together with values: give one only");
+    }
+    let (Some(values), Some(fractions)) = (values, fractions) else {
+        section.finish();
+        return None;
+    };
+    let sum: f64 = fractions.iter().sum();
+    let as_many = values.len() == fractions.len();
+    if !as_many {
+        section.fail("fractions", format!("must be as many as values, {}", values.len()));
+    } else if (sum - 1.0).abs() > 1.0e-6 {
+        section.fail("fractions", format!("must add up to 1, not {sum}"));
+    }
+    section.finish();
+    as_many.then_some(SizeDistribution::Classes { values, fractions })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mean_of(sizes: &SizeDistribution) -> f64 {
+        let [smallest, largest] = sizes.bounds();
+        let count = 4000;
+        let diameters = (0..count).map(|id| sizes.diameter_of(3, id)).inspect(|diameter| {
+            assert!((smallest..=largest).contains(diameter));
+        });
+        diameters.sum::<f64>() / count as f64
+    }
+
+    #[test]
+    fn means_are_those_of_the_distributions() {
+        // 4 standard deviations (about 0.1) of the mean of 4000: 0.0063.
+        let tolerance = 0.0065;
+        let (smallest, largest) = (0.8, 1.2);
+        let classes =
+            SizeDistribution::Classes { values: vec![0.9, 1.1], fractions: vec![0.75, 0.25] };
+        assert!((mean_of(&classes) - 0.95).abs() < tolerance);
+        let uniform = SizeDistribution::Uniform { smallest, largest };
+        assert!((mean_of(&uniform) - 1.0).abs() < 1.2 * tolerance);
+        let normal = SizeDistribution::Normal { mean: 1.0, deviation: 0.1, smallest, largest };
+        assert!((mean_of(&normal) - 1.0).abs() < tolerance);
+        let log = SizeDistribution::LogNormal { median: 1.0, deviation: 0.1, smallest, largest };
+        assert!((mean_of(&log) - 1.0).abs() < tolerance);
+        assert!((log.part_within_bounds() - 0.953).abs() < 0.01);
+    }
+}

@@ -1,0 +1,268 @@
+//! Stages: the base of the file, changed by one stage after another.
+
+use super::allowed::Allowed;
+use super::column::read_gas;
+use super::errors::Problems;
+use super::forces::{read_cohesion, read_contact, read_gravity, read_vibration};
+use super::overrides::partner;
+use super::particles::Scales;
+use super::section::Section;
+use super::tree::{Node, Value};
+use super::units::Units;
+use crate::contact::{ContactModel, VanDerWaals};
+use crate::domain::{Bounds, EffectiveGravity};
+use crate::gas::ColumnGas;
+use crate::state::{Limits, Models, SizeRange};
+use std::ops::Range;
+
+/// Sections that a stage may change.
+const SECTIONS: [&str; 5] = ["gravity", "vibration", "contact", "cohesion", "gas"];
+/// Those that may be switched off.
+const OPTIONAL: [&str; 3] = ["vibration", "cohesion", "gas"];
+
+/// A part of the run during which the same models hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// Its name.
+    pub name: String,
+    /// When it begins.
+    pub start: f64,
+    /// When it ends: the next one's start.
+    pub end: f64,
+    /// Length of a step.
+    pub time_step: f64,
+    /// Contact law.
+    pub contact: ContactModel,
+    /// Attraction.
+    pub cohesion: Option<VanDerWaals>,
+    /// Gas.
+    pub gas: Option<ColumnGas>,
+    /// Gravity in the frame of the plate.
+    pub gravity: EffectiveGravity,
+}
+
+impl Stage {
+    /// The models of this stage for particles of these sizes.
+    ///
+    /// The sizes are those at the start of the run, also in a restart: limits and lattices follow from them.
+    pub fn models(&self, sizes: &SizeRange) -> Models {
+        let limits = self.limits(sizes);
+        Models {
+            contact: self.contact.clone(),
+            cohesion: self.cohesion.clone(),
+            gas: self.gas.clone(),
+            gravity: self.gravity,
+            time_step: self.time_step,
+            limits,
+            force_lattice: limits.force_lattice(),
+            torque_lattice: limits.torque_lattice(0.5 * sizes.largest_diameter),
+        }
+    }
+
+    /// What particles of these sizes may not exceed.
+    pub(super) fn limits(&self, sizes: &SizeRange) -> Limits {
+        Limits::new(
+            &self.contact,
+            self.cohesion.as_ref(),
+            [sizes.smallest_diameter, sizes.largest_diameter],
+            sizes.largest_mass * self.gravity.largest(),
+            self.time_step,
+        )
+    }
+}
+
+/// What the stages need from the rest of the file, as far as it is known.
+pub(super) struct Surroundings<'a> {
+    pub(super) units: Option<Units>,
+    pub(super) scales: Scales,
+    pub(super) bounds: Option<&'a Bounds>,
+}
+
+/// A section that stages may change: as it stands now, and whether it is switched on.
+#[derive(Clone, Default)]
+struct Current {
+    node: Option<Node>,
+    is_on: bool,
+    was_on: bool,
+}
+
+/// `[time]`, `[[stage]]` and the sections of what acts on particles. Also returns the time step.
+pub(super) fn read_stages(
+    root: &Section<'_>,
+    surroundings: &Surroundings<'_>,
+) -> (Option<Vec<Stage>>, Option<f64>) {
+    let problems = root.problems;
+    let list = root.get("stage");
+    let (step, end) = read_time(root, list.is_some());
+    let members = list.map(|node| stage_sections(node, problems)).unwrap_or_default();
+    let (names, times) = match list {
+        Some(_) => timetable(&members, step),
+        None => (vec![Some("run".to_owned())], std::iter::once(0.0..end.unwrap_or(1.0)).collect()),
+    };
+    let mut current: [Current; SECTIONS.len()] = Default::default();
+    change_all(&mut current, root, 0);
+    if times.is_empty() {
+        return (None, step);
+    }
+    let mut stages = Vec::new();
+    for (index, time) in times.iter().enumerate() {
+        if let Some(section) = members.get(index) {
+            change_all(&mut current, section, index);
+        }
+        let forces = read_forces(&current, root, surroundings, &times);
+        current.iter_mut().for_each(|current| current.was_on |= current.is_on);
+        stages.push(forces.and_then(|(contact, cohesion, gas, gravity)| {
+            let (name, time_step) = (names[index].clone()?, step?);
+            let Range { start, end } = time.clone();
+            Some(Stage { name, start, end, time_step, contact, cohesion, gas, gravity })
+        }));
+    }
+    // Also a section that no stage switches on must be right.
+    if current.iter().any(|current| !current.was_on && current.node.is_some()) {
+        current.iter_mut().for_each(|current| current.is_on |= !current.was_on);
+        read_forces(&current, root, surroundings, &times);
+    }
+    members.iter().for_each(Section::finish);
+    (stages.into_iter().collect(), step)
+}
+
+/// What the base of the file, or a stage, says about each of the sections.
+fn change_all(current: &mut [Current; SECTIONS.len()], section: &Section<'_>, stage: usize) {
+    for (name, current) in SECTIONS.into_iter().zip(current) {
+        if let Some(node) = section.get(name) {
+            current.change(name, node, stage, section.problems);
+        }
+    }
+}
+
+/// `[time]`: step and end.
+fn read_time(root: &Section<'_>, staged: bool) -> (Option<f64>, Option<f64>) {
+    let Some(section) = root.section("time") else { return (None, None) };
+    let step = section.number("step", Allowed::POSITIVE);
+    let end = match (staged, section.has("end")) {
+        (true, true) => {
+            section.fail("end", "cannot be given together with stages: their durations say it");
+            None
+        }
+        (true, false) => None,
+        (false, _) => section.number("end", Allowed::POSITIVE),
+    };
+    if let (Some(step), Some(end)) = (step, end)
+        && end < step
+    {
+        section.fail("end", format!("must be at least time.step, {step}"));
+    }
+    section.finish();
+    (step, end)
+}
+
+fn stage_sections<'a>(node: &'a Node, problems: &'a Problems) -> Vec<Section<'a>> {
+    if !matches!(node.value, Value::List(_)) || node.items().is_empty() {
+        problems.add(node.error("must be a list of sections, each [[stage]]"));
+    }
+    node.items().iter().filter_map(|item| Section::of(item, problems)).collect()
+}
+
+/// Names and times of the stages.
+fn timetable(
+    sections: &[Section<'_>],
+    step: Option<f64>,
+) -> (Vec<Option<String>>, Vec<Range<f64>>) {
+    let mut names: Vec<Option<String>> = Vec::new();
+    let mut times = Vec::new();
+    let mut start = 0.0;
+    for section in sections {
+        let name = section.text("name");
+        if name.is_some() && names.contains(&name) {
+            section.fail("name", "there is another stage of this name");
+        }
+        names.push(name);
+        let duration = section.number("duration", Allowed::POSITIVE);
+        if let (Some(duration), Some(step)) = (duration, step)
+            && duration < step
+        {
+            section.fail("duration", format!("must be at least time.step, {step}"));
+        }
+        let end = start + duration.unwrap_or(1.0);
+        times.push(start..end);
+        start = end;
+    }
+    (names, times)
+}
+
+type Forces = (ContactModel, Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
+
+fn read_forces(
+    current: &[Current; SECTIONS.len()],
+    root: &Section<'_>,
+    surroundings: &Surroundings<'_>,
+    times: &[Range<f64>],
+) -> Option<Forces> {
+    let Surroundings { units, scales, bounds } = *surroundings;
+    let [gravity, vibration, contact, cohesion, gas] =
+        std::array::from_fn(|index| Current::section(&current[index], root.problems));
+    // A section that must be there is missed at the top of the file.
+    let is_missing = |name| root.node.get(name).is_none();
+    for (name, section) in [("gravity", &gravity), ("contact", &contact)] {
+        if section.is_none() && is_missing(name) {
+            root.fail(name, format!("missing: must be a section [{name}]"));
+        }
+    }
+    let magnitude = gravity.and_then(|section| read_gravity(section, units));
+    let cohesive = cohesion.is_some();
+    let contact = contact.and_then(|section| read_contact(section, cohesive));
+    let vibration = vibration.map(|section| read_vibration(section, magnitude, times));
+    let cohesion = cohesion.map(|section| read_cohesion(section, scales, magnitude, times));
+    let gas = gas.map(|section| read_gas(section, scales, magnitude, bounds, times));
+    let all = |magnitude| {
+        let vibration = vibration.map_or(Some(None), |vibration| vibration.map(Some))?;
+        let cohesion = cohesion.map_or(Some(None), |cohesion| cohesion.map(Some))?;
+        let gas = gas.map_or(Some(None), |gas| gas.map(Some))?;
+        Some((contact?, cohesion, gas, EffectiveGravity { magnitude, vibration }))
+    };
+    magnitude.and_then(all)
+}
+
+impl Current {
+    /// The section, if it is switched on.
+    fn section<'a>(current: &'a Current, problems: &'a Problems) -> Option<Section<'a>> {
+        current.node.as_ref().filter(|_| current.is_on).and_then(|node| Section::of(node, problems))
+    }
+
+    /// What a stage, or the base of the file, says about this section.
+    fn change(&mut self, name: &str, change: &Node, stage: usize, problems: &Problems) {
+        let can_be_off = OPTIONAL.contains(&name);
+        match (&change.value, change.as_text()) {
+            (Value::Table(_), _) => {
+                self.merge(change, stage);
+                self.is_on = true;
+            }
+            (_, Some("off")) if can_be_off => self.is_on = false,
+            (_, Some("on")) if can_be_off && self.node.is_some() => self.is_on = true,
+            (_, Some("on")) if can_be_off => {
+                problems
+                    .add(change.error("there is nothing to switch on: no keys are given before"));
+            }
+            _ if can_be_off => {
+                problems.add(change.error("must be a section of keys, \"off\" or \"on\""))
+            }
+            _ => problems.add(change.error("must be a section of keys")),
+        }
+    }
+
+    /// Takes over the keys of a change; each replaces its partner of which only one is given.
+    fn merge(&mut self, change: &Node, stage: usize) {
+        let mut change = change.clone();
+        change.for_each(&mut |node| node.stage = stage);
+        let Some(Node { value: Value::Table(kept), .. }) = &mut self.node else {
+            self.node = Some(change);
+            return;
+        };
+        let Value::Table(entries) = change.value else { return };
+        let replaced = |kept: &String| {
+            entries.iter().any(|(key, _)| key == kept || partner(key) == Some(kept.as_str()))
+        };
+        kept.retain(|(key, _)| !replaced(key));
+        kept.extend(entries);
+    }
+}

@@ -1,0 +1,225 @@
+//! The case file as a tree of values that know their line and their path.
+
+use super::errors::{CaseError, Place, Problems};
+use std::fmt;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    /// What it is.
+    pub(super) value: Value,
+    /// Where its key stands.
+    pub(super) place: Place,
+    /// Path of keys; members of a list by number from 1, as in `stage.2.gas.viscosity`.
+    pub(super) path: String,
+    /// Number of the stage that sets it; 0 for the base of the file too.
+    pub(super) stage: usize,
+}
+
+/// What may stand in a case file.
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    /// A text in quotes, or a date, which no key asks for.
+    Text(String),
+    /// A whole number.
+    Integer(i64),
+    /// Any other number.
+    Number(f64),
+    /// True or false.
+    Boolean(bool),
+    /// A list.
+    List(Vec<Node>),
+    /// A section or an inline table.
+    Table(Vec<(String, Node)>),
+}
+
+/// Line and column, from 1, of a position in a text.
+pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text.as_bytes()[..offset.min(text.len())];
+    let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+    let start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+    let column = String::from_utf8_lossy(&before[start..]).chars().count() + 1;
+    (line, column)
+}
+
+impl Node {
+    /// The tree of a text; errors of syntax go to `problems`, all of them.
+    pub(super) fn parse(text: &str, problems: &Problems) -> Option<Self> {
+        let (root, errors) = DeTable::parse_recoverable(text);
+        for error in &errors {
+            let place = match error.span() {
+                Some(span) => {
+                    let (line, column) = line_and_column(text, span.start);
+                    Place::Column(line, column)
+                }
+                None => Place::File,
+            };
+            problems.add_at(place, format!("not valid TOML: {}", error.message()));
+        }
+        if !errors.is_empty() {
+            return None;
+        }
+        let lines = Lines::of(text);
+        let value = table(root.get_ref(), "", &lines);
+        Some(Self { value, place: Place::File, path: String::new(), stage: 0 })
+    }
+
+    /// A member of a table.
+    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+        match &self.value {
+            Value::Table(entries) => entries.iter().find(|(name, _)| name == key).map(|(_, n)| n),
+            _ => None,
+        }
+    }
+
+    /// The text, if it is one.
+    pub(super) fn as_text(&self) -> Option<&str> {
+        match &self.value {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The members of a table; none if it is none.
+    pub(super) fn entries(&self) -> &[(String, Node)] {
+        match &self.value {
+            Value::Table(entries) => entries,
+            _ => &[],
+        }
+    }
+
+    /// The members of a list; none if it is none.
+    pub(super) fn items(&self) -> &[Node] {
+        match &self.value {
+            Value::List(items) => items,
+            _ => &[],
+        }
+    }
+
+    /// An error of this value.
+    pub(super) fn error(&self, message: impl Into<String>) -> CaseError {
+        let value = match &self.value {
+            Value::Table(_) => None,
+            _ => Some(self.to_string()),
+        };
+        CaseError {
+            place: self.place.clone(),
+            key: self.path.clone(),
+            value,
+            message: message.into(),
+        }
+    }
+
+    /// Applies a function to this node and to all below.
+    pub(super) fn for_each(&mut self, function: &mut dyn FnMut(&mut Node)) {
+        function(self);
+        match &mut self.value {
+            Value::List(items) => items.iter_mut().for_each(|item| item.for_each(function)),
+            Value::Table(entries) => {
+                entries.iter_mut().for_each(|(_, node)| node.for_each(function));
+            }
+            _ => {}
+        }
+    }
+}
+
+impl fmt::Display for Node {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.value {
+            Value::Text(text) => write!(formatter, "{text:?}"),
+            Value::Integer(number) => write!(formatter, "{number}"),
+            Value::Number(number) => write!(formatter, "{number:?}"),
+            Value::Boolean(truth) => write!(formatter, "{truth}"),
+            Value::List(items) => {
+                let items: Vec<String> = items.iter().map(Node::to_string).collect();
+                write!(formatter, "[{}]", items.join(", "))
+            }
+            Value::Table(entries) => {
+                let entries: Vec<String> =
+                    entries.iter().map(|(key, node)| format!("{key} = {node}")).collect();
+                write!(formatter, "{{ {} }}", entries.join(", "))
+            }
+        }
+    }
+}
+
+/// Where each line of a text begins.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+    }
+
+    fn line_of(&self, offset: usize) -> Place {
+        Place::Line(self.0.partition_point(|&start| start <= offset))
+    }
+}
+
+fn table(entries: &DeTable<'_>, path: &str, lines: &Lines) -> Value {
+    let nodes = entries.iter().map(|(key, value)| {
+        let name = key.get_ref().to_string();
+        let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let place = lines.line_of(key.span().start);
+        (name, node(value, path, place, lines))
+    });
+    let mut nodes: Vec<(String, Node)> = nodes.collect();
+    nodes.sort_by(|(_, a), (_, b)| a.place.cmp(&b.place));
+    Value::Table(nodes)
+}
+
+fn node(value: &Spanned<DeValue<'_>>, path: String, place: Place, lines: &Lines) -> Node {
+    let value = match value.get_ref() {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
+            Ok(number) => Value::Integer(number),
+            Err(_) => Value::Number(integer.as_str().parse().unwrap_or(f64::NAN)),
+        },
+        DeValue::Float(float) => Value::Number(float.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(truth) => Value::Boolean(*truth),
+        DeValue::Datetime(date) => Value::Text(date.to_string()),
+        DeValue::Table(entries) => table(entries, &path, lines),
+        DeValue::Array(items) => {
+            let items = items.iter().enumerate().map(|(index, item)| {
+                let place = lines.line_of(item.span().start);
+                node(item, format!("{path}.{}", index + 1), place, lines)
+            });
+            Value::List(items.collect())
+        }
+    };
+    Node { value, place, path, stage: 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_know_their_lines() {
+        let text = "a = 1\n\n[box]\nlengths = [\n  1.0,\n  nan ]\n[[stage]]\nname = 'x'\n[stage.gas]\nb = 0x1_F\n[particles.start]\nc = true\n";
+        let root = Node::parse(text, &Problems::default()).unwrap();
+        let line = |node: Option<&Node>| node.unwrap().place.clone();
+        assert_eq!(line(root.get("a")), Place::Line(1));
+        assert_eq!(line(root.get("box")), Place::Line(3));
+        let lengths = root.get("box").unwrap().get("lengths").unwrap();
+        assert_eq!(lengths.place, Place::Line(4));
+        assert_eq!(lengths.items()[1].place, Place::Line(6));
+        let stage = &root.get("stage").unwrap().items()[0];
+        assert_eq!(stage.place, Place::Line(7));
+        let b = stage.get("gas").unwrap().get("b").unwrap();
+        assert_eq!((b.place.clone(), b.path.as_str()), (Place::Line(10), "stage.1.gas.b"));
+        assert_eq!(b.to_string(), "31");
+        assert_eq!(line(root.get("particles").unwrap().get("start")), Place::Line(11));
+    }
+
+    #[test]
+    fn all_errors_of_syntax_are_reported() {
+        let problems = Problems::default();
+        assert!(Node::parse("a = \nb = 1\nb = 2\n[c\n", &problems).is_none());
+        let text = problems.into_errors("x.toml").to_string();
+        assert!(text.contains("x.toml:1:5: not valid TOML"), "{text}");
+        assert!(text.contains("x.toml:3:1: not valid TOML: duplicate key"), "{text}");
+    }
+}

@@ -1,0 +1,208 @@
+//! `talcum check`: what would run, in numbers.
+
+use super::Changes;
+use super::progress::in_words;
+use super::reading::read_case;
+use super::run::say;
+use crate::case::{Case, Stage};
+use crate::contact::{ContactLaw, ContactModel};
+use crate::domain::Face;
+use crate::gas::{ColumnGas, Drive};
+use crate::parallel::Communicator;
+use crate::simulation::{Beginning, begin_from_case};
+use crate::state::{SizeRange, State};
+use crate::time_step;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Steps per contact below which collisions are no longer resolved.
+const LEAST_STEPS_PER_CONTACT: f64 = 12.0;
+/// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
+const BYTES_PER_PARTICLE: f64 = 600.0;
+/// How long the trial for the run's time may take.
+const TRIAL: Duration = Duration::from_secs(1);
+
+/// Reads, validates and describes a case. Collective.
+pub(super) fn check(
+    path: &Path,
+    changes: &Changes,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<()> {
+    let case = read_case(path, &changes.set, ranks)?;
+    let mut beginning = begin_from_case(&case, changes.ranks, ranks)?;
+    let particles = ranks.total(beginning.state.particles.owned_count());
+    let sizes = beginning.state.sizes;
+    let mut words = super::report::head(&case, particles, ranks.size());
+    describe_box(&mut words, &case, &sizes);
+    for stage in &case.stages {
+        describe_stage(&mut words, &case, stage, &sizes);
+    }
+    describe_ranks(&mut words, &beginning, ranks);
+    let megabytes = particles as f64 * BYTES_PER_PARTICLE * 1.0e-6;
+    let _ = writeln!(words, "memory: about {megabytes:.0} MB in all, and 50 MB per rank");
+    let seconds = trial(&case, &mut beginning, ranks)?;
+    let steps = case.end_time() / case.stages[0].time_step;
+    let total = in_words(Duration::from_secs_f64(seconds * steps));
+    let _ = writeln!(
+        words,
+        "run's time: {steps:.0} steps, about {total} at the pace of the first steps here on {} ranks",
+        ranks.size()
+    );
+    say(ranks, words.trim_end());
+    Ok(())
+}
+
+fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
+    let bounds = &case.domain.bounds;
+    let d = sizes.largest_diameter;
+    let lengths = bounds.lengths();
+    let in_diameters = lengths / d;
+    let _ = writeln!(
+        words,
+        "box: {} x {} x {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
+        lengths.x, lengths.y, lengths.z, in_diameters.x, in_diameters.y, in_diameters.z
+    );
+    for axis in 0..3 {
+        let face = |kind| match kind {
+            Face::Periodic => "periodic",
+            Face::Wall => "wall",
+            Face::Open => "open: particles leave and are counted",
+            Face::Stop => "a particle that passes ends the run",
+        };
+        let [lower, upper] = bounds.faces(axis).map(face);
+        let axis = ["x", "y", "z"][axis];
+        let _ = writeln!(words, "  {axis}: lower {lower}, upper {upper}");
+    }
+    for wall in &case.domain.walls {
+        let (p, n) = (wall.point, wall.normal);
+        let _ = writeln!(
+            words,
+            "  wall \"{}\" through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
+            wall.name, p.x, p.y, p.z, n.x, n.y, n.z
+        );
+    }
+}
+
+fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
+    let _ = writeln!(words, "stage \"{}\":", stage.name);
+    let diameter = case.particles.reference_diameter;
+    let density = case.particles.density;
+    let mass = case.particles.mass_of(diameter);
+    let g = stage.gravity.magnitude;
+    let ContactModel::LinearSpringDashpot(law) = &stage.contact;
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(words, "  {name:<34}{value}");
+    };
+    let stiffness = law.normal_stiffness();
+    if g > 0.0 {
+        let scaled = stiffness / (density * g * diameter * diameter);
+        line("k_n / (rho_s g d^2)", format!("{scaled:.4e}"));
+    }
+    if let (Some(cohesion), true) = (&stage.cohesion, g > 0.0) {
+        let weight = mass * g;
+        let pair = cohesion.hamaker_constant.largest() * 0.5 * diameter
+            / (12.0 * cohesion.cut_off.powi(2));
+        let wall = cohesion.wall_hamaker_constant.largest() * 0.5 * diameter
+            / (6.0 * cohesion.cut_off.powi(2));
+        line(
+            "Bond number, particles and walls",
+            format!("{:.4}, {:.4}", pair / weight, wall / weight),
+        );
+    }
+    if let Some(vibration) = &stage.gravity.vibration {
+        let gamma = vibration.relative_acceleration;
+        line("Gamma, frequency", format!("{gamma:.4}, {:.4}", vibration.frequency));
+    }
+    if let Some(gas) = &stage.gas {
+        describe_gas(&mut line, gas, diameter, density, g);
+    }
+    let lightest = case.particles.mass_of(sizes.smallest_diameter);
+    let duration = stage.contact.contact_duration(0.5 * lightest);
+    let per_contact = duration / stage.time_step;
+    line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
+    if per_contact < LEAST_STEPS_PER_CONTACT {
+        line(
+            "warning",
+            format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),
+        );
+    }
+}
+
+fn describe_gas(
+    line: &mut impl FnMut(&str, String),
+    gas: &ColumnGas,
+    diameter: f64,
+    density: f64,
+    g: f64,
+) {
+    let drive = match &gas.drive {
+        Drive::Velocity(schedule) => {
+            format!("superficial velocity up to {:.6e}", schedule.largest())
+        }
+        Drive::Weight(_) => "carries the weight of the bed".to_owned(),
+    };
+    line("gas", drive);
+    line("grid spacing over diameter", format!("{:.4}", gas.spacing / diameter));
+    if g == 0.0 {
+        return;
+    }
+    let stokes = density * g.sqrt() * diameter.powf(1.5) / gas.viscosity;
+    line("Stokes number", format!("{stokes:.4}"));
+    let weight = density * std::f64::consts::PI / 6.0 * diameter.powi(3) * g;
+    let expected: Vec<String> = [0.60, 0.62, 0.64]
+        .map(|phi| {
+            format!("{:.4e} at phi {phi:.2}", minimum_fluidisation(gas, diameter, weight, phi))
+        })
+        .to_vec();
+    line("U_mf of the force balance", expected.join(", "));
+}
+
+/// The superficial velocity at which the gas carries particles at rest: (V / phi) beta U / (1 - phi)^2 = m g.
+fn minimum_fluidisation(gas: &ColumnGas, diameter: f64, weight: f64, phi: f64) -> f64 {
+    let force =
+        |u: f64| gas.particle_drag().per_velocity(diameter, phi, u) * u / (1.0 - phi).powi(2);
+    let (mut low, mut high) = (0.0, 1.0e-12);
+    while force(high) < weight {
+        high *= 2.0;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if force(middle) < weight { low = middle } else { high = middle }
+    }
+    high
+}
+
+fn describe_ranks(words: &mut String, beginning: &Beginning, ranks: &dyn Communicator) {
+    let here = beginning.state.particles.owned_count() as u64;
+    let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
+    for (rank, bytes) in counts.iter().enumerate() {
+        let [lower, upper] = beginning.work.cut.block_bounds(rank);
+        let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
+        let _ = writeln!(
+            words,
+            "rank {rank}: x {:.3} to {:.3}, y {:.3} to {:.3}, z {:.3} to {:.3}, {count} particles",
+            lower.x, upper.x, lower.y, upper.y, lower.z, upper.z
+        );
+    }
+}
+
+/// Seconds per step, from the first steps of the case.
+fn trial(case: &Case, beginning: &mut Beginning, ranks: &dyn Communicator) -> anyhow::Result<f64> {
+    let Beginning { state, work, start } = beginning;
+    let State { sizes, .. } = *state;
+    let models = case.stages[0].models(&sizes);
+    work.prepare(&case.domain, &models);
+    let remembered = std::mem::take(&mut start.remembered);
+    time_step::begin(state, &case.domain, &models, work, remembered, true, ranks)?;
+    let begin = Instant::now();
+    let mut steps = 0;
+    // The pace of rank 0 decides for all: a collective look every few steps.
+    while !ranks.any(ranks.is_root() && begin.elapsed() > TRIAL) {
+        for _ in 0..10 {
+            time_step::advance(state, &case.domain, &models, work, ranks)?;
+        }
+        steps += 10;
+    }
+    Ok(begin.elapsed().as_secs_f64() / f64::from(steps.max(1)))
+}

@@ -1,0 +1,145 @@
+//! What the user types, and what the program answers.
+
+mod check;
+mod info;
+mod progress;
+mod reading;
+mod report;
+mod run;
+mod signals;
+
+use crate::domain::RankGrid;
+use crate::parallel::{Communicator, MpiRanks};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// CFD-DEM of fluidised beds of fine, cohesive powders: the same bits on any number of ranks.
+///
+/// Start it alone, or on N ranks with `mpirun -n N talcum ...`.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Read and validate a case, and say what would run.
+    Check {
+        /// The case file.
+        case: PathBuf,
+        #[command(flatten)]
+        changes: Changes,
+    },
+    /// Run a case to its end.
+    Run {
+        /// The case file.
+        case: PathBuf,
+        #[command(flatten)]
+        options: RunOptions,
+        /// Remove the results of an earlier run in the output folder first.
+        #[arg(long, conflicts_with = "resume")]
+        force: bool,
+        /// Go on from the newest good checkpoint in the output folder; begin if there is none.
+        #[arg(long)]
+        resume: bool,
+    },
+    /// Go on from a checkpoint, on any number of ranks.
+    Restart {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        #[command(flatten)]
+        options: RunOptions,
+    },
+    /// Say in words what is in a checkpoint.
+    Info {
+        /// The checkpoint.
+        file: PathBuf,
+    },
+}
+
+#[derive(Debug, Args)]
+struct Changes {
+    /// Use another value for a key of the case; may be given several times.
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Ranks along x, y and z, instead of what the case says.
+    #[arg(long, value_name = "PX,PY,PZ", value_parser = rank_grid)]
+    ranks: Option<RankGrid>,
+}
+
+#[derive(Debug, Args)]
+struct RunOptions {
+    #[command(flatten)]
+    changes: Changes,
+    /// The folder of results (default: results/NAME of the case; in a restart, the checkpoint's folder).
+    #[arg(long)]
+    output: Option<PathBuf>,
+    /// End at this time instead of the case's end.
+    #[arg(long, value_name = "TIME")]
+    until: Option<f64>,
+}
+
+fn rank_grid(text: &str) -> Result<RankGrid, String> {
+    let counts: Result<Vec<usize>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match counts.as_deref() {
+        Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok(RankGrid([x, y, z])),
+        _ => Err("must be three positive numbers, for example 1,1,4".to_owned()),
+    }
+}
+
+/// Exit code for a command line that cannot be understood.
+const USAGE: u8 = 2;
+
+/// Runs the program on this rank. Every error is one message on standard error, from rank 0, and a
+/// non-zero exit code on all ranks.
+pub fn main() -> ExitCode {
+    let ranks = match MpiRanks::start() {
+        Ok(ranks) => ranks,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    start_log(&ranks);
+    let command = match CommandLine::try_parse() {
+        Ok(line) => line.command,
+        Err(usage) => {
+            if ranks.is_root() {
+                // Nothing is left to say if standard output is closed.
+                let _ = usage.print();
+            }
+            let code = if usage.use_stderr() { USAGE } else { 0 };
+            return ExitCode::from(code);
+        }
+    };
+    match obey(command, &ranks) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if ranks.is_root() {
+                eprintln!("error: {error:#}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The log of rank 0; the others speak only where RUST_LOG asks for it.
+fn start_log(ranks: &dyn Communicator) {
+    let default = if ranks.is_root() { "info" } else { "off" };
+    let environment = env_logger::Env::default().default_filter_or(default);
+    env_logger::Builder::from_env(environment).format_timestamp(None).format_target(false).init();
+}
+
+fn obey(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    match command {
+        Command::Check { case, changes } => check::check(&case, &changes, ranks),
+        Command::Run { case, options, force, resume } => {
+            run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
+        }
+        Command::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
+        Command::Info { file } => info::info(&file, ranks),
+    }
+}

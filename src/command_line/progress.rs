@@ -1,0 +1,91 @@
+//! How far a run is: a bar on a terminal, a line now and then in a batch log.
+
+use crate::simulation::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+/// Time between lines where there is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(30);
+/// Time between changes of the bar.
+const BETWEEN_DRAWS: Duration = Duration::from_millis(200);
+
+/// Writes to standard error.
+pub(super) struct ProgressReport {
+    bar: Option<ProgressBar>,
+    last: Option<Instant>,
+}
+
+impl ProgressReport {
+    pub(super) fn new() -> Self {
+        let bar = stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(1);
+            let template = "{wide_bar} {percent:>3} %  {msg}";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style);
+            }
+            bar
+        });
+        Self { bar, last: None }
+    }
+
+    pub(super) fn show(&mut self, progress: &Progress) {
+        let wait = if self.bar.is_some() { BETWEEN_DRAWS } else { BETWEEN_LINES };
+        let last = *self.last.get_or_insert_with(Instant::now);
+        if last.elapsed() < wait {
+            return;
+        }
+        self.last = Some(Instant::now());
+        let (done, left) = progress.steps;
+        let words = words(progress);
+        match &self.bar {
+            Some(bar) => {
+                bar.set_length(done + left);
+                bar.set_position(done);
+                bar.set_message(words);
+            }
+            None => {
+                let percent = 100.0 * done as f64 / (done + left).max(1) as f64;
+                eprintln!("{percent:5.1} %  {words}");
+            }
+        }
+    }
+
+    pub(super) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn words(progress: &Progress) -> String {
+    let Progress { time, end, steps: (done, left), particles, elapsed } = *progress;
+    let seconds = elapsed.as_secs_f64().max(1.0e-9);
+    let rate = done as f64 * particles as f64 / seconds * 1.0e-6;
+    let remaining = Duration::from_secs_f64(seconds * left as f64 / done.max(1) as f64);
+    format!(
+        "time {time:.6} of {end:.6}, {rate:.2} million particle-steps/s, {} left",
+        in_words(remaining)
+    )
+}
+
+/// A duration as people say it: 45 s, 12 min, 3 h 20 min.
+pub(super) fn in_words(duration: Duration) -> String {
+    let seconds = duration.as_secs();
+    match seconds {
+        0..=99 => format!("{seconds} s"),
+        100..=5999 => format!("{} min", (seconds + 30) / 60),
+        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_well() {
+        let words = [45, 750, 12_000].map(|seconds| in_words(Duration::from_secs(seconds)));
+        assert_eq!(words, ["45 s", "13 min", "3 h 20 min"]);
+    }
+}

@@ -1,0 +1,24 @@
+//! Cases, read once and known to all ranks.
+
+use crate::case::Case;
+use crate::parallel::{Communicator, agree};
+use std::path::Path;
+
+/// Rank 0 reads the file, all ranks read its text: one file system, one version, one message.
+pub(super) fn read_case(
+    path: &Path,
+    overrides: &[String],
+    ranks: &dyn Communicator,
+) -> anyhow::Result<Case> {
+    let name = path.display();
+    let text = if ranks.is_root() {
+        std::fs::read_to_string(path).map_err(|error| format!("{name}: cannot be read: {error}"))
+    } else {
+        Ok(String::new())
+    };
+    let mut bytes = agree(text, ranks)?.into_bytes();
+    ranks.broadcast_from_root(&mut bytes);
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(agree(Case::from_text(&text, &name.to_string(), folder, overrides), ranks)?)
+}

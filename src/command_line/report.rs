@@ -1,0 +1,51 @@
+//! What a run says of itself: at its begin, and at its end.
+
+use super::progress::in_words;
+use crate::case::Case;
+use crate::simulation::Outcome;
+use std::fmt::Write;
+
+/// The head of a run: what runs, and which choices the case left open.
+pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
+    let mut words = format!("{}: {particles} particles on {ranks} ranks\n", case.title);
+    for stage in &case.stages {
+        let _ =
+            writeln!(words, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
+    }
+    for note in &case.notes {
+        let _ = writeln!(words, "  {note}");
+    }
+    words
+}
+
+/// The end of a run: rates, the share of each stage of the step, and what has left.
+pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
+    let seconds = outcome.elapsed.as_secs_f64();
+    let rate = outcome.particle_steps / seconds.max(1.0e-9) * 1.0e-6;
+    let mut words = format!(
+        "{} steps in {}: {rate:.2} million particle-steps/s, {:.2} per rank\n",
+        outcome.steps,
+        in_words(outcome.elapsed),
+        rate / ranks as f64
+    );
+    let total: f64 = outcome.stages.iter().map(|stage| stage.mean).sum();
+    let _ = writeln!(
+        words,
+        "{:<24}{:>10}{:>8}{:>22}",
+        "stage", "seconds", "share", "largest over mean"
+    );
+    for stage in &outcome.stages {
+        let imbalance = if stage.mean > 0.0 { stage.largest / stage.mean } else { 1.0 };
+        let share = 100.0 * stage.mean / total.max(1.0e-12);
+        let _ = writeln!(
+            words,
+            "{:<24}{:>10.2}{share:>6.1} %{imbalance:>22.2}",
+            stage.stage.name(),
+            stage.mean
+        );
+    }
+    if outcome.departed > 0 {
+        let _ = writeln!(words, "{} particles have left through open faces", outcome.departed);
+    }
+    words
+}

@@ -1,0 +1,201 @@
+//! `talcum run` and `talcum restart`.
+
+use super::progress::ProgressReport;
+use super::reading::read_case;
+use super::{RunOptions, report, signals};
+use crate::case::Case;
+use crate::output::checkpoint;
+use crate::parallel::{Communicator, agree};
+use crate::simulation::{
+    self, Beginning, Conditions, Outcome, OutputFolder, begin_from_case, begin_from_checkpoint,
+};
+use anyhow::{Context, bail};
+use std::path::{Path, PathBuf};
+
+/// What happens to the results of an earlier run in the output folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Earlier {
+    /// They are kept: the run does not begin.
+    Keep,
+    /// They are removed.
+    Remove,
+    /// They are continued from the newest good checkpoint.
+    Continue,
+}
+
+impl Earlier {
+    pub(super) fn from_flags(force: bool, resume: bool) -> Self {
+        match (force, resume) {
+            (true, _) => Self::Remove,
+            (_, true) => Self::Continue,
+            _ => Self::Keep,
+        }
+    }
+}
+
+/// Runs a case from its start, or from the newest good checkpoint in its output folder.
+pub(super) fn run(
+    path: &Path,
+    options: &RunOptions,
+    earlier: Earlier,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<()> {
+    let case = read_case(path, &options.changes.set, ranks)?;
+    let name = path.file_stem().unwrap_or_default();
+    let folder = OutputFolder {
+        path: options.output.clone().unwrap_or_else(|| Path::new("results").join(name)),
+        case_folder: path.parent().map(absolute).unwrap_or_default(),
+    };
+    make_way(&folder, earlier, ranks)?;
+    let beginning = match earlier {
+        Earlier::Continue => resume(&case, &folder, options, ranks)?,
+        _ => begin_from_case(&case, options.changes.ranks, ranks)?,
+    };
+    let resume =
+        format!("talcum run {} --resume --output {}", path.display(), folder.path.display());
+    go(&case, beginning, folder, options, &resume, ranks)
+}
+
+/// Goes on from a checkpoint with the case that it holds.
+pub(super) fn restart(
+    path: &Path,
+    options: &RunOptions,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<()> {
+    let (checkpoint, _, digest) = checkpoint::read(path, ranks)?;
+    say(ranks, &format!("{}: state {digest} at time {}", path.display(), checkpoint.clock.time()));
+    let name = format!("the case in {}", path.display());
+    let case_folder = PathBuf::from(&checkpoint.case_folder);
+    let text = &checkpoint.case_text;
+    let case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
+    let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
+    let folder = OutputFolder { path: output, case_folder };
+    // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
+    let continues = same_folder(&folder.path, &own_folder);
+    if !continues {
+        make_way(&folder, Earlier::Keep, ranks)?;
+    }
+    let grid = options.changes.ranks;
+    let beginning = begin_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
+    let resume = format!("talcum restart {}", folder.path.join("checkpoint-....h5").display());
+    go(&case, beginning, folder, options, &resume, ranks)
+}
+
+/// The newest good checkpoint of the folder, or the start of the case if there is none.
+fn resume(
+    case: &Case,
+    folder: &OutputFolder,
+    options: &RunOptions,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<Beginning> {
+    let grid = options.changes.ranks;
+    let exists = ranks.any(ranks.is_root() && folder.path.is_dir());
+    if !exists {
+        return Ok(begin_from_case(case, grid, ranks)?);
+    }
+    let search = checkpoint::newest_good(&folder.path, ranks)?;
+    for refused in &search.refused {
+        log::warn!("passed over: {refused}");
+    }
+    match search.found {
+        Some((path, checkpoint, _, digest)) => {
+            let time = checkpoint.clock.time();
+            say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
+            if checkpoint.case_text != case.text {
+                log::warn!(
+                    "the case has changed since that checkpoint; it goes on with the new one"
+                );
+            }
+            Ok(begin_from_checkpoint(case, checkpoint, grid, true, ranks)?)
+        }
+        None if search.refused.is_empty() => {
+            say(ranks, "no checkpoint to resume from: beginning");
+            Ok(begin_from_case(case, grid, ranks)?)
+        }
+        None => bail!(
+            "{}: no checkpoint is good; begin anew with --force, which removes them",
+            folder.path.display()
+        ),
+    }
+}
+
+/// Refuses, or removes, what an earlier run has left.
+fn make_way(
+    folder: &OutputFolder,
+    earlier: Earlier,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<()> {
+    let holds_results = ranks.any(ranks.is_root() && folder.holds_results());
+    match earlier {
+        Earlier::Keep if holds_results => bail!(
+            "{} holds the results of an earlier run: go on with --resume, replace them with --force, or name \
+             another folder with --output",
+            folder.path.display()
+        ),
+        Earlier::Remove => {
+            let cleared = if ranks.is_root() { folder.clear() } else { Ok(()) };
+            Ok(agree(cleared, ranks)?)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn go(
+    case: &Case,
+    beginning: Beginning,
+    folder: OutputFolder,
+    options: &RunOptions,
+    resume: &str,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<()> {
+    let end_time = options.until.unwrap_or(case.end_time());
+    let now = beginning.state.clock.time();
+    if !(end_time.is_finite() && end_time >= now) {
+        bail!(
+            "--until {end_time}: must be at least {now}, the time of the state that the run begins with"
+        );
+    }
+    let particles = ranks.total(beginning.state.particles.owned_count());
+    say(ranks, report::head(case, particles, ranks.size()).trim_end());
+    let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
+    let mut progress = ProgressReport::new();
+    let conditions =
+        Conditions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
+    let outcome = simulation::run(case, beginning, conditions, ranks)?;
+    progress.finish();
+    say(ranks, &farewell(&outcome, resume, ranks.size()));
+    Ok(())
+}
+
+fn farewell(outcome: &Outcome, resume: &str, ranks: usize) -> String {
+    let table = report::table(outcome, ranks);
+    let checkpoint = outcome.checkpoint.display();
+    let end = match outcome.complete {
+        true => format!("complete at time {}; the end state is in {checkpoint}", outcome.time),
+        false => {
+            format!("stopped at time {} with {checkpoint}; go on with: {resume}", outcome.time)
+        }
+    };
+    format!("{table}{end}\ndigest {}", outcome.digest)
+}
+
+/// Words on standard output, from rank 0.
+pub(super) fn say(ranks: &dyn Communicator, words: &str) {
+    use std::io::Write;
+    if ranks.is_root() {
+        // Nobody is left to hear it if standard output is closed; the run is worth more.
+        let _ = writeln!(std::io::stdout(), "{words}");
+    }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn same_folder(first: &Path, second: &Path) -> bool {
+    let whole =
+        |path: &Path| std::fs::canonicalize(absolute(path)).unwrap_or_else(|_| absolute(path));
+    whole(first) == whole(second)
+}

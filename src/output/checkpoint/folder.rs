@@ -1,0 +1,90 @@
+//! The checkpoints of a folder: which is the newest that can be used, and which are too many.
+
+use std::path::{Path, PathBuf};
+
+use super::{Checkpoint, read};
+use crate::analysis::Digest;
+use crate::output::{InWords, OutputError, Provenance, on_root};
+use crate::parallel::Communicator;
+
+/// What a search for checkpoints found.
+#[derive(Debug)]
+pub struct Search {
+    /// The newest good checkpoint: its file, this rank's share, who wrote it, and its digest.
+    pub found: Option<(PathBuf, Checkpoint, Provenance, Digest)>,
+    /// Newer files that had to be refused, and why; newest first.
+    pub refused: Vec<OutputError>,
+}
+
+/// Name of the checkpoint of a step: `checkpoint-000000012000.h5`.
+pub fn file_name(step: u64) -> String {
+    format!("checkpoint-{step:012}.h5")
+}
+
+/// The step in a checkpoint's file name.
+fn step_of(name: &str) -> Option<u64> {
+    let digits = name.strip_prefix("checkpoint-")?.strip_suffix(".h5")?;
+    let step = digits.parse().ok()?;
+    (file_name(step) == name).then_some(step)
+}
+
+/// Reads the newest checkpoint of a folder that is whole, trying from the newest to the oldest.
+/// Collective.
+///
+/// # Errors
+/// If the folder cannot be read. Damaged checkpoints are no error; they are named in what is returned.
+pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, OutputError> {
+    let steps = on_root(folder, ranks, || steps_in(folder))?.unwrap_or_default();
+    let mut bytes: Vec<u8> = bytemuck::cast_slice(&steps).to_vec();
+    ranks.broadcast_from_root(&mut bytes);
+    let steps: Vec<u64> = crate::parallel::records_of_bytes(&bytes).collect();
+    let mut refused = Vec::new();
+    for &step in steps.iter().rev() {
+        let path = folder.join(file_name(step));
+        match read(&path, ranks) {
+            Ok((checkpoint, provenance, digest)) => {
+                let found = Some((path, checkpoint, provenance, digest));
+                return Ok(Search { found, refused });
+            }
+            Err(error) => refused.push(error),
+        }
+    }
+    Ok(Search { found: None, refused })
+}
+
+/// Removes all but the newest `keep` checkpoints of a folder (at least one stays), and what an interrupted
+/// writing left. Collective.
+///
+/// # Errors
+/// If the folder cannot be read or a file not removed.
+pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    on_root(folder, ranks, || {
+        let steps = steps_in(folder)?;
+        let surplus = steps.len().saturating_sub(keep.max(1));
+        let old = steps[..surplus].iter().map(|&step| file_name(step));
+        let names = file_names(folder)?;
+        let is_partial = |name: &String| name.strip_suffix(".partial").and_then(step_of).is_some();
+        for name in old.chain(names.into_iter().filter(is_partial)) {
+            std::fs::remove_file(folder.join(&name))
+                .map_err(|error| format!("{name} cannot be removed: {error}"))?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// The steps of a folder's checkpoints, ascending.
+fn steps_in(folder: &Path) -> InWords<Vec<u64>> {
+    let mut steps: Vec<u64> = file_names(folder)?.iter().filter_map(|name| step_of(name)).collect();
+    steps.sort_unstable();
+    Ok(steps)
+}
+
+fn file_names(folder: &Path) -> InWords<Vec<String>> {
+    let unreadable = |error: std::io::Error| format!("the folder cannot be read: {error}");
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        names.extend(entry.map_err(unreadable)?.file_name().into_string().ok());
+    }
+    Ok(names)
+}

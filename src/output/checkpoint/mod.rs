@@ -1,0 +1,46 @@
+//! Checkpoints: one HDF5 file with all that the future of a run depends on, written by all ranks, read
+//! by any number of ranks.
+//!
+//! Never in it: ghosts, neighbour lists, the cut of the box, or anything that follows from the rest. Rows
+//! are sorted by id, so that the file does not depend on the number of ranks.
+
+use crate::analysis::Digest;
+use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
+use crate::state::{Clock, Departed, SizeRange};
+
+mod folder;
+mod read;
+mod schema;
+mod write;
+
+pub use folder::{Search, file_name, newest_good, prune};
+pub use read::read;
+pub use write::write;
+
+/// One rank's share of a state, and what the run was started with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Time.
+    pub clock: Clock,
+    /// What has left the box.
+    pub departed: Departed,
+    /// Sizes of the particles at the start.
+    pub sizes: SizeRange,
+    /// Text of the case in effect.
+    pub case_text: String,
+    /// Folder that relative paths in the case refer to.
+    pub case_folder: String,
+    /// This rank's particles, in any order; positions wrapped into the box.
+    pub particles: Vec<ParticleRecord>,
+    /// What touching pairs remember, each on one rank, in any order.
+    pub contacts: Vec<ContactRecord>,
+    /// What contacts with walls remember, each on one rank, in any order.
+    pub wall_contacts: Vec<WallContactRecord>,
+}
+
+impl Checkpoint {
+    /// Hash of the state over all ranks. Collective.
+    pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
+        Digest::of(&self.clock, &self.particles, &self.contacts, &self.wall_contacts, ranks)
+    }
+}

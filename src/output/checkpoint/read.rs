@@ -1,0 +1,160 @@
+//! From a file to ranks, and only if it is what was written.
+
+use std::path::Path;
+
+use super::Checkpoint;
+use super::schema::{FORMAT, Table, VERSION};
+use crate::analysis::Digest;
+use crate::output::hdf5_file::{SerialFile, SharedFile};
+use crate::output::{InWords, OutputError, Provenance, agreed, seal};
+use crate::parallel::Communicator;
+use crate::state::{Clock, Departed, SizeRange};
+
+/// What stands in a checkpoint beside its rows.
+struct Head {
+    /// Without rows.
+    checkpoint: Checkpoint,
+    provenance: Provenance,
+    digest: String,
+    /// Of particles, contacts and wall contacts.
+    rows: [u64; 3],
+}
+
+/// Reads a checkpoint, on each rank an even share of its rows; returns also who wrote it, and the
+/// digest of the state. Collective.
+///
+/// # Errors
+/// In words, if the file is missing, empty, cut short, damaged, not a checkpoint, of a newer schema, or
+/// if the state in it is not the one whose digest it names.
+pub fn read(
+    path: &Path,
+    ranks: &dyn Communicator,
+) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
+    seal::check(path, ranks)?;
+    let Head { mut checkpoint, provenance, digest: stored, rows } =
+        agreed(path, read_head(path), ranks)?;
+    let file = SharedFile::open_to_read(path, ranks)?;
+    checkpoint.particles = read_rows(&file, rows[0], ranks)?;
+    checkpoint.contacts = read_rows(&file, rows[1], ranks)?;
+    checkpoint.wall_contacts = read_rows(&file, rows[2], ranks)?;
+    file.close()?;
+    let digest = checkpoint.digest(ranks);
+    let same = digest.to_string() == stored;
+    let words = || format!("the state's digest is {digest}, but the file says {stored}");
+    agreed(path, if same { Ok(()) } else { Err(words()) }, ranks)?;
+    Ok((checkpoint, provenance, digest))
+}
+
+fn read_head(path: &Path) -> InWords<Head> {
+    let file = SerialFile::open(path)?;
+    if file.text("/", "format").as_deref() != Ok(FORMAT) {
+        return Err("this is not a checkpoint of Talcum".to_owned());
+    }
+    let version: u64 = file.number("/", "schema_version")?;
+    if version > VERSION {
+        return Err(format!(
+            "the checkpoint was written by a newer Talcum ({}): its schema is {version}, and this \
+             program reads schemas up to {VERSION}",
+            file.text("/", "talcum_version").unwrap_or_default()
+        ));
+    }
+    let head = Head {
+        checkpoint: read_small(&file)?,
+        provenance: read_provenance(&file)?,
+        digest: file.text("/", "digest")?,
+        rows: [
+            rows_of::<crate::parallel::ParticleRecord>(&file)?,
+            rows_of::<crate::parallel::ContactRecord>(&file)?,
+            rows_of::<crate::parallel::WallContactRecord>(&file)?,
+        ],
+    };
+    file.close()?;
+    Ok(head)
+}
+
+/// Everything but the rows.
+fn read_small(file: &SerialFile) -> InWords<Checkpoint> {
+    let case_text = file.text("/", "case")?;
+    if file.text("/", "case_blake3")? != blake3::hash(case_text.as_bytes()).to_hex().as_str() {
+        return Err("the text of the case is damaged".to_owned());
+    }
+    let clock = Clock {
+        step: file.number("/clock", "step")?,
+        origin_time: file.number("/clock", "origin_time")?,
+        origin_step: file.number("/clock", "origin_step")?,
+        time_step: file.number("/clock", "time_step")?,
+    };
+    if clock.origin_step > clock.step {
+        return Err("the clock's origin lies after its step".to_owned());
+    }
+    Ok(Checkpoint {
+        clock,
+        departed: Departed {
+            count: file.number("/departed", "count")?,
+            volume: file.number("/departed", "volume")?,
+        },
+        sizes: SizeRange {
+            smallest_diameter: file.number("/sizes", "smallest_diameter")?,
+            largest_diameter: file.number("/sizes", "largest_diameter")?,
+            largest_mass: file.number("/sizes", "largest_mass")?,
+        },
+        case_text,
+        case_folder: file.text("/", "case_folder")?,
+        particles: Vec::new(),
+        contacts: Vec::new(),
+        wall_contacts: Vec::new(),
+    })
+}
+
+fn read_provenance(file: &SerialFile) -> InWords<Provenance> {
+    let text = |name: &str| file.text("/", name);
+    let ranks = text("ranks")?;
+    Ok(Provenance {
+        version: text("talcum_version")?,
+        commit: text("commit")?,
+        ranks: ranks.parse().map_err(|_| format!("ranks = {ranks} is not a number"))?,
+        machine: text("machine")?,
+        date: text("date")?,
+        title: text("title")?,
+        units: text("units")?,
+    })
+}
+
+/// The number of rows of a table; all its columns must have it, and their widths.
+fn rows_of<R: Table>(file: &SerialFile) -> InWords<u64> {
+    let (rows, _) = file.shape(R::IDS[0].name)?;
+    let ids = R::IDS.iter().map(|column| (column.name, 1));
+    let numbers = R::NUMBERS.iter().map(|column| (column.name, column.width));
+    for (name, width) in ids.chain(numbers) {
+        let shape = file.shape(name)?;
+        if shape != (rows, width) {
+            return Err(format!("{name} has the shape {shape:?} instead of {:?}", (rows, width)));
+        }
+    }
+    Ok(rows)
+}
+
+/// This rank's even share of a table's rows.
+fn read_rows<R: Table>(
+    file: &SharedFile<'_>,
+    total: u64,
+    ranks: &dyn Communicator,
+) -> Result<Vec<R>, OutputError> {
+    let begin_of = |rank: usize| (u128::from(total) * rank as u128 / ranks.size() as u128) as u64;
+    let first = begin_of(ranks.rank());
+    let count = begin_of(ranks.rank() + 1) - first;
+    let mut records = vec![R::zeroed(); count as usize];
+    for column in R::IDS {
+        let values: Vec<u64> = file.read_rows(column.name, first, count)?;
+        for (record, value) in records.iter_mut().zip(values) {
+            *(column.get_mut)(record) = value;
+        }
+    }
+    for column in R::NUMBERS {
+        let values: Vec<f64> = file.read_rows(column.name, first, count)?;
+        for (record, value) in records.iter_mut().zip(values.chunks_exact(column.width)) {
+            (column.get_mut)(record).copy_from_slice(value);
+        }
+    }
+    Ok(records)
+}

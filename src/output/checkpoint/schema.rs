@@ -1,0 +1,130 @@
+//! What stands where in a checkpoint.
+
+use std::slice::{from_mut, from_ref};
+
+use bytemuck::Pod;
+
+use crate::output::ColumnUnits;
+use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
+
+/// What the root's attribute `format` says.
+pub(super) const FORMAT: &str = "talcum checkpoint";
+/// Version of this schema. A change that older programs would misread raises it.
+pub(super) const VERSION: u64 = 1;
+
+/// A column of integers.
+pub(super) struct IdColumn<R> {
+    pub(super) name: &'static str,
+    pub(super) description: &'static str,
+    pub(super) get: fn(&R) -> u64,
+    pub(super) get_mut: fn(&mut R) -> &mut u64,
+}
+
+/// A column of numbers or of vectors.
+pub(super) struct NumberColumn<R> {
+    pub(super) name: &'static str,
+    pub(super) width: usize,
+    pub(super) unit: fn(&ColumnUnits) -> &'static str,
+    pub(super) description: &'static str,
+    pub(super) get: fn(&R) -> &[f64],
+    pub(super) get_mut: fn(&mut R) -> &mut [f64],
+}
+
+/// Records of one kind: a dataset for each column, all with equally many rows. Rows are sorted by the
+/// first column, then by the second.
+pub(super) trait Table: Pod {
+    const IDS: &'static [IdColumn<Self>];
+    const NUMBERS: &'static [NumberColumn<Self>];
+}
+
+macro_rules! vector {
+    ($name:literal, $field:ident, $unit:ident, $description:literal) => {
+        NumberColumn {
+            name: $name,
+            width: 3,
+            unit: |units| units.$unit,
+            description: $description,
+            get: |record| &record.$field,
+            get_mut: |record| &mut record.$field,
+        }
+    };
+}
+
+macro_rules! number {
+    ($name:literal, $field:ident, $unit:ident, $description:literal) => {
+        NumberColumn {
+            name: $name,
+            width: 1,
+            unit: |units| units.$unit,
+            description: $description,
+            get: |record| from_ref(&record.$field),
+            get_mut: |record| from_mut(&mut record.$field),
+        }
+    };
+}
+
+macro_rules! id {
+    ($name:literal, $field:ident, $description:literal) => {
+        IdColumn {
+            name: $name,
+            description: $description,
+            get: |record| record.$field,
+            get_mut: |record| &mut record.$field,
+        }
+    };
+}
+
+impl Table for ParticleRecord {
+    const IDS: &'static [IdColumn<Self>] = &[id!("/particles/id", id, "global id, ascending")];
+    const NUMBERS: &'static [NumberColumn<Self>] = &[
+        vector!("/particles/position", position, length, "centre, wrapped into the box"),
+        vector!("/particles/velocity", velocity, speed, "velocity of the centre"),
+        vector!("/particles/angular_velocity", angular_velocity, angular_speed, "angular velocity"),
+        vector!("/particles/force", force, force, "total force at the end of the last step"),
+        vector!("/particles/torque", torque, torque, "total torque at the end of the last step"),
+        number!("/particles/radius", radius, length, "radius"),
+        number!("/particles/mass", mass, mass, "mass"),
+    ];
+}
+
+impl Table for ContactRecord {
+    const IDS: &'static [IdColumn<Self>] = &[
+        id!("/contacts/lower", lower, "lower id of a touching pair, ascending"),
+        id!("/contacts/higher", higher, "higher id of the pair, ascending for one lower id"),
+    ];
+    const NUMBERS: &'static [NumberColumn<Self>] = &[
+        vector!(
+            "/contacts/tangential_spring",
+            tangential_spring,
+            length,
+            "tangential displacement of the higher relative to the lower since the contact began"
+        ),
+        number!(
+            "/contacts/largest_overlap",
+            largest_overlap,
+            length,
+            "largest overlap since the contact began"
+        ),
+    ];
+}
+
+impl Table for WallContactRecord {
+    const IDS: &'static [IdColumn<Self>] = &[
+        id!("/wall_contacts/particle", particle, "id of a particle at a wall, ascending"),
+        id!("/wall_contacts/wall", wall, "number of the wall: faces of the box, then the case's"),
+    ];
+    const NUMBERS: &'static [NumberColumn<Self>] = &[
+        vector!(
+            "/wall_contacts/tangential_spring",
+            tangential_spring,
+            length,
+            "tangential displacement of the wall relative to the particle since the contact began"
+        ),
+        number!(
+            "/wall_contacts/largest_overlap",
+            largest_overlap,
+            length,
+            "largest overlap since the contact began"
+        ),
+    ];
+}

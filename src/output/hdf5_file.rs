@@ -1,0 +1,392 @@
+//! HDF5 files: made by one process, filled by all ranks together. The only file that calls HDF5.
+//!
+//! Groups, datasets and attributes are made by rank 0 alone through [`SerialFile`]; rows are then written
+//! through [`SharedFile`], where all ranks take part in every transfer, those without rows too.
+
+use std::path::{Path, PathBuf};
+use std::ptr;
+use std::str::FromStr;
+
+use bytemuck::Pod;
+use hdf5::dataset::{AllocTime, FillTime};
+use hdf5::types::{FixedAscii, VarLenUnicode};
+use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents, h5check};
+use hdf5_sys::h5::hsize_t;
+use hdf5_sys::h5d::{H5Dget_space, H5Dread, H5Dset_extent, H5Dwrite};
+use hdf5_sys::h5i::hid_t;
+use hdf5_sys::h5p::{
+    H5FD_mpio_xfer_t, H5P_CLS_DATASET_XFER, H5Pclose, H5Pcreate, H5Pset_dxpl_mpio,
+};
+use hdf5_sys::h5s::{
+    H5S_seloper_t, H5Sclose, H5Screate_simple, H5Sselect_hyperslab, H5Sselect_none,
+};
+
+use super::table::{Rows, TableHead};
+use super::{InWords, OutputError, agreed};
+use crate::parallel::{Communicator, FileAccess, records_of_bytes};
+
+/// Longest text of a fixed length: names of formats.
+const FIXED_TEXT: usize = 8;
+
+/// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
+/// reads a table while it grows must not end the run.
+fn options() -> FileBuilder {
+    let mut options = File::with_options();
+    options.with_fapl(|properties| properties.file_locking(false));
+    options
+}
+
+/// What datasets hold.
+pub(super) trait Element: Pod + H5Type + Default {}
+impl Element for f64 {}
+impl Element for u64 {}
+impl Element for i64 {}
+
+/// A file that this process alone has open.
+pub(super) struct SerialFile(File);
+
+fn in_words<T>(result: hdf5::Result<T>) -> InWords<T> {
+    result.map_err(|error| format!("HDF5 says: {error}"))
+}
+
+impl SerialFile {
+    /// A new, empty file in the place of what was there.
+    pub(super) fn create(path: &Path) -> InWords<Self> {
+        in_words(options().create(path)).map(Self)
+    }
+
+    /// A file that is only read.
+    pub(super) fn open(path: &Path) -> InWords<Self> {
+        in_words(options().open(path)).map(Self)
+    }
+
+    /// A file that is changed.
+    pub(super) fn open_to_change(path: &Path) -> InWords<Self> {
+        in_words(options().open_rw(path)).map(Self)
+    }
+
+    /// Brings everything to the file and closes it.
+    pub(super) fn close(self) -> InWords<()> {
+        in_words(self.0.flush().and_then(|()| self.0.close()))
+    }
+
+    pub(super) fn make_group(&self, name: &str) -> InWords<()> {
+        in_words(self.0.create_group(name)).map(|_| ())
+    }
+
+    /// A text attribute of the group `/...`.
+    pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> InWords<()> {
+        let group = in_words(self.0.group(group))?;
+        in_words(set_text(&group, name, text))
+    }
+
+    /// A text attribute of a fixed length, as the VTKHDF format asks for.
+    pub(super) fn set_format_name(&self, group: &str, name: &str, text: &str) -> InWords<()> {
+        let text = FixedAscii::<FIXED_TEXT>::from_ascii(text.as_bytes());
+        let text = text.map_err(|error| error.to_string())?;
+        let set = || {
+            let group = self.0.group(group)?;
+            group.new_attr::<FixedAscii<FIXED_TEXT>>().create(name)?.write_scalar(&text)
+        };
+        in_words(set())
+    }
+
+    /// A number attribute, new or changed.
+    pub(super) fn set_number<T: Element>(&self, group: &str, name: &str, to: T) -> InWords<()> {
+        let set = || {
+            let group = self.0.group(group)?;
+            let exists = group.attr_names()?.iter().any(|known| known == name);
+            let attribute =
+                if exists { group.attr(name)? } else { group.new_attr::<T>().create(name)? };
+            attribute.write_scalar(&to)
+        };
+        in_words(set())
+    }
+
+    /// An attribute of several numbers.
+    pub(super) fn set_numbers<T: Element>(&self, group: &str, name: &str, to: &[T]) -> InWords<()> {
+        let set = || {
+            let group = self.0.group(group)?;
+            group.new_attr::<T>().shape([to.len()]).create(name)?.write_raw(to)
+        };
+        in_words(set())
+    }
+
+    pub(super) fn text(&self, group: &str, name: &str) -> InWords<String> {
+        let get = || self.0.group(group)?.attr(name)?.read_scalar::<VarLenUnicode>();
+        get().map(|text| text.as_str().to_owned()).map_err(|error| missing(group, name, &error))
+    }
+
+    pub(super) fn number<T: Element>(&self, group: &str, name: &str) -> InWords<T> {
+        let get = || self.0.group(group)?.attr(name)?.read_scalar::<T>();
+        get().map_err(|error| missing(group, name, &error))
+    }
+
+    /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
+    /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
+    pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> InWords<()> {
+        let make = || {
+            let width = if head.width == 1 { &[][..] } else { &[head.width] };
+            let builder = self.0.new_dataset::<T>();
+            let (first, builder) = match rows {
+                Rows::Fixed(rows) => (Extent::fixed(rows as usize), builder.no_chunk()),
+                Rows::Growing(piece) => {
+                    (Extent::resizable(0), builder.chunk([&[piece], width].concat()))
+                }
+            };
+            let extents = std::iter::once(first).chain(width.iter().map(Extent::from)).collect();
+            let builder = builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never);
+            let dataset = builder.shape(SimpleExtents::from_vec(extents)).create(head.name)?;
+            set_text(&dataset, "unit", head.unit)?;
+            set_text(&dataset, "description", head.description)
+        };
+        in_words(make())
+    }
+
+    /// Rows and width of a dataset.
+    pub(super) fn shape(&self, name: &str) -> InWords<(u64, usize)> {
+        let shape = in_words(self.0.dataset(name)).map_err(|words| format!("{name}: {words}"))?;
+        match shape.shape()[..] {
+            [rows] => Ok((rows as u64, 1)),
+            [rows, width] => Ok((rows as u64, width)),
+            _ => Err(format!("{name} is no table")),
+        }
+    }
+
+    /// All rows of a dataset.
+    pub(super) fn read<T: Element>(&self, name: &str) -> InWords<Vec<T>> {
+        let dataset = in_words(self.0.dataset(name))?;
+        if dataset.size() * size_of::<T>() > self.0.size() as usize {
+            return Err(format!("{name} claims to be larger than the file"));
+        }
+        in_words(dataset.read_raw())
+    }
+
+    /// Writes all rows of a dataset.
+    pub(super) fn fill<T: Element>(&self, name: &str, values: &[T]) -> InWords<()> {
+        in_words(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
+    }
+
+    /// Cuts a dataset to its first rows.
+    pub(super) fn cut(&self, name: &str, rows: u64) -> InWords<()> {
+        if self.shape(name)?.0 < rows {
+            return Err(format!("{name} has fewer than {rows} rows"));
+        }
+        in_words(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
+    }
+
+    /// Appends rows to a dataset.
+    pub(super) fn append<T: Element>(&self, name: &str, values: &[T]) -> InWords<()> {
+        let (rows, width) = self.shape(name)?;
+        let added = (values.len() / width.max(1)) as u64;
+        let append = || {
+            let dataset = self.0.dataset(name)?;
+            set_rows(&dataset, rows + added)?;
+            write(&dataset, rows, values, false)
+        };
+        in_words(append())
+    }
+}
+
+/// A file whose rows all ranks write or read together. Every method is collective.
+pub(super) struct SharedFile<'r> {
+    path: PathBuf,
+    /// None on ranks that leave the writing to rank 0.
+    file: Option<File>,
+    ranks: &'r dyn Communicator,
+    /// Whether all ranks transfer their rows themselves, together.
+    together: bool,
+}
+
+impl<'r> SharedFile<'r> {
+    /// Opens a file whose datasets exist.
+    pub(super) fn open_to_write(
+        path: &Path,
+        ranks: &'r dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        Self::open(path, ranks, true)
+    }
+
+    /// Opens a file to read from it on all ranks.
+    pub(super) fn open_to_read(
+        path: &Path,
+        ranks: &'r dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        Self::open(path, ranks, false)
+    }
+
+    fn open(path: &Path, ranks: &'r dyn Communicator, write: bool) -> Result<Self, OutputError> {
+        let mut options = options();
+        let mut together = false;
+        if let FileAccess::Collective(communicator) = ranks.file_access() {
+            together = true;
+            options.with_fapl(|properties| {
+                properties.mpio(communicator, None);
+                properties.all_coll_metadata_ops(true).coll_metadata_write(true)
+            });
+        }
+        let opened = if !write {
+            options.open(path).map(Some)
+        } else if together || ranks.is_root() {
+            options.open_rw(path).map(Some)
+        } else {
+            Ok(None)
+        };
+        let file = agreed(path, in_words(opened), ranks)?;
+        Ok(Self { path: path.to_owned(), file, ranks, together })
+    }
+
+    /// Does something with a dataset on the ranks that have the file open.
+    fn with<T: Default>(
+        &self,
+        name: &str,
+        work: impl FnOnce(&Dataset) -> hdf5::Result<T>,
+    ) -> Result<T, OutputError> {
+        let result = match &self.file {
+            Some(file) => file.dataset(name).and_then(|dataset| work(&dataset)),
+            None => Ok(T::default()),
+        };
+        let result = in_words(result).map_err(|words| format!("{name}: {words}"));
+        agreed(&self.path, result, self.ranks)
+    }
+
+    /// Lengthens a dataset to so many rows.
+    pub(super) fn grow(&self, name: &str, rows: u64) -> Result<(), OutputError> {
+        self.with(name, |dataset| set_rows(dataset, rows))
+    }
+
+    /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of
+    /// ranks, without gaps.
+    pub(super) fn write_rows<T: Element>(
+        &self,
+        name: &str,
+        first_row: u64,
+        values: &[T],
+    ) -> Result<(), OutputError> {
+        if self.together {
+            return self.with(name, |dataset| write(dataset, first_row, values, true));
+        }
+        let gathered = self.ranks.gather_to_root(bytemuck::cast_slice(values));
+        let all: Vec<T> = records_of_bytes(&gathered.unwrap_or_default().concat()).collect();
+        self.with(name, |dataset| write(dataset, first_row, &all, false))
+    }
+
+    /// Reads so many rows from `first_row` on, on each rank its own.
+    pub(super) fn read_rows<T: Element>(
+        &self,
+        name: &str,
+        first_row: u64,
+        rows: u64,
+    ) -> Result<Vec<T>, OutputError> {
+        self.with(name, |dataset| {
+            let mut values = vec![T::default(); rows as usize * width(dataset)];
+            let buffer = Buffer::Read(values.as_mut_ptr().cast());
+            transfer::<T>(dataset, [first_row, rows], buffer, self.together)?;
+            Ok(values)
+        })
+    }
+
+    /// Brings everything to the file and closes it.
+    pub(super) fn close(self) -> Result<(), OutputError> {
+        let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
+        agreed(&self.path, in_words(closed), self.ranks)
+    }
+}
+
+fn missing(group: &str, name: &str, error: &hdf5::Error) -> String {
+    format!("attribute {name} of {group} cannot be read: {error}")
+}
+
+fn set_text(location: &Location, name: &str, text: &str) -> hdf5::Result<()> {
+    let text = VarLenUnicode::from_str(text).map_err(|error| error.to_string())?;
+    location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&text)
+}
+
+fn width(dataset: &Dataset) -> usize {
+    dataset.shape().get(1).copied().unwrap_or(1).max(1)
+}
+
+#[allow(unsafe_code, reason = "the safe interface takes the whole shape in a type of fixed rank")]
+fn set_rows(dataset: &Dataset, rows: u64) -> hdf5::Result<()> {
+    let mut shape: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
+    shape[0] = rows;
+    // SAFETY: the identifier is that of an open dataset, and `shape` has as many items as its rank.
+    hdf5::sync::sync(|| h5check(unsafe { H5Dset_extent(dataset.id(), shape.as_ptr()) })).map(|_| ())
+}
+
+fn write<T: Element>(
+    dataset: &Dataset,
+    first_row: u64,
+    values: &[T],
+    together: bool,
+) -> hdf5::Result<()> {
+    let rows = (values.len() / width(dataset)) as u64;
+    transfer::<T>(dataset, [first_row, rows], Buffer::Write(values.as_ptr().cast()), together)
+}
+
+/// Where numbers lie in memory.
+#[derive(Clone, Copy)]
+enum Buffer {
+    Write(*const std::ffi::c_void),
+    Read(*mut std::ffi::c_void),
+}
+
+/// Moves `rows` rows from `first_row` on between memory and file. `together`: all ranks take part, and
+/// those without rows too, or the others would wait for ever; the safe interface cannot do this.
+#[allow(unsafe_code, reason = "collective transfers are missing in the safe interface")]
+fn transfer<T: Element>(
+    dataset: &Dataset,
+    [first_row, rows]: [u64; 2],
+    buffer: Buffer,
+    together: bool,
+) -> hdf5::Result<()> {
+    let mut count: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
+    if count.is_empty() || first_row + rows > count[0] {
+        return Err("rows beyond the end of a dataset".into());
+    }
+    if count[0] == 0 {
+        // An empty dataset has no place in the file; all ranks see this alike.
+        return Ok(());
+    }
+    count[0] = rows;
+    let mut start = vec![0; count.len()];
+    start[0] = first_row;
+    let datatype = hdf5::Datatype::from_type::<T>()?;
+    // SAFETY: all identifiers come from successful calls; `start` and `count` have the dataset's rank;
+    // the buffer holds rows times width elements of type T, as the callers made it.
+    hdf5::sync::sync(|| unsafe {
+        let file_space = Identifier(h5check(H5Dget_space(dataset.id()))?, H5Sclose);
+        let memory_space =
+            h5check(H5Screate_simple(count.len() as i32, count.as_ptr(), ptr::null()));
+        let memory_space = Identifier(memory_space?, H5Sclose);
+        let how = Identifier(h5check(H5Pcreate(*H5P_CLS_DATASET_XFER))?, H5Pclose);
+        if together {
+            h5check(H5Pset_dxpl_mpio(how.0, H5FD_mpio_xfer_t::H5FD_MPIO_COLLECTIVE))?;
+        }
+        if rows == 0 {
+            h5check(H5Sselect_none(file_space.0))?;
+            h5check(H5Sselect_none(memory_space.0))?;
+        } else {
+            let (select, start) = (H5S_seloper_t::H5S_SELECT_SET, start.as_ptr());
+            let (none, count) = (ptr::null(), count.as_ptr());
+            h5check(H5Sselect_hyperslab(file_space.0, select, start, none, count, none))?;
+        }
+        let (memory, file) = (memory_space.0, file_space.0);
+        h5check(match buffer {
+            Buffer::Write(from) => H5Dwrite(dataset.id(), datatype.id(), memory, file, how.0, from),
+            Buffer::Read(to) => H5Dread(dataset.id(), datatype.id(), memory, file, how.0, to),
+        })
+    })
+    .map(|_| ())
+}
+
+/// An identifier of the library that is closed at the end.
+struct Identifier(hid_t, unsafe extern "C" fn(hid_t) -> hdf5_sys::h5::herr_t);
+
+impl Drop for Identifier {
+    #[allow(unsafe_code, reason = "the library's own way to free what it made")]
+    fn drop(&mut self) {
+        // SAFETY: the identifier is open, and this function closes identifiers of its kind.
+        unsafe { (self.1)(self.0) };
+    }
+}

@@ -1,0 +1,76 @@
+//! Files that a run leaves: checkpoints, tables and pictures. Their schemas: `docs/files.md`.
+//!
+//! What fails on one rank fails on all, in the same words.
+
+use std::path::{Path, PathBuf};
+
+use crate::parallel::{Communicator, agree};
+
+pub mod checkpoint;
+mod hdf5_file;
+mod particle_snapshots;
+mod profiles;
+mod provenance;
+mod seal;
+mod series;
+mod table;
+mod units;
+
+pub use particle_snapshots::ParticleSnapshots;
+pub use profiles::{ProfileRow, Profiles};
+pub use provenance::Provenance;
+pub use series::Series;
+pub use units::ColumnUnits;
+
+/// A file that could not be written, or is not what it should be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {words}", path.display())]
+pub struct OutputError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub words: String,
+}
+
+/// A result whose error does not yet know which file it speaks of.
+type InWords<T> = Result<T, String>;
+
+/// Makes an error on one rank an error on all. Collective.
+fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Result<T, OutputError> {
+    agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), words: error.0 })
+}
+
+/// Does on rank 0 what is not done together; the others wait and learn of errors. Collective.
+fn on_root<T>(
+    path: &Path,
+    ranks: &dyn Communicator,
+    work: impl FnOnce() -> InWords<T>,
+) -> Result<Option<T>, OutputError> {
+    let result = if ranks.is_root() { work().map(Some) } else { Ok(None) };
+    agreed(path, result, ranks)
+}
+
+/// A path with something appended to its file name.
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// Brings a rename in a file's folder to the disk.
+fn sync_folder(path: &Path) -> InWords<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let opened = std::fs::File::open(folder.unwrap_or(Path::new(".")));
+    opened.and_then(|folder| folder.sync_all()).map_err(|error| error.to_string())
+}
+
+/// Moves a file that cannot be continued out of the way: `name.unreadable-1`, or the next free number.
+fn set_aside(path: &Path, reason: &str) -> InWords<()> {
+    let free = (1..).map(|number| with_suffix(path, &format!(".unreadable-{number}")));
+    let aside = free.into_iter().find(|aside| !aside.exists());
+    let aside = aside.expect("there are more numbers than files");
+    std::fs::rename(path, &aside).map_err(|error| format!("cannot be renamed: {error}"))?;
+    let [path, aside] = [path.display(), aside.display()];
+    log::warn!("{path} cannot be continued ({reason}); it is kept as {aside}, and a new one begun");
+    Ok(())
+}

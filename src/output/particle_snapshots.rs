@@ -1,0 +1,236 @@
+//! The particles at chosen times for ParaView: `particles.vtkhdf`, temporal PolyData of VTKHDF 2.0.
+//!
+//! One partition for each time, rows sorted by id, so that the file does not depend on the number of ranks.
+//! Rows are written first, then what makes them a time step; the file is closed after each, so that a
+//! kill between two steps leaves a whole file.
+
+use std::path::{Path, PathBuf};
+
+use super::hdf5_file::{SerialFile, SharedFile};
+use super::table::{Rows, TableHead};
+use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
+use crate::parallel::{Communicator, ParticleRecord, sort_by_id};
+
+/// The kinds of cells that PolyData may have; we have none, but their groups must be there.
+const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
+/// Datasets with a row for each particle at each time.
+const POINT_DATA: [&str; 4] = ["id", "velocity", "angular_velocity", "radius"];
+/// Datasets of /VTKHDF/Steps with one integer for each time.
+const STEP_INTEGERS: [&str; 3] = ["PartOffsets", "NumberOfParts", "PointOffsets"];
+/// Datasets of /VTKHDF/Steps with one integer for each time and kind of cells.
+const CELL_OFFSETS: [&str; 2] = ["CellOffsets", "ConnectivityIdOffsets"];
+/// Rows of particles that are stored as one piece.
+const POINT_PIECE: usize = 4096;
+/// Rows of steps that are stored as one piece.
+const STEP_PIECE: usize = 256;
+
+/// The file of snapshots.
+#[derive(Clone, Debug)]
+pub struct ParticleSnapshots {
+    path: PathBuf,
+    steps: u64,
+    points: u64,
+}
+
+impl ParticleSnapshots {
+    /// Begins a file, in the place of one that is there. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(
+        path: &Path,
+        case_text: &str,
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || create(path, case_text, provenance))?;
+        Ok(Self { path: path.to_owned(), steps: 0, points: 0 })
+    }
+
+    /// Continues a file after the snapshots up to and including `time`; later ones are dropped. A file
+    /// that cannot be read is set aside with a warning, and a new one begun. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn resume(
+        path: &Path,
+        time: f64,
+        case_text: &str,
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let cut = on_root(path, ranks, || {
+            if path.exists() {
+                match cut_after(path, time) {
+                    Ok(kept) => return Ok(kept),
+                    Err(reason) => set_aside(path, &reason)?,
+                }
+            }
+            create(path, case_text, provenance)?;
+            Ok([0, 0])
+        })?;
+        let mut counts = cut.unwrap_or_default().map(|count| count as i64);
+        ranks.sum_integers(&mut counts);
+        let [steps, points] = counts.map(|count| count as u64);
+        Ok(Self { path: path.to_owned(), steps, points })
+    }
+
+    /// Adds the particles at a time: all ranks' shares, in any order. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn append(
+        &mut self,
+        time: f64,
+        particles: &[ParticleRecord],
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        let block = sort_by_id(particles, |particle| particle.id, ranks);
+        let (before, after) = (self.points, self.points + block.total);
+        let first = before + block.offset;
+        let vectors = |get: fn(&ParticleRecord) -> &[f64; 3]| -> Vec<f64> {
+            block.rows.iter().flat_map(get).copied().collect()
+        };
+        let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
+        let radii: Vec<f64> = block.rows.iter().map(|particle| particle.radius).collect();
+        let file = SharedFile::open_to_write(&self.path, ranks)?;
+        point_tables().iter().try_for_each(|name| file.grow(name, after))?;
+        file.write_rows("/VTKHDF/Points", first, &vectors(|particle| &particle.position))?;
+        file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
+        let velocities = vectors(|particle| &particle.velocity);
+        file.write_rows("/VTKHDF/PointData/velocity", first, &velocities)?;
+        let spins = vectors(|particle| &particle.angular_velocity);
+        file.write_rows("/VTKHDF/PointData/angular_velocity", first, &spins)?;
+        file.write_rows("/VTKHDF/PointData/radius", first, &radii)?;
+        file.close()?;
+        on_root(&self.path, ranks, || append_step(&self.path, time, [self.steps, before, after]))?;
+        self.steps += 1;
+        self.points = after;
+        Ok(())
+    }
+}
+
+/// Paths of the datasets with a row for each particle at each time.
+fn point_tables() -> Vec<String> {
+    let data = POINT_DATA.iter().map(|name| format!("/VTKHDF/PointData/{name}"));
+    std::iter::once("/VTKHDF/Points".to_owned()).chain(data).collect()
+}
+
+/// Paths of the datasets with one row for each time, one integer wide.
+fn step_tables() -> Vec<String> {
+    let steps = STEP_INTEGERS.iter().map(|name| format!("/VTKHDF/Steps/{name}"));
+    let data = POINT_DATA.iter().map(|name| format!("/VTKHDF/Steps/PointDataOffsets/{name}"));
+    let cells = CELLS.iter().flat_map(|kind| {
+        ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
+            .map(|name| format!("/VTKHDF/{kind}/{name}"))
+    });
+    let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
+    steps.chain(data).chain(cells).chain(number).collect()
+}
+
+fn create(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
+    let file = SerialFile::create(path)?;
+    for group in ["/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/Steps", "/VTKHDF/Steps/PointDataOffsets"]
+    {
+        file.make_group(group)?;
+    }
+    file.set_numbers("/VTKHDF", "Version", &[2_i64, 0])?;
+    file.set_format_name("/VTKHDF", "Type", "PolyData")?;
+    file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
+    file.make_group("/talcum")?;
+    for (name, words) in provenance.entries() {
+        file.set_text("/talcum", name, &words)?;
+    }
+    file.set_text("/talcum", "case", case_text)?;
+    make_point_tables(&file, &ColumnUnits::of_system(&provenance.units))?;
+    make_step_tables(&file, &ColumnUnits::of_system(&provenance.units))?;
+    file.close()
+}
+
+fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
+    let rows = Rows::Growing(POINT_PIECE);
+    let numbers = [
+        ("/VTKHDF/Points", 3, units.length, "centres, of one time after another, sorted by id"),
+        ("/VTKHDF/PointData/velocity", 3, units.speed, "velocities of the centres"),
+        ("/VTKHDF/PointData/angular_velocity", 3, units.angular_speed, "angular velocities"),
+        ("/VTKHDF/PointData/radius", 1, units.length, "radii"),
+    ];
+    for (name, width, unit, description) in numbers {
+        file.make_table::<f64>(&TableHead { name, width, unit, description }, rows)?;
+    }
+    let (name, description) = ("/VTKHDF/PointData/id", "global ids, ascending at each time");
+    file.make_table::<i64>(&TableHead { name, width: 1, unit: "1", description }, rows)
+}
+
+fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
+    let rows = Rows::Growing(STEP_PIECE);
+    let head = TableHead {
+        name: "/VTKHDF/Steps/Values",
+        width: 1,
+        unit: units.time,
+        description: "times of the snapshots",
+    };
+    file.make_table::<f64>(&head, rows)?;
+    let integers = |name: &str, width, description: &str, rows| {
+        file.make_table::<i64>(&TableHead { name, width, unit: "1", description }, rows)
+    };
+    CELLS.iter().try_for_each(|kind| file.make_group(&format!("/VTKHDF/{kind}")))?;
+    for name in step_tables() {
+        integers(&name, 1, "index of VTKHDF, one for each time", rows)?;
+    }
+    for name in CELL_OFFSETS {
+        let description = "index of VTKHDF, for each time and kind of cells";
+        integers(&format!("/VTKHDF/Steps/{name}"), CELLS.len(), description, rows)?;
+    }
+    for kind in CELLS {
+        let name = format!("/VTKHDF/{kind}/Connectivity");
+        integers(&name, 1, "points of cells: there are none", rows)?;
+    }
+    Ok(())
+}
+
+/// Makes the rows from `before` to `after` the snapshot number `step`.
+fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> InWords<()> {
+    let file = SerialFile::open_to_change(path)?;
+    file.append("/VTKHDF/Steps/Values", &[time])?;
+    for name in step_tables() {
+        let value = match name.rsplit('/').next() {
+            Some("PartOffsets") => step,
+            Some("NumberOfParts") => 1,
+            Some("NumberOfPoints") => after - before,
+            Some("PointOffsets") => before,
+            _ if name.contains("PointDataOffsets") => before,
+            _ => 0,
+        };
+        file.append(&name, &[value as i64])?;
+    }
+    for name in CELL_OFFSETS {
+        file.append(&format!("/VTKHDF/Steps/{name}"), &[0_i64; CELLS.len()])?;
+    }
+    file.set_number("/VTKHDF/Steps", "NSteps", step as i64 + 1)?;
+    file.close()
+}
+
+/// Drops the snapshots after a time; returns the number of those kept, and of their rows.
+fn cut_after(path: &Path, time: f64) -> InWords<[u64; 2]> {
+    let file = SerialFile::open_to_change(path)?;
+    let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
+    let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
+    let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
+    let times = times.iter().take(listed.max(0) as usize);
+    let steps = times.take_while(|&&step_time| step_time <= time).count();
+    let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
+    let points = points.ok_or("its numbers of particles are damaged")?;
+    for name in step_tables() {
+        file.cut(&name, steps as u64)?;
+    }
+    for name in ["CellOffsets", "ConnectivityIdOffsets", "Values"] {
+        file.cut(&format!("/VTKHDF/Steps/{name}"), steps as u64)?;
+    }
+    for name in point_tables() {
+        file.cut(&name, points as u64)?;
+    }
+    file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
+    file.close()?;
+    Ok([steps as u64, points as u64])
+}

@@ -1,0 +1,187 @@
+//! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is
+//! closed after each row, so that it can be read while the run goes on.
+
+use std::path::{Path, PathBuf};
+
+use super::hdf5_file::SerialFile;
+use super::table::{Rows, TableHead};
+use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
+use crate::parallel::Communicator;
+
+/// Datasets that grow with time.
+const GROWING: [&str; 4] =
+    ["/time", "/superficial_velocity", "/solids_fraction", "/solids_velocity"];
+/// Rows that are stored as one piece.
+const PIECE: usize = 64;
+
+/// Profiles at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfileRow<'a> {
+    /// Time.
+    pub time: f64,
+    /// Superficial gas velocity.
+    pub superficial_velocity: f64,
+    /// Solids volume fraction at the nodes.
+    pub solids_fraction: &'a [f64],
+    /// Mean vertical velocity of the solids at the nodes.
+    pub solids_velocity: &'a [f64],
+}
+
+/// The file of profiles.
+#[derive(Clone, Debug)]
+pub struct Profiles {
+    path: PathBuf,
+    nodes: usize,
+}
+
+impl Profiles {
+    /// Begins a file for profiles at the given heights, in the place of one that is there. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(
+        path: &Path,
+        heights: &[f64],
+        case_text: &str,
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || create(path, heights, case_text, provenance))?;
+        Ok(Self { path: path.to_owned(), nodes: heights.len() })
+    }
+
+    /// Continues a file after the rows up to and including `time`; later ones are dropped. A file that
+    /// cannot be read, or has other heights, is set aside. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn resume(
+        path: &Path,
+        time: f64,
+        (heights, case_text): (&[f64], &str),
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || {
+            if path.exists() {
+                let Err(reason) = cut_after(path, time, heights) else { return Ok(()) };
+                set_aside(path, &reason)?;
+            }
+            create(path, heights, case_text, provenance)
+        })?;
+        Ok(Self { path: path.to_owned(), nodes: heights.len() })
+    }
+
+    /// Adds a row. Rank 0's row counts. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn append(&self, row: &ProfileRow, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || {
+            if [row.solids_fraction.len(), row.solids_velocity.len()] != [self.nodes; 2] {
+                return Err(format!("a profile needs a value at each of {} nodes", self.nodes));
+            }
+            let file = SerialFile::open_to_change(&self.path)?;
+            file.append("/superficial_velocity", &[row.superficial_velocity])?;
+            file.append("/solids_fraction", row.solids_fraction)?;
+            file.append("/solids_velocity", row.solids_velocity)?;
+            // At last: a row without a time is no row.
+            file.append("/time", &[row.time])?;
+            file.close()
+        })?;
+        Ok(())
+    }
+}
+
+fn create(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
+    let file = SerialFile::create(path)?;
+    for (name, words) in provenance.entries() {
+        file.set_text("/", name, &words)?;
+    }
+    file.set_text("/", "case", case_text)?;
+    let units = ColumnUnits::of_system(&provenance.units);
+    let nodes = heights.len();
+    let head = |name, width, unit, description| TableHead { name, width, unit, description };
+    let description = "heights of the grid's nodes";
+    let rows = Rows::Fixed(nodes as u64);
+    file.make_table::<f64>(&head("/height", 1, units.length, description), rows)?;
+    file.fill("/height", heights)?;
+    let descriptions =
+        ["time", "superficial gas velocity", "solids volume fraction", "mean solids velocity, up"];
+    let column_units = [units.time, units.speed, "1", units.speed];
+    let widths = [1, 1, nodes, nodes];
+    for (place, name) in GROWING.into_iter().enumerate() {
+        let head = head(name, widths[place], column_units[place], descriptions[place]);
+        file.make_table::<f64>(&head, Rows::Growing(PIECE))?;
+    }
+    file.close()
+}
+
+/// Drops the rows after a time.
+fn cut_after(path: &Path, time: f64, heights: &[f64]) -> InWords<()> {
+    let file = SerialFile::open_to_change(path)?;
+    let same_bits = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
+    let stored: Vec<f64> = file.read("/height")?;
+    if stored.len() != heights.len() || !stored.iter().zip(heights).all(|(a, b)| same_bits(a, b)) {
+        return Err("its heights are others".to_owned());
+    }
+    let times: Vec<f64> = file.read("/time")?;
+    let rows = times.iter().take_while(|&&row_time| row_time <= time).count();
+    GROWING.iter().try_for_each(|name| file.cut(name, rows as u64))?;
+    file.close()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::run_on_threads;
+
+    fn append(profiles: &Profiles, step: u32, ranks: &dyn Communicator) {
+        let x = f64::from(step);
+        let (fraction, velocity) = ([x, 2.0 * x, 3.0 * x], [-x, 0.0, x]);
+        let row = ProfileRow {
+            time: 0.1 * x,
+            superficial_velocity: 0.01,
+            solids_fraction: &fraction,
+            solids_velocity: &velocity,
+        };
+        profiles.append(&row, ranks).unwrap();
+    }
+
+    fn contents(path: &Path) -> Vec<Vec<f64>> {
+        let file = SerialFile::open(path).unwrap();
+        GROWING.iter().map(|name| file.read(name).unwrap()).collect()
+    }
+
+    #[test]
+    fn a_resumed_file_is_that_of_an_uninterrupted_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("profiles.h5");
+        let heights = [0.5, 1.5, 2.5];
+        run_on_threads(2, |ranks| {
+            let provenance = Provenance::here_and_now("A bed", "si", ranks);
+            let profiles = Profiles::create(&path, &heights, "title = 1", &provenance, ranks);
+            let profiles = profiles.unwrap();
+            (0..100).for_each(|step| append(&profiles, step, ranks));
+        });
+        let whole = contents(&path);
+        assert_eq!(whole[2].len(), 300);
+        run_on_threads(2, |ranks| {
+            let provenance = Provenance::here_and_now("A bed", "si", ranks);
+            let given = (&heights[..], "title = 1");
+            let time = 0.1 * 70.0;
+            let profiles = Profiles::resume(&path, time, given, &provenance, ranks).unwrap();
+            let rows = if ranks.is_root() { contents(&path)[0].len() } else { 71 };
+            assert_eq!(rows, 71);
+            (71..100).for_each(|step| append(&profiles, step, ranks));
+        });
+        assert_eq!(contents(&path), whole);
+        let other = [0.5, 1.5];
+        run_on_threads(1, |ranks| {
+            let provenance = Provenance::here_and_now("A bed", "si", ranks);
+            Profiles::resume(&path, 7.0, (&other, ""), &provenance, ranks).unwrap();
+        });
+        assert_eq!(contents(&folder.path().join("profiles.h5.unreadable-1")), whole);
+        assert_eq!(contents(&path)[0].len(), 0);
+    }
+}

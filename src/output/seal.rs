@@ -1,0 +1,157 @@
+//! A hash over the bytes of a file, kept at its end: the HDF5 library is shown no byte that was not
+//! written, since it may crash on damaged files.
+//!
+//! HDF5 ignores what follows its data, so that a sealed file is still an HDF5 file. The bytes are hashed in
+//! blocks, by all ranks together.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use super::{InWords, OutputError, agreed, on_root};
+use crate::parallel::{Communicator, records_of_bytes};
+
+/// First bytes of a seal.
+const MARK: &[u8; 16] = b"\nTalcum seal  1\n";
+/// Mark, length of what is sealed, hash.
+const SEAL_LENGTH: u64 = 16 + 8 + 32;
+/// Bytes that are hashed as one.
+const BLOCK: u64 = 1 << 22;
+/// First bytes of an HDF5 file.
+const HDF5_SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
+
+/// Seals a closed file and brings it to the disk. Collective.
+pub(super) fn seal(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    let length = std::fs::metadata(path).map(|data| data.len()).map_err(|error| error.to_string());
+    let length = agreed(path, length, ranks)?;
+    let hash = hash_of(path, length, ranks)?;
+    on_root(path, ranks, || {
+        let append = || {
+            let mut file = OpenOptions::new().append(true).open(path)?;
+            file.write_all(MARK)?;
+            file.write_all(&length.to_le_bytes())?;
+            file.write_all(hash.as_bytes())
+        };
+        append().map_err(|error: std::io::Error| error.to_string())
+    })?;
+    // Each rank wrote through its own machine.
+    let synced = File::open(path).and_then(|file| file.sync_all());
+    agreed(path, synced.map_err(|error| error.to_string()), ranks)
+}
+
+/// Refuses a file that is not, byte for byte, what was sealed. Collective.
+pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    let (length, stored) = agreed(path, read_seal(path), ranks)?;
+    let same = hash_of(path, length, ranks)? == stored;
+    let words = "the file is damaged: its bytes are not those that were written";
+    agreed(path, if same { Ok(()) } else { Err(words.to_owned()) }, ranks)
+}
+
+/// The length of what is sealed, and its hash as it was.
+fn read_seal(path: &Path) -> InWords<(u64, blake3::Hash)> {
+    let mut file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
+    let metadata = file.metadata().map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err("this is not a file".to_owned());
+    }
+    let length = metadata.len();
+    if length == 0 {
+        return Err("the file is empty".to_owned());
+    }
+    let mut start = Vec::new();
+    Read::by_ref(&mut file).take(64).read_to_end(&mut start).map_err(unreadable)?;
+    if !start.starts_with(HDF5_SIGNATURE) {
+        return Err("this is not an HDF5 file".to_owned());
+    }
+    let mut end = Vec::new();
+    file.seek(SeekFrom::Start(length.saturating_sub(SEAL_LENGTH))).map_err(unreadable)?;
+    file.read_to_end(&mut end).map_err(unreadable)?;
+    let sealed = length.saturating_sub(SEAL_LENGTH);
+    let is_sealed = end.starts_with(MARK) && end[16..24] == sealed.to_le_bytes();
+    if is_sealed && let Ok(hash) = end[24..].try_into() {
+        return Ok((sealed, blake3::Hash::from_bytes(hash)));
+    }
+    match promised_length(&start) {
+        Some(promised) if promised > length => {
+            Err(format!("the file was cut short: it has {length} of {promised} bytes"))
+        }
+        _ => Err(
+            "the file does not end in Talcum's seal: it was cut short or damaged, or is an HDF5 \
+                  file of another program, not a checkpoint"
+                .to_owned(),
+        ),
+    }
+}
+
+/// The number of bytes that the head of an HDF5 file says it has ("end of file address" of its
+/// superblock, HDF5 File Format Specification 3.0 section II.A, with addresses of eight bytes).
+fn promised_length(start: &[u8]) -> Option<u64> {
+    let at = match start.get(8)? {
+        0 => 40,
+        1 => 44,
+        _ => 28,
+    };
+    Some(u64::from_le_bytes(start.get(at..at + 8)?.try_into().ok()?))
+}
+
+/// Hash of the first `length` bytes: of the hashes of their blocks. Collective.
+fn hash_of(
+    path: &Path,
+    length: u64,
+    ranks: &dyn Communicator,
+) -> Result<blake3::Hash, OutputError> {
+    let own = own_hashes(path, length, ranks.rank(), ranks.size());
+    let own = agreed(path, own.map_err(|error| error.to_string()), ranks)?;
+    let mut bytes = Vec::new();
+    if let Some(gathered) = ranks.gather_to_root(&own) {
+        let hashes: Vec<Vec<[u8; 32]>> =
+            gathered.iter().map(|own| records_of_bytes(own).collect()).collect();
+        let blocks = length.div_ceil(BLOCK) as usize;
+        let in_turn = (0..blocks).map(|block| hashes[block % hashes.len()][block / hashes.len()]);
+        bytes = blake3::hash(&in_turn.collect::<Vec<_>>().concat()).as_bytes().to_vec();
+    }
+    ranks.broadcast_from_root(&mut bytes);
+    let hash = bytes.try_into().expect("rank 0 sends 32 bytes");
+    Ok(blake3::Hash::from_bytes(hash))
+}
+
+/// Hashes of the blocks `rank`, `rank + size`, ...
+fn own_hashes(path: &Path, length: u64, rank: usize, size: usize) -> std::io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let mut hashes = Vec::new();
+    let mut block = vec![0; BLOCK.min(length) as usize];
+    for number in (rank as u64..length.div_ceil(BLOCK)).step_by(size) {
+        let start = number * BLOCK;
+        let bytes = &mut block[..BLOCK.min(length - start) as usize];
+        file.seek(SeekFrom::Start(start))?;
+        file.read_exact(bytes)?;
+        hashes.extend_from_slice(blake3::hash(bytes).as_bytes());
+    }
+    Ok(hashes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::{OneRank, run_on_threads};
+
+    #[test]
+    fn a_seal_of_several_blocks_is_the_same_on_any_number_of_ranks() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large");
+        let mut bytes = HDF5_SIGNATURE.to_vec();
+        bytes.extend((0..2 * BLOCK + 1000).map(|k| (k % 251) as u8));
+        std::fs::write(&path, &bytes).unwrap();
+        seal(&path, &OneRank).unwrap();
+        for n in 1..=4 {
+            run_on_threads(n, |ranks| check(&path, ranks).unwrap());
+        }
+        let mut damaged = std::fs::read(&path).unwrap();
+        damaged[BLOCK as usize + 5] ^= 1;
+        std::fs::write(&path, &damaged).unwrap();
+        run_on_threads(3, |ranks| {
+            assert!(check(&path, ranks).unwrap_err().words.contains("damaged"));
+        });
+    }
+}

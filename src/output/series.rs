@@ -1,0 +1,229 @@
+//! The table of numbers over time: `series.csv`, written by rank 0.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::{
+    ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside, sync_folder, with_suffix,
+};
+use crate::analysis::Measures;
+use crate::parallel::Communicator;
+
+/// Name, unit and value of every column, in the order of the file.
+fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 17] {
+    let ColumnUnits { time, length, speed, energy, .. } = *units;
+    [
+        ("time", time, row.time),
+        ("superficial_velocity", speed, row.superficial_velocity),
+        ("grid_pressure_drop", "1", row.grid_pressure_drop),
+        ("gas_force", "1", row.gas_force),
+        ("plate_stress", "1", row.plate_stress),
+        ("effective_gravity", "1", row.effective_gravity),
+        ("centre_height", length, row.centre_height),
+        ("centre_velocity", speed, row.centre_velocity),
+        ("bed_bottom", length, row.bed_bottom),
+        ("bed_top", length, row.bed_top),
+        ("mean_kinetic_energy", energy, row.mean_kinetic_energy),
+        ("fluctuating_kinetic_energy", energy, row.fluctuating_kinetic_energy),
+        ("coordination_number", "1", row.coordination_number),
+        ("momentum_error", "1", row.momentum_error),
+        ("mass_error", "1", row.mass_error),
+        ("particles", "1", row.particles),
+        ("departed", "1", row.departed),
+    ]
+}
+
+/// The open table: a comment with what was run, a header with units, and a row for each time.
+#[derive(Debug)]
+pub struct Series {
+    path: PathBuf,
+    units: ColumnUnits,
+    /// On rank 0.
+    file: Option<File>,
+}
+
+impl Series {
+    /// Begins a table, in the place of one that is there. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(
+        path: &Path,
+        provenance: &Provenance,
+        units: ColumnUnits,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let file = on_root(path, ranks, || create(path, provenance, &units))?;
+        Ok(Self { path: path.to_owned(), units, file })
+    }
+
+    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
+    /// file becomes that of a run without interruption. A file that is no such table is set aside. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn resume(
+        path: &Path,
+        time: f64,
+        provenance: &Provenance,
+        units: ColumnUnits,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let file = on_root(path, ranks, || {
+            if !path.exists() {
+                return create(path, provenance, &units);
+            }
+            match kept(path, time, &units) {
+                Ok(text) => replace(path, &text),
+                Err(reason) => {
+                    set_aside(path, &reason)?;
+                    create(path, provenance, &units)
+                }
+            }
+        })?;
+        Ok(Self { path: path.to_owned(), units, file })
+    }
+
+    /// Adds a row, which is in the file on return. Rank 0's row counts. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        let values = columns(row, &self.units).map(|(_, _, value)| shortest(value));
+        let line = values.join(",") + "\n";
+        on_root(&self.path, ranks, || {
+            let file = self.file.as_mut().ok_or("the file is not open")?;
+            file.write_all(line.as_bytes()).map_err(|error| error.to_string())
+        })?;
+        Ok(())
+    }
+}
+
+/// The line of names and units.
+fn header(units: &ColumnUnits) -> String {
+    let columns = columns(&Measures::default(), units);
+    columns.map(|(name, unit, _)| format!("{name} [{unit}]")).join(",")
+}
+
+/// The shortest text from which the same bits are read.
+fn shortest(value: f64) -> String {
+    let plain = value == 0.0 || (1.0e-4..1.0e15).contains(&value.abs());
+    if plain { format!("{value}") } else { format!("{value:e}") }
+}
+
+fn create(path: &Path, provenance: &Provenance, units: &ColumnUnits) -> InWords<File> {
+    let mut text = String::new();
+    for (name, words) in provenance.entries() {
+        text += &format!("# {name}: {}\n", words.replace(['\n', '\r'], " "));
+    }
+    text += &header(units);
+    text += "\n";
+    replace(path, &text)
+}
+
+/// Replaces a file at one stroke and opens it to append.
+fn replace(path: &Path, text: &str) -> InWords<File> {
+    let replace = || {
+        let partial = with_suffix(path, ".partial");
+        let mut file = File::create(&partial)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        std::fs::rename(&partial, path)
+    };
+    replace().map_err(|error: std::io::Error| error.to_string())?;
+    sync_folder(path)?;
+    OpenOptions::new().append(true).open(path).map_err(|error| error.to_string())
+}
+
+/// The text of a table up to and including a time.
+fn kept(path: &Path, time: f64, units: &ColumnUnits) -> InWords<String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let mut kept = String::new();
+    let mut columns = None;
+    for line in text.split_inclusive('\n') {
+        if line.starts_with('#') {
+            kept += line;
+        } else if columns.is_none() {
+            if line.trim_end() != header(units) {
+                return Err("it has other columns".to_owned());
+            }
+            columns = Some(line.split(',').count());
+            kept += line;
+        } else {
+            // The last line may have been cut short by a kill.
+            let whole = line.ends_with('\n') && Some(line.split(',').count()) == columns;
+            let first = line.split(',').next().and_then(|first| first.parse::<f64>().ok());
+            match first {
+                Some(row_time) if whole && row_time <= time => kept += line,
+                _ => break,
+            }
+        }
+    }
+    if columns.is_none() { Err("it has no header".to_owned()) } else { Ok(kept) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::{OneRank, run_on_threads};
+
+    fn provenance() -> Provenance {
+        Provenance::here_and_now("A bed", "dimensionless", &OneRank)
+    }
+
+    fn row(time: f64) -> Measures {
+        Measures { time, momentum_error: 1.0e-17 * time, particles: 3000.0, ..Default::default() }
+    }
+
+    #[test]
+    fn a_resumed_table_is_that_of_an_uninterrupted_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("series.csv");
+        let (provenance, units) = (provenance(), ColumnUnits::DIMENSIONLESS);
+        run_on_threads(2, |ranks| {
+            let mut series = Series::create(&path, &provenance, units, ranks).unwrap();
+            (0..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
+        });
+        let whole = std::fs::read_to_string(&path).unwrap();
+        assert!(whole.contains("# title: A bed\n"));
+        assert!(whole.contains("\ntime [sqrt(d/g)],superficial_velocity [sqrt(g d)],"));
+        // A kill in the middle of a row after the checkpoint.
+        std::fs::write(&path, &whole[..whole.len() - 30]).unwrap();
+        run_on_threads(2, |ranks| {
+            let time = 0.1 * 5.0;
+            let mut series = Series::resume(&path, time, &provenance, units, ranks).unwrap();
+            (6..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
+        });
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
+    }
+
+    #[test]
+    fn a_foreign_table_is_set_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("series.csv");
+        std::fs::write(&path, "a,b\n1,2\n").unwrap();
+        Series::resume(&path, 1.0, &provenance(), ColumnUnits::SI, &OneRank).unwrap();
+        let aside = folder.path().join("series.csv.unreadable-1");
+        assert_eq!(std::fs::read_to_string(aside).unwrap(), "a,b\n1,2\n");
+        assert!(std::fs::read_to_string(&path).unwrap().contains("\ntime [s],"));
+    }
+
+    #[test]
+    fn numbers_are_read_back_as_they_were() {
+        for value in [0.0, 0.1, -3000.0, 1.0e-17, 1.234_567_890_123_456_7e300, f64::MIN_POSITIVE] {
+            assert_eq!(shortest(value).parse::<f64>().unwrap(), value);
+        }
+        assert_eq!(shortest(3000.0), "3000");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_on_all_ranks() {
+        let path = Path::new("/nonexistent-folder/series.csv");
+        let provenance = provenance();
+        run_on_threads(3, |ranks| {
+            let error = Series::create(path, &provenance, ColumnUnits::SI, ranks).unwrap_err();
+            assert!(error.to_string().contains("nonexistent-folder/series.csv: No such file"));
+        });
+    }
+}

@@ -1,0 +1,23 @@
+//! What a dataset is, in words that know nothing of HDF5.
+
+/// Name, shape and meaning of a dataset.
+#[derive(Clone, Copy)]
+pub(super) struct TableHead<'a> {
+    /// Path in the file.
+    pub(super) name: &'a str,
+    /// Numbers in a row; 1 for a plain column.
+    pub(super) width: usize,
+    /// Unit in words; `1` for pure numbers.
+    pub(super) unit: &'a str,
+    /// Meaning.
+    pub(super) description: &'a str,
+}
+
+/// How many rows a dataset has.
+#[derive(Clone, Copy)]
+pub(super) enum Rows {
+    /// So many, for ever.
+    Fixed(u64),
+    /// None yet; stored in pieces of so many rows.
+    Growing(usize),
+}

@@ -1,0 +1,57 @@
+//! Words for units in the headers of tables and at every dataset.
+
+/// The unit of each kind of quantity, in words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ColumnUnits {
+    /// Of time.
+    pub time: &'static str,
+    /// Of length.
+    pub length: &'static str,
+    /// Of velocity.
+    pub speed: &'static str,
+    /// Of angular velocity.
+    pub angular_speed: &'static str,
+    /// Of force.
+    pub force: &'static str,
+    /// Of torque.
+    pub torque: &'static str,
+    /// Of mass.
+    pub mass: &'static str,
+    /// Of energy.
+    pub energy: &'static str,
+    /// Of volume.
+    pub volume: &'static str,
+}
+
+impl ColumnUnits {
+    /// The international system.
+    pub const SI: Self = Self {
+        time: "s",
+        length: "m",
+        speed: "m/s",
+        angular_speed: "1/s",
+        force: "N",
+        torque: "N m",
+        mass: "kg",
+        energy: "J",
+        volume: "m^3",
+    };
+
+    /// Particle density, reference diameter and gravity are 1.
+    pub const DIMENSIONLESS: Self = Self {
+        time: "sqrt(d/g)",
+        length: "d",
+        speed: "sqrt(g d)",
+        angular_speed: "sqrt(g/d)",
+        force: "rho_s g d^3",
+        torque: "rho_s g d^4",
+        mass: "rho_s d^3",
+        energy: "rho_s g d^4",
+        volume: "d^3",
+    };
+
+    /// The units of a system as the case names it: `"si"`, or otherwise the dimensionless one.
+    pub fn of_system(name: &str) -> Self {
+        if name == "si" { Self::SI } else { Self::DIMENSIONLESS }
+    }
+}

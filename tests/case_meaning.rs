@@ -1,0 +1,105 @@
+//! What a case file means: conversions of dimensionless groups, stages, schedules, overrides.
+
+use std::f64::consts::PI;
+use std::path::Path;
+use talcum::case::{Case, RankLayout};
+use talcum::contact::VanDerWaals;
+use talcum::domain::Face;
+use talcum::gas::Drive;
+use talcum::numbers::Schedule;
+
+fn read(name: &str, overrides: &[&str]) -> Result<Case, String> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/good").join(name);
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Case::read(&file, &overrides).map_err(|errors| errors.to_string())
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a / b - 1.0).abs() < 1.0e-12
+}
+
+#[test]
+fn groups_become_quantities() {
+    let case = read("cohesive-column.toml", &["cohesion.wall_bond_number=40"]).unwrap();
+    let stage = &case.stages[0];
+    let cohesion: &VanDerWaals = stage.cohesion.as_ref().unwrap();
+    let now = cohesion.at(0.0);
+    // Bo = F / (m g) with m = pi/6, g = 1, for both.
+    assert!(close(now.between_particles(0.5, 0.5, 0.0), 20.0 * PI / 6.0));
+    assert!(close(now.to_wall(0.5, 0.0), 40.0 * PI / 6.0));
+    let gas = stage.gas.as_ref().unwrap();
+    assert!(close(gas.viscosity, 1.0 / 55.0));
+    assert_eq!(gas.spacing, 1.5);
+    let vibration = stage.gravity.vibration.unwrap();
+    assert_eq!((vibration.relative_acceleration, vibration.frequency), (3.0, 0.16));
+    assert_eq!(case.wall_clock.unwrap().as_secs(), 13_800);
+    assert_eq!(case.domain.bounds.faces(2), [Face::Wall, Face::Stop]);
+    assert_eq!(case.domain.walls[0].name, "base plate");
+}
+
+#[test]
+fn groups_become_quantities_in_si_too() {
+    let case = read("si.toml", &["cohesion.bond_number=20", "gas.stokes_number=55"]).unwrap();
+    let (d, rho, g) = (5.0e-5_f64, 900.0, 9.81);
+    let now = case.stages[0].cohesion.as_ref().unwrap().at(0.0);
+    let weight = rho * PI / 6.0 * d.powi(3) * g;
+    // The full expression tends to the near-contact one as s/r falls, here 2e-5.
+    assert!((now.between_particles(0.5 * d, 0.5 * d, 0.0) / weight / 20.0 - 1.0).abs() < 1.0e-4);
+    let viscosity = case.stages[0].gas.as_ref().unwrap().viscosity;
+    assert!(close(rho * g.sqrt() * d.powf(1.5) / viscosity, 55.0));
+    assert_eq!(case.domain.walls.len(), 6);
+    assert!(close(case.domain.walls[5].normal.norm(), 1.0));
+}
+
+#[test]
+fn stages_change_what_they_name_and_keep_the_rest() {
+    let case = read("staged.toml", &[]).unwrap();
+    let [settle, ramp, cohesive] = case.stages.as_slice() else { panic!("three stages") };
+    assert_eq!([settle.start, settle.end, ramp.end, cohesive.end], [0.0, 1.0, 3.0, 6.0]);
+    assert!(settle.gas.is_none() && settle.cohesion.is_none());
+    assert!(ramp.cohesion.is_none());
+    let ramped = Schedule::Ramp { from: 0.0, to: 0.04, start: 1.0, end: 3.0 };
+    for stage in [ramp, cohesive] {
+        assert_eq!(stage.gas.as_ref().unwrap().drive, Drive::Velocity(ramped.clone()));
+    }
+    let cohesion = cohesive.cohesion.as_ref().unwrap();
+    let steps = Schedule::Steps { values: vec![1.0e-10, 2.0e-10], start: 3.0, every: 1.5 };
+    assert_eq!(cohesion.hamaker_constant, steps);
+    assert_eq!(cohesion.wall_hamaker_constant, Schedule::Constant(0.0));
+    let vibration = cohesive.gravity.vibration.unwrap();
+    assert_eq!(vibration.start, 3.0);
+    assert!(close(vibration.relative_acceleration, 0.1 * (0.4 * PI).powi(2)));
+    assert_eq!(case.end_time(), 6.0);
+    let at = |time| case.stage_at(time).name.as_str();
+    assert_eq!([at(0.0), at(0.9), at(1.0), at(9.0)], ["settle", "settle", "ramp", "cohesive"]);
+}
+
+#[test]
+fn the_grid_of_a_periodic_box_divides_it() {
+    let case = read("periodic-box.toml", &[]).unwrap();
+    assert!(close(case.stages[0].gas.as_ref().unwrap().spacing, 18.0 / 13.0));
+    assert!(case.notes.iter().any(|note| note.contains("gas.spacing = 1.4 becomes 1.38")));
+    assert!(case.notes.iter().any(|note| note.contains("gas.lateral_drag is not given: false")));
+}
+
+#[test]
+fn overrides_change_the_case_and_its_text() {
+    let overrides = ["stage.ramp.duration=5", "parallel.axis=x", "stage.2.gas=\"off\""];
+    let case = read("staged.toml", &overrides).unwrap();
+    assert_eq!(case.end_time(), 9.0);
+    assert_eq!(case.parallel.layout, RankLayout::Slabs(0));
+    assert!(case.stages[1].gas.is_none());
+    let again = Case::from_text(&case.text, "again", Path::new("."), &[]).unwrap();
+    assert_eq!(again.stages, case.stages);
+    let error = read("staged.toml", &["contact.restitution=1.4", "time.end=9"]).unwrap_err();
+    let lines: Vec<&str> = error.lines().collect();
+    assert_eq!(lines.len(), 2);
+    let expected = "good/staged.toml, --set contact.restitution=1.4: contact.restitution = 1.4: must be above 0 and at most 1";
+    assert!(lines[0].ends_with(expected), "{error}");
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_an_error() {
+    let error = Case::read(Path::new("nowhere/case.toml"), &[]).unwrap_err().to_string();
+    assert!(error.starts_with("nowhere/case.toml: cannot be read: "), "{error}");
+}

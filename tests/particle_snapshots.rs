@@ -1,0 +1,129 @@
+//! The file of snapshots is read by VTK's own reader, bit by bit, whatever the number of ranks.
+
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+
+use bytemuck::Zeroable;
+use talcum::output::{ParticleSnapshots, Provenance};
+use talcum::parallel::{Communicator, ParticleRecord, run_on_threads};
+
+/// Particles at each of the times 0, 0.1, ...; some times have none, most another number.
+const COUNTS: [u64; 7] = [5, 3, 0, 1, 4000, 7, 7];
+
+fn particles(step: usize) -> Vec<ParticleRecord> {
+    let particle = |k: u64| {
+        let x = (k as f64 + 0.1 * step as f64) / 3.0;
+        ParticleRecord {
+            id: 5 * k + 1,
+            position: [x, 1.0e-9 * x, -x],
+            velocity: [0.1, x, 1.0e-3],
+            angular_velocity: [-0.2 * x, 0.3, 0.0],
+            radius: 0.5 + x,
+            ..Zeroable::zeroed()
+        }
+    };
+    (0..COUNTS[step]).map(particle).collect()
+}
+
+fn time(step: usize) -> f64 {
+    0.1 * step as f64
+}
+
+fn append(snapshots: &mut ParticleSnapshots, step: usize, ranks: &dyn Communicator) {
+    let mine = particles(step).into_iter().rev().skip(ranks.rank()).step_by(ranks.size());
+    snapshots.append(time(step), &mine.collect::<Vec<_>>(), ranks).unwrap();
+}
+
+fn provenance(ranks: &dyn Communicator) -> Provenance {
+    Provenance::here_and_now("A bed", "dimensionless", ranks)
+}
+
+fn write_all(path: &Path, ranks: usize) {
+    run_on_threads(ranks, |ranks| {
+        let mut snapshots =
+            ParticleSnapshots::create(path, "title = 1", &provenance(ranks), ranks).unwrap();
+        (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
+    });
+}
+
+/// Compares the file with what was written, by VTK's reader; says so if this machine does not have it.
+fn check_by_vtk(path: &Path) {
+    let mut expected = String::new();
+    for step in 0..COUNTS.len() {
+        for particle in particles(step) {
+            let ParticleRecord { id, position, velocity, angular_velocity, radius, .. } = particle;
+            let numbers = [position, velocity, angular_velocity].concat();
+            write!(expected, "{},{id}", time(step)).unwrap();
+            numbers.iter().for_each(|number| write!(expected, ",{number}").unwrap());
+            writeln!(expected, ",{radius}").unwrap();
+        }
+    }
+    let expected_path = path.with_extension("csv");
+    std::fs::write(&expected_path, expected).unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_particles_vtkhdf.py");
+    let output = Command::new("python3").arg(script).arg(path).arg(expected_path).output();
+    let missing = match &output {
+        Err(error) => Some(format!("python3 cannot be started: {error}")),
+        Ok(output) if output.status.code() == Some(77) => {
+            Some(String::from_utf8_lossy(&output.stdout).into_owned())
+        }
+        Ok(_) => None,
+    };
+    if let Some(reason) = missing {
+        assert!(std::env::var_os("CI").is_none(), "VTK's reader is needed: {reason}");
+        eprintln!("not checked by VTK's reader: {reason}");
+        return;
+    }
+    let output = output.unwrap();
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && words.is_empty(), "{words}");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "7 times, 1 of them without particles\n");
+}
+
+#[test]
+fn vtk_reads_what_was_written_on_any_number_of_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    for ranks in 1..=3 {
+        let path = folder.path().join(format!("particles-{ranks}.vtkhdf"));
+        write_all(&path, ranks);
+        check_by_vtk(&path);
+    }
+}
+
+#[test]
+fn a_resumed_file_is_that_of_an_uninterrupted_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    write_all(&path, 2);
+    for (kept, ranks) in [(4, 3), (0, 1), (6, 2)] {
+        run_on_threads(ranks, |ranks| {
+            let provenance = provenance(ranks);
+            let mut snapshots =
+                ParticleSnapshots::resume(&path, time(kept), "title = 1", &provenance, ranks)
+                    .unwrap();
+            (kept + 1..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
+        });
+        check_by_vtk(&path);
+    }
+}
+
+#[test]
+fn an_unreadable_file_is_set_aside() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    write_all(&path, 1);
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    run_on_threads(2, |ranks| {
+        let provenance = provenance(ranks);
+        let mut snapshots =
+            ParticleSnapshots::resume(&path, 0.0, "title = 1", &provenance, ranks).unwrap();
+        (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
+    });
+    check_by_vtk(&path);
+    let aside = folder.path().join("particles.vtkhdf.unreadable-1");
+    assert_eq!(std::fs::metadata(aside).unwrap().len(), bytes.len() as u64 / 2);
+}
