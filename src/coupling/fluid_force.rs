@@ -230,6 +230,9 @@ impl FluidForce {
     }
 
     /// U_s from sum_i F_i = W, each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds number.
+    ///
+    /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
+    /// particles' forces: nearer than that the sums do not settle.
     fn velocity_by_particle_force(
         &mut self,
         gas: &ColumnGas,
@@ -241,7 +244,7 @@ impl FluidForce {
         for _ in 0..MOST_ITERATIONS {
             self.find_drag(gas, particles, velocity);
             let local = &self.local;
-            let mut sums = [0_i64; 2];
+            let mut sums = [0, 0, particles.owned_count() as i64];
             for i in 0..particles.owned_count() {
                 let (u, v) = (local.solids_velocity[i], particles.velocity[i].z);
                 let slope = local.drag[i] / (1.0 - local.solids_fraction[i]).powi(2);
@@ -253,7 +256,8 @@ impl FluidForce {
             let constant = sums[0] as f64 * self.lattice.spacing();
             let slope = sums[1] as f64 * self.slope_lattice.spacing();
             let next = (weight - constant) / slope;
-            let converged = (next - velocity).abs() <= 1.0e-13 * next.abs();
+            let rounding = (sums[2] as f64 * self.lattice.spacing()).max(1.0e-13 * weight.abs());
+            let converged = ((next - velocity) * slope).abs() <= rounding;
             velocity = next;
             if converged || !gas.drag.depends_on_reynolds() {
                 return self.finite(velocity);
