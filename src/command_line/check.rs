@@ -192,7 +192,7 @@ fn trial(case: &Case, beginning: &mut Beginning, ranks: &dyn Communicator) -> an
     let Beginning { state, work, start } = beginning;
     let State { sizes, .. } = *state;
     let models = case.stages[0].models(&sizes);
-    work.prepare(&case.domain, &models);
+    work.prepare(&case.domain, &models, &sizes);
     let remembered = std::mem::take(&mut start.remembered);
     time_step::begin(state, &case.domain, &models, work, remembered, true, ranks)?;
     let begin = Instant::now();
