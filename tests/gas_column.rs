@@ -29,7 +29,7 @@ fn momentum_transfer(drag: DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 {
 fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
     run.steps(1);
-    measure(&run.state, &run.domain, &run.models, &mut run.work, profile, Some(probe), run.ranks)
+    measure(&run.state, &run.domain, &run.models, &run.work, profile, Some(probe), run.ranks)
 }
 
 fn profile_of(run: &Run) -> BedProfile {

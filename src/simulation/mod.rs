@@ -130,7 +130,8 @@ pub fn run(
     }
     let elapsed = began.elapsed();
     let complete = simulation.state.clock.step >= last_step;
-    let (digest, checkpoint) = simulation.finish(complete)?;
+    let whole_case = conditions.end_time >= case.end_time();
+    let (digest, checkpoint) = simulation.finish(complete && whole_case)?;
     Ok(Outcome {
         complete,
         time: simulation.state.clock.time(),
@@ -190,7 +191,8 @@ impl<'a> Simulation<'a> {
             expected_particles,
             ranks,
         };
-        if !continues {
+        // The row of the first instant belongs to the run that led to it, where there was one.
+        if new_bed {
             simulation.write_due(None)?;
         }
         Ok(simulation)
@@ -299,7 +301,7 @@ impl<'a> Simulation<'a> {
         Ok(outputs.write_checkpoint(case, state, records(case, state), *ranks)?)
     }
 
-    /// The last checkpoint, and the mark of a complete run.
+    /// The last checkpoint, and the mark of a case that has come to its end.
     fn finish(&mut self, complete: bool) -> Result<(Digest, std::path::PathBuf), RunError> {
         self.report_stage();
         let (digest, path) = self.write_checkpoint()?;
