@@ -240,7 +240,8 @@ fn check_speeds(
     limit: f64,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    let too_fast = (0..particles.owned_count()).find(|&i| !(particles.velocity[i].norm() <= limit));
+    let allowed = |i: usize| particles.velocity[i].norm() <= limit; // an undefined one is not
+    let too_fast = (0..particles.owned_count()).find(|&i| !allowed(i));
     let result = match too_fast {
         None => Ok(()),
         Some(i) => Err(format!(

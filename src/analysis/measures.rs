@@ -1,10 +1,11 @@
 //! The numbers of one row of the series: balances, pressure drops, and how the bed moves.
 
 use super::BedProfile;
+use crate::domain::BASE_PLATE;
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
-use crate::state::{Domain, Models, State, Workspace};
+use crate::state::{Domain, Models, State, Tallies, Workspace};
 
 /// What the bed does at one instant. "Over weight" is over the bed's weight at rest, M g.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,24 +98,16 @@ fn external_forces(
     work: &Workspace,
     ranks: &dyn Communicator,
 ) -> ([f64; 3], f64, f64) {
-    let mut counts = vec![0_i64; 7];
-    for (wall, force) in domain.walls.iter().zip(&work.tallies.on_walls) {
-        for axis in 0..3 {
-            counts[axis] -= force[axis];
-        }
-        if wall.name == "base plate" {
-            counts[6] -= force[2];
-        }
-    }
-    for axis in 0..3 {
-        counts[axis] += work.tallies.by_gas[axis];
-    }
-    counts[2] -= work.tallies.weight;
-    counts[3..6].copy_from_slice(&work.tallies.by_gas);
+    let Tallies { on_walls, by_gas, weight } = &work.tallies;
+    let on_all_walls = |axis: usize| on_walls.iter().map(|force| force[axis]).sum::<i64>();
+    let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
+    let on_plate = domain.walls.iter().zip(on_walls).filter(|(wall, _)| wall.name == BASE_PLATE);
+    let plate = on_plate.map(|(_, force)| -force[2]).sum();
+    let mut counts = [external[0], external[1], external[2] - weight, by_gas[2], plate];
     ranks.sum_integers(&mut counts);
     let spacing = models.force_lattice.spacing();
     let force = |index: usize| counts[index] as f64 * spacing;
-    ([force(0), force(1), force(2)], force(5), force(6))
+    ([force(0), force(1), force(2)], force(3), force(4))
 }
 
 /// Reads off everything. Collective.

@@ -5,7 +5,7 @@ use super::tree::Node;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// Keys of which exactly one is given: setting one takes the place of its partner.
-const EXCLUSIVE: [[&str; 2]; 8] = [
+const EXCLUSIVE: [[&str; 2]; 9] = [
     ["bond_number", "hamaker_constant"],
     ["wall_bond_number", "wall_hamaker_constant"],
     ["stokes_number", "viscosity"],
@@ -14,6 +14,7 @@ const EXCLUSIVE: [[&str; 2]; 8] = [
     ["poisson_ratio", "tangential_stiffness"],
     ["count", "fill_height"],
     ["axis", "ranks"],
+    ["every", "every_steps"],
 ];
 
 /// The key that a key takes the place of.

@@ -26,6 +26,8 @@ pub struct OutputPlan {
 pub struct CheckpointPlan {
     /// Interval in simulated time.
     pub every: Option<f64>,
+    /// Interval in steps.
+    pub every_steps: Option<u64>,
     /// Interval in wall-clock time.
     pub every_wall_clock: Option<Duration>,
     /// How many of the newest are kept.
@@ -55,7 +57,7 @@ pub struct ParallelPlan {
 impl Default for ParallelPlan {
     fn default() -> Self {
         let balance = Some(Balance { every: 2000, threshold: 1.1 });
-        Self { layout: RankLayout::Slabs(2), skin: 0.15, balance }
+        Self { layout: RankLayout::Slabs(2), skin: 0.08, balance }
     }
 }
 
@@ -96,13 +98,16 @@ pub(super) fn read_output(section: Section<'_>, step: Option<f64>) -> Option<Out
 pub(super) fn read_checkpoint(section: Option<Section<'_>>) -> CheckpointPlan {
     const KEEP: u64 = 3;
     let Some(section) = section else {
-        return CheckpointPlan { every: None, every_wall_clock: None, keep: KEEP as usize };
+        let keep = KEEP as usize;
+        return CheckpointPlan { every: None, every_steps: None, every_wall_clock: None, keep };
     };
+    section.at_most_one(&["every", "every_steps"]);
     let every = section.optional_number("every", Allowed::POSITIVE);
+    let every_steps = section.optional_count("every_steps", 1..1_000_000_000_001);
     let every_wall_clock = read_wall_time(&section, "every_wall_clock");
     let keep = section.optional_count("keep", 1..1001).unwrap_or(KEEP) as usize;
     section.finish();
-    CheckpointPlan { every, every_wall_clock, keep }
+    CheckpointPlan { every, every_steps, every_wall_clock, keep }
 }
 
 /// `[run]`: the wall-clock time after which a run ends itself.

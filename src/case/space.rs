@@ -5,7 +5,7 @@ use super::errors::Problems;
 use super::leaf::must_be_one_of;
 use super::section::Section;
 use super::tree::{Node, Value};
-use crate::domain::{Bounds, Face, Wall};
+use crate::domain::{BASE_PLATE, Bounds, Face, Wall};
 use crate::state::Domain;
 use nalgebra::Vector3;
 
@@ -20,6 +20,15 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
     for (wall, node) in walls.into_iter().flatten() {
         if all.iter().any(|other| other.name == wall.name) {
             root.problems.add(node.error(format!("there is another wall {:?}", wall.name)));
+        }
+        if let Some(axis) =
+            (0..3).find(|&axis| bounds.is_periodic(axis) && wall.normal[axis] != 0.0)
+        {
+            let axis = AXES[axis];
+            let words = format!(
+                "must be parallel to {axis}, along which the box is periodic: normal = 0 there"
+            );
+            root.problems.add(node.error(words));
         }
         all.push(wall);
     }
@@ -92,7 +101,7 @@ fn face_walls(bounds: &Bounds) -> Vec<Wall> {
                 continue;
             }
             let name = match (axis, side) {
-                (2, 0) => "base plate".to_owned(),
+                (2, 0) => BASE_PLATE.to_owned(),
                 _ => format!("{} {name}", AXES[axis]),
             };
             let mut point = Vector3::zeros();

@@ -3,7 +3,7 @@
 use super::lanes::evaluate_in_lanes;
 use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
 use crate::domain::Wall;
-use crate::numbers::{Quantum, in_wide_vectors};
+use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -76,12 +76,27 @@ pub fn add_pair_forces(
     laws: &ForceLaws,
     near: &mut Vec<NearPair>,
 ) -> Result<(), ForceOutOfRange> {
-    in_wide_vectors(|| {
-        find_near_pairs(particles, contacts, laws.range(), near);
-        evaluate_in_lanes(particles, contacts, laws, near)
-    })?;
+    in_wide_vectors(PairWork { particles, contacts, laws, near })?;
     particles.fold_image_forces();
     Ok(())
+}
+
+struct PairWork<'a> {
+    particles: &'a mut Particles,
+    contacts: &'a mut Contacts,
+    laws: &'a ForceLaws<'a>,
+    near: &'a mut Vec<NearPair>,
+}
+
+impl VectorWork for PairWork<'_> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { particles, contacts, laws, near } = self;
+        find_near_pairs(particles, contacts, laws.range(), near);
+        evaluate_in_lanes(particles, contacts, laws, near)
+    }
 }
 
 /// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
@@ -179,7 +194,7 @@ pub fn add_wall_forces(
             ContactForce { normal: 0.0, tangential: Vector3::zeros() }
         };
         let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
-        if !(on_wall.amax() <= laws.limit) {
+        if !within(&on_wall, laws.limit) {
             let other = format!("wall \"{}\"", wall.name);
             return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
         }

@@ -7,6 +7,7 @@
 use super::forces::{ForceLaws, ForceOutOfRange, NearPair, out_of_range, total};
 use super::van_der_waals::{Attraction, Full, NearContact, NoAttraction};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
+use crate::numbers::within;
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 
@@ -160,9 +161,7 @@ fn run<L: ContactLaw, A: Attraction>(
         }
         block.largest_overlap[lane] = memory.largest_overlap * touches;
         block.overlap[lane] = overlap;
-        let within =
-            on_j.x.abs() <= laws.limit && on_j.y.abs() <= laws.limit && on_j.z.abs() <= laws.limit;
-        block.out_of_range[lane] = if within { 0.0 } else { 1.0 };
+        block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
 use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, in_wide_vectors};
+use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -170,7 +170,7 @@ impl FluidForce {
                 -lateral * velocity.y,
                 drag * ((u - velocity.z) + slip / (voidage * voidage)),
             ));
-            if !(force.amax() <= self.limit) {
+            if !within(&force, self.limit) {
                 return Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
@@ -210,18 +210,13 @@ impl FluidForce {
         let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
         drag.resize(solids_fraction.len(), 0.0);
         let radii = &particles.radius[..particles.owned_count()];
-        let bed = (&solids_fraction[..], &solids_velocity[..]);
-        let on_particle = gas.particle_drag();
-        // The law is chosen once, so that the loop holds no branch.
-        in_wide_vectors(|| match gas.drag {
-            DragLaw::WenYuCreeping => {
-                let law = ParticleDrag { law: DragLaw::WenYuCreeping, ..on_particle };
-                fill_drag(law, radii, bed, velocity, drag);
-            }
-            DragLaw::WenYu => {
-                let law = ParticleDrag { law: DragLaw::WenYu, ..on_particle };
-                fill_drag(law, radii, bed, velocity, drag);
-            }
+        in_wide_vectors(DragWork {
+            drag_law: gas.particle_drag(),
+            radii,
+            solids_fraction,
+            solids_velocity,
+            velocity,
+            drag,
         });
     }
 
@@ -235,6 +230,9 @@ impl FluidForce {
     }
 
     /// U_s from sum_i F_i = W, each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds number.
+    ///
+    /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
+    /// particles' forces: nearer than that the sums do not settle.
     fn velocity_by_particle_force(
         &mut self,
         gas: &ColumnGas,
@@ -246,7 +244,7 @@ impl FluidForce {
         for _ in 0..MOST_ITERATIONS {
             self.find_drag(gas, particles, velocity);
             let local = &self.local;
-            let mut sums = [0_i64; 2];
+            let mut sums = [0, 0, particles.owned_count() as i64];
             for i in 0..particles.owned_count() {
                 let (u, v) = (local.solids_velocity[i], particles.velocity[i].z);
                 let slope = local.drag[i] / (1.0 - local.solids_fraction[i]).powi(2);
@@ -258,7 +256,8 @@ impl FluidForce {
             let constant = sums[0] as f64 * self.lattice.spacing();
             let slope = sums[1] as f64 * self.slope_lattice.spacing();
             let next = (weight - constant) / slope;
-            let converged = (next - velocity).abs() <= 1.0e-13 * next.abs();
+            let rounding = (sums[2] as f64 * self.lattice.spacing()).max(1.0e-13 * weight.abs());
+            let converged = ((next - velocity) * slope).abs() <= rounding;
             velocity = next;
             if converged || !gas.drag.depends_on_reynolds() {
                 return self.finite(velocity);
@@ -302,16 +301,35 @@ impl FluidForce {
 }
 
 /// Drag per velocity on particles of these radii where the bed has this phi and u_s.
-#[inline(always)]
-fn fill_drag(
-    law: ParticleDrag,
-    radii: &[f64],
-    (solids_fraction, solids_velocity): (&[f64], &[f64]),
+struct DragWork<'a> {
+    drag_law: ParticleDrag,
+    radii: &'a [f64],
+    solids_fraction: &'a [f64],
+    solids_velocity: &'a [f64],
     velocity: f64,
-    drag: &mut [f64],
-) {
-    let bed = solids_fraction.iter().zip(solids_velocity);
-    for ((drag, &radius), (&phi, &u)) in drag.iter_mut().zip(radii).zip(bed) {
-        *drag = law.per_velocity(2.0 * radius, phi, velocity - u);
+    drag: &'a mut [f64],
+}
+
+impl VectorWork for DragWork<'_> {
+    type Output = ();
+
+    /// The law is chosen once, so that the loop holds no branch.
+    #[inline(always)]
+    fn run(self) {
+        match self.drag_law.law {
+            DragLaw::WenYuCreeping => self.fill(DragLaw::WenYuCreeping),
+            DragLaw::WenYu => self.fill(DragLaw::WenYu),
+        }
+    }
+}
+
+impl DragWork<'_> {
+    #[inline(always)]
+    fn fill(self, law: DragLaw) {
+        let drag_law = ParticleDrag { law, ..self.drag_law };
+        let bed = self.solids_fraction.iter().zip(self.solids_velocity);
+        for ((drag, &radius), (&phi, &u)) in self.drag.iter_mut().zip(self.radii).zip(bed) {
+            *drag = drag_law.per_velocity(2.0 * radius, phi, self.velocity - u);
+        }
     }
 }

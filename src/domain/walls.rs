@@ -2,6 +2,9 @@
 
 use nalgebra::Vector3;
 
+/// Name of the wall in the lower z face, whose stress is reported.
+pub const BASE_PLATE: &str = "base plate";
+
 /// An infinite plane at rest in the frame of the box; particles are on the side the normal points to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {

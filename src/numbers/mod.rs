@@ -10,7 +10,7 @@ mod wide_vectors;
 
 pub use exact_sum::ExactSum;
 pub use functions::{power, sine};
-pub use quantum::Quantum;
+pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;
-pub use wide_vectors::in_wide_vectors;
+pub use wide_vectors::{VectorWork, in_wide_vectors};

@@ -75,6 +75,12 @@ impl Quantum {
     }
 }
 
+/// Whether every component lies within `limit`; not so if one is undefined.
+#[inline(always)]
+pub fn within(vector: &Vector3<f64>, limit: f64) -> bool {
+    vector.x.abs() <= limit && vector.y.abs() <= limit && vector.z.abs() <= limit
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +113,13 @@ mod tests {
             let backwards: f64 = values.iter().rev().sum();
             prop_assert_eq!(forwards.to_bits(), backwards.to_bits());
         }
+    }
+
+    #[test]
+    fn an_undefined_component_is_not_within_any_limit() {
+        assert!(within(&Vector3::new(1.0, -2.0, 0.0), 2.0));
+        assert!(!within(&Vector3::new(1.0, -2.1, 0.0), 2.0));
+        assert!(!within(&Vector3::new(0.0, f64::NAN, 0.0), 2.0));
     }
 
     #[test]

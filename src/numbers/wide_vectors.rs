@@ -1,22 +1,32 @@
 //! The same code for the processor at hand: compiled twice, chosen when it runs.
 
-/// Runs `work` compiled for the widest vectors that the processor has: AVX2 on x86-64 where there is some,
-/// otherwise what every processor of the target has. `work` and all it calls must be inlined.
+/// Work on many numbers. `run`, and all it calls, must be `#[inline(always)]`: only what is inlined is compiled
+/// for wider vectors (a closure would not be).
+pub trait VectorWork {
+    /// What it gives.
+    type Output;
+
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs work compiled for the widest vectors that the processor has: AVX2 on x86-64 where there is some,
+/// otherwise what every processor of the target has.
 ///
 /// The bits are the same: each operation is rounded once, multiplications and additions are never fused, and
 /// the width of a vector is only how many numbers are worked on side by side.
 #[inline(always)]
-pub fn in_wide_vectors<T>(work: impl FnOnce() -> T) -> T {
+pub fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
         return unsafe { with_avx2(work) };
     }
-    work()
+    work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn with_avx2<T>(work: impl FnOnce() -> T) -> T {
-    work()
+fn with_avx2<W: VectorWork>(work: W) -> W::Output {
+    work.run()
 }

@@ -72,8 +72,7 @@ impl ParticleHalo {
             plan.neighbours = cut.neighbours(here, axis, bounds);
             let length = bounds.lengths()[axis];
             let at_end = [lower[axis] == 0.0, upper[axis] == length];
-            for side in 0..2 {
-                let shipment = &mut plan.shipments[side];
+            for (side, shipment) in plan.shipments.iter_mut().enumerate() {
                 shipment.shift = match (at_end[side], side) {
                     (false, _) => 0.0,
                     (true, 0) => length,

@@ -75,6 +75,13 @@ fn reversed(memory: ContactMemory) -> ContactMemory {
     ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
 }
 
+/// The same memory without negative zeros: the difference of two equal numbers is +0 from both sides, so the
+/// sign of a zero says only from which side the pair was evaluated.
+fn without_negative_zeros(memory: ContactMemory) -> ContactMemory {
+    let tangential_spring = memory.tangential_spring.map(|component| component + 0.0);
+    ContactMemory { tangential_spring, ..memory }
+}
+
 impl Contacts {
     /// Number of slots.
     pub fn pair_count(&self) -> usize {
@@ -109,10 +116,11 @@ impl Contacts {
                 let (here, there) = (particles.id[row], particles.id[partner]);
                 let memory = self.memory[slot];
                 if here < there {
+                    let memory = without_negative_zeros(memory);
                     return Some(PairMemory { lower: here, higher: there, memory });
                 }
                 let leave = once && particles.owned_original(partner).is_none();
-                let memory = reversed(memory);
+                let memory = without_negative_zeros(reversed(memory));
                 (!leave).then_some(PairMemory { lower: there, higher: here, memory })
             })
             .collect()

@@ -99,6 +99,7 @@ struct Simulation<'a> {
     work: Workspace,
     models: Models,
     stage: usize,
+    stage_began: (Instant, u64),
     profile: BedProfile,
     outputs: Outputs,
     expected_particles: u64,
@@ -174,8 +175,19 @@ impl<'a> Simulation<'a> {
         let outputs = Outputs::open(case, &conditions.folder, &state, &profile, continues, ranks)?;
         let here = ranks.total(state.particles.owned_count()) as u64;
         let expected_particles = here + state.departed.count;
-        let mut simulation =
-            Self { case, state, work, models, stage, profile, outputs, expected_particles, ranks };
+        let stage_began = (Instant::now(), state.clock.step);
+        let mut simulation = Self {
+            case,
+            state,
+            work,
+            models,
+            stage,
+            stage_began,
+            profile,
+            outputs,
+            expected_particles,
+            ranks,
+        };
         if !continues {
             simulation.write_due(None)?;
         }
@@ -240,6 +252,7 @@ impl<'a> Simulation<'a> {
         if stage == self.stage {
             return Ok(());
         }
+        self.report_stage();
         self.stage = stage;
         self.models = self.case.stages[stage].models(&self.state.sizes);
         log::info!("stage \"{}\" begins", self.case.stages[stage].name);
@@ -247,6 +260,17 @@ impl<'a> Simulation<'a> {
         let domain = &self.case.domain;
         time_step::rebuild(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
         Ok(())
+    }
+
+    /// The rate of the stage that ends, and the clock for the next.
+    fn report_stage(&mut self) {
+        let (began, first) = self.stage_began;
+        self.stage_began = (Instant::now(), self.state.clock.step);
+        let steps = self.state.clock.step - first;
+        let particles = (self.expected_particles - self.state.departed.count) as f64;
+        let rate = steps as f64 * particles / began.elapsed().as_secs_f64().max(1.0e-9) * 1.0e-6;
+        let name = &self.case.stages[self.stage].name;
+        log::info!("stage \"{name}\" ends: {steps} steps, {rate:.2} million particle-steps/s");
     }
 
     /// Rows, profiles and snapshots that are due at this step.
@@ -275,6 +299,7 @@ impl<'a> Simulation<'a> {
 
     /// The last checkpoint, and the mark of a complete run.
     fn finish(&mut self, complete: bool) -> Result<(Digest, std::path::PathBuf), RunError> {
+        self.report_stage();
         let (digest, path) = self.write_checkpoint()?;
         if complete {
             self.outputs.mark_complete(&digest, self.ranks)?;

@@ -130,7 +130,10 @@ impl Outputs {
             profile_interval: interval(case.output.profiles),
             snapshots,
             snapshot_interval: interval(case.output.particles),
-            checkpoint_interval: interval(case.checkpoint.every),
+            checkpoint_interval: match case.checkpoint.every_steps {
+                Some(steps) => Interval(Some(steps)),
+                None => interval(case.checkpoint.every),
+            },
             last_checkpoint: Instant::now(),
             every_wall_clock: case.checkpoint.every_wall_clock,
             keep: case.checkpoint.keep,
