@@ -188,7 +188,8 @@ impl<'a> Simulation<'a> {
             expected_particles,
             ranks,
         };
-        if !continues {
+        // The row of a checkpoint's time is where the checkpoint was written.
+        if new_bed {
             simulation.write_due(None)?;
         }
         Ok(simulation)
