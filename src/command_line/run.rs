@@ -73,32 +73,13 @@ pub(super) fn restart(
     let folder = OutputFolder { path: output, case_folder };
     // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
     let continues = same_folder(&folder.path, &own_folder);
-    if continues {
-        refuse_if_newer(&folder, checkpoint.clock.step, ranks)?;
-    } else {
+    if !continues {
         make_way(&folder, Earlier::Keep, ranks)?;
     }
     let grid = options.changes.ranks;
     let beginning = begin_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
     let resume = format!("talcum restart {}", folder.path.join("checkpoint-....h5").display());
     go(&case, beginning, folder, options, &resume, ranks)
-}
-
-/// Going on from an older state among later results would drop them.
-fn refuse_if_newer(
-    folder: &OutputFolder,
-    step: u64,
-    ranks: &dyn Communicator,
-) -> anyhow::Result<()> {
-    let newest = agree(if ranks.is_root() { folder.newest_step() } else { Ok(None) }, ranks)?;
-    if ranks.any(newest.is_some_and(|newest| newest > step)) {
-        bail!(
-            "{} holds checkpoints of later steps: name another folder with --output, or go on from the newest \
-             with talcum run CASE --resume",
-            folder.path.display()
-        );
-    }
-    Ok(())
 }
 
 /// The newest good checkpoint of the folder, or the start of the case if there is none.

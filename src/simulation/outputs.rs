@@ -31,17 +31,6 @@ impl OutputFolder {
         entries.flatten().any(|entry| is_result(&entry.file_name().to_string_lossy()))
     }
 
-    /// The step of the newest checkpoint here, good or not.
-    ///
-    /// # Errors
-    /// If the folder cannot be read.
-    pub fn newest_step(&self) -> Result<Option<u64>, String> {
-        let path = if self.path.as_os_str().is_empty() { Path::new(".") } else { &self.path };
-        let entries = std::fs::read_dir(path).map_err(|error| error.to_string())?;
-        let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-        Ok(names.filter_map(|name| checkpoint::step_of(&name)).max())
-    }
-
     /// Removes an earlier run's results, and nothing else.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ pub fn file_name(step: u64) -> String {
 }
 
 /// The step in a checkpoint's file name.
-pub fn step_of(name: &str) -> Option<u64> {
+fn step_of(name: &str) -> Option<u64> {
     let digits = name.strip_prefix("checkpoint-")?.strip_suffix(".h5")?;
     let step = digits.parse().ok()?;
     (file_name(step) == name).then_some(step)
