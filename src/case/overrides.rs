@@ -90,13 +90,15 @@ fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     Ok(resolved.join("."))
 }
 
-/// A value of TOML; a bare word is a text.
+/// A value of TOML; a bare word, or a duration such as 3h50m, is a text.
 fn value_of(text: &str) -> Result<Value, String> {
     if let Ok(value) = text.parse::<Value>() {
         return Ok(value);
     }
     let word = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
-    let is_word = text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(word);
+    let letter = |c: char| c.is_ascii_alphabetic();
+    let duration = text.starts_with(|c: char| c.is_ascii_digit()) && text.ends_with(letter);
+    let is_word = (text.starts_with(letter) || duration) && text.chars().all(word);
     match is_word {
         true => Ok(Value::from(text)),
         false => Err(format!("{text:?} is not a value of TOML; texts need quotes")),

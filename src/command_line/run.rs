@@ -51,8 +51,12 @@ pub(super) fn run(
         Earlier::Continue => resume(&case, &folder, options, ranks)?,
         _ => begin_from_case(&case, options.changes.ranks, ranks)?,
     };
-    let resume =
-        format!("talcum run {} --resume --output {}", path.display(), folder.path.display());
+    let output = folder.path.display().to_string();
+    let resume = |_: &Path| {
+        let changes: String =
+            options.changes.set.iter().map(|change| format!(" --set '{change}'")).collect();
+        format!("talcum run {} --resume --output {output}{changes}", path.display())
+    };
     go(&case, beginning, folder, options, &resume, ranks)
 }
 
@@ -78,7 +82,7 @@ pub(super) fn restart(
     }
     let grid = options.changes.ranks;
     let beginning = begin_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
-    let resume = format!("talcum restart {}", folder.path.join("checkpoint-....h5").display());
+    let resume = |checkpoint: &Path| format!("talcum restart {}", checkpoint.display());
     go(&case, beginning, folder, options, &resume, ranks)
 }
 
@@ -146,7 +150,7 @@ fn go(
     beginning: Beginning,
     folder: OutputFolder,
     options: &RunOptions,
-    resume: &str,
+    resume: &dyn Fn(&Path) -> String,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let end_time = options.until.unwrap_or(case.end_time());
@@ -164,7 +168,9 @@ fn go(
         Conditions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
     let outcome = simulation::run(case, beginning, conditions, ranks)?;
     progress.finish();
-    say(ranks, &farewell(&outcome, resume, ranks.size()));
+    let until = options.until.map(|time| format!(" --until {time}")).unwrap_or_default();
+    let resume = resume(&outcome.checkpoint) + &until;
+    say(ranks, &farewell(&outcome, &resume, ranks.size()));
     Ok(())
 }
 

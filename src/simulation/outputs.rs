@@ -98,6 +98,9 @@ impl Outputs {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         make_folder(&folder.path, &case.text, ranks)?;
+        if continues {
+            checkpoint::supersede(&folder.path, state.clock.step, ranks)?;
+        }
         let units = ColumnUnits::of_system(case.units.name());
         let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
         let (time, text) = (state.clock.time(), &case.text);

@@ -166,8 +166,17 @@ pub(crate) fn signal(name: &str, process: u32) {
 }
 
 /// Whether a process exists and has not ended.
-pub(crate) fn is_alive(process: u32) -> bool {
+fn is_alive(process: u32) -> bool {
     state_and_parent(process).is_some_and(|(state, _)| state != 'Z')
+}
+
+/// Waits until processes have ended; fails if they stay. `mpirun` ends shortly before the ranks that it kills.
+pub(crate) fn wait_for_end_of(processes: &[u32]) {
+    let begin = Instant::now();
+    while processes.iter().any(|&process| is_alive(process)) {
+        assert!(begin.elapsed() < Duration::from_secs(20), "mpirun leaves ranks behind");
+        std::thread::sleep(PAUSE);
+    }
 }
 
 fn children_of(parent: u32) -> Vec<u32> {

@@ -73,6 +73,27 @@ pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(),
     Ok(())
 }
 
+/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that goes on from there comes to
+/// another future, which they must not be taken for. Collective.
+///
+/// # Errors
+/// If the folder cannot be read or a file not renamed.
+pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    on_root(folder, ranks, || {
+        for later in steps_in(folder)?.into_iter().filter(|&later| later > step) {
+            let name = file_name(later);
+            let aside = format!("{name}.superseded");
+            std::fs::rename(folder.join(&name), folder.join(&aside))
+                .map_err(|error| format!("{name} cannot be renamed: {error}"))?;
+            log::warn!(
+                "{name} is of a later time than this run goes on from; it is kept as {aside}"
+            );
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
 /// The steps of a folder's checkpoints, ascending.
 fn steps_in(folder: &Path) -> InWords<Vec<u64>> {
     let mut steps: Vec<u64> = file_names(folder)?.iter().filter_map(|name| step_of(name)).collect();

@@ -13,7 +13,7 @@ mod read;
 mod schema;
 mod write;
 
-pub use folder::{Search, file_name, newest_good, prune};
+pub use folder::{Search, file_name, newest_good, prune, supersede};
 pub use read::read;
 pub use write::write;
 
