@@ -218,7 +218,7 @@ def draw_speed(panel, profiles: Profiles, waves: Waves) -> None:
     heights = [foot, foot + np.sign(waves.speed) * rise]
     panel.plot(times, heights, color="white", linewidth=4.0, solid_capstyle="round")
     panel.plot(times, heights, color=BLUE, linewidth=2.0, label=f"wave speed {waves.speed:.3g} {unit}")
-    panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, borderpad=0.2)
+    panel.legend(loc="lower right", facecolor="white", framealpha=0.9)
 
 
 def measured_nodes(profiles: Profiles, between: list[float] | None) -> Array:
