@@ -1,4 +1,70 @@
-//! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders.
+//! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders, with the same bits on any number of MPI
+//! ranks.
+//!
+//! # Equations
+//!
+//! Each particle i, a sphere of radius r, mass m, volume V and inertia I = (2/5) m r^2, moves by
+//!
+//! ```text
+//! m dv/dt     = sum of contact forces + cohesion + walls + gas - m g_eff(t) e_z
+//! I domega/dt = sum of r n x F_t over its contacts
+//! g_eff(t)    = g [1 + Gamma sin(2 pi f (t - t0))]              in the frame of a vibrated plate
+//! ```
+//!
+//! * Contact \[Moon2006 (1)-(3); Cundall1979\]: F_n = k_n delta - gamma_n v_n, and a tangential spring k_t
+//!   with a slider at mu times the normal force ([`contact::LinearSpringDashpot`]).
+//! * Cohesion \[Moon2006 (4); Hamaker1937\]: A r / (12 s^2) at a separation s of surfaces above a cut-off,
+//!   constant below it and in contact ([`contact::VanDerWaals`]).
+//! * Gas \[Moon2006 (6)-(12)\], one-dimensional and without inertia, from continuity of the mixture and
+//!   Darcy's law; it acts vertically ([`coupling::FluidForce`]):
+//!
+//! ```text
+//! (1 - phi) u_g + phi u_s = U_s,    -(1 - phi) dp/dz = beta (u_g - u_s)
+//! force on a particle, upwards: (V / phi) beta [(u_s - v) - (u_s - U_s) / (1 - phi)^2]
+//! ```
+//!
+//! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
+//! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).
+//! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::CoarseGraining`]).
+//!
+//! Symbols: phi solids fraction, u_s mean velocity of the solids, u_g that of the gas between them, U_s
+//! superficial gas velocity, v velocity of the particle, beta momentum transfer per volume, delta overlap,
+//! v_n normal relative velocity, A Hamaker constant. Time integration: velocity Verlet; dashpots, sliders and
+//! drag see the velocities of the half step.
+//!
+//! # Units
+//!
+//! All numbers are in one coherent system, which the case names: SI, or the one in which solid density,
+//! reference diameter and gravity are 1. No function converts; [`case`] turns dimensionless groups into
+//! quantities once. z points upwards, gravity along -z.
+//!
+//! # One answer
+//!
+//! Positions and forces lie on lattices on which sums are exact ([`numbers::Quantum`] \[Demmel2015\]);
+//! diagnostics are summed exactly ([`numbers::ExactSum`] \[Neal2015\]). So nothing depends on the number of
+//! ranks, the cut of the box, the order of work, or restarts. `ARCHITECTURE.md` has the reasons, and a list
+//! of what would break it.
+//!
+//! # Modules
+//!
+//! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
+//! [`domain`], [`particles`], [`contact`], [`grid`], [`gas`], [`coupling`], [`parallel`]. Around them:
+//! [`analysis`], [`output`], [`case`], [`simulation`], [`timers`], [`command_line`].
+//!
+//! # References
+//!
+//! * Moon2006: S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized
+//!   beds of cohesive fine powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977.
+//! * Cundall1979: P. A. Cundall, O. D. L. Strack, "A discrete numerical model for granular assemblies",
+//!   Géotechnique 29 (1979) 47-65.
+//! * Hamaker1937: H. C. Hamaker, "The London-van der Waals attraction between spherical particles", Physica 4
+//!   (1937) 1058-1072.
+//! * WenYu1966: C. Y. Wen, Y. H. Yu, "Mechanics of fluidization", Chem. Eng. Prog. Symp. Ser. 62 (1966)
+//!   100-111.
+//! * Demmel2015: J. Demmel, H. D. Nguyen, "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015)
+//!   2060-2070.
+//! * Neal2015: R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571
+//!   (2015).
 
 pub mod analysis;
 pub mod case;

@@ -129,7 +129,7 @@ pub struct Limits {
 
 impl Limits {
     /// Overlap, over the smallest diameter, at which a contact is no longer a contact.
-    const LARGEST_OVERLAP: f64 = 0.2;
+    const LARGEST_OVERLAP: f64 = 0.5;
     /// Contacts (each at the limit) that a particle's force has room for.
     const CONTACTS: f64 = 64.0;
 
@@ -234,13 +234,14 @@ impl Workspace {
     }
 
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
-    pub fn prepare(&mut self, domain: &Domain, models: &Models) {
+    pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
         self.reach.range = models.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.range);
         self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
         self.tallies.by_gas = [0; 3];
         self.fluid = models.gas.as_ref().map(|gas| {
             let Limits { force, speed } = models.limits;
-            FluidForce::new(gas, &domain.bounds, models.force_lattice, force, speed)
+            let diameters = [sizes.smallest_diameter, sizes.largest_diameter];
+            FluidForce::new(gas, &domain.bounds, models.force_lattice, (force, speed), diameters)
         });
     }
 }

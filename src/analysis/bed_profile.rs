@@ -17,8 +17,8 @@ pub struct BedProfile {
 
 impl BedProfile {
     /// A profile on a grid, for speeds up to a limit; the bed is where phi is above `threshold`.
-    pub fn new(grid: ColumnGrid, speed_limit: f64, threshold: f64) -> Self {
-        let coarse_graining = CoarseGraining::new(&grid, speed_limit);
+    pub fn new(grid: ColumnGrid, speed_limit: f64, diameters: [f64; 2], threshold: f64) -> Self {
+        let coarse_graining = CoarseGraining::new(&grid, speed_limit, diameters);
         Self { grid, coarse_graining, bed: Bed::default(), threshold }
     }
 

@@ -117,7 +117,7 @@ pub fn measure(
     state: &State,
     domain: &Domain,
     models: &Models,
-    work: &mut Workspace,
+    work: &Workspace,
     profile: &mut BedProfile,
     probe: Option<MomentumProbe>,
     ranks: &dyn Communicator,
@@ -146,9 +146,9 @@ pub fn measure(
     };
     let per = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
     let (bed_bottom, bed_top) = profile.bottom_and_top();
-    let (superficial_velocity, pressure_drop) = match (&models.gas, &mut work.fluid) {
+    let (superficial_velocity, pressure_drop) = match (&models.gas, &work.fluid) {
         (Some(gas), Some(fluid)) => {
-            let drop = fluid.pressure_drop(gas, particles, ranks);
+            let drop = fluid.pressure_drop(gas);
             (fluid.superficial_velocity(), drop * domain.bounds.cross_section())
         }
         _ => (0.0, 0.0),

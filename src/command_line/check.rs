@@ -5,7 +5,7 @@ use super::progress::in_words;
 use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::{ContactLaw, ContactModel};
+use crate::contact::ContactLaw;
 use crate::domain::Face;
 use crate::gas::{ColumnGas, Drive};
 use crate::parallel::Communicator;
@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 const LEAST_STEPS_PER_CONTACT: f64 = 12.0;
 /// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
 const BYTES_PER_PARTICLE: f64 = 600.0;
+/// Overlap over diameter at which stiffness is told.
+const SMALL_OVERLAP: f64 = 0.01;
 /// How long the trial for the run's time may take.
 const TRIAL: Duration = Duration::from_secs(1);
 
@@ -46,8 +48,8 @@ pub(super) fn check(
     let total = in_words(Duration::from_secs_f64(seconds * steps));
     let _ = writeln!(
         words,
-        "run's time: {steps:.0} steps, about {total} at the pace of the first steps here on {} ranks",
-        ranks.size()
+        "run's time: {steps:.0} steps, about {total} at the pace of the first steps here on {}",
+        super::report::count_of(ranks.size(), "rank")
     );
     say(ranks, words.trim_end());
     Ok(())
@@ -90,12 +92,12 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     let density = case.particles.density;
     let mass = case.particles.mass_of(diameter);
     let g = stage.gravity.magnitude;
-    let ContactModel::LinearSpringDashpot(law) = &stage.contact;
     let mut line = |name: &str, value: String| {
         let _ = writeln!(words, "  {name:<34}{value}");
     };
-    let stiffness = law.normal_stiffness();
     if g > 0.0 {
+        let stiffness =
+            stage.contact.elastic_force(SMALL_OVERLAP * diameter) / (SMALL_OVERLAP * diameter);
         let scaled = stiffness / (density * g * diameter * diameter);
         line("k_n / (rho_s g d^2)", format!("{scaled:.4e}"));
     }
@@ -192,7 +194,7 @@ fn trial(case: &Case, beginning: &mut Beginning, ranks: &dyn Communicator) -> an
     let Beginning { state, work, start } = beginning;
     let State { sizes, .. } = *state;
     let models = case.stages[0].models(&sizes);
-    work.prepare(&case.domain, &models);
+    work.prepare(&case.domain, &models, &sizes);
     let remembered = std::mem::take(&mut start.remembered);
     time_step::begin(state, &case.domain, &models, work, remembered, true, ranks)?;
     let begin = Instant::now();

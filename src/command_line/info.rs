@@ -1,5 +1,6 @@
 //! `talcum info`.
 
+use super::report::count_of;
 use super::run::say;
 use crate::output::checkpoint;
 use crate::parallel::Communicator;
@@ -16,7 +17,7 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     let sizes = &checkpoint.sizes;
     let mut words = format!("{}: a Talcum checkpoint, whole\n", path.display());
     let mut line = |name: &str, value: String| {
-        let _ = writeln!(words, "  {name:<22}{value}");
+        let _ = writeln!(words, "  {name:<24}{value}");
     };
     line("case", provenance.title);
     line("units", provenance.units);
@@ -29,7 +30,7 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));
     line("diameters at the start", diameters(sizes.smallest_diameter, sizes.largest_diameter));
     line("written by", format!("talcum {}, commit {}", provenance.version, provenance.commit));
-    line("on", format!("{} ranks, {}", provenance.ranks, provenance.machine));
+    line("on", format!("{}, {}", count_of(provenance.ranks as usize, "rank"), provenance.machine));
     line("date", provenance.date);
     say(ranks, &format!("{words}digest {digest}"));
     Ok(())

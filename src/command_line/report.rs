@@ -7,7 +7,8 @@ use std::fmt::Write;
 
 /// The head of a run: what runs, and which choices the case left open.
 pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
-    let mut words = format!("{}: {particles} particles on {ranks} ranks\n", case.title);
+    let mut words =
+        format!("{}: {particles} particles on {}\n", case.title, count_of(ranks, "rank"));
     for stage in &case.stages {
         let _ =
             writeln!(words, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
@@ -16,6 +17,11 @@ pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
         let _ = writeln!(words, "  {note}");
     }
     words
+}
+
+/// A number of things: 1 rank, 2 ranks.
+pub(super) fn count_of(count: usize, thing: &str) -> String {
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
 /// The end of a run: rates, the share of each stage of the step, and what has left.

@@ -148,18 +148,19 @@ fn run<L: ContactLaw, A: Attraction>(
             largest_overlap: block.largest_overlap[lane],
         };
         let mut force = law.force(&contact, &mut memory, laws.dt);
-        let touches = if overlap > 0.0 { 1.0 } else { 0.0 };
-        force.normal = if overlap > 0.0 { force.normal } else { 0.0 };
-        force.tangential *= touches;
+        // Apart, the law has nothing to say, whatever it gave.
+        let if_touching = |value: f64| if overlap > 0.0 { value } else { 0.0 };
+        force.normal = if_touching(force.normal);
+        force.tangential = force.tangential.map(if_touching);
         let on_j = laws.force_lattice.round_vector(total(&contact, &force));
         let twist = normal.cross(&force.tangential);
         for axis in 0..3 {
             block.force_on_j[axis][lane] = on_j[axis];
             block.torque_on_i[axis][lane] = -laws.torque_lattice.round(twist[axis] * radius_i);
             block.torque_on_j[axis][lane] = -laws.torque_lattice.round(twist[axis] * radius_j);
-            block.spring[axis][lane] = memory.tangential_spring[axis] * touches;
+            block.spring[axis][lane] = if_touching(memory.tangential_spring[axis]);
         }
-        block.largest_overlap[lane] = memory.largest_overlap * touches;
+        block.largest_overlap[lane] = if_touching(memory.largest_overlap);
         block.overlap[lane] = overlap;
         block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
     }

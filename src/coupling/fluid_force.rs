@@ -8,6 +8,7 @@ use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 use thiserror::Error;
 
 /// A gas force that has no meaning.
@@ -54,20 +55,27 @@ pub struct FluidForce {
 struct AtParticles {
     solids_fraction: Vec<f64>,
     solids_velocity: Vec<f64>,
+    /// Only if sizes differ, like the next.
+    diameter_density: Vec<f64>,
+    drag_velocity: Vec<f64>,
+    /// (V / phi) beta.
     drag: Vec<f64>,
+    /// V (-dp/dz) per velocity difference u_g - u_d: V B / (1 - phi), B the drag per volume.
+    gradient: Vec<f64>,
 }
 
 impl FluidForce {
-    /// For forces up to `force_limit` on a lattice, and speeds up to `speed_limit`.
+    /// For forces on a lattice up to one limit, speeds up to another, and diameters from the smallest to the
+    /// largest.
     pub fn new(
         gas: &ColumnGas,
         bounds: &Bounds,
         lattice: Quantum,
-        force_limit: f64,
-        speed_limit: f64,
+        (force_limit, speed_limit): (f64, f64),
+        diameters: [f64; 2],
     ) -> Self {
         let grid = gas.grid(bounds);
-        let coarse_graining = CoarseGraining::new(&grid, speed_limit);
+        let coarse_graining = CoarseGraining::new(&grid, speed_limit, diameters);
         // Drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
         let slope_lattice = Quantum::spanning(1024.0 * force_limit / speed_limit);
         Self {
@@ -100,18 +108,15 @@ impl FluidForce {
     /// phi and u_s of the bed now, on the grid and at the particles. Collective.
     pub fn coarse_grain(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
-        let AtParticles { solids_fraction, solids_velocity, .. } = &mut self.local;
-        let (phi, velocity) = (&self.bed.solids_fraction, &self.bed.solids_velocity);
-        solids_fraction.clear();
-        solids_velocity.clear();
-        for position in &particles.position[..particles.owned_count()] {
-            let weights = self.grid.weights(position.z);
-            let interpolate = |field: &[f64]| {
-                let (lower, upper) = (field[weights.lower], field[weights.upper]);
-                lower + weights.of_upper * (upper - lower)
-            };
-            solids_fraction.push(interpolate(phi));
-            solids_velocity.push(interpolate(velocity));
+        let AtParticles {
+            solids_fraction, solids_velocity, diameter_density, drag_velocity, ..
+        } = &mut self.local;
+        let Bed { solids_fraction: phi, solids_velocity: u_s, .. } = &self.bed;
+        let positions = &particles.position[..particles.owned_count()];
+        interpolate(&self.grid, positions, [phi, u_s], [solids_fraction, solids_velocity]);
+        if self.coarse_graining.sizes_differ() {
+            let Bed { diameter_density: density, drag_velocity: u_d, .. } = &self.bed;
+            interpolate(&self.grid, positions, [density, u_d], [diameter_density, drag_velocity]);
         }
     }
 
@@ -135,9 +140,7 @@ impl FluidForce {
                     WeightBalance::ParticleForce => {
                         self.velocity_by_particle_force(gas, particles, weight, ranks)?
                     }
-                    WeightBalance::GridIntegral => {
-                        self.velocity_by_grid_integral(gas, particles, weight, ranks)?
-                    }
+                    WeightBalance::GridIntegral => self.velocity_by_grid_integral(gas, weight)?,
                 }
             }
         };
@@ -146,8 +149,10 @@ impl FluidForce {
 
     /// Adds the gas force to each owned particle; returns their sum here, as counts of the force lattice.
     ///
-    /// F = (V / phi) beta [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ] upwards (Moon 2006 eq. (12)); laterally
-    /// -(V / phi) beta v if the gas has lateral drag.
+    /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
+    /// -dp/dz = B (u_g - u_d) / (1 - phi), B the drag of all particles per volume; laterally -(V / phi) beta v if the
+    /// gas has lateral drag. For particles of one size B = beta, u_d = u_s, and this is Moon 2006 eq. (12),
+    /// F = (V / phi) beta [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ].
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -160,15 +165,14 @@ impl FluidForce {
         let local = &self.local;
         let mut total = [0; 3];
         for i in 0..particles.owned_count() {
-            let (drag, u) = (local.drag[i], local.solids_velocity[i]);
-            let voidage = 1.0 - local.solids_fraction[i];
-            let velocity = particles.velocity[i];
-            let slip = self.superficial_velocity - u;
+            let (drag, velocity) = (local.drag[i], particles.velocity[i]);
+            let gas_velocity = local.gas_velocity(i, self.superficial_velocity);
+            let pressure = local.gradient[i] * (gas_velocity - local.drag_velocity(i));
             let lateral = if gas.lateral_drag { drag } else { 0.0 };
             let force = self.lattice.round_vector(Vector3::new(
                 -lateral * velocity.x,
                 -lateral * velocity.y,
-                drag * ((u - velocity.z) + slip / (voidage * voidage)),
+                drag * (gas_velocity - velocity.z) + pressure,
             ));
             if !within(&force, self.limit) {
                 return Err(GasForceOutOfRange::Particle {
@@ -186,14 +190,8 @@ impl FluidForce {
         Ok(total)
     }
 
-    /// The pressure drop over the column by the grid integral, for results. Collective.
-    pub fn pressure_drop(
-        &mut self,
-        gas: &ColumnGas,
-        particles: &Particles,
-        ranks: &dyn Communicator,
-    ) -> f64 {
-        self.coarse_graining.deposit_diameters(particles, &self.grid, &mut self.bed, ranks);
+    /// The pressure drop over the column by the grid integral, for results.
+    pub fn pressure_drop(&self, gas: &ColumnGas) -> f64 {
         gas.pressure_drop(&self.grid, &self.fields(), self.superficial_velocity)
     }
 
@@ -202,21 +200,20 @@ impl FluidForce {
             solids_fraction: &self.bed.solids_fraction,
             solids_velocity: &self.bed.solids_velocity,
             diameter_density: &self.bed.diameter_density,
+            drag_velocity: &self.bed.drag_velocity,
         }
     }
 
     /// Drag per velocity on each owned particle at a superficial velocity.
     fn find_drag(&mut self, gas: &ColumnGas, particles: &Particles, velocity: f64) {
-        let AtParticles { solids_fraction, solids_velocity, drag } = &mut self.local;
-        drag.resize(solids_fraction.len(), 0.0);
-        let radii = &particles.radius[..particles.owned_count()];
+        let local = &mut self.local;
+        local.drag.resize(local.solids_fraction.len(), 0.0);
+        local.gradient.resize(local.solids_fraction.len(), 0.0);
         in_wide_vectors(DragWork {
             drag_law: gas.particle_drag(),
-            radii,
-            solids_fraction,
-            solids_velocity,
+            radii: &particles.radius[..particles.owned_count()],
+            local,
             velocity,
-            drag,
         });
     }
 
@@ -246,13 +243,19 @@ impl FluidForce {
             let local = &self.local;
             let mut sums = [0, 0, particles.owned_count() as i64];
             for i in 0..particles.owned_count() {
-                let (u, v) = (local.solids_velocity[i], particles.velocity[i].z);
-                let slope = local.drag[i] / (1.0 - local.solids_fraction[i]).powi(2);
-                let constant = local.drag[i] * (u - v) - slope * u;
+                // F = c (u_g - v) + G (u_g - u_d) at U_s = 0, and its slope.
+                let (drag, gradient) = (local.drag[i], local.gradient[i]);
+                let at_rest = local.gas_velocity(i, 0.0);
+                let constant = drag * (at_rest - particles.velocity[i].z)
+                    + gradient * (at_rest - local.drag_velocity(i));
+                let slope = (drag + gradient) / (1.0 - local.solids_fraction[i]);
                 sums[0] += self.lattice.count(self.lattice.round(constant));
                 sums[1] += self.slope_lattice.count(self.slope_lattice.round(slope));
             }
             ranks.sum_integers(&mut sums);
+            if sums[2] == 0 {
+                return Ok(0.0); // nothing to carry
+            }
             let constant = sums[0] as f64 * self.lattice.spacing();
             let slope = sums[1] as f64 * self.slope_lattice.spacing();
             let next = (weight - constant) / slope;
@@ -268,13 +271,10 @@ impl FluidForce {
 
     /// U_s from the grid integral = W / S, by the secant method: exact at once for a linear drag law.
     fn velocity_by_grid_integral(
-        &mut self,
+        &self,
         gas: &ColumnGas,
-        particles: &Particles,
         weight: f64,
-        ranks: &dyn Communicator,
     ) -> Result<f64, GasForceOutOfRange> {
-        self.coarse_graining.deposit_diameters(particles, &self.grid, &mut self.bed, ranks);
         let target = weight / (self.grid.cell_volume() / self.grid.spacing());
         let excess =
             |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
@@ -300,20 +300,55 @@ impl FluidForce {
     }
 }
 
-/// Drag per velocity on particles of these radii where the bed has this phi and u_s.
+impl AtParticles {
+    /// u_g = u_s + (U_s - u_s) / (1 - phi) at a particle.
+    #[inline(always)]
+    fn gas_velocity(&self, index: usize, superficial_velocity: f64) -> f64 {
+        let u = self.solids_velocity[index];
+        u + (superficial_velocity - u) / (1.0 - self.solids_fraction[index])
+    }
+
+    /// u_d at a particle; u_s if all are of one size.
+    #[inline(always)]
+    fn drag_velocity(&self, index: usize) -> f64 {
+        let different = self.drag_velocity.get(index);
+        different.copied().unwrap_or(self.solids_velocity[index])
+    }
+}
+
+/// Linear interpolation of two fields to particles, with the weights of coarse graining.
+fn interpolate(
+    grid: &ColumnGrid,
+    positions: &[Vector3<f64>],
+    fields: [&[f64]; 2],
+    at_particles: [&mut Vec<f64>; 2],
+) {
+    let [first, second] = at_particles;
+    first.clear();
+    second.clear();
+    for position in positions {
+        let weights = grid.weights(position.z);
+        let value = |field: &[f64]| {
+            let (lower, upper) = (field[weights.lower], field[weights.upper]);
+            lower + weights.of_upper * (upper - lower)
+        };
+        first.push(value(fields[0]));
+        second.push(value(fields[1]));
+    }
+}
+
+/// Drag and pressure gradient per velocity on particles of these radii.
 struct DragWork<'a> {
     drag_law: ParticleDrag,
     radii: &'a [f64],
-    solids_fraction: &'a [f64],
-    solids_velocity: &'a [f64],
+    local: &'a mut AtParticles,
     velocity: f64,
-    drag: &'a mut [f64],
 }
 
 impl VectorWork for DragWork<'_> {
     type Output = ();
 
-    /// The law is chosen once, so that the loop holds no branch.
+    /// The law is chosen once, so that the loops hold no branch.
     #[inline(always)]
     fn run(self) {
         match self.drag_law.law {
@@ -327,9 +362,18 @@ impl DragWork<'_> {
     #[inline(always)]
     fn fill(self, law: DragLaw) {
         let drag_law = ParticleDrag { law, ..self.drag_law };
-        let bed = self.solids_fraction.iter().zip(self.solids_velocity);
-        for ((drag, &radius), (&phi, &u)) in self.drag.iter_mut().zip(self.radii).zip(bed) {
-            *drag = drag_law.per_velocity(2.0 * radius, phi, self.velocity - u);
+        let n = self.radii.len();
+        let local = self.local;
+        let (phi, u) = (&local.solids_fraction[..n], &local.solids_velocity[..n]);
+        let (drag, gradient) = (&mut local.drag[..n], &mut local.gradient[..n]);
+        for i in 0..n {
+            drag[i] = drag_law.per_velocity(2.0 * self.radii[i], phi[i], self.velocity - u[i]);
+            gradient[i] = drag[i] * phi[i] / (1.0 - phi[i]); // V beta / (1 - phi)
+        }
+        // Of other sizes: V B in the place of V beta, B = c / d times the sum of diameters per volume.
+        for (i, density) in local.diameter_density.iter().enumerate() {
+            let of_one_size = phi[i] * 6.0 / (PI * 4.0 * self.radii[i].powi(2));
+            gradient[i] *= density / of_one_size;
         }
     }
 }

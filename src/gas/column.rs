@@ -69,24 +69,24 @@ impl ColumnGas {
         ParticleDrag { law: self.drag, viscosity: self.viscosity, density: self.density }
     }
 
-    /// Pressure drop over the column, the integral of beta (U_s - u_s) / (1 - phi)^2 dz.
+    /// Pressure drop over the column: the integral of -dp/dz = B (u_g - u_d) / (1 - phi), which for particles of
+    /// one size is beta (U_s - u_s) / (1 - phi)^2.
     ///
-    /// `diameter_density` is the sum of particle diameters per volume at the nodes. Node 0 on the plate
-    /// counts in full width if it averages over a full cell, so that the integral of phi is the solids'
-    /// volume per area.
+    /// Node 0 on the plate counts in full width if it averages over a full cell, so that the integral of phi
+    /// is the solids' volume per area.
     pub fn pressure_drop(&self, grid: &ColumnGrid, fields: &ColumnFields, velocity: f64) -> f64 {
         let drag = self.particle_drag();
         (0..grid.nodes())
             .filter(|&node| fields.solids_fraction[node] > 0.0)
             .map(|node| {
-                let (phi, slip) =
-                    (fields.solids_fraction[node], velocity - fields.solids_velocity[node]);
+                let (phi, u_s) = (fields.solids_fraction[node], fields.solids_velocity[node]);
                 let lengths = fields.diameter_density[node];
                 // The diameter d of equal spheres with this phi and this sum of diameters.
                 let diameter = (6.0 * phi / (PI * lengths)).sqrt();
-                let beta = lengths / diameter * drag.per_velocity(diameter, phi, slip);
+                let beta = lengths / diameter * drag.per_velocity(diameter, phi, velocity - u_s);
                 let width = grid.volume_of(node) / grid.cell_volume() * grid.spacing();
-                beta * slip / (1.0 - phi).powi(2) * width
+                let gas_velocity = u_s + (velocity - u_s) / (1.0 - phi);
+                beta * (gas_velocity - fields.drag_velocity[node]) / (1.0 - phi) * width
             })
             .sum()
     }
@@ -128,4 +128,6 @@ pub struct ColumnFields<'a> {
     pub solids_velocity: &'a [f64],
     /// Sum of particle diameters per volume.
     pub diameter_density: &'a [f64],
+    /// u_d, mean velocity of the solids by drag.
+    pub drag_velocity: &'a [f64],
 }

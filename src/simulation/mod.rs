@@ -130,7 +130,8 @@ pub fn run(
     }
     let elapsed = began.elapsed();
     let complete = simulation.state.clock.step >= last_step;
-    let (digest, checkpoint) = simulation.finish(complete)?;
+    let whole_case = conditions.end_time >= case.end_time();
+    let (digest, checkpoint) = simulation.finish(complete && whole_case)?;
     Ok(Outcome {
         complete,
         time: simulation.state.clock.time(),
@@ -167,11 +168,13 @@ impl<'a> Simulation<'a> {
         let stage = stage_of(case, &state);
         let models = case.stages[stage].models(&state.sizes);
         state.clock = state.clock.with_time_step(models.time_step);
-        work.prepare(&case.domain, &models);
+        work.prepare(&case.domain, &models, &state.sizes);
         let Start { remembered, new_bed, continues } = start;
         time_step::begin(&mut state, &case.domain, &models, &mut work, remembered, new_bed, ranks)?;
-        let grid = profile_grid(case, state.sizes.largest_diameter);
-        let profile = BedProfile::new(grid, models.limits.speed, case.output.bed_threshold);
+        let [d_min, d_max] = [state.sizes.smallest_diameter, state.sizes.largest_diameter];
+        let grid = profile_grid(case, d_max);
+        let profile =
+            BedProfile::new(grid, models.limits.speed, [d_min, d_max], case.output.bed_threshold);
         let outputs = Outputs::open(case, &conditions.folder, &state, &profile, continues, ranks)?;
         let here = ranks.total(state.particles.owned_count()) as u64;
         let expected_particles = here + state.departed.count;
@@ -188,7 +191,7 @@ impl<'a> Simulation<'a> {
             expected_particles,
             ranks,
         };
-        // The row of a checkpoint's time is where the checkpoint was written.
+        // The row of the first instant belongs to the run that led to it, where there was one.
         if new_bed {
             simulation.write_due(None)?;
         }
@@ -257,7 +260,7 @@ impl<'a> Simulation<'a> {
         self.stage = stage;
         self.models = self.case.stages[stage].models(&self.state.sizes);
         log::info!("stage \"{}\" begins", self.case.stages[stage].name);
-        self.work.prepare(&self.case.domain, &self.models);
+        self.work.prepare(&self.case.domain, &self.models, &self.state.sizes);
         let domain = &self.case.domain;
         time_step::rebuild(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
         Ok(())
@@ -298,7 +301,7 @@ impl<'a> Simulation<'a> {
         Ok(outputs.write_checkpoint(case, state, records(case, state), *ranks)?)
     }
 
-    /// The last checkpoint, and the mark of a complete run.
+    /// The last checkpoint, and the mark of a case that has come to its end.
     fn finish(&mut self, complete: bool) -> Result<(Digest, std::path::PathBuf), RunError> {
         self.report_stage();
         let (digest, path) = self.write_checkpoint()?;

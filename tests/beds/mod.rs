@@ -259,7 +259,7 @@ impl Bench {
         let mut state = State { particles, contacts: Contacts::default(), clock, departed, sizes };
         let (domain, models) = (self.domain.clone(), self.models());
         let mut work = Workspace::new(cut, self.skin, self.balance);
-        work.prepare(&domain, &models);
+        work.prepare(&domain, &models, &state.sizes);
         begin(&mut state, &domain, &models, &mut work, remembered, new_bed, ranks)
             .expect("the test's bed can begin");
         Run { state, domain, models, work, ranks }
