@@ -3,7 +3,10 @@
 
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use talcum::case::{Case, Start};
+use std::sync::atomic::AtomicBool;
+use talcum::case::{Amount, Case, Start};
+use talcum::parallel::OneRank;
+use talcum::simulation::{self, Conditions, OutputFolder, begin_from_case};
 
 fn files(folder: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -106,6 +109,43 @@ fn every_case_of_the_repository_is_read() {
             case.initial_bed().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         }
     }
+}
+
+/// Beds above this size take longer than a test may.
+const LARGEST_BED: u64 = 50_000;
+
+/// A few steps of every case that needs no other run first, with all its outputs.
+#[test]
+fn every_case_of_the_repository_takes_steps() {
+    let mut run = 0;
+    for file in files("cases") {
+        let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        let too_large = |amount: &Amount| matches!(amount, Amount::Count(n) if *n > LARGEST_BED);
+        match &case.particles.start {
+            Start::Run { path } if !path.exists() => continue,
+            Start::Lattice { .. } | Start::Random { .. }
+                if case.particles.amount.as_ref().is_some_and(too_large) =>
+            {
+                continue;
+            }
+            _ => {}
+        }
+        let name = file.display();
+        let folder = tempfile::tempdir().unwrap();
+        let beginning = begin_from_case(&case, None, &OneRank)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let conditions = Conditions {
+            end_time: 20.0 * case.stages[0].time_step,
+            folder: OutputFolder { path: folder.path().to_owned(), case_folder: PathBuf::new() },
+            stop: &AtomicBool::new(false),
+            watch: &mut |_| (),
+        };
+        let outcome = simulation::run(&case, beginning, conditions, &OneRank)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!((outcome.steps, outcome.complete), (20, true), "{name}");
+        run += 1;
+    }
+    assert!(run >= 10, "{run}");
 }
 
 /// Values that no key expects, or that are near to what it allows.
