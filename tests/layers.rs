@@ -275,8 +275,8 @@ fn violations(file: &str, text: &str) -> Vec<String> {
 
 fn files_of(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
+    for entry in fs::read_dir(folder).expect("the sources can be read") {
+        let path = entry.expect("the sources can be read").path();
         if path.is_dir() {
             found.extend(files_of(&path));
         } else if path.extension().is_some_and(|extension| extension == "rs") {
