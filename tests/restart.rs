@@ -1,6 +1,8 @@
 //! A run that was stopped goes on as if it had not been, on any number of ranks: the same digest, the same
 //! series, profiles and snapshots.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 mod launch;
 
 use launch::{checkpoints, series, smoke, talcum};
