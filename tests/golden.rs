@@ -9,7 +9,7 @@
 //! and say in the commit what changed the results. The state's path uses no function of the system's
 //! mathematical library, so that the digests are those of any machine with IEEE 754 doubles.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by a panic")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod launch;
 

@@ -1,7 +1,7 @@
 //! Whatever ends a run early, it goes on from a checkpoint and comes to the same bits: signals, the clock on
 //! the wall, a kill at any instant, a damaged file.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by a panic")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod launch;
 

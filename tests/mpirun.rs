@@ -1,7 +1,7 @@
 //! The same bits on any number of ranks, on slabs and blocks, with cut planes that move and that stay: the
 //! program under `mpirun`, on a dense, cohesive, frictional, vibrated bed with gas.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by a panic")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod launch;
 

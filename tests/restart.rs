@@ -1,7 +1,7 @@
 //! A run that was stopped goes on as if it had not been, on any number of ranks: the same digest, the same
 //! series, profiles and snapshots.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by a panic")]
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod launch;
 
