@@ -33,7 +33,7 @@ pub struct OutputError {
 }
 
 /// A result whose error does not yet know which file it speaks of.
-type InWords<T> = Result<T, String>;
+pub(crate) type InWords<T> = Result<T, String>;
 
 /// Makes an error on one rank an error on all. Collective.
 fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Result<T, OutputError> {
@@ -41,7 +41,7 @@ fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Resul
 }
 
 /// Does on rank 0 what is not done together; the others wait and learn of errors. Collective.
-fn on_root<T>(
+pub(crate) fn on_root<T>(
     path: &Path,
     ranks: &dyn Communicator,
     work: impl FnOnce() -> InWords<T>,

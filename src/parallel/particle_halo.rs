@@ -125,12 +125,6 @@ impl ParticleHalo {
         }
     }
 
-    /// Number of ghost copies that this rank sends at every step.
-    pub fn sent_count(&self) -> usize {
-        let shipments = self.plans.iter().flat_map(|plan| &plan.shipments);
-        shipments.map(|shipment| shipment.indices.len()).sum()
-    }
-
     fn send_new_ghosts(
         &mut self,
         axis: usize,

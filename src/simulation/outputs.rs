@@ -5,9 +5,9 @@ use crate::case::Case;
 use crate::coupling::Bed;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{
-    ColumnUnits, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series,
+    ColumnUnits, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, on_root,
 };
-use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord, agree};
+use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::state::State;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -226,27 +226,22 @@ impl Outputs {
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let path = self.folder.path.join(COMPLETE);
-        on_root(&path, ranks, || std::fs::write(&path, format!("digest {digest}\n")))
+        on_root(&path, ranks, || {
+            std::fs::write(&path, format!("digest {digest}\n")).map_err(|error| error.to_string())
+        })
+        .map(|_| ())
     }
 }
 
 /// Makes the folder, with the case in effect; a run that goes on is no longer complete.
 fn make_folder(path: &Path, case_text: &str, ranks: &dyn Communicator) -> Result<(), OutputError> {
-    on_root(path, ranks, || {
+    let make = || {
         std::fs::create_dir_all(path)?;
         match std::fs::remove_file(path.join(COMPLETE)) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
             _ => {}
         }
         std::fs::write(path.join("case.toml"), case_text)
-    })
-}
-
-fn on_root(
-    path: &Path,
-    ranks: &dyn Communicator,
-    work: impl FnOnce() -> std::io::Result<()>,
-) -> Result<(), OutputError> {
-    let result = if ranks.is_root() { work() } else { Ok(()) };
-    agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), words: error.0 })
+    };
+    on_root(path, ranks, || make().map_err(|error| error.to_string())).map(|_| ())
 }
