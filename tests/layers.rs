@@ -14,7 +14,7 @@ const MAY_KNOW: [(&str, &[&str]); 16] = [
     ("contact", &["domain", "numbers", "particles"]),
     ("grid", &["domain", "numbers"]),
     ("gas", &["domain", "grid", "numbers"]),
-    ("parallel", &["domain", "numbers", "particles"]),
+    ("parallel", &["domain", "grid", "numbers", "particles"]),
     ("coupling", &["domain", "gas", "grid", "numbers", "parallel", "particles"]),
     ("timers", &["parallel"]),
     (

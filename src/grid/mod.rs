@@ -1,5 +1,9 @@
 //! Grids that fields live on. Arithmetic only; knows no ranks.
 
+mod box_grid;
 mod column_grid;
+mod field;
 
+pub use box_grid::{BoxGrid, GridPart};
 pub use column_grid::{ColumnGrid, Weights};
+pub use field::Field;
