@@ -27,7 +27,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         higher: 7 * (k / 3) + 3 - k % 3,
         tangential_spring: spring,
         largest_overlap: k as f64,
-        rolling_angle: if k % 2 == 0 { [0.0; 3] } else { [0.1, -0.2, 0.3] },
+        rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
     };
     let wall_contact = |k| WallContactRecord {
         particle: k / 2,
