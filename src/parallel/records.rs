@@ -37,6 +37,8 @@ pub struct ContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    pub rolling_angle: [f64; 3],
 }
 
 /// What a particle's contact with a wall remembers.
@@ -51,6 +53,8 @@ pub struct WallContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    pub rolling_angle: [f64; 3],
 }
 
 impl ParticleRecord {
@@ -86,6 +90,7 @@ impl From<PairMemory> for ContactRecord {
             higher: pair.higher,
             tangential_spring: pair.memory.tangential_spring.into(),
             largest_overlap: pair.memory.largest_overlap,
+            rolling_angle: pair.rolling_angle.into(),
         }
     }
 }
@@ -96,7 +101,8 @@ impl From<ContactRecord> for PairMemory {
             tangential_spring: record.tangential_spring.into(),
             largest_overlap: record.largest_overlap,
         };
-        Self { lower: record.lower, higher: record.higher, memory }
+        let rolling_angle = record.rolling_angle.into();
+        Self { lower: record.lower, higher: record.higher, memory, rolling_angle }
     }
 }
 
@@ -107,6 +113,7 @@ impl From<WallMemory> for WallContactRecord {
             wall: u64::from(contact.wall),
             tangential_spring: contact.memory.tangential_spring.into(),
             largest_overlap: contact.memory.largest_overlap,
+            rolling_angle: contact.rolling_angle.into(),
         }
     }
 }
@@ -117,7 +124,8 @@ impl From<WallContactRecord> for WallMemory {
             tangential_spring: record.tangential_spring.into(),
             largest_overlap: record.largest_overlap,
         };
-        Self { particle: record.particle, wall: record.wall as u32, memory }
+        let rolling_angle = record.rolling_angle.into();
+        Self { particle: record.particle, wall: record.wall as u32, memory, rolling_angle }
     }
 }
 

@@ -94,5 +94,6 @@ impl Neighbours {
         contacts.touching.resize(contacts.partner.len(), false);
         contacts.memory.clear();
         contacts.memory.resize(contacts.partner.len(), ContactMemory::default());
+        contacts.rolling_angle.clear();
     }
 }

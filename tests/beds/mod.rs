@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use talcum::contact::{
-    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
+    CohesionExpression, ContactModel, FrictionCap, Interface, LinearSpringDashpot, VanDerWaals,
 };
 use talcum::domain::{Bounds, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall};
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive};
@@ -196,15 +196,17 @@ impl Bench {
     }
 
     pub(crate) fn models(&self) -> Models {
-        let contact = ContactModel::LinearSpringDashpot(self.contact);
+        let law = ContactModel::LinearSpringDashpot(self.contact);
+        let contact = Interface { law, rolling: None };
         let SizeRange { smallest_diameter, largest_diameter, largest_mass } = self.sizes();
         let diameters = [smallest_diameter, largest_diameter];
         let weight = largest_mass * self.gravity.largest();
         let (cohesion, dt) = (self.cohesion.clone(), self.time_step);
-        let mut limits = Limits::new(&contact, cohesion.as_ref(), diameters, weight, dt);
+        let mut limits = Limits::new([&contact], cohesion.as_ref(), diameters, weight, dt);
         limits.force = self.force_limit.unwrap_or(limits.force);
         Models {
             contact,
+            at_walls: Vec::new(),
             cohesion,
             gas: self.gas.clone(),
             gravity: self.gravity,
