@@ -47,8 +47,8 @@ impl ParticleSnapshots {
         Ok(Self { path: path.to_owned(), steps: 0, points: 0 })
     }
 
-    /// Continues a file after the snapshots up to and including `time`; later ones are dropped. A file
-    /// that cannot be read is set aside with a warning, and a new one begun. Collective.
+    /// Continues a file as it was last kept, after the snapshots up to and including `time`; later ones are
+    /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.

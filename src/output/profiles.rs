@@ -51,8 +51,8 @@ impl Profiles {
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
 
-    /// Continues a file after the rows up to and including `time`; later ones are dropped. A file that
-    /// cannot be read, or has other heights, is set aside. Collective.
+    /// Continues a file as it was last kept, after the rows up to and including `time`; later ones are dropped.
+    /// A file that cannot be read, or has other heights, is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
