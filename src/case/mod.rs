@@ -25,7 +25,7 @@ pub use particles::{Amount, BedFormat, ParticleSetup, Start};
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
 pub use sizes::SizeDistribution;
 pub use stages::Stage;
-pub use units::{Quantity, Units};
+pub use units::Units;
 
 use crate::contact::{ContactLaw, Interface};
 use crate::domain::Bounds;
