@@ -52,6 +52,12 @@ pub(super) fn evaluate_in_lanes(
         ContactModel::LinearSpringDashpot(law) => {
             with_rolling(law, particles, contacts, laws, near)
         }
+        ContactModel::AdhesiveElasticPlastic(law) => {
+            with_rolling(law, particles, contacts, laws, near)
+        }
+        ContactModel::HertzMindlin(law) => with_rolling(law, particles, contacts, laws, near),
+        ContactModel::Jkr(law) => with_rolling(law, particles, contacts, laws, near),
+        ContactModel::LinearHysteretic(law) => with_rolling(law, particles, contacts, laws, near),
     }
 }
 

@@ -1,6 +1,9 @@
 //! What every contact law must answer, and the list of laws.
 
-use super::{Contact, ContactForce, LinearSpringDashpot, RollingFriction};
+use super::{
+    AdhesiveElasticPlastic, Contact, ContactForce, HertzMindlin, Jkr, LinearHysteretic,
+    LinearSpringDashpot, RollingFriction,
+};
 use crate::particles::ContactMemory;
 
 /// The force between two bodies in contact; a law may bring its own adhesion, van der Waals cohesion is added
@@ -48,6 +51,14 @@ pub trait ContactLaw {
 pub enum ContactModel {
     /// Moon 2006 eqs (1)-(3).
     LinearSpringDashpot(LinearSpringDashpot),
+    /// Liu 2016.
+    AdhesiveElasticPlastic(AdhesiveElasticPlastic),
+    /// Hertz; Mindlin & Deresiewicz 1953.
+    HertzMindlin(HertzMindlin),
+    /// Johnson, Kendall & Roberts 1971.
+    Jkr(Jkr),
+    /// Luding 2008.
+    LinearHysteretic(LinearHysteretic),
 }
 
 /// What holds where two kinds of bodies touch: particles each other, or a wall.
@@ -64,6 +75,10 @@ macro_rules! each_law {
     ($model:expr, $law:ident => $call:expr) => {
         match $model {
             ContactModel::LinearSpringDashpot($law) => $call,
+            ContactModel::AdhesiveElasticPlastic($law) => $call,
+            ContactModel::HertzMindlin($law) => $call,
+            ContactModel::Jkr($law) => $call,
+            ContactModel::LinearHysteretic($law) => $call,
         }
     };
 }

@@ -66,6 +66,16 @@ pub struct InvalidContactLaw {
     pub allowed: &'static str,
 }
 
+/// An error unless a parameter has a meaning.
+pub(super) fn require(
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), InvalidContactLaw> {
+    if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
+}
+
 impl LinearSpringDashpot {
     /// A law from its stiffnesses (force per length), restitution coefficient e and friction coefficient mu.
     ///
@@ -78,9 +88,6 @@ impl LinearSpringDashpot {
         friction: f64,
         friction_cap: FrictionCap,
     ) -> Result<Self, InvalidContactLaw> {
-        let require = |holds: bool, parameter, value, allowed| {
-            if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
-        };
         require(normal_stiffness > 0.0, "normal_stiffness", normal_stiffness, "positive")?;
         let kt = tangential_stiffness;
         require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
