@@ -2,7 +2,9 @@
 
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
+use crate::gas::{
+    ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, ScaledDrag, WeightBalance,
+};
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
@@ -352,16 +354,22 @@ impl VectorWork for DragWork<'_> {
     #[inline(always)]
     fn run(self) {
         match self.drag_law.law {
-            DragLaw::WenYuCreeping => self.fill(DragLaw::WenYuCreeping),
-            DragLaw::WenYu => self.fill(DragLaw::WenYu),
+            DragLaw::WenYu(law) => self.fill(law),
+            DragLaw::WenYuCreeping(law) => self.fill(law),
+            DragLaw::Ergun(law) => self.fill(law),
+            DragLaw::Gidaspow(law) => self.fill(law),
+            DragLaw::Beetstra(law) => self.fill(law),
+            DragLaw::Tenneti(law) => self.fill(law),
+            DragLaw::DiFelice(law) => self.fill(law),
         }
     }
 }
 
 impl DragWork<'_> {
     #[inline(always)]
-    fn fill(self, law: DragLaw) {
-        let drag_law = ParticleDrag { law, ..self.drag_law };
+    fn fill<L: ScaledDrag>(self, law: L) {
+        let ParticleDrag { factor, viscosity, density, .. } = self.drag_law;
+        let drag_law = ParticleDrag { law, factor, viscosity, density };
         let n = self.radii.len();
         let local = self.local;
         let (phi, u) = (&local.solids_fraction[..n], &local.solids_velocity[..n]);

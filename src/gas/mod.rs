@@ -4,4 +4,7 @@ mod column;
 mod drag;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
-pub use drag::DragLaw;
+pub use drag::{
+    Beetstra, DiFelice, DragLaw, Ergun, Gidaspow, ScaledDrag, SingleSphere, Switch, Tenneti, WenYu,
+    WenYuCreeping,
+};
