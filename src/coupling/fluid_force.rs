@@ -31,6 +31,32 @@ pub enum GasForceOutOfRange {
         /// Solids fraction at the particle.
         solids_fraction: f64,
     },
+    /// A drag coefficient, force per velocity.
+    #[error(
+        "the drag of the gas on particle {particle} is {drag:.3e} per velocity (limit {limit:.3e}): the gas there \
+         is too fast or undefined"
+    )]
+    Drag {
+        /// Id of the particle.
+        particle: u64,
+        /// Its drag coefficient.
+        drag: f64,
+        /// What it may be.
+        limit: f64,
+    },
+    /// A gas step that is too long for the drag.
+    #[error(
+        "in one gas step the drag takes {response:.3} of the velocity of particle {particle} relative to the gas \
+         (b dt / (m eps^2), limit {limit}): use fewer gas.substeps or a shorter time.step"
+    )]
+    Response {
+        /// Id of the particle.
+        particle: u64,
+        /// The part taken.
+        response: f64,
+        /// What it may be.
+        limit: f64,
+    },
     /// On the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
     NoBalance(f64),

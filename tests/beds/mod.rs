@@ -150,6 +150,7 @@ impl Bench {
             torque: zero,
             radius,
             mass: self.density * 4.0 / 3.0 * PI * radius.powi(3),
+            gas_force: [0.0; 3],
         });
         self
     }
