@@ -5,6 +5,7 @@
 mod allowed;
 mod bed;
 mod column;
+mod drag;
 mod errors;
 mod forces;
 mod leaf;

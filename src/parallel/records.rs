@@ -23,6 +23,8 @@ pub struct ParticleRecord {
     pub radius: f64,
     /// Mass.
     pub mass: f64,
+    /// Force of a gas in three dimensions as of its last step; zero without such a gas.
+    pub gas_force: [f64; 3],
 }
 
 /// What a touching pair remembers, as seen from the particle with the lower id.
@@ -69,6 +71,7 @@ impl ParticleRecord {
             torque: particles.torque[index].into(),
             radius: particles.radius[index],
             mass: particles.mass[index],
+            gas_force: particles.gas_force[index].into(),
         }
     }
 
@@ -80,6 +83,7 @@ impl ParticleRecord {
         particles.angular_velocity[index] = self.angular_velocity.into();
         particles.force[index] = self.force.into();
         particles.torque[index] = self.torque.into();
+        particles.gas_force[index] = self.gas_force.into();
     }
 }
 

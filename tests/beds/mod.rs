@@ -69,7 +69,8 @@ pub(crate) fn attraction(
 pub(crate) fn gas(superficial_velocity: f64) -> ColumnGas {
     ColumnGas {
         spacing: 1.5,
-        drag: DragLaw::WenYuCreeping,
+        drag: DragLaw::WEN_YU_CREEPING,
+        drag_factor: 1.0,
         viscosity: 1.0 / 55.0,
         density: 1.3e-3,
         drive: Drive::Velocity(Schedule::Constant(superficial_velocity)),
@@ -149,6 +150,7 @@ impl Bench {
             torque: zero,
             radius,
             mass: self.density * 4.0 / 3.0 * PI * radius.powi(3),
+            gas_force: [0.0; 3],
         });
         self
     }
