@@ -3,7 +3,7 @@
 
 use crate::contact::{ContactLaw, Interface, NearPair, VanDerWaals};
 use crate::coupling::FluidForce;
-use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall};
+use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, WallShape};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
@@ -93,8 +93,19 @@ pub struct SizeRange {
 pub struct Domain {
     /// The box.
     pub bounds: Bounds,
-    /// Flat walls: those in faces of the box first, then the case's own.
+    /// Walls: those in faces of the box first, then the case's own.
     pub walls: Vec<Wall>,
+}
+
+impl Domain {
+    /// Horizontal cross-section that particles have room in: of the box, or of a narrower round column.
+    pub fn cross_section(&self) -> f64 {
+        let area = |wall: &Wall| match wall.shape {
+            WallShape::Plane { .. } => f64::INFINITY,
+            WallShape::Cylinder { radius, .. } => std::f64::consts::PI * radius * radius,
+        };
+        self.walls.iter().map(area).fold(self.bounds.cross_section(), f64::min)
+    }
 }
 
 /// What acts on the particles: chosen by the case for one stage of the run, and immutable.
@@ -195,6 +206,8 @@ pub struct Workspace {
     pub reach: Reach,
     /// When cut planes move.
     pub balance: Option<Balance>,
+    /// Where the walls are at this step.
+    pub wall_poses: Vec<WallPose>,
     /// Pairs within range at this step.
     pub near: Vec<NearPair>,
     /// The gas on its grid.
@@ -248,6 +261,7 @@ impl Workspace {
             cut,
             reach: Reach { range: 0.0, skin },
             balance,
+            wall_poses: Vec::new(),
             near: Vec::new(),
             fluid: None,
             tallies: Tallies::default(),
@@ -255,6 +269,12 @@ impl Workspace {
             fault: None,
             requests: Requests::default(),
         }
+    }
+
+    /// Moves the walls to where they are at the end of a step of this length.
+    pub fn move_walls(&mut self, domain: &Domain, time: f64, step: f64) {
+        self.wall_poses.clear();
+        self.wall_poses.extend(domain.walls.iter().map(|wall| wall.pose(time, step)));
     }
 
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.

@@ -5,6 +5,8 @@
 mod allowed;
 mod bed;
 mod column;
+mod contact;
+mod contact_laws;
 mod drag;
 mod errors;
 mod forces;
@@ -19,6 +21,7 @@ mod stages;
 mod tree;
 mod units;
 mod wall_time;
+mod walls;
 
 pub use bed::{BedError, InitialBed};
 pub use errors::{CaseError, CaseErrors, Place};
@@ -141,6 +144,7 @@ impl Case {
     /// What is wrong with box and time step for particles of these sizes: (key, words).
     pub fn check_sizes(&self, sizes: &SizeRange) -> Vec<(&'static str, String)> {
         let mut wrong = check_box(&self.domain.bounds, self, sizes);
+        wrong.extend(walls::check_walls(self, sizes.smallest_diameter));
         for stage in &self.stages {
             let duration = self.shortest_contact(stage, sizes);
             if stage.time_step > duration {
@@ -155,7 +159,7 @@ impl Case {
             let torque = limits.force * sizes.largest_diameter;
             if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
                 let words = "gives forces beyond the range of numbers".to_owned();
-                wrong.push(("contact.normal_stiffness", words));
+                wrong.push(("contact", words));
             }
         }
         wrong
@@ -193,13 +197,13 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
     let root = Section::of(tree, problems)?;
     let title = root.text("title");
     let units = root.value("units");
-    let domain = space::read_domain(&root);
+    let domain = walls::read_domain(&root);
     let (particles, scales) = match root.section("particles") {
         Some(section) => particles::read_particles(section, units, folder),
         None => (None, Scales { density: None, diameter: None }),
     };
-    let bounds = domain.as_ref().map(|domain| &domain.bounds);
-    let (stages, step) = stages::read_stages(&root, &Surroundings { units, scales, bounds });
+    let surroundings = Surroundings { units, scales, domain: domain.as_ref() };
+    let (stages, step) = stages::read_stages(&root, &surroundings);
     let output = root.section("output").and_then(|section| plans::read_output(section, step));
     let checkpoint = plans::read_checkpoint(root.optional_section("checkpoint"));
     let wall_clock = plans::read_run(root.optional_section("run"));

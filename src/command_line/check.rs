@@ -6,7 +6,7 @@ use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
 use crate::contact::ContactLaw;
-use crate::domain::Face;
+use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::gas::{ColumnGas, Drive};
 use crate::parallel::Communicator;
 use crate::simulation::{Beginning, begin_from_case};
@@ -77,13 +77,28 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
         let _ = writeln!(words, "  {axis}: lower {lower}, upper {upper}");
     }
     for wall in &case.domain.walls {
-        let (p, n) = (wall.point, wall.normal);
-        let _ = writeln!(
-            words,
-            "  wall \"{}\" through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
-            wall.name, p.x, p.y, p.z, n.x, n.y, n.z
-        );
+        let _ = writeln!(words, "  wall \"{}\" {}", wall.name, describe_wall(wall));
     }
+}
+
+/// Where a wall is, and how it moves.
+fn describe_wall(wall: &Wall) -> String {
+    let mut words = match wall.shape {
+        WallShape::Plane { point: p, normal: n } => format!(
+            "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
+            p.x, p.y, p.z, n.x, n.y, n.z
+        ),
+        WallShape::Cylinder { centre, radius } => {
+            format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
+        }
+    };
+    let WallMotion { velocity: v, amplitude: a, frequency, start, end } = wall.motion;
+    if !wall.motion.is_rest() {
+        let _ = write!(words, ", velocity ({}, {}, {})", v.x, v.y, v.z);
+        let _ = write!(words, ", amplitude ({}, {}, {}) at {frequency}", a.x, a.y, a.z);
+        let _ = write!(words, ", from {start} to {end}");
+    }
+    words
 }
 
 fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {

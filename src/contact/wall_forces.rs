@@ -3,7 +3,7 @@
 use super::forces::{ForceLaws, ForceOutOfRange, forget, out_of_range, total};
 use super::rolling::Rolling;
 use super::{Contact, ContactForce, ContactLaw, Interface};
-use crate::domain::Wall;
+use crate::domain::{Wall, WallPose};
 use crate::numbers::within;
 use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
@@ -11,15 +11,15 @@ use nalgebra::Vector3;
 /// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
 /// force lattice.
 ///
-/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) at rest in the frame of the
-/// box, with law and attraction of its own.
+/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with law, attraction and
+/// velocity of its own. `walls` are the walls and where they are now.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.
 pub fn add_wall_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
-    walls: &[Wall],
+    (walls, poses): (&[Wall], &[WallPose]),
     laws: &ForceLaws,
     on_walls: &mut [[i64; 3]],
 ) -> Result<(), ForceOutOfRange> {
@@ -27,7 +27,7 @@ pub fn add_wall_forces(
     for slot in 0..contacts.wall_pairs.len() {
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
-        let contact = contact_with(&walls[number], particles, i, laws);
+        let contact = contact_with((&walls[number], &poses[number]), particles, i, laws);
         let interface = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(interface, &contact, contacts, slot, laws.dt);
         let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
@@ -47,15 +47,21 @@ pub fn add_wall_forces(
 }
 
 /// A particle and a wall as the law sees them.
-fn contact_with(wall: &Wall, particles: &Particles, i: usize, laws: &ForceLaws) -> Contact {
+fn contact_with(
+    (wall, pose): (&Wall, &WallPose),
+    particles: &Particles,
+    i: usize,
+    laws: &ForceLaws,
+) -> Contact {
     let radius = particles.radius[i];
-    let overlap = radius - wall.height_of(&particles.position[i]);
+    let position = &particles.position[i];
+    let overlap = radius - wall.height_at(position, pose);
     let spin = particles.angular_velocity[i];
-    let normal = -wall.normal;
+    let normal = -wall.normal_at(position, pose);
     Contact {
         overlap,
         normal,
-        relative_velocity: -particles.velocity[i] - (spin * radius).cross(&normal),
+        relative_velocity: pose.velocity - particles.velocity[i] - (spin * radius).cross(&normal),
         relative_spin: -spin,
         reduced_mass: particles.mass[i],
         reduced_radius: radius,

@@ -6,7 +6,7 @@
 //! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
 
 use super::{Particles, Reach};
-use crate::domain::Wall;
+use crate::domain::{Wall, WallPose};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
@@ -158,12 +158,17 @@ impl Contacts {
     }
 
     /// Lists the owned particles near walls, without memories.
-    pub(crate) fn find_wall_pairs(&mut self, particles: &Particles, walls: &[Wall], reach: Reach) {
+    pub(crate) fn find_wall_pairs(
+        &mut self,
+        particles: &Particles,
+        (walls, poses): (&[Wall], &[WallPose]),
+        reach: Reach,
+    ) {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
-            for (number, wall) in walls.iter().enumerate() {
-                let gap =
-                    wall.height_of(&particles.position[particle]) - particles.radius[particle];
+            for (number, (wall, pose)) in walls.iter().zip(poses).enumerate() {
+                let gap = wall.height_at(&particles.position[particle], pose)
+                    - particles.radius[particle];
                 if gap < reach.range + reach.skin {
                     self.wall_pairs
                         .push(WallPair { particle: particle as u32, wall: number as u32 });

@@ -109,7 +109,7 @@ fn face_walls(bounds: &Bounds) -> Vec<Wall> {
                 let (mut point, mut normal) = (Vector3::zeros(), Vector3::zeros());
                 point[axis] = side as f64 * bounds.lengths()[axis];
                 normal[axis] = 1.0 - 2.0 * side as f64;
-                walls.push(Wall { name, point, normal });
+                walls.push(Wall::plane(name, point, normal));
             }
         }
     }
