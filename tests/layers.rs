@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module at the top of the crate, and what it may name.
-const MAY_KNOW: [(&str, &[&str]); 16] = [
+const MAY_KNOW: [(&str, &[&str]); 17] = [
     ("numbers", &[]),
     ("domain", &["numbers"]),
     ("particles", &["domain", "numbers"]),
@@ -15,6 +15,7 @@ const MAY_KNOW: [(&str, &[&str]); 16] = [
     ("grid", &["domain", "numbers"]),
     ("gas", &["domain", "grid", "numbers"]),
     ("parallel", &["domain", "grid", "numbers", "particles"]),
+    ("linear_solver", &["domain", "grid", "numbers", "parallel"]),
     ("coupling", &["domain", "gas", "grid", "numbers", "parallel", "particles"]),
     ("timers", &["parallel"]),
     (
