@@ -125,7 +125,10 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
     // Pressed again, it climbs with k_unload from there, up to the loading line, and goes on along that.
     let force = hand.last.normal;
     near(hand.go(on_line + 0.05, [0.0; 2]), force + 0.05);
-    near(hand.go(1.0, [0.0; 2]), 0.8 * 1.0 - F0);
+    // With k_c = 0.3 / (0.5 - 0.3) the lines cross at (1 + 1.5) / 0.2 of the overlap where it turned.
+    let crossing = on_line * 2.5 / 0.2;
+    near(hand.go(crossing - 0.1, [0.0; 2]), 0.8 * crossing - 0.1 - F0);
+    near(hand.go(crossing + 0.1, [0.0; 2]), 0.8 * (crossing + 0.1) - F0);
     // Parted, everything is forgotten.
     hand.go(-0.1, [0.0; 2]);
     assert_eq!(hand.memory, ContactMemory::default());
