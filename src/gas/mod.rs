@@ -6,4 +6,7 @@ mod drag;
 pub mod volume_averaged;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
-pub use drag::DragLaw;
+pub use drag::{
+    Beetstra, DiFelice, DragLaw, Ergun, Gidaspow, ScaledDrag, SingleSphere, Switch, Tenneti, WenYu,
+    WenYuCreeping,
+};
