@@ -1,9 +1,9 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, ContactModel, NearPair, VanDerWaals};
+use crate::contact::{ContactLaw, Interface, NearPair, VanDerWaals};
 use crate::coupling::FluidForce;
-use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall};
+use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, WallShape};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
@@ -93,15 +93,28 @@ pub struct SizeRange {
 pub struct Domain {
     /// The box.
     pub bounds: Bounds,
-    /// Flat walls: those in faces of the box first, then the case's own.
+    /// Walls: those in faces of the box first, then the case's own.
     pub walls: Vec<Wall>,
+}
+
+impl Domain {
+    /// Horizontal cross-section that particles have room in: of the box, or of a narrower round column.
+    pub fn cross_section(&self) -> f64 {
+        let area = |wall: &Wall| match wall.shape {
+            WallShape::Plane { .. } => f64::INFINITY,
+            WallShape::Cylinder { radius, .. } => std::f64::consts::PI * radius * radius,
+        };
+        self.walls.iter().map(area).fold(self.bounds.cross_section(), f64::min)
+    }
 }
 
 /// What acts on the particles: chosen by the case for one stage of the run, and immutable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Models {
-    /// Law of touching particles and of particles at walls.
-    pub contact: ContactModel,
+    /// Where particles touch.
+    pub contact: Interface,
+    /// Where they touch the walls, by the walls' numbers; walls beyond its end are like particles.
+    pub at_walls: Vec<Interface>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -116,6 +129,26 @@ pub struct Models {
     pub force_lattice: Quantum,
     /// Lattice that torques are rounded to.
     pub torque_lattice: Quantum,
+}
+
+impl Models {
+    /// Separation of surfaces up to which particles of these sizes, or they and walls, act on each other.
+    pub fn range(&self, sizes: &SizeRange) -> f64 {
+        let interfaces = std::iter::once(&self.contact).chain(&self.at_walls);
+        range_of(interfaces, self.cohesion.as_ref(), sizes)
+    }
+}
+
+/// Separation of surfaces up to which bodies act on each other that touch in these ways, particles being of
+/// these sizes.
+pub fn range_of<'a>(
+    interfaces: impl IntoIterator<Item = &'a Interface>,
+    cohesion: Option<&VanDerWaals>,
+    sizes: &SizeRange,
+) -> f64 {
+    let largest_radius = 0.5 * sizes.largest_diameter;
+    let reaches = interfaces.into_iter().map(|interface| interface.law.reach(largest_radius));
+    reaches.fold(cohesion.map_or(0.0, |cohesion| cohesion.range), f64::max)
 }
 
 /// What a run may not exceed: beyond, its numbers would mean nothing.
@@ -133,16 +166,18 @@ impl Limits {
     /// Contacts (each at the limit) that a particle's force has room for.
     const CONTACTS: f64 = 64.0;
 
-    /// Limits for particles between two diameters, the heavier of this mass.
-    pub fn new(
-        contact: &ContactModel,
+    /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
+    pub fn new<'a>(
+        interfaces: impl IntoIterator<Item = &'a Interface>,
         cohesion: Option<&VanDerWaals>,
         diameters: [f64; 2],
         largest_weight: f64,
         time_step: f64,
     ) -> Self {
         let [smallest, largest] = diameters;
-        let elastic = contact.elastic_force(Self::LARGEST_OVERLAP * smallest);
+        let overlap = Self::LARGEST_OVERLAP * smallest;
+        let of_law = |interface: &Interface| interface.law.largest_force(overlap, 0.5 * largest);
+        let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
         let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
         Self { force: elastic + attraction + largest_weight, speed: 0.1 * smallest / time_step }
     }
@@ -171,6 +206,8 @@ pub struct Workspace {
     pub reach: Reach,
     /// When cut planes move.
     pub balance: Option<Balance>,
+    /// Where the walls are at this step.
+    pub wall_poses: Vec<WallPose>,
     /// Pairs within range at this step.
     pub near: Vec<NearPair>,
     /// The gas on its grid.
@@ -224,6 +261,7 @@ impl Workspace {
             cut,
             reach: Reach { range: 0.0, skin },
             balance,
+            wall_poses: Vec::new(),
             near: Vec::new(),
             fluid: None,
             tallies: Tallies::default(),
@@ -233,9 +271,15 @@ impl Workspace {
         }
     }
 
+    /// Moves the walls to where they are at the end of a step of this length.
+    pub fn move_walls(&mut self, domain: &Domain, time: f64, step: f64) {
+        self.wall_poses.clear();
+        self.wall_poses.extend(domain.walls.iter().map(|wall| wall.pose(time, step)));
+    }
+
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
-        self.reach.range = models.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.range);
+        self.reach.range = models.range(sizes);
         self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
         self.tallies.by_gas = [0; 3];
         self.fluid = models.gas.as_ref().map(|gas| {

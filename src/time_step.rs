@@ -51,6 +51,7 @@ pub fn advance(
     let lattice = domain.bounds.lattice();
     work.timers.time(Stage::Integrate, || kick_and_drift(&mut state.particles, dt, lattice));
     state.clock.tick();
+    work.move_walls(domain, state.clock.time(), dt);
     let verdict = decide(state, domain, work, ranks)?;
     if verdict.rebuild {
         rebuild(state, domain, models, work, ranks)?;
@@ -76,6 +77,7 @@ pub fn begin(
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
     let (pairs, walls) = remembered;
+    work.move_walls(domain, state.clock.time(), 0.0);
     arrange(state, domain, work, (pairs, walls), ranks)?;
     if new_bed {
         evaluate_forces(state, domain, models, work, 0.0, ranks);
@@ -113,13 +115,14 @@ fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<Verdict, StepError> {
-    let Workspace { neighbours, timers, reach, fault, requests, balance, .. } = work;
+    let Workspace { neighbours, wall_poses, timers, reach, fault, requests, balance, .. } = work;
     let step = state.clock.step;
     timers.time(Stage::Decide, || {
         let particles = &state.particles;
         let stopped = first_beyond(particles, domain, Face::Stop);
         let left = first_beyond(particles, domain, Face::Open).is_some();
-        let outdated = left || neighbours.outdated(particles, *reach);
+        let by_walls = neighbours.outdated_by_walls((&domain.walls, wall_poses), *reach);
+        let outdated = left || by_walls || neighbours.outdated(particles, *reach);
         let faulty = fault.is_some();
         let Requests { stop, checkpoint } = *requests;
         let mut flags = [outdated, faulty, stopped.is_some(), stop, checkpoint].map(i64::from);
@@ -200,8 +203,9 @@ fn arrange(
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
+    let walls_now = (&domain.walls[..], &work.wall_poses[..]);
     let rebuilt =
-        work.neighbours.rebuild(particles, contacts, &domain.walls, work.reach, (&pairs, &walls));
+        work.neighbours.rebuild(particles, contacts, walls_now, work.reach, (&pairs, &walls));
     work.timers.add(Stage::Rebuild, begin.elapsed());
     agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
 }
@@ -268,12 +272,14 @@ fn evaluate_forces(
     ranks: &dyn Communicator,
 ) {
     let State { particles, contacts, clock, .. } = state;
-    let Workspace { fluid, tallies, timers, near, fault, .. } = work;
+    let Workspace { fluid, tallies, timers, near, fault, reach, wall_poses, .. } = work;
     let time = clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
         contact: &models.contact,
+        at_walls: &models.at_walls,
         cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
+        range: reach.range,
         dt,
         limit: models.limits.force,
         force_lattice: models.force_lattice,
@@ -290,7 +296,8 @@ fn evaluate_forces(
     particles.clear_forces();
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, near));
     let walls = timers.time(Stage::Walls, || {
-        add_wall_forces(particles, contacts, &domain.walls, &laws, &mut tallies.on_walls)
+        let walls = (&domain.walls[..], &wall_poses[..]);
+        add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
     let bodies = timers.time(Stage::BodyForces, || {
         tallies.weight = add_weight(particles, models, gravity);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 use talcum::case::{Case, RankLayout};
 use talcum::contact::VanDerWaals;
-use talcum::domain::Face;
+use talcum::domain::{Face, WallShape};
 use talcum::gas::Drive;
 use talcum::numbers::Schedule;
 
@@ -48,7 +48,8 @@ fn groups_become_quantities_in_si_too() {
     let viscosity = case.stages[0].gas.as_ref().unwrap().viscosity;
     assert!(close(rho * g.sqrt() * d.powf(1.5) / viscosity, 55.0));
     assert_eq!(case.domain.walls.len(), 6);
-    assert!(close(case.domain.walls[5].normal.norm(), 1.0));
+    let WallShape::Plane { normal, .. } = case.domain.walls[5].shape else { panic!("a plane") };
+    assert!(close(normal.norm(), 1.0));
 }
 
 #[test]

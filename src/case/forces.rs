@@ -1,12 +1,10 @@
-//! The sections of what acts on particles: contact, cohesion, gravity and vibration.
+//! The sections of what acts on particles at any distance: cohesion, gravity and vibration.
 
 use super::allowed::Allowed;
 use super::particles::{Scales, sphere_mass};
 use super::section::Section;
 use super::units::Units;
-use crate::contact::{
-    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
-};
+use crate::contact::{CohesionExpression, VanDerWaals};
 use crate::domain::Vibration;
 use crate::numbers::Schedule;
 use serde::Deserialize;
@@ -15,59 +13,9 @@ use std::ops::Range;
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Law {
-    LinearSpringDashpot,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Cap {
-    Contact,
-    Net,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
 enum Expression {
     NearContact,
     Full,
-}
-
-/// `[contact]`.
-pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<ContactModel> {
-    let law: Option<Law> = section.value("law");
-    let normal = section.number("normal_stiffness", Allowed::POSITIVE);
-    let tangential = match section.exactly_one(&["tangential_stiffness", "poisson_ratio"]) {
-        Some("poisson_ratio") => section
-            .optional_number("poisson_ratio", Allowed::between(0.0, 0.5))
-            .zip(normal)
-            .map(|(ratio, normal)| LinearSpringDashpot::tangential_stiffness_of(normal, ratio)),
-        Some(key) => section.optional_number(key, Allowed::NOT_NEGATIVE),
-        None => None,
-    };
-    let restitution = section.number("restitution", Allowed::FRACTION);
-    let friction = section.number("friction", Allowed::NOT_NEGATIVE);
-    let cap = match section.has("friction_cap") || cohesive {
-        true => section.value("friction_cap"),
-        false => {
-            section
-                .note_default("friction_cap", "\"contact\", without cohesion the same as \"net\"");
-            Some(Cap::Contact)
-        }
-    };
-    let cap = cap.map(|cap| match cap {
-        Cap::Contact => FrictionCap::Contact,
-        Cap::Net => FrictionCap::Net,
-    });
-    section.finish();
-    match law? {
-        Law::LinearSpringDashpot => {
-            LinearSpringDashpot::new(normal?, tangential?, restitution?, friction?, cap?)
-                .map_err(|error| section.fail(error.parameter, error.to_string()))
-                .map(ContactModel::LinearSpringDashpot)
-                .ok()
-        }
-    }
 }
 
 /// `[cohesion]`. Bond number Bo = F_c,max / (m g) at the reference diameter: A = 12 delta^2 Bo m g / r for

@@ -5,25 +5,24 @@ use super::tree::Node;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// Keys of which exactly one is given: setting one takes the place of its partner.
-const EXCLUSIVE: [[&str; 2]; 9] = [
+const EXCLUSIVE: [[&str; 2]; 12] = [
     ["bond_number", "hamaker_constant"],
     ["wall_bond_number", "wall_hamaker_constant"],
     ["stokes_number", "viscosity"],
     ["superficial_velocity", "weight"],
     ["gamma", "amplitude"],
     ["poisson_ratio", "tangential_stiffness"],
+    ["adhesion", "bond_number"],
+    ["loading_stiffness", "plasticity_index"],
+    ["name", "face"],
     ["count", "fill_height"],
     ["axis", "ranks"],
     ["every", "every_steps"],
 ];
 
-/// The key that a key takes the place of.
-pub(super) fn partner(key: &str) -> Option<&'static str> {
-    EXCLUSIVE.iter().find_map(|[first, second]| match key {
-        _ if key == *first => Some(*second),
-        _ if key == *second => Some(*first),
-        _ => None,
-    })
+/// Whether a key takes the place of another.
+pub(super) fn is_partner(key: &str, other: &str) -> bool {
+    EXCLUSIVE.contains(&[key, other]) || EXCLUSIVE.contains(&[other, key])
 }
 
 /// The text with overrides applied, and its tree: places are lines of the text as it was, or overrides.
@@ -150,7 +149,7 @@ fn set_in(
 
 /// Gives a key a value, in the place of its partner if it has one; a comment behind the old value stays.
 fn insert(table: &mut dyn TableLike, key: &str, mut value: Value) {
-    if let Some(partner) = partner(key) {
+    for partner in EXCLUSIVE.iter().flatten().filter(|other| is_partner(key, other)) {
         table.remove(partner);
     }
     if let Some(old) = table.get(key).and_then(Item::as_value) {

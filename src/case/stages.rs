@@ -2,21 +2,25 @@
 
 use super::allowed::Allowed;
 use super::column::read_gas;
+use super::contact::{Adhering, read_contact};
 use super::errors::Problems;
-use super::forces::{read_cohesion, read_contact, read_gravity, read_vibration};
-use super::overrides::partner;
+use super::forces::{read_cohesion, read_gravity, read_vibration};
+use super::overrides::is_partner;
 use super::particles::Scales;
 use super::section::Section;
 use super::tree::{Node, Value};
 use super::units::Units;
-use crate::contact::{ContactModel, VanDerWaals};
-use crate::domain::{Bounds, EffectiveGravity};
+use super::walls::contacts_of;
+use crate::contact::{Interface, VanDerWaals};
+use crate::domain::EffectiveGravity;
 use crate::gas::ColumnGas;
-use crate::state::{Limits, Models, SizeRange};
+use crate::state::{Domain, Limits, Models, SizeRange};
 use std::ops::Range;
 
 /// Sections that a stage may change.
 const SECTIONS: [&str; 5] = ["gravity", "vibration", "contact", "cohesion", "gas"];
+/// Their sub-sections, of which a stage may change single keys too.
+const SUBSECTIONS: [&str; 1] = ["wall"];
 /// Those that may be switched off.
 const OPTIONAL: [&str; 3] = ["vibration", "cohesion", "gas"];
 
@@ -31,8 +35,10 @@ pub struct Stage {
     pub end: f64,
     /// Length of a step.
     pub time_step: f64,
-    /// Contact law.
-    pub contact: ContactModel,
+    /// Where particles touch.
+    pub contact: Interface,
+    /// Where they touch the walls, by the walls' numbers.
+    pub at_walls: Vec<Interface>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -49,6 +55,7 @@ impl Stage {
         let limits = self.limits(sizes);
         Models {
             contact: self.contact.clone(),
+            at_walls: self.at_walls.clone(),
             cohesion: self.cohesion.clone(),
             gas: self.gas.clone(),
             gravity: self.gravity,
@@ -59,10 +66,15 @@ impl Stage {
         }
     }
 
+    /// All ways in which bodies touch.
+    pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
+        std::iter::once(&self.contact).chain(&self.at_walls)
+    }
+
     /// What particles of these sizes may not exceed.
     pub(super) fn limits(&self, sizes: &SizeRange) -> Limits {
         Limits::new(
-            &self.contact,
+            self.interfaces(),
             self.cohesion.as_ref(),
             [sizes.smallest_diameter, sizes.largest_diameter],
             sizes.largest_mass * self.gravity.largest(),
@@ -75,7 +87,7 @@ impl Stage {
 pub(super) struct Surroundings<'a> {
     pub(super) units: Option<Units>,
     pub(super) scales: Scales,
-    pub(super) bounds: Option<&'a Bounds>,
+    pub(super) domain: Option<&'a Domain>,
 }
 
 /// A section that stages may change: as it stands now, and whether it is switched on.
@@ -111,10 +123,10 @@ pub(super) fn read_stages(
         }
         let forces = read_forces(&current, root, surroundings, &times);
         current.iter_mut().for_each(|current| current.was_on |= current.is_on);
-        stages.push(forces.and_then(|(contact, cohesion, gas, gravity)| {
+        stages.push(forces.and_then(|((contact, at_walls), cohesion, gas, gravity)| {
             let (name, time_step) = (names[index].clone()?, step?);
             let Range { start, end } = time.clone();
-            Some(Stage { name, start, end, time_step, contact, cohesion, gas, gravity })
+            Some(Stage { name, start, end, time_step, contact, at_walls, cohesion, gas, gravity })
         }));
     }
     // Also a section that no stage switches on must be right.
@@ -190,7 +202,8 @@ fn timetable(
     (names, times)
 }
 
-type Forces = (ContactModel, Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
+type Forces =
+    ((Interface, Vec<Interface>), Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
 
 fn read_forces(
     current: &[Current; SECTIONS.len()],
@@ -198,7 +211,8 @@ fn read_forces(
     surroundings: &Surroundings<'_>,
     times: &[Range<f64>],
 ) -> Option<Forces> {
-    let Surroundings { units, scales, bounds } = *surroundings;
+    let Surroundings { units, scales, domain } = *surroundings;
+    let bounds = domain.map(|domain| &domain.bounds);
     let [gravity, vibration, contact, cohesion, gas] =
         std::array::from_fn(|index| Current::section(&current[index], root.problems));
     // A section that must be there is missed at the top of the file.
@@ -209,8 +223,9 @@ fn read_forces(
         }
     }
     let magnitude = gravity.and_then(|section| read_gravity(section, units));
-    let cohesive = cohesion.is_some();
-    let contact = contact.and_then(|section| read_contact(section, cohesive));
+    let walls = domain.map(|domain| contacts_of(root.node, domain)).unwrap_or_default();
+    let adhering = Adhering { cohesive: cohesion.is_some(), units, scales, gravity: magnitude };
+    let contact = contact.and_then(|section| read_contact(section, &walls, &adhering));
     let vibration = vibration.map(|section| read_vibration(section, magnitude, times));
     let cohesion = cohesion.map(|section| read_cohesion(section, scales, magnitude, times));
     let gas = gas.map(|section| read_gas(section, scales, magnitude, bounds, times));
@@ -259,10 +274,23 @@ impl Current {
             return;
         };
         let Value::Table(entries) = change.value else { return };
-        let replaced = |kept: &String| {
-            entries.iter().any(|(key, _)| key == kept || partner(key) == Some(kept.as_str()))
-        };
-        kept.retain(|(key, _)| !replaced(key));
-        kept.extend(entries);
+        take_over(kept, entries);
+    }
+}
+
+/// Puts entries in the place of those of the same key, or of a key that cannot stand beside them; those of
+/// sub-sections are merged likewise.
+pub(super) fn take_over(kept: &mut Vec<(String, Node)>, entries: Vec<(String, Node)>) {
+    for (key, node) in entries {
+        let inner =
+            kept.iter_mut().find(|(name, _)| *name == key && SUBSECTIONS.contains(&name.as_str()));
+        if let (Some((_, Node { value: Value::Table(inner), .. })), Value::Table(changes)) =
+            (inner, &node.value)
+        {
+            take_over(inner, changes.clone());
+            continue;
+        }
+        kept.retain(|(name, _)| *name != key && !is_partner(&key, name));
+        kept.push((key, node));
     }
 }

@@ -6,7 +6,7 @@ use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
 use crate::contact::ContactLaw;
-use crate::domain::Face;
+use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::gas::{ColumnGas, Drive};
 use crate::parallel::Communicator;
 use crate::simulation::{Beginning, begin_from_case};
@@ -77,13 +77,28 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
         let _ = writeln!(words, "  {axis}: lower {lower}, upper {upper}");
     }
     for wall in &case.domain.walls {
-        let (p, n) = (wall.point, wall.normal);
-        let _ = writeln!(
-            words,
-            "  wall \"{}\" through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
-            wall.name, p.x, p.y, p.z, n.x, n.y, n.z
-        );
+        let _ = writeln!(words, "  wall \"{}\" {}", wall.name, describe_wall(wall));
     }
+}
+
+/// Where a wall is, and how it moves.
+fn describe_wall(wall: &Wall) -> String {
+    let mut words = match wall.shape {
+        WallShape::Plane { point: p, normal: n } => format!(
+            "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
+            p.x, p.y, p.z, n.x, n.y, n.z
+        ),
+        WallShape::Cylinder { centre, radius } => {
+            format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
+        }
+    };
+    let WallMotion { velocity: v, amplitude: a, frequency, start, end } = wall.motion;
+    if !wall.motion.is_rest() {
+        let _ = write!(words, ", velocity ({}, {}, {})", v.x, v.y, v.z);
+        let _ = write!(words, ", amplitude ({}, {}, {}) at {frequency}", a.x, a.y, a.z);
+        let _ = write!(words, ", from {start} to {end}");
+    }
+    words
 }
 
 fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
@@ -96,8 +111,7 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
         let _ = writeln!(words, "  {name:<34}{value}");
     };
     if g > 0.0 {
-        let stiffness =
-            stage.contact.elastic_force(SMALL_OVERLAP * diameter) / (SMALL_OVERLAP * diameter);
+        let stiffness = stage.contact.law.stiffness(SMALL_OVERLAP * diameter, 0.25 * diameter);
         let scaled = stiffness / (density * g * diameter * diameter);
         line("k_n / (rho_s g d^2)", format!("{scaled:.4e}"));
     }
@@ -119,8 +133,7 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     if let Some(gas) = &stage.gas {
         describe_gas(&mut line, gas, diameter, density, g);
     }
-    let lightest = case.particles.mass_of(sizes.smallest_diameter);
-    let duration = stage.contact.contact_duration(0.5 * lightest);
+    let duration = case.shortest_contact(stage, sizes);
     let per_contact = duration / stage.time_step;
     line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
     if per_contact < LEAST_STEPS_PER_CONTACT {

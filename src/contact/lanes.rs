@@ -5,6 +5,7 @@
 //! changes no bit.
 
 use super::forces::{ForceLaws, ForceOutOfRange, NearPair, out_of_range, total};
+use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact, NoAttraction};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
 use crate::numbers::within;
@@ -27,7 +28,11 @@ struct Block {
     mass_j: Lanes,
     spring: [Lanes; 3],
     largest_overlap: Lanes,
+    relative_spin: [Lanes; 3],
+    rolling_angle: [Lanes; 3],
     overlap: Lanes,
+    /// 1 where the bodies touch.
+    touching: Lanes,
     force_on_j: [Lanes; 3],
     torque_on_i: [Lanes; 3],
     torque_on_j: [Lanes; 3],
@@ -43,37 +48,57 @@ pub(super) fn evaluate_in_lanes(
     laws: &ForceLaws,
     near: &[NearPair],
 ) -> Result<(), ForceOutOfRange> {
-    match laws.contact {
+    match &laws.contact.law {
         ContactModel::LinearSpringDashpot(law) => {
-            with_attraction(law, particles, contacts, laws, near)
+            with_rolling(law, particles, contacts, laws, near)
         }
+        ContactModel::AdhesiveElasticPlastic(law) => {
+            with_rolling(law, particles, contacts, laws, near)
+        }
+        ContactModel::HertzMindlin(law) => with_rolling(law, particles, contacts, laws, near),
+        ContactModel::Jkr(law) => with_rolling(law, particles, contacts, laws, near),
+        ContactModel::LinearHysteretic(law) => with_rolling(law, particles, contacts, laws, near),
     }
 }
 
 #[inline(always)]
-fn with_attraction<L: ContactLaw>(
+fn with_rolling<L: ContactLaw>(
     law: &L,
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
     near: &[NearPair],
 ) -> Result<(), ForceOutOfRange> {
+    match laws.contact.rolling {
+        None => with_attraction((law, NoRolling), particles, contacts, laws, near),
+        Some(rolling) => with_attraction((law, rolling), particles, contacts, laws, near),
+    }
+}
+
+#[inline(always)]
+fn with_attraction<L: ContactLaw, R: Rolling>(
+    (law, rolling): (&L, R),
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    near: &[NearPair],
+) -> Result<(), ForceOutOfRange> {
     let Some(cohesion) = laws.cohesion else {
-        return evaluate((law, NoAttraction), particles, contacts, laws, near);
+        return evaluate((law, NoAttraction, rolling), particles, contacts, laws, near);
     };
     match cohesion.expression() {
         CohesionExpression::NearContact => {
-            evaluate((law, NearContact(cohesion)), particles, contacts, laws, near)
+            evaluate((law, NearContact(cohesion), rolling), particles, contacts, laws, near)
         }
         CohesionExpression::Full => {
-            evaluate((law, Full(cohesion)), particles, contacts, laws, near)
+            evaluate((law, Full(cohesion), rolling), particles, contacts, laws, near)
         }
     }
 }
 
 #[inline(always)]
-fn evaluate<L: ContactLaw, A: Attraction>(
-    law: (&L, A),
+fn evaluate<L: ContactLaw, A: Attraction, R: Rolling>(
+    law: (&L, A, R),
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
@@ -82,6 +107,9 @@ fn evaluate<L: ContactLaw, A: Attraction>(
     let mut block = Block::default();
     for pairs in near.chunks(LANES) {
         gather(&mut block, pairs, particles, contacts);
+        if R::ACTS {
+            gather_rolling(&mut block, pairs, particles, contacts);
+        }
         run(law, laws, &mut block);
         if let Some(lane) = (0..pairs.len()).find(|&lane| block.out_of_range[lane] != 0.0) {
             let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
@@ -91,6 +119,9 @@ fn evaluate<L: ContactLaw, A: Attraction>(
             return Err(out_of_range(particles.id[i], other, force, overlap, laws.limit));
         }
         scatter(&block, pairs, particles, contacts);
+        if R::ACTS {
+            scatter_rolling(&block, pairs, contacts);
+        }
     }
     Ok(())
 }
@@ -119,10 +150,36 @@ fn gather(block: &mut Block, pairs: &[NearPair], particles: &Particles, contacts
     }
 }
 
+#[inline(always)]
+fn gather_rolling(
+    block: &mut Block,
+    pairs: &[NearPair],
+    particles: &Particles,
+    contacts: &Contacts,
+) {
+    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
+        let (i, j) = (pair.row as usize, pair.partner as usize);
+        let spin = particles.angular_velocity[j] - particles.angular_velocity[i];
+        let angle = &contacts.rolling_angle[pair.slot as usize];
+        for axis in 0..3 {
+            block.relative_spin[axis][lane] = spin[axis];
+            block.rolling_angle[axis][lane] = angle[axis];
+        }
+    }
+}
+
+#[inline(always)]
+fn scatter_rolling(block: &Block, pairs: &[NearPair], contacts: &mut Contacts) {
+    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
+        let angle = Vector3::from_fn(|axis, _| block.rolling_angle[axis][lane]);
+        contacts.rolling_angle[pair.slot as usize] = angle;
+    }
+}
+
 /// All lanes, those beyond the last pair too: what they hold is never read.
 #[inline(always)]
-fn run<L: ContactLaw, A: Attraction>(
-    (law, attraction): (&L, A),
+fn run<L: ContactLaw, A: Attraction, R: Rolling>(
+    (law, attraction, rolling): (&L, A, R),
     laws: &ForceLaws,
     block: &mut Block,
 ) {
@@ -140,28 +197,42 @@ fn run<L: ContactLaw, A: Attraction>(
             normal,
             relative_velocity: vector(&block.relative_velocity)
                 - vector(&block.spin).cross(&normal),
+            relative_spin: vector(&block.relative_spin),
             reduced_mass: mass_i * mass_j / (mass_i + mass_j),
+            reduced_radius: radius_i * radius_j / (radius_i + radius_j),
+            reduced_inertia: reduced_inertia([radius_i, radius_j], [mass_i, mass_j]),
             cohesion: attraction.between(radius_i, radius_j, -overlap),
         };
         let mut memory = ContactMemory {
             tangential_spring: vector(&block.spring),
             largest_overlap: block.largest_overlap[lane],
         };
+        let touches = law.touches(&contact, &memory);
         let mut force = law.force(&contact, &mut memory, laws.dt);
         // Apart, the law has nothing to say, whatever it gave.
-        let if_touching = |value: f64| if overlap > 0.0 { value } else { 0.0 };
+        let if_touching = |value: f64| if touches { value } else { 0.0 };
         force.normal = if_touching(force.normal);
         force.tangential = force.tangential.map(if_touching);
         let on_j = laws.force_lattice.round_vector(total(&contact, &force));
         let twist = normal.cross(&force.tangential);
+        let mut twists = [twist * radius_i, twist * radius_j];
+        if R::ACTS {
+            let mut angle = vector(&block.rolling_angle);
+            let stiffness = law.stiffness_over(&contact, laws.dt);
+            let torque = rolling.torque(&contact, force.grip, stiffness, &mut angle, laws.dt);
+            let torque = torque.map(if_touching);
+            twists = [twists[0] + torque, twists[1] - torque];
+            (0..3).for_each(|axis| block.rolling_angle[axis][lane] = if_touching(angle[axis]));
+        }
         for axis in 0..3 {
             block.force_on_j[axis][lane] = on_j[axis];
-            block.torque_on_i[axis][lane] = -laws.torque_lattice.round(twist[axis] * radius_i);
-            block.torque_on_j[axis][lane] = -laws.torque_lattice.round(twist[axis] * radius_j);
+            block.torque_on_i[axis][lane] = -laws.torque_lattice.round(twists[0][axis]);
+            block.torque_on_j[axis][lane] = -laws.torque_lattice.round(twists[1][axis]);
             block.spring[axis][lane] = if_touching(memory.tangential_spring[axis]);
         }
         block.largest_overlap[lane] = if_touching(memory.largest_overlap);
         block.overlap[lane] = overlap;
+        block.touching[lane] = if_touching(1.0);
         block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
     }
 }
@@ -182,6 +253,13 @@ fn scatter(block: &Block, pairs: &[NearPair], particles: &mut Particles, contact
             torque[j][axis] += block.torque_on_j[axis][lane];
         }
         memory.largest_overlap = block.largest_overlap[lane];
-        contacts.touching[slot] = block.overlap[lane] > 0.0;
+        contacts.touching[slot] = block.touching[lane] != 0.0;
     }
+}
+
+/// I* of two solid spheres.
+#[inline(always)]
+fn reduced_inertia(radius: [f64; 2], mass: [f64; 2]) -> f64 {
+    let [one, other] = [0, 1].map(|side| 0.4 * mass[side] * radius[side] * radius[side]);
+    one * other / (one + other)
 }

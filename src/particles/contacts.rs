@@ -6,7 +6,7 @@
 //! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
 
 use super::{Particles, Reach};
-use crate::domain::Wall;
+use crate::domain::{Wall, WallPose};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
@@ -29,6 +29,8 @@ pub struct PairMemory {
     pub higher: u64,
     /// Spring of the higher relative to the lower.
     pub memory: ContactMemory,
+    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    pub rolling_angle: Vector3<f64>,
 }
 
 /// What is known of a particle that touches a wall.
@@ -40,6 +42,8 @@ pub struct WallMemory {
     pub wall: u32,
     /// Spring of the wall relative to the particle.
     pub memory: ContactMemory,
+    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    pub rolling_angle: Vector3<f64>,
 }
 
 /// A touching pair that the new list does not hold: a fault of the program, never of the case.
@@ -65,9 +69,12 @@ pub struct Contacts {
     pub(crate) touching: Vec<bool>,
     /// What it remembers, seen from the row's particle.
     pub(crate) memory: Vec<ContactMemory>,
+    /// Angles of rolling springs, seen from the row's particle: one per slot, or none without such springs.
+    pub(crate) rolling_angle: Vec<Vector3<f64>>,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_memory: Vec<ContactMemory>,
+    pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
 }
 
 /// A memory seen from the other side.
@@ -75,11 +82,26 @@ fn reversed(memory: ContactMemory) -> ContactMemory {
     ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
 }
 
-/// The same memory without negative zeros: the difference of two equal numbers is +0 from both sides, so the
-/// sign of a zero says only from which side the pair was evaluated.
-fn without_negative_zeros(memory: ContactMemory) -> ContactMemory {
-    let tangential_spring = memory.tangential_spring.map(|component| component + 0.0);
-    ContactMemory { tangential_spring, ..memory }
+/// The same without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
+/// a zero says only from which side the pair was evaluated.
+fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
+    vector.map(|component| component + 0.0)
+}
+
+impl PairMemory {
+    /// What the slot of particle `here` remembers of `there`, seen from the lower id.
+    fn of(
+        [here, there]: [u64; 2],
+        mut memory: ContactMemory,
+        mut rolling_angle: Vector3<f64>,
+    ) -> Self {
+        if here > there {
+            (memory, rolling_angle) = (reversed(memory), -rolling_angle);
+        }
+        memory.tangential_spring = without_negative_zeros(memory.tangential_spring);
+        rolling_angle = without_negative_zeros(rolling_angle);
+        Self { lower: here.min(there), higher: here.max(there), memory, rolling_angle }
+    }
 }
 
 impl Contacts {
@@ -114,14 +136,9 @@ impl Contacts {
             .filter_map(|(row, slot)| {
                 let partner = self.partner[slot] as usize;
                 let (here, there) = (particles.id[row], particles.id[partner]);
-                let memory = self.memory[slot];
-                if here < there {
-                    let memory = without_negative_zeros(memory);
-                    return Some(PairMemory { lower: here, higher: there, memory });
-                }
-                let leave = once && particles.owned_original(partner).is_none();
-                let memory = without_negative_zeros(reversed(memory));
-                (!leave).then_some(PairMemory { lower: there, higher: here, memory })
+                let leave = once && here > there && particles.owned_original(partner).is_none();
+                let angle = self.rolling_angle.get(slot).copied().unwrap_or_default();
+                (!leave).then(|| PairMemory::of([here, there], self.memory[slot], angle))
             })
             .collect()
     }
@@ -132,19 +149,26 @@ impl Contacts {
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
                 let WallPair { particle, wall } = self.wall_pairs[slot];
-                let memory = self.wall_memory[slot];
-                WallMemory { particle: particles.id[particle as usize], wall, memory }
+                let particle = particles.id[particle as usize];
+                let (memory, rolling_angle) =
+                    (self.wall_memory[slot], self.wall_rolling_angle[slot]);
+                WallMemory { particle, wall, memory, rolling_angle }
             })
             .collect()
     }
 
     /// Lists the owned particles near walls, without memories.
-    pub(crate) fn find_wall_pairs(&mut self, particles: &Particles, walls: &[Wall], reach: Reach) {
+    pub(crate) fn find_wall_pairs(
+        &mut self,
+        particles: &Particles,
+        (walls, poses): (&[Wall], &[WallPose]),
+        reach: Reach,
+    ) {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
-            for (number, wall) in walls.iter().enumerate() {
-                let gap =
-                    wall.height_of(&particles.position[particle]) - particles.radius[particle];
+            for (number, (wall, pose)) in walls.iter().zip(poses).enumerate() {
+                let gap = wall.height_at(&particles.position[particle], pose)
+                    - particles.radius[particle];
                 if gap < reach.range + reach.skin {
                     self.wall_pairs
                         .push(WallPair { particle: particle as u32, wall: number as u32 });
@@ -155,6 +179,8 @@ impl Contacts {
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_memory.clear();
         self.wall_memory.resize(self.wall_pairs.len(), ContactMemory::default());
+        self.wall_rolling_angle.clear();
+        self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
 
     /// Gives the slots of a newly built list what their pairs remember.
@@ -178,9 +204,7 @@ impl Contacts {
                 let slots = self.row_start[row] as usize..self.row_start[row + 1] as usize;
                 for slot in slots {
                     if particles.id[self.partner[slot] as usize] == there {
-                        let seen = if side == 0 { pair.memory } else { reversed(pair.memory) };
-                        self.memory[slot] = seen;
-                        self.touching[slot] = true;
+                        self.remember(slot, pair, side == 0);
                         found = true;
                     }
                 }
@@ -190,6 +214,23 @@ impl Contacts {
             }
         }
         self.recall_walls(&index_of, walls)
+    }
+
+    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
+    /// does not come back bent.
+    pub(crate) fn hold_rolling_angles(&mut self, hold: bool) {
+        self.rolling_angle.resize(if hold { self.pair_count() } else { 0 }, Vector3::zeros());
+    }
+
+    fn remember(&mut self, slot: usize, pair: &PairMemory, from_lower: bool) {
+        let seen = if from_lower { pair.memory } else { reversed(pair.memory) };
+        self.memory[slot] = seen;
+        self.touching[slot] = true;
+        if pair.rolling_angle != Vector3::zeros() {
+            self.hold_rolling_angles(true);
+            let angle = pair.rolling_angle;
+            self.rolling_angle[slot] = if from_lower { angle } else { -angle };
+        }
     }
 
     fn recall_walls(
@@ -207,6 +248,7 @@ impl Contacts {
                 })
                 .map_err(|_| lost())?;
             self.wall_memory[slot] = record.memory;
+            self.wall_rolling_angle[slot] = record.rolling_angle;
             self.wall_touching[slot] = true;
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use super::contacts::{LostContact, PairMemory, WallMemory};
 use super::{CellGrid, ContactMemory, Contacts, Particles};
-use crate::domain::Wall;
+use crate::domain::{Wall, WallPose};
 use nalgebra::Vector3;
 
 /// How far the list looks beyond touching.
@@ -26,6 +26,7 @@ impl Reach {
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
     reference_position: Vec<Vector3<f64>>,
+    reference_poses: Vec<WallPose>,
     cells: CellGrid,
 }
 
@@ -37,6 +38,15 @@ impl Neighbours {
         !moved.map(|(now, then)| (now - then).norm_squared()).all(|squared| squared < limit)
     }
 
+    /// Whether a wall has moved more than half the skin towards particles since the list was built.
+    pub fn outdated_by_walls(&self, (walls, poses): (&[Wall], &[WallPose]), reach: Reach) -> bool {
+        let moved = walls.iter().zip(poses.iter().zip(&self.reference_poses));
+        let way = |(wall, (now, then)): (&Wall, (&WallPose, &WallPose))| {
+            wall.approach(&(now.displacement - then.displacement))
+        };
+        !moved.map(way).all(|way| way < 0.5 * reach.skin)
+    }
+
     /// Sorts the owned particles by cells, so that near particles are near in memory.
     pub fn sort_by_cells(&mut self, particles: &mut Particles, width: f64) {
         self.cells.fill(&particles.position, width);
@@ -45,7 +55,8 @@ impl Neighbours {
 
     /// Finds all near pairs and gives them what they remember.
     ///
-    /// Before: ghosts are those of the owned particles' current positions.
+    /// Before: ghosts are those of the owned particles' current positions; `walls` are the walls and where they
+    /// are now.
     ///
     /// # Errors
     /// If the memory of a touching pair has no place in the new list: a fault of the program.
@@ -53,13 +64,15 @@ impl Neighbours {
         &mut self,
         particles: &Particles,
         contacts: &mut Contacts,
-        walls: &[Wall],
+        walls: (&[Wall], &[WallPose]),
         reach: Reach,
         remembered: (&[PairMemory], &[WallMemory]),
     ) -> Result<(), LostContact> {
         let owned = particles.owned_count();
         self.reference_position.clear();
         self.reference_position.extend_from_slice(&particles.position[..owned]);
+        self.reference_poses.clear();
+        self.reference_poses.extend_from_slice(walls.1);
         let largest = particles.radius.iter().copied().fold(0.0, f64::max);
         self.cells.fill(&particles.position, reach.ghost_width(2.0 * largest));
         self.find_pairs(particles, contacts, reach);
@@ -94,5 +107,6 @@ impl Neighbours {
         contacts.touching.resize(contacts.partner.len(), false);
         contacts.memory.clear();
         contacts.memory.resize(contacts.partner.len(), ContactMemory::default());
+        contacts.rolling_angle.clear();
     }
 }

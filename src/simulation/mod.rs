@@ -237,13 +237,13 @@ impl<'a> Simulation<'a> {
         self.enter_stage()?;
         let domain = &self.case.domain;
         let next = self.state.clock.step + 1;
-        let row_due = self.outputs.row_due(next);
+        let row_due = self.outputs.row_due(&self.state.clock, next);
         let probe = row_due.then(|| MomentumProbe::take(&self.state.particles, self.ranks));
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
         let begin = Instant::now();
         self.write_due(probe)?;
-        if requests.checkpoint || self.outputs.checkpoint_due(next) {
+        if requests.checkpoint || self.outputs.checkpoint_due(&self.state.clock) {
             self.write_checkpoint()?;
         }
         self.work.timers.add(TimedStage::Output, begin.elapsed());
@@ -279,14 +279,13 @@ impl<'a> Simulation<'a> {
 
     /// Rows, profiles and snapshots that are due at this step.
     fn write_due(&mut self, probe: Option<MomentumProbe>) -> Result<(), RunError> {
-        let step = self.state.clock.step;
-        if !self.outputs.anything_due(step) {
+        if !self.outputs.anything_due(&self.state.clock) {
             return Ok(());
         }
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
-        outputs.write(step, &measures, profile.bed(), || records(case, state), *ranks)?;
+        outputs.write(&state.clock, &measures, profile.bed(), || records(case, state), *ranks)?;
         let found = measures.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;

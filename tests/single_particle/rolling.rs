@@ -92,7 +92,7 @@ fn acceleration_on_incline(angle: f64, friction: f64) -> f64 {
     bench.domain.bounds = talcum::domain::Bounds::new(Vector3::repeat(1.0), [OPEN; 3]);
     let normal = Vector3::new(angle.sin(), 0.0, angle.cos());
     let point = Vector3::repeat(0.5);
-    bench.domain.walls = vec![Wall { name: "chute".to_owned(), point, normal }];
+    bench.domain.walls = vec![Wall::plane("chute", point, normal)];
     let sag = bench.particles[0].mass * GRAVITY * angle.cos() / STIFFNESS;
     let start = bench.domain.bounds.lattice().round_vector(point + normal * (RADIUS - sag));
     bench.particles[0].position = start.into();

@@ -76,8 +76,7 @@ fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
 /// Whether a particle of this site, wherever it is displaced to, could touch a wall.
 fn behind_wall(case: &Case, site: &Vector3<f64>, radius: f64, displacements: &[f64; 3]) -> bool {
     case.domain.walls.iter().any(|wall| {
-        let towards: f64 =
-            displacements.iter().zip(wall.normal.iter()).map(|(d, n)| d * n.abs()).sum();
+        let towards = wall.approach_within(displacements);
         wall.height_of(site) < (radius + towards) * (1.0 - ROUNDING)
     })
 }

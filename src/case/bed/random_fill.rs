@@ -20,7 +20,7 @@ pub(super) fn fill(
     bottom: f64,
 ) -> Result<Vec<Sphere>, BedError> {
     let bounds = &case.domain.bounds;
-    let per_height = solids_fraction * bounds.cross_section();
+    let per_height = solids_fraction * case.domain.cross_section();
     let diameters = diameters(case, per_height, bottom)?;
     let height = diameters.iter().map(|&diameter| volume_of(diameter)).sum::<f64>() / per_height;
     let (top, reached) = (bounds.lengths().z, bottom + height);
