@@ -1,13 +1,13 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, ContactModel, NearPair, VanDerWaals};
+use crate::contact::{ContactLaw, ContactModel, VanDerWaals};
 use crate::coupling::FluidForce;
 use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Contacts, Neighbours, Particles, Reach};
+use crate::particles::{Bodies, Contacts, Neighbours, Particles, Reach};
 use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
@@ -171,8 +171,8 @@ pub struct Workspace {
     pub reach: Reach,
     /// When cut planes move.
     pub balance: Option<Balance>,
-    /// Pairs within range at this step.
-    pub near: Vec<NearPair>,
+    /// Particles as loops over pairs want them.
+    pub bodies: Bodies,
     /// The gas on its grid.
     pub fluid: Option<FluidForce>,
     /// Sums of the last force evaluation.
@@ -224,7 +224,7 @@ impl Workspace {
             cut,
             reach: Reach { range: 0.0, skin },
             balance,
-            near: Vec::new(),
+            bodies: Bodies::default(),
             fluid: None,
             tallies: Tallies::default(),
             timers: Timers::default(),

@@ -268,7 +268,7 @@ fn evaluate_forces(
     ranks: &dyn Communicator,
 ) {
     let State { particles, contacts, clock, .. } = state;
-    let Workspace { fluid, tallies, timers, near, fault, .. } = work;
+    let Workspace { fluid, tallies, timers, bodies, fault, .. } = work;
     let time = clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
@@ -288,7 +288,8 @@ fn evaluate_forces(
         }
     });
     particles.clear_forces();
-    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, near));
+    let pairs =
+        timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, bodies));
     let walls = timers.time(Stage::Walls, || {
         add_wall_forces(particles, contacts, &domain.walls, &laws, &mut tallies.on_walls)
     });

@@ -2,17 +2,20 @@
 //!
 //! Every pair of particles closer than the list's reach, with at least one of them owned, has a slot.
 //! Pairs are stored in rows: the row of an owned particle lists its partners, each pair of two owned
-//! particles once, also where they meet through a periodic face. What a touching pair remembers lives in its slot; [`Contacts::records`] and
-//! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
+//! particles once, also where they meet through a periodic face. The pairs that can feel each other for the next
+//! steps, and what those that touch remember, are [`NearPairs`]; [`Contacts::records`] and [`Contacts::recall`]
+//! carry it over a rebuild, to another rank, and through a checkpoint.
 
-use super::{Particles, Reach};
+use super::{Bodies, NearPairs, Particles, Reach};
 use crate::domain::Wall;
+use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
 
-/// What a touching pair remembers: one record for all contact laws.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What a touching pair remembers: one record for all contact laws, of numbers (`f64`) only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct ContactMemory {
     /// Tangential displacement of the second body relative to the first since the contact began.
     pub tangential_spring: Vector3<f64>,
@@ -61,10 +64,10 @@ pub struct Contacts {
     pub(crate) row_start: Vec<u32>,
     /// Partner of each slot, an owned particle or a ghost.
     pub(crate) partner: Vec<u32>,
-    /// Whether the pair of a slot touches.
-    pub(crate) touching: Vec<bool>,
-    /// What it remembers, seen from the row's particle.
-    pub(crate) memory: Vec<ContactMemory>,
+    /// The pairs that can feel each other.
+    pub(crate) near: NearPairs,
+    /// Slots and memories of touching pairs that are not yet among the near ones, by slots.
+    carried: Vec<(u32, ContactMemory)>,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_memory: Vec<ContactMemory>,
@@ -91,30 +94,46 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let ends = |slot: usize| {
-            if particles.owned_original(self.partner[slot] as usize).is_some() { 2 } else { 1 }
+        let ends = |slot: u32| {
+            let partner = self.partner[slot as usize] as usize;
+            if particles.owned_original(partner).is_some() { 2 } else { 1 }
         };
-        (0..self.pair_count()).filter(|&slot| self.touching[slot]).map(ends).sum()
+        self.remembered().map(|(slot, _)| ends(slot)).sum()
     }
 
-    /// Row and slot of every pair.
-    fn slots(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let rows = self.row_start.len().saturating_sub(1);
-        (0..rows).flat_map(move |row| {
-            (self.row_start[row] as usize..self.row_start[row + 1] as usize)
-                .map(move |slot| (row, slot))
-        })
+    /// Slot and memory of every touching pair.
+    fn remembered(&self) -> impl Iterator<Item = (u32, ContactMemory)> + '_ {
+        self.near.remembered().chain(self.carried.iter().copied())
+    }
+
+    /// Begins a new list, without pairs and memories.
+    pub(super) fn clear_pairs(&mut self) {
+        self.row_start.clear();
+        self.row_start.push(0);
+        self.partner.clear();
+        self.near.forget();
+        self.carried.clear();
+    }
+
+    /// Makes sure that all pairs whose surfaces are closer than `range` are among the near ones.
+    pub fn find_near(&mut self, bodies: &Bodies, range: f64) {
+        let list = (&self.row_start[..], &self.partner[..]);
+        if self.near.update(&bodies.body, list, range, &mut self.carried) {
+            self.near.one_size = bodies.one_size();
+        }
     }
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
     /// both, with the same contents; `once` leaves it to the owner of the lower id.
     pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
-        self.slots()
-            .filter(|&(_, slot)| self.touching[slot])
-            .filter_map(|(row, slot)| {
-                let partner = self.partner[slot] as usize;
+        let mut row = 0; // slots ascend
+        self.remembered()
+            .filter_map(|(slot, memory)| {
+                while self.row_start[row + 1] <= slot {
+                    row += 1;
+                }
+                let partner = self.partner[slot as usize] as usize;
                 let (here, there) = (particles.id[row], particles.id[partner]);
-                let memory = self.memory[slot];
                 if here < there {
                     let memory = without_negative_zeros(memory);
                     return Some(PairMemory { lower: here, higher: there, memory });
@@ -179,8 +198,7 @@ impl Contacts {
                 for slot in slots {
                     if particles.id[self.partner[slot] as usize] == there {
                         let seen = if side == 0 { pair.memory } else { reversed(pair.memory) };
-                        self.memory[slot] = seen;
-                        self.touching[slot] = true;
+                        self.carried.push((slot as u32, seen));
                         found = true;
                     }
                 }
@@ -189,6 +207,8 @@ impl Contacts {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
+        self.carried.sort_unstable_by_key(|&(slot, _)| slot);
+        self.carried.dedup_by_key(|&mut (slot, _)| slot); // known twice, with the same contents
         self.recall_walls(&index_of, walls)
     }
 
