@@ -1,7 +1,7 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, ContactModel, VanDerWaals};
+use crate::contact::{ContactLaw, Interface, VanDerWaals};
 use crate::coupling::FluidForce;
 use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall};
 use crate::gas::ColumnGas;
@@ -100,8 +100,10 @@ pub struct Domain {
 /// What acts on the particles: chosen by the case for one stage of the run, and immutable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Models {
-    /// Law of touching particles and of particles at walls.
-    pub contact: ContactModel,
+    /// Where particles touch.
+    pub contact: Interface,
+    /// Where they touch the walls, by the walls' numbers; walls beyond its end are like particles.
+    pub at_walls: Vec<Interface>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -116,6 +118,26 @@ pub struct Models {
     pub force_lattice: Quantum,
     /// Lattice that torques are rounded to.
     pub torque_lattice: Quantum,
+}
+
+impl Models {
+    /// Separation of surfaces up to which particles of these sizes, or they and walls, act on each other.
+    pub fn range(&self, sizes: &SizeRange) -> f64 {
+        let interfaces = std::iter::once(&self.contact).chain(&self.at_walls);
+        range_of(interfaces, self.cohesion.as_ref(), sizes)
+    }
+}
+
+/// Separation of surfaces up to which bodies act on each other that touch in these ways, particles being of
+/// these sizes.
+pub fn range_of<'a>(
+    interfaces: impl IntoIterator<Item = &'a Interface>,
+    cohesion: Option<&VanDerWaals>,
+    sizes: &SizeRange,
+) -> f64 {
+    let largest_radius = 0.5 * sizes.largest_diameter;
+    let reaches = interfaces.into_iter().map(|interface| interface.law.reach(largest_radius));
+    reaches.fold(cohesion.map_or(0.0, |cohesion| cohesion.range), f64::max)
 }
 
 /// What a run may not exceed: beyond, its numbers would mean nothing.
@@ -133,16 +155,18 @@ impl Limits {
     /// Contacts (each at the limit) that a particle's force has room for.
     const CONTACTS: f64 = 64.0;
 
-    /// Limits for particles between two diameters, the heavier of this mass.
-    pub fn new(
-        contact: &ContactModel,
+    /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
+    pub fn new<'a>(
+        interfaces: impl IntoIterator<Item = &'a Interface>,
         cohesion: Option<&VanDerWaals>,
         diameters: [f64; 2],
         largest_weight: f64,
         time_step: f64,
     ) -> Self {
         let [smallest, largest] = diameters;
-        let elastic = contact.elastic_force(Self::LARGEST_OVERLAP * smallest);
+        let overlap = Self::LARGEST_OVERLAP * smallest;
+        let of_law = |interface: &Interface| interface.law.largest_force(overlap, 0.5 * largest);
+        let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
         let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
         Self { force: elastic + attraction + largest_weight, speed: 0.1 * smallest / time_step }
     }
@@ -235,7 +259,7 @@ impl Workspace {
 
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
-        self.reach.range = models.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.range);
+        self.reach.range = models.range(sizes);
         self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
         self.tallies.by_gas = [0; 3];
         self.fluid = models.gas.as_ref().map(|gas| {

@@ -268,12 +268,14 @@ fn evaluate_forces(
     ranks: &dyn Communicator,
 ) {
     let State { particles, contacts, clock, .. } = state;
-    let Workspace { fluid, tallies, timers, bodies, fault, .. } = work;
+    let Workspace { fluid, tallies, timers, bodies, fault, reach, .. } = work;
     let time = clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
         contact: &models.contact,
+        at_walls: &models.at_walls,
         cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
+        range: reach.range,
         dt,
         limit: models.limits.force,
         force_lattice: models.force_lattice,

@@ -27,12 +27,14 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         higher: 7 * (k / 3) + 3 - k % 3,
         tangential_spring: spring,
         largest_overlap: k as f64,
+        rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
     };
     let wall_contact = |k| WallContactRecord {
         particle: k / 2,
         wall: 1 - k % 2,
         tangential_spring: spring,
         largest_overlap: 0.1,
+        rolling_angle: [0.0, 0.01, 0.0],
     };
     Checkpoint {
         clock: Clock { step, origin_time: 0.1, origin_step: 1, time_step: 2.5e-4 },
@@ -206,7 +208,7 @@ fn whole_files_with_another_content_are_refused() {
         path.as_path()
     };
     read(forged(|_| ()), &OneRank).unwrap();
-    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&2_u64).unwrap());
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&3_u64).unwrap());
     assert!(refusal(newer).contains("written by a newer Talcum"));
     let moved = forged(|file| {
         let mass = file.dataset("particles/mass").unwrap();
@@ -223,6 +225,25 @@ fn whole_files_with_another_content_are_refused() {
         file.group("clock").unwrap().attr("origin_step").unwrap().write_scalar(&99_u64).unwrap();
     });
     assert!(refusal(earlier).contains("origin lies after"));
+}
+
+#[test]
+fn files_from_before_rolling_springs_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    let mut state = share(20, 12, &OneRank);
+    state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
+    state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
+    let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    let without_angles = |file: &hdf5::File| {
+        file.unlink("contacts/rolling_angle").unwrap();
+        file.unlink("wall_contacts/rolling_angle").unwrap();
+    };
+    forge(&path, without_angles);
+    assert!(refusal(&path).contains("rolling_angle")); // a control: the file is one of today's
+    forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&1_u64).unwrap());
+    let (found, _, found_digest) = read(&path, &OneRank).unwrap();
+    assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::particles::{Scales, sphere_mass};
 use super::section::Section;
 use super::units::Units;
 use crate::contact::{
-    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
+    CohesionExpression, ContactModel, FrictionCap, Interface, LinearSpringDashpot, VanDerWaals,
 };
 use crate::domain::Vibration;
 use crate::numbers::Schedule;
@@ -34,7 +34,7 @@ enum Expression {
 }
 
 /// `[contact]`.
-pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<ContactModel> {
+pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<Interface> {
     let law: Option<Law> = section.value("law");
     let normal = section.number("normal_stiffness", Allowed::POSITIVE);
     let tangential = match section.exactly_one(&["tangential_stiffness", "poisson_ratio"]) {
@@ -64,7 +64,7 @@ pub(super) fn read_contact(section: Section<'_>, cohesive: bool) -> Option<Conta
         Law::LinearSpringDashpot => {
             LinearSpringDashpot::new(normal?, tangential?, restitution?, friction?, cap?)
                 .map_err(|error| section.fail(error.parameter, error.to_string()))
-                .map(ContactModel::LinearSpringDashpot)
+                .map(|law| Interface { law: ContactModel::LinearSpringDashpot(law), rolling: None })
                 .ok()
         }
     }

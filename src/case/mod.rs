@@ -5,6 +5,7 @@
 mod allowed;
 mod bed;
 mod column;
+mod drag;
 mod errors;
 mod forces;
 mod leaf;
@@ -25,11 +26,11 @@ pub use particles::{Amount, BedFormat, ParticleSetup, Start};
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
 pub use sizes::SizeDistribution;
 pub use stages::Stage;
-pub use units::{Quantity, Units};
+pub use units::Units;
 
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, Interface};
 use crate::domain::Bounds;
-use crate::state::{Domain, SizeRange};
+use crate::state::{Domain, SizeRange, range_of};
 use allowed::rounded;
 use errors::Problems;
 use particles::Scales;
@@ -127,12 +128,21 @@ impl Case {
         bed::build(self)
     }
 
+    /// Duration of the shortest contact in a stage of particles of these sizes: of two of the smallest, or of
+    /// one and a wall.
+    pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
+        let mass = self.particles.mass_of(sizes.smallest_diameter);
+        let radius = 0.5 * sizes.smallest_diameter;
+        let of_walls = |interface: &Interface| interface.law.contact_duration(mass, radius);
+        let of_pair = stage.contact.law.contact_duration(0.5 * mass, 0.5 * radius);
+        stage.at_walls.iter().map(of_walls).fold(of_pair, f64::min)
+    }
+
     /// What is wrong with box and time step for particles of these sizes: (key, words).
     pub fn check_sizes(&self, sizes: &SizeRange) -> Vec<(&'static str, String)> {
         let mut wrong = check_box(&self.domain.bounds, self, sizes);
         for stage in &self.stages {
-            let smallest_mass = self.particles.mass_of(sizes.smallest_diameter);
-            let duration = stage.contact.contact_duration(0.5 * smallest_mass);
+            let duration = self.shortest_contact(stage, sizes);
             if stage.time_step > duration {
                 let name = &stage.name;
                 let words = format!(
@@ -155,7 +165,8 @@ impl Case {
 /// The box must hold a particle, and be wide enough for its ghosts where it is periodic.
 fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static str, String)> {
     let largest = sizes.largest_diameter;
-    let ranges = case.stages.iter().filter_map(|stage| Some(stage.cohesion.as_ref()?.range));
+    let range_in = |stage: &Stage| range_of(stage.interfaces(), stage.cohesion.as_ref(), sizes);
+    let ranges = case.stages.iter().map(range_in);
     let reach = largest * (1.0 + case.parallel.skin) + ranges.fold(0.0, f64::max);
     let mut wrong = Vec::new();
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {

@@ -9,7 +9,7 @@ use super::particles::Scales;
 use super::section::Section;
 use super::tree::{Node, Value};
 use super::units::Units;
-use crate::contact::{ContactModel, VanDerWaals};
+use crate::contact::{Interface, VanDerWaals};
 use crate::domain::{Bounds, EffectiveGravity};
 use crate::gas::ColumnGas;
 use crate::state::{Limits, Models, SizeRange};
@@ -31,8 +31,10 @@ pub struct Stage {
     pub end: f64,
     /// Length of a step.
     pub time_step: f64,
-    /// Contact law.
-    pub contact: ContactModel,
+    /// Where particles touch.
+    pub contact: Interface,
+    /// Where they touch the walls, by the walls' numbers.
+    pub at_walls: Vec<Interface>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -49,6 +51,7 @@ impl Stage {
         let limits = self.limits(sizes);
         Models {
             contact: self.contact.clone(),
+            at_walls: self.at_walls.clone(),
             cohesion: self.cohesion.clone(),
             gas: self.gas.clone(),
             gravity: self.gravity,
@@ -59,10 +62,15 @@ impl Stage {
         }
     }
 
+    /// All ways in which bodies touch.
+    pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
+        std::iter::once(&self.contact).chain(&self.at_walls)
+    }
+
     /// What particles of these sizes may not exceed.
     pub(super) fn limits(&self, sizes: &SizeRange) -> Limits {
         Limits::new(
-            &self.contact,
+            self.interfaces(),
             self.cohesion.as_ref(),
             [sizes.smallest_diameter, sizes.largest_diameter],
             sizes.largest_mass * self.gravity.largest(),
@@ -112,9 +120,10 @@ pub(super) fn read_stages(
         let forces = read_forces(&current, root, surroundings, &times);
         current.iter_mut().for_each(|current| current.was_on |= current.is_on);
         stages.push(forces.and_then(|(contact, cohesion, gas, gravity)| {
+            let at_walls = Vec::new();
             let (name, time_step) = (names[index].clone()?, step?);
             let Range { start, end } = time.clone();
-            Some(Stage { name, start, end, time_step, contact, cohesion, gas, gravity })
+            Some(Stage { name, start, end, time_step, contact, at_walls, cohesion, gas, gravity })
         }));
     }
     // Also a section that no stage switches on must be right.
@@ -190,7 +199,7 @@ fn timetable(
     (names, times)
 }
 
-type Forces = (ContactModel, Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
+type Forces = (Interface, Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
 
 fn read_forces(
     current: &[Current; SECTIONS.len()],

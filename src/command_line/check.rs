@@ -96,8 +96,7 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
         let _ = writeln!(words, "  {name:<34}{value}");
     };
     if g > 0.0 {
-        let stiffness =
-            stage.contact.elastic_force(SMALL_OVERLAP * diameter) / (SMALL_OVERLAP * diameter);
+        let stiffness = stage.contact.law.stiffness(SMALL_OVERLAP * diameter, 0.25 * diameter);
         let scaled = stiffness / (density * g * diameter * diameter);
         line("k_n / (rho_s g d^2)", format!("{scaled:.4e}"));
     }
@@ -119,8 +118,7 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     if let Some(gas) = &stage.gas {
         describe_gas(&mut line, gas, diameter, density, g);
     }
-    let lightest = case.particles.mass_of(sizes.smallest_diameter);
-    let duration = stage.contact.contact_duration(0.5 * lightest);
+    let duration = case.shortest_contact(stage, sizes);
     let per_contact = duration / stage.time_step;
     line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
     if per_contact < LEAST_STEPS_PER_CONTACT {

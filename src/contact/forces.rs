@@ -1,9 +1,8 @@
 //! The loops over near pairs: geometry, law, cohesion, and exact sums.
 
 use super::lanes::PairWork;
-use super::{Contact, ContactForce, ContactLaw, ContactModel, VanDerWaalsNow};
-use crate::domain::Wall;
-use crate::numbers::{Quantum, in_quads, within};
+use super::{Contact, ContactForce, Interface, VanDerWaalsNow};
+use crate::numbers::{Quantum, in_quads};
 use crate::particles::{Bodies, ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -30,10 +29,14 @@ pub struct ForceOutOfRange {
 /// What acts between near bodies at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceLaws<'a> {
-    /// Law of contact.
-    pub contact: &'a ContactModel,
+    /// Where particles touch.
+    pub contact: &'a Interface,
+    /// Where they touch the walls, by the walls' numbers; walls beyond its end are like particles.
+    pub at_walls: &'a [Interface],
     /// Attraction now.
     pub cohesion: Option<VanDerWaalsNow>,
+    /// Separation of surfaces up to which any of them acts.
+    pub range: f64,
     /// Time that tangential springs are carried on by; zero to evaluate forces without moving on.
     pub dt: f64,
     /// Largest component of a contact's force.
@@ -42,12 +45,6 @@ pub struct ForceLaws<'a> {
     pub force_lattice: Quantum,
     /// Lattice of torques.
     pub torque_lattice: Quantum,
-}
-
-impl ForceLaws<'_> {
-    fn range(&self) -> f64 {
-        self.cohesion.map_or(0.0, |cohesion| cohesion.range())
-    }
 }
 
 /// Adds the forces and torques of all pairs to both their particles.
@@ -69,14 +66,15 @@ pub fn add_pair_forces(
     bodies: &mut Bodies,
 ) -> Result<(), ForceOutOfRange> {
     bodies.take(particles);
-    contacts.find_near(bodies, laws.range());
+    contacts.near.hold_rolling_angles(laws.contact.rolling.is_some());
+    contacts.find_near(bodies, laws.range);
     in_quads(PairWork { bodies, near: &mut contacts.near, laws, id: &particles.id })?;
     bodies.give(particles);
     Ok(())
 }
 
 /// A contact that has ended leaves no memory.
-fn forget(touching: &mut bool, memory: &mut ContactMemory) {
+pub(super) fn forget(touching: &mut bool, memory: &mut ContactMemory) {
     *touching = false;
     *memory = ContactMemory::default();
 }
@@ -96,58 +94,4 @@ pub(super) fn out_of_range(
     limit: f64,
 ) -> ForceOutOfRange {
     ForceOutOfRange { particle, other, force: force.amax(), limit, overlap }
-}
-
-/// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
-/// force lattice.
-///
-/// A wall is a contact partner of infinite mass (m* = m) at rest in the frame of the box, of the same law,
-/// with an attraction of its own.
-///
-/// # Errors
-/// If a force exceeds the limit or is undefined.
-pub fn add_wall_forces(
-    particles: &mut Particles,
-    contacts: &mut Contacts,
-    walls: &[Wall],
-    laws: &ForceLaws,
-    on_walls: &mut [[i64; 3]],
-) -> Result<(), ForceOutOfRange> {
-    on_walls.fill([0; 3]);
-    for slot in 0..contacts.wall_pairs.len() {
-        let pair = contacts.wall_pairs[slot];
-        let (i, wall) = (pair.particle as usize, &walls[pair.wall as usize]);
-        let radius = particles.radius[i];
-        let overlap = radius - wall.height_of(&particles.position[i]);
-        let cohesion = laws.cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap));
-        let normal = -wall.normal;
-        let mut contact = Contact {
-            overlap,
-            normal,
-            relative_velocity: -particles.velocity[i]
-                - (particles.angular_velocity[i] * radius).cross(&normal),
-            reduced_mass: particles.mass[i],
-            cohesion,
-        };
-        let force = if overlap > 0.0 {
-            contacts.wall_touching[slot] = true;
-            laws.contact.force(&contact, &mut contacts.wall_memory[slot], laws.dt)
-        } else {
-            forget(&mut contacts.wall_touching[slot], &mut contacts.wall_memory[slot]);
-            contact.overlap = 0.0;
-            ContactForce { normal: 0.0, tangential: Vector3::zeros() }
-        };
-        let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
-        if !within(&on_wall, laws.limit) {
-            let other = format!("wall \"{}\"", wall.name);
-            return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
-        }
-        particles.force[i] -= on_wall;
-        let twist = normal.cross(&force.tangential) * radius;
-        particles.torque[i] -= laws.torque_lattice.round_vector(twist);
-        for axis in 0..3 {
-            on_walls[pair.wall as usize][axis] += laws.force_lattice.count(on_wall[axis]);
-        }
-    }
-    Ok(())
 }

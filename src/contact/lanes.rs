@@ -5,11 +5,12 @@
 //! changes no bit.
 
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range, total};
-use super::van_der_waals::{Attraction, Full, NearContact, NoAttraction};
+use super::rolling::{NoRolling, Rolling};
+use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
 use crate::numbers::{Quad, QuadWork, within};
 use crate::particles::{
-    Bodies, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs,
+    AngleLanes, Bodies, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs,
 };
 use nalgebra::Vector3;
 
@@ -26,84 +27,57 @@ pub(super) struct PairWork<'a> {
 impl QuadWork for PairWork<'_> {
     type Output = Result<(), ForceOutOfRange>;
 
-    /// Chooses law and attraction once, for all pairs.
+    /// Chooses the law once, for all pairs.
     #[inline(always)]
     fn run<Q: Quad>(self) -> Self::Output {
-        match self.laws.contact {
-            ContactModel::LinearSpringDashpot(law) => self.with_attraction::<Q, _>(law),
+        match &self.laws.contact.law {
+            ContactModel::LinearSpringDashpot(law) => self.with_rolling::<Q, _>(law),
+            ContactModel::AdhesiveElasticPlastic(law) => self.with_rolling::<Q, _>(law),
+            ContactModel::HertzMindlin(law) => self.with_rolling::<Q, _>(law),
+            ContactModel::Jkr(law) => self.with_rolling::<Q, _>(law),
+            ContactModel::LinearHysteretic(law) => self.with_rolling::<Q, _>(law),
         }
     }
 }
 
 impl PairWork<'_> {
+    /// Chooses rolling and, without it, whether all particles are alike.
     #[inline(always)]
-    fn with_attraction<Q: Quad, L: ContactLaw>(self, law: &L) -> Result<(), ForceOutOfRange> {
-        let Some(cohesion) = self.laws.cohesion else {
-            return self.with_sizes::<Q, _>((law, NoAttraction));
-        };
-        match cohesion.expression() {
-            CohesionExpression::NearContact => {
-                self.with_sizes::<Q, _>((law, NearContact(cohesion)))
+    fn with_rolling<Q: Quad, L: ContactLaw>(self, law: &L) -> Result<(), ForceOutOfRange> {
+        match (self.laws.contact.rolling, self.near.one_size) {
+            (Some(rolling), _) => self.evaluate::<Q, _, _, _>((law, rolling), ManySizes::default()),
+            (None, None) => self.evaluate::<Q, _, _, _>((law, NoRolling), ManySizes::default()),
+            (None, Some([radius, mass])) => {
+                self.evaluate::<Q, _, _, _>((law, NoRolling), OneSize { radius, mass })
             }
-            CohesionExpression::Full => self.with_sizes::<Q, _>((law, Full(cohesion))),
         }
     }
 
     #[inline(always)]
-    fn with_sizes<Q: Quad, F: PairForce>(self, force: F) -> Result<(), ForceOutOfRange> {
-        match self.near.one_size {
-            Some([radius, mass]) => self.evaluate::<Q, _, _>(force, OneSize { radius, mass }),
-            None => self.evaluate::<Q, _, _>(force, ManySizes::default()),
-        }
-    }
-
-    #[inline(always)]
-    fn evaluate<Q: Quad, F: PairForce, S: Sizes>(
+    fn evaluate<Q: Quad, L: ContactLaw, R: Rolling, S: Sizes>(
         self,
-        force: F,
+        law: (&L, R),
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
         let Self { bodies, near, laws, id } = self;
         let mut block = Block::default();
-        let pairs = near.first.iter().zip(&near.second);
-        let memories = near.memory.iter_mut().zip(&mut near.touching);
-        for ((first, second), (memory, touching)) in pairs.zip(memories) {
-            gather::<Q, S>(&mut block, &mut sizes, [first, second], &bodies.body);
-            run(&force, &sizes, laws, &mut block, memory);
-            *touching = block.overlap.map(|overlap| overlap > 0.0);
+        let mut no_angles = [[0.0; LANES]; 3];
+        for index in 0..near.first.len() {
+            let pairs = [&near.first[index], &near.second[index]];
+            gather::<Q, R, S>(&mut block, &mut sizes, pairs, &bodies.body);
+            attract(&mut block, &sizes, laws);
+            let angles = near.rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
+            run(law, &sizes, laws, &mut block, (&mut near.memory[index], angles));
+            near.touching[index] = block.touching.map(|touching| touching != 0.0);
             if let Some(lane) = (0..LANES).find(|&lane| block.out_of_range[lane] != 0.0) {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
-                let (i, j) = (first[lane] as usize, second[lane] as usize);
-                let other = format!("particle {}", id[j]);
-                return Err(out_of_range(id[i], other, force, block.overlap[lane], laws.limit));
+                let [i, j] = pairs.map(|of| id[of[lane] as usize]);
+                let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
+                return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            scatter::<Q, S>(&block, [first, second], &mut bodies.load);
+            scatter::<Q, S>(&block, pairs, &mut bodies.load);
         }
         Ok(())
-    }
-}
-
-/// Contact law and attraction.
-trait PairForce {
-    type Law: ContactLaw;
-    type Attraction: Attraction;
-
-    fn law(&self) -> &Self::Law;
-    fn attraction(&self) -> Self::Attraction;
-}
-
-impl<L: ContactLaw, A: Attraction> PairForce for (&L, A) {
-    type Law = L;
-    type Attraction = A;
-
-    #[inline(always)]
-    fn law(&self) -> &L {
-        self.0
-    }
-
-    #[inline(always)]
-    fn attraction(&self) -> A {
-        self.1
     }
 }
 
@@ -176,24 +150,30 @@ struct Block {
     branch: [Lanes; 3],
     relative_velocity: [Lanes; 3],
     /// omega_i r_i + omega_j r_j.
-    spin: [Lanes; 3],
+    surface_spin: [Lanes; 3],
+    /// Only if rolling is resisted.
+    relative_spin: [Lanes; 3],
+    cohesion: Lanes,
     overlap: Lanes,
     force_on_j: [Lanes; 3],
-    torque_on_i: [Lanes; 3],
-    torque_on_j: [Lanes; 3],
+    /// Less the torques.
+    torque_off_i: [Lanes; 3],
+    torque_off_j: [Lanes; 3],
+    /// 1 where the bodies touch.
+    touching: Lanes,
     /// 1 where the force exceeds the limit or is undefined.
     out_of_range: Lanes,
 }
 
 #[inline(always)]
-fn gather<Q: Quad, S: Sizes>(
+fn gather<Q: Quad, R: Rolling, S: Sizes>(
     block: &mut Block,
     sizes: &mut S,
     [first, second]: [&[u32; LANES]; 2],
     bodies: &[Body],
 ) {
     let zero = [Q::splat(0.0); 4];
-    let (mut branch, mut relative_velocity, mut spin) = (zero, zero, zero);
+    let (mut branch, mut velocity, mut spin, mut relative_spin) = (zero, zero, zero, zero);
     for from in (0..LANES).step_by(4) {
         for row in 0..4 {
             let lane = from + row;
@@ -201,13 +181,18 @@ fn gather<Q: Quad, S: Sizes>(
             sizes.gather(lane, [i, j]);
             let [radius_i, radius_j] = sizes.radii(lane);
             branch[row] = Q::load(&j.place).minus(Q::load(&i.place));
-            relative_velocity[row] = Q::load(&j.motion).minus(Q::load(&i.motion));
-            let spin_i = Q::load(&i.spin).times(Q::splat(radius_i));
-            spin[row] = spin_i.plus(Q::load(&j.spin).times(Q::splat(radius_j)));
+            velocity[row] = Q::load(&j.motion).minus(Q::load(&i.motion));
+            let (spin_i, spin_j) = (Q::load(&i.spin), Q::load(&j.spin));
+            let surface_i = spin_i.times(Q::splat(radius_i));
+            spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
+            relative_spin[row] = spin_j.minus(spin_i);
         }
         store(&mut block.branch, from, branch);
-        store(&mut block.relative_velocity, from, relative_velocity);
-        store(&mut block.spin, from, spin);
+        store(&mut block.relative_velocity, from, velocity);
+        store(&mut block.surface_spin, from, spin);
+        if R::ACTS {
+            store(&mut block.relative_spin, from, relative_spin);
+        }
     }
 }
 
@@ -242,57 +227,106 @@ fn quad_mut(lanes: &mut Lanes, from: usize) -> &mut [f64; 4] {
     lanes[from..].first_chunk_mut().expect("lanes are whole quads")
 }
 
+/// Attraction of the pairs, if there is any.
+#[inline(always)]
+fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
+    let Some(cohesion) = laws.cohesion else { return };
+    match cohesion.expression() {
+        CohesionExpression::NearContact => attract_by(NearContact(cohesion), block, sizes),
+        CohesionExpression::Full => attract_by(Full(cohesion), block, sizes),
+    }
+}
+
+#[inline(always)]
+fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut Block, sizes: &S) {
+    for lane in 0..LANES {
+        let ([radius_i, radius_j], branch) = (sizes.radii(lane), vector(&block.branch, lane));
+        let separation = -(radius_i + radius_j - branch.dot(&branch).sqrt());
+        block.cohesion[lane] = attraction.between(radius_i, radius_j, separation);
+    }
+}
+
+#[inline(always)]
+fn vector(components: &[Lanes; 3], lane: usize) -> Vector3<f64> {
+    Vector3::new(components[0][lane], components[1][lane], components[2][lane])
+}
+
 /// All lanes, those that only fill up the last block too: nothing acts between their bodies.
 #[inline(always)]
-fn run<F: PairForce, S: Sizes>(
-    pair_force: &F,
+fn run<L: ContactLaw, R: Rolling, S: Sizes>(
+    (law, rolling): (&L, R),
     sizes: &S,
     laws: &ForceLaws,
     block: &mut Block,
-    memories: &mut MemoryLanes,
+    (memories, angles): (&mut MemoryLanes, &mut AngleLanes),
 ) {
     for lane in 0..LANES {
-        let vector =
-            |lanes: &[Lanes; 3]| Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
-        let branch = vector(&block.branch);
-        let distance = branch.dot(&branch).sqrt();
-        let ([radius_i, radius_j], [mass_i, mass_j]) = (sizes.radii(lane), sizes.masses(lane));
-        let overlap = radius_i + radius_j - distance;
-        let normal = branch * (1.0 / distance);
-        let contact = Contact {
-            overlap,
-            normal,
-            relative_velocity: vector(&block.relative_velocity)
-                - vector(&block.spin).cross(&normal),
-            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
-            cohesion: pair_force.attraction().between(radius_i, radius_j, -overlap),
-        };
+        let contact = contact_of(block, sizes, lane);
+        let [radius_i, radius_j] = sizes.radii(lane);
         let mut numbers = [0.0; MEMORY_FIELDS];
         for (number, field) in numbers.iter_mut().zip(&*memories) {
             *number = field[lane];
         }
         let mut memory: ContactMemory = bytemuck::cast(numbers);
-        let mut force = pair_force.law().force(&contact, &mut memory, laws.dt);
+        let touches = law.touches(&contact, &memory);
+        let mut force = law.force(&contact, &mut memory, laws.dt);
         // Apart, the law has nothing to say, whatever it gave.
-        let if_touching = |value: f64| if overlap > 0.0 { value } else { 0.0 };
+        let if_touching = |value: f64| if touches { value } else { 0.0 };
         force.normal = if_touching(force.normal);
         force.tangential = force.tangential.map(if_touching);
         let on_j = laws.force_lattice.round_vector(total(&contact, &force));
-        let twist = normal.cross(&force.tangential);
+        let twist = contact.normal.cross(&force.tangential);
+        let mut twists = [twist * radius_i, twist * radius_j];
+        if R::ACTS {
+            let mut angle = vector(angles, lane);
+            let stiffness = law.stiffness_over(&contact, laws.dt);
+            let torque = rolling.torque(&contact, force.grip, stiffness, &mut angle, laws.dt);
+            let torque = torque.map(if_touching);
+            twists = [twists[0] + torque, twists[1] - torque];
+            (0..3).for_each(|axis| angles[axis][lane] = if_touching(angle[axis]));
+        }
         for axis in 0..3 {
             block.force_on_j[axis][lane] = on_j[axis];
-            block.torque_on_i[axis][lane] = laws.torque_lattice.round(twist[axis] * radius_i);
+            block.torque_off_i[axis][lane] = laws.torque_lattice.round(twists[0][axis]);
             if !S::EQUAL {
-                block.torque_on_j[axis][lane] = laws.torque_lattice.round(twist[axis] * radius_j);
+                block.torque_off_j[axis][lane] = laws.torque_lattice.round(twists[1][axis]);
             }
         }
         let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
         for (number, field) in numbers.into_iter().zip(&mut *memories) {
             field[lane] = if_touching(number);
         }
-        block.overlap[lane] = overlap;
+        block.overlap[lane] = contact.overlap;
+        block.touching[lane] = if_touching(1.0);
         block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
     }
+}
+
+#[inline(always)]
+fn contact_of<S: Sizes>(block: &Block, sizes: &S, lane: usize) -> Contact {
+    let branch = vector(&block.branch, lane);
+    let distance = branch.dot(&branch).sqrt();
+    let ([radius_i, radius_j], [mass_i, mass_j]) = (sizes.radii(lane), sizes.masses(lane));
+    let normal = branch * (1.0 / distance);
+    let surface_velocity = vector(&block.surface_spin, lane).cross(&normal);
+    Contact {
+        overlap: radius_i + radius_j - distance,
+        normal,
+        relative_velocity: vector(&block.relative_velocity, lane) - surface_velocity,
+        relative_spin: vector(&block.relative_spin, lane),
+        reduced_mass: mass_i * mass_j / (mass_i + mass_j),
+        reduced_radius: radius_i * radius_j / (radius_i + radius_j),
+        reduced_inertia: reduced_inertia([radius_i, radius_j], [mass_i, mass_j]),
+        cohesion: block.cohesion[lane],
+    }
+}
+
+/// I* of two solid spheres.
+#[inline(always)]
+fn reduced_inertia(radius: [f64; 2], mass: [f64; 2]) -> f64 {
+    let one = 0.4 * mass[0] * radius[0] * radius[0];
+    let other = 0.4 * mass[1] * radius[1] * radius[1];
+    one * other / (one + other)
 }
 
 #[inline(always)]
@@ -303,15 +337,15 @@ fn scatter<Q: Quad, S: Sizes>(
 ) {
     for from in (0..LANES).step_by(4) {
         let force = load::<Q>(&block.force_on_j, from);
-        let torque_on_i = load::<Q>(&block.torque_on_i, from);
-        let torque_on_j = if S::EQUAL { torque_on_i } else { load(&block.torque_on_j, from) };
+        let torque_off_i = load::<Q>(&block.torque_off_i, from);
+        let torque_off_j = if S::EQUAL { torque_off_i } else { load(&block.torque_off_j, from) };
         for row in 0..4 {
             let on_i = &mut loads[first[from + row] as usize];
             Q::load(&on_i.force).minus(force[row]).store(&mut on_i.force);
-            Q::load(&on_i.torque).minus(torque_on_i[row]).store(&mut on_i.torque);
+            Q::load(&on_i.torque).minus(torque_off_i[row]).store(&mut on_i.torque);
             let on_j = &mut loads[second[from + row] as usize];
             Q::load(&on_j.force).plus(force[row]).store(&mut on_j.force);
-            Q::load(&on_j.torque).minus(torque_on_j[row]).store(&mut on_j.torque);
+            Q::load(&on_j.torque).minus(torque_off_j[row]).store(&mut on_j.torque);
         }
     }
 }

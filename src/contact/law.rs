@@ -1,9 +1,13 @@
 //! What every contact law must answer, and the list of laws.
 
-use super::{Contact, ContactForce, LinearSpringDashpot};
+use super::{
+    AdhesiveElasticPlastic, Contact, ContactForce, HertzMindlin, Jkr, LinearHysteretic,
+    LinearSpringDashpot, RollingFriction,
+};
 use crate::particles::ContactMemory;
 
-/// The force between two bodies in contact, without cohesion.
+/// The force between two bodies in contact; a law may bring its own adhesion, van der Waals cohesion is added
+/// outside.
 ///
 /// A law must be **odd**: with the bodies exchanged (normal, relative velocity and tangential spring
 /// negated) it must give the same normal force and exactly the negated tangential force, bit for bit.
@@ -12,11 +16,34 @@ pub trait ContactLaw {
     /// Force on the second body, after the memory has been carried on by `dt`.
     fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce;
 
-    /// How long an elastic collision of two bodies of this reduced mass lasts.
-    fn contact_duration(&self, reduced_mass: f64) -> f64;
+    /// Whether the bodies are in contact, given what the contact remembers of the last step (all zero if they
+    /// were not). Where not, force and memory are zero whatever [`ContactLaw::force`] says.
+    #[inline(always)]
+    fn touches(&self, contact: &Contact, _memory: &ContactMemory) -> bool {
+        contact.overlap > 0.0
+    }
 
-    /// Elastic normal force at an overlap, to bound the range of forces.
-    fn elastic_force(&self, overlap: f64) -> f64;
+    /// The separation of surfaces up to which a contact can last, for R* up to this.
+    fn reach(&self, _reduced_radius: f64) -> f64 {
+        0.0
+    }
+
+    /// dF_n/d delta of a contact that is loaded for the first time, to which rolling springs are proportional.
+    fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64;
+
+    /// The stiffness before the last step, which changed the overlap by -v_n dt, and now.
+    #[inline(always)]
+    fn stiffness_over(&self, contact: &Contact, dt: f64) -> [f64; 2] {
+        let before = contact.overlap + contact.normal.dot(&contact.relative_velocity) * dt;
+        [before, contact.overlap].map(|overlap| self.stiffness(overlap, contact.reduced_radius))
+    }
+
+    /// How long a collision of two bodies of this m* and R* lasts, for the time step to be judged by.
+    fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64;
+
+    /// Largest normal force of an elastic contact up to an overlap, adhesion of the law included, to bound the
+    /// range of forces.
+    fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64;
 }
 
 /// The contact laws a case can choose.
@@ -24,25 +51,62 @@ pub trait ContactLaw {
 pub enum ContactModel {
     /// Moon 2006 eqs (1)-(3).
     LinearSpringDashpot(LinearSpringDashpot),
+    /// Liu 2016.
+    AdhesiveElasticPlastic(AdhesiveElasticPlastic),
+    /// Hertz; Mindlin & Deresiewicz 1953.
+    HertzMindlin(HertzMindlin),
+    /// Johnson, Kendall & Roberts 1971.
+    Jkr(Jkr),
+    /// Luding 2008.
+    LinearHysteretic(LinearHysteretic),
+}
+
+/// What holds where two kinds of bodies touch: particles each other, or a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interface {
+    /// Law of contact.
+    pub law: ContactModel,
+    /// Resistance to rolling.
+    pub rolling: Option<RollingFriction>,
+}
+
+/// Calls a function of whichever law it is.
+macro_rules! each_law {
+    ($model:expr, $law:ident => $call:expr) => {
+        match $model {
+            ContactModel::LinearSpringDashpot($law) => $call,
+            ContactModel::AdhesiveElasticPlastic($law) => $call,
+            ContactModel::HertzMindlin($law) => $call,
+            ContactModel::Jkr($law) => $call,
+            ContactModel::LinearHysteretic($law) => $call,
+        }
+    };
 }
 
 impl ContactLaw for ContactModel {
     #[inline(always)]
     fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
-        match self {
-            Self::LinearSpringDashpot(law) => law.force(contact, memory, dt),
-        }
+        each_law!(self, law => law.force(contact, memory, dt))
     }
 
-    fn contact_duration(&self, reduced_mass: f64) -> f64 {
-        match self {
-            Self::LinearSpringDashpot(law) => law.contact_duration(reduced_mass),
-        }
+    #[inline(always)]
+    fn touches(&self, contact: &Contact, memory: &ContactMemory) -> bool {
+        each_law!(self, law => law.touches(contact, memory))
     }
 
-    fn elastic_force(&self, overlap: f64) -> f64 {
-        match self {
-            Self::LinearSpringDashpot(law) => law.elastic_force(overlap),
-        }
+    fn reach(&self, reduced_radius: f64) -> f64 {
+        each_law!(self, law => law.reach(reduced_radius))
+    }
+
+    fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        each_law!(self, law => law.stiffness(overlap, reduced_radius))
+    }
+
+    fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+        each_law!(self, law => law.contact_duration(reduced_mass, reduced_radius))
+    }
+
+    fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        each_law!(self, law => law.largest_force(overlap, reduced_radius))
     }
 }

@@ -34,7 +34,10 @@ pub enum FrictionCap {
 ///     overlap: 1.0e-3,
 ///     normal: Vector3::z(),
 ///     relative_velocity: Vector3::zeros(),
+///     relative_spin: Vector3::zeros(),
 ///     reduced_mass: 0.5,
+///     reduced_radius: 0.25,
+///     reduced_inertia: 0.05,
 ///     cohesion: 0.0,
 /// };
 /// let force = law.force(&at_rest, &mut ContactMemory::default(), 1.0e-5);
@@ -63,6 +66,16 @@ pub struct InvalidContactLaw {
     pub allowed: &'static str,
 }
 
+/// An error unless a parameter has a meaning.
+pub(super) fn require(
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), InvalidContactLaw> {
+    if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
+}
+
 impl LinearSpringDashpot {
     /// A law from its stiffnesses (force per length), restitution coefficient e and friction coefficient mu.
     ///
@@ -75,9 +88,6 @@ impl LinearSpringDashpot {
         friction: f64,
         friction_cap: FrictionCap,
     ) -> Result<Self, InvalidContactLaw> {
-        let require = |holds: bool, parameter, value, allowed| {
-            if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
-        };
         require(normal_stiffness > 0.0, "normal_stiffness", normal_stiffness, "positive")?;
         let kt = tangential_stiffness;
         require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
@@ -112,25 +122,29 @@ impl ContactLaw for LinearSpringDashpot {
         let slip = contact.relative_velocity - n * separation_speed;
         let old = memory.tangential_spring;
         let mut spring = old - n * n.dot(&old) + slip * dt;
-        let limit = self.friction
-            * match self.friction_cap {
-                FrictionCap::Contact => normal.abs(),
-                FrictionCap::Net => (normal - contact.cohesion).abs(),
-            };
+        let grip = match self.friction_cap {
+            FrictionCap::Contact => normal.abs(),
+            FrictionCap::Net => (normal - contact.cohesion).abs(),
+        };
+        let limit = self.friction * grip;
         let pull_squared = self.tangential_stiffness.powi(2) * spring.norm_squared();
         // A factor of 1 instead of a branch: contacts are evaluated side by side, in lanes.
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
         memory.tangential_spring = spring;
-        ContactForce { normal, tangential: spring * -self.tangential_stiffness }
+        ContactForce { normal, tangential: spring * -self.tangential_stiffness, grip }
+    }
+
+    fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {
+        self.normal_stiffness
     }
 
     /// Half a period of the damped oscillator: pi / sqrt(k_n/m* - (gamma_n / 2 m*)^2).
-    fn contact_duration(&self, reduced_mass: f64) -> f64 {
+    fn contact_duration(&self, reduced_mass: f64, _reduced_radius: f64) -> f64 {
         let decay = 0.5 * self.damping_factor / reduced_mass.sqrt();
         PI / (self.normal_stiffness / reduced_mass - decay * decay).sqrt()
     }
 
-    fn elastic_force(&self, overlap: f64) -> f64 {
+    fn largest_force(&self, overlap: f64, _reduced_radius: f64) -> f64 {
         self.normal_stiffness * overlap
     }
 }
@@ -145,6 +159,19 @@ mod tests {
         LinearSpringDashpot::new(2.0e5, 1.6e5, 0.9, 0.1, FrictionCap::Contact).unwrap()
     }
 
+    fn contact(overlap: f64, normal: Vector3<f64>, relative_velocity: Vector3<f64>) -> Contact {
+        Contact {
+            overlap,
+            normal,
+            relative_velocity,
+            relative_spin: Vector3::zeros(),
+            reduced_mass: 0.26,
+            reduced_radius: 0.25,
+            reduced_inertia: 0.026,
+            cohesion: 0.0,
+        }
+    }
+
     fn vector() -> impl Strategy<Value = Vector3<f64>> {
         prop::array::uniform3(-1.0..1.0f64).prop_map(|[x, y, z]| Vector3::new(x, y, z))
     }
@@ -155,10 +182,7 @@ mod tests {
             direction in vector(), velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
         ) {
             prop_assume!(direction.norm() > 0.1);
-            let contact = Contact {
-                overlap, normal: direction.normalize(), relative_velocity: velocity,
-                reduced_mass: 0.26, cohesion: 0.0,
-            };
+            let contact = contact(overlap, direction.normalize(), velocity);
             let mut here = ContactMemory { tangential_spring: spring * 1.0e-3, largest_overlap: 0.0 };
             let mut there = ContactMemory { tangential_spring: -here.tangential_spring, ..here };
             let mirrored = Contact { normal: -contact.normal, relative_velocity: -velocity, ..contact };
@@ -173,9 +197,7 @@ mod tests {
         fn friction_stays_in_the_tangent_plane_and_below_the_cap(
             velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
         ) {
-            let contact = Contact {
-                overlap, normal: Vector3::z(), relative_velocity: velocity, reduced_mass: 0.26, cohesion: 0.0,
-            };
+            let contact = contact(overlap, Vector3::z(), velocity);
             let mut memory = ContactMemory { tangential_spring: spring, largest_overlap: 0.0 };
             let force = law().force(&contact, &mut memory, 1.0e-4);
             prop_assert_eq!(force.tangential.z, 0.0);

@@ -8,6 +8,7 @@ use crate::parallel::{Communicator, agree};
 
 pub mod checkpoint;
 mod hdf5_file;
+mod metadata_copy;
 mod particle_snapshots;
 mod profiles;
 mod provenance;

@@ -98,6 +98,18 @@ impl Series {
         })?;
         Ok(())
     }
+
+    /// Brings the rows so far to the disk. Collective.
+    ///
+    /// # Errors
+    /// If that fails.
+    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || {
+            let file = self.file.as_ref().ok_or("the file is not open")?;
+            file.sync_all().map_err(|error| error.to_string())
+        })
+        .map(|_| ())
+    }
 }
 
 /// The line of names and units.

@@ -9,6 +9,8 @@ pub struct ColumnUnits {
     pub length: &'static str,
     /// Of velocity.
     pub speed: &'static str,
+    /// Of angle.
+    pub angle: &'static str,
     /// Of angular velocity.
     pub angular_speed: &'static str,
     /// Of force.
@@ -29,6 +31,7 @@ impl ColumnUnits {
         time: "s",
         length: "m",
         speed: "m/s",
+        angle: "1",
         angular_speed: "1/s",
         force: "N",
         torque: "N m",
@@ -42,6 +45,7 @@ impl ColumnUnits {
         time: "sqrt(d/g)",
         length: "d",
         speed: "sqrt(g d)",
+        angle: "1",
         angular_speed: "sqrt(g/d)",
         force: "rho_s g d^3",
         torque: "rho_s g d^4",

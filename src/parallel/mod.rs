@@ -5,6 +5,7 @@
 use std::fmt;
 
 mod balance;
+mod field_halo;
 mod migrate;
 mod mpi_ranks;
 mod one_rank;
@@ -14,6 +15,7 @@ mod sort_by_id;
 mod thread_ranks;
 
 pub use balance::{balanced, imbalance};
+pub use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;

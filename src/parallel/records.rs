@@ -23,6 +23,8 @@ pub struct ParticleRecord {
     pub radius: f64,
     /// Mass.
     pub mass: f64,
+    /// Force of a gas in three dimensions as of its last step; zero without such a gas.
+    pub gas_force: [f64; 3],
 }
 
 /// What a touching pair remembers, as seen from the particle with the lower id.
@@ -37,6 +39,8 @@ pub struct ContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    pub rolling_angle: [f64; 3],
 }
 
 /// What a particle's contact with a wall remembers.
@@ -51,6 +55,8 @@ pub struct WallContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
+    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    pub rolling_angle: [f64; 3],
 }
 
 impl ParticleRecord {
@@ -65,6 +71,7 @@ impl ParticleRecord {
             torque: particles.torque[index].into(),
             radius: particles.radius[index],
             mass: particles.mass[index],
+            gas_force: particles.gas_force[index].into(),
         }
     }
 
@@ -76,6 +83,7 @@ impl ParticleRecord {
         particles.angular_velocity[index] = self.angular_velocity.into();
         particles.force[index] = self.force.into();
         particles.torque[index] = self.torque.into();
+        particles.gas_force[index] = self.gas_force.into();
     }
 }
 
@@ -86,6 +94,7 @@ impl From<PairMemory> for ContactRecord {
             higher: pair.higher,
             tangential_spring: pair.memory.tangential_spring.into(),
             largest_overlap: pair.memory.largest_overlap,
+            rolling_angle: pair.rolling_angle.into(),
         }
     }
 }
@@ -96,7 +105,8 @@ impl From<ContactRecord> for PairMemory {
             tangential_spring: record.tangential_spring.into(),
             largest_overlap: record.largest_overlap,
         };
-        Self { lower: record.lower, higher: record.higher, memory }
+        let rolling_angle = record.rolling_angle.into();
+        Self { lower: record.lower, higher: record.higher, memory, rolling_angle }
     }
 }
 
@@ -107,6 +117,7 @@ impl From<WallMemory> for WallContactRecord {
             wall: u64::from(contact.wall),
             tangential_spring: contact.memory.tangential_spring.into(),
             largest_overlap: contact.memory.largest_overlap,
+            rolling_angle: contact.rolling_angle.into(),
         }
     }
 }
@@ -117,7 +128,8 @@ impl From<WallContactRecord> for WallMemory {
             tangential_spring: record.tangential_spring.into(),
             largest_overlap: record.largest_overlap,
         };
-        Self { particle: record.particle, wall: record.wall as u32, memory }
+        let rolling_angle = record.rolling_angle.into();
+        Self { particle: record.particle, wall: record.wall as u32, memory, rolling_angle }
     }
 }
 

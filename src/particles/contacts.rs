@@ -6,6 +6,7 @@
 //! steps, and what those that touch remember, are [`NearPairs`]; [`Contacts::records`] and [`Contacts::recall`]
 //! carry it over a rebuild, to another rank, and through a checkpoint.
 
+use super::near_pairs::Remembered;
 use super::{Bodies, NearPairs, Particles, Reach};
 use crate::domain::Wall;
 use bytemuck::{Pod, Zeroable};
@@ -32,6 +33,8 @@ pub struct PairMemory {
     pub higher: u64,
     /// Spring of the higher relative to the lower.
     pub memory: ContactMemory,
+    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    pub rolling_angle: Vector3<f64>,
 }
 
 /// What is known of a particle that touches a wall.
@@ -43,6 +46,8 @@ pub struct WallMemory {
     pub wall: u32,
     /// Spring of the wall relative to the particle.
     pub memory: ContactMemory,
+    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    pub rolling_angle: Vector3<f64>,
 }
 
 /// A touching pair that the new list does not hold: a fault of the program, never of the case.
@@ -66,11 +71,12 @@ pub struct Contacts {
     pub(crate) partner: Vec<u32>,
     /// The pairs that can feel each other.
     pub(crate) near: NearPairs,
-    /// Slots and memories of touching pairs that are not yet among the near ones, by slots.
-    carried: Vec<(u32, ContactMemory)>,
+    /// What touching pairs remember that are not yet among the near ones, by slots.
+    carried: Vec<Remembered>,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_memory: Vec<ContactMemory>,
+    pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
 }
 
 /// A memory seen from the other side.
@@ -78,11 +84,26 @@ fn reversed(memory: ContactMemory) -> ContactMemory {
     ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
 }
 
-/// The same memory without negative zeros: the difference of two equal numbers is +0 from both sides, so the
-/// sign of a zero says only from which side the pair was evaluated.
-fn without_negative_zeros(memory: ContactMemory) -> ContactMemory {
-    let tangential_spring = memory.tangential_spring.map(|component| component + 0.0);
-    ContactMemory { tangential_spring, ..memory }
+/// The same without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
+/// a zero says only from which side the pair was evaluated.
+fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
+    vector.map(|component| component + 0.0)
+}
+
+impl PairMemory {
+    /// What the slot of particle `here` remembers of `there`, seen from the lower id.
+    fn of(
+        [here, there]: [u64; 2],
+        mut memory: ContactMemory,
+        mut rolling_angle: Vector3<f64>,
+    ) -> Self {
+        if here > there {
+            (memory, rolling_angle) = (reversed(memory), -rolling_angle);
+        }
+        memory.tangential_spring = without_negative_zeros(memory.tangential_spring);
+        rolling_angle = without_negative_zeros(rolling_angle);
+        Self { lower: here.min(there), higher: here.max(there), memory, rolling_angle }
+    }
 }
 
 impl Contacts {
@@ -94,15 +115,15 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let ends = |slot: u32| {
-            let partner = self.partner[slot as usize] as usize;
+        let ends = |pair: Remembered| {
+            let partner = self.partner[pair.slot as usize] as usize;
             if particles.owned_original(partner).is_some() { 2 } else { 1 }
         };
-        self.remembered().map(|(slot, _)| ends(slot)).sum()
+        self.remembered().map(ends).sum()
     }
 
-    /// Slot and memory of every touching pair.
-    fn remembered(&self) -> impl Iterator<Item = (u32, ContactMemory)> + '_ {
+    /// What every touching pair remembers, by slots.
+    fn remembered(&self) -> impl Iterator<Item = Remembered> + '_ {
         self.near.remembered().chain(self.carried.iter().copied())
     }
 
@@ -128,19 +149,14 @@ impl Contacts {
     pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
         let mut row = 0; // slots ascend
         self.remembered()
-            .filter_map(|(slot, memory)| {
-                while self.row_start[row + 1] <= slot {
+            .filter_map(|pair| {
+                while self.row_start[row + 1] <= pair.slot {
                     row += 1;
                 }
-                let partner = self.partner[slot as usize] as usize;
+                let partner = self.partner[pair.slot as usize] as usize;
                 let (here, there) = (particles.id[row], particles.id[partner]);
-                if here < there {
-                    let memory = without_negative_zeros(memory);
-                    return Some(PairMemory { lower: here, higher: there, memory });
-                }
-                let leave = once && particles.owned_original(partner).is_none();
-                let memory = without_negative_zeros(reversed(memory));
-                (!leave).then_some(PairMemory { lower: there, higher: here, memory })
+                let leave = once && here > there && particles.owned_original(partner).is_none();
+                (!leave).then(|| PairMemory::of([here, there], pair.memory, pair.rolling_angle))
             })
             .collect()
     }
@@ -151,8 +167,10 @@ impl Contacts {
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
                 let WallPair { particle, wall } = self.wall_pairs[slot];
-                let memory = self.wall_memory[slot];
-                WallMemory { particle: particles.id[particle as usize], wall, memory }
+                let particle = particles.id[particle as usize];
+                let (memory, rolling_angle) =
+                    (self.wall_memory[slot], self.wall_rolling_angle[slot]);
+                WallMemory { particle, wall, memory, rolling_angle }
             })
             .collect()
     }
@@ -174,6 +192,8 @@ impl Contacts {
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_memory.clear();
         self.wall_memory.resize(self.wall_pairs.len(), ContactMemory::default());
+        self.wall_rolling_angle.clear();
+        self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
 
     /// Gives the slots of a newly built list what their pairs remember.
@@ -197,8 +217,7 @@ impl Contacts {
                 let slots = self.row_start[row] as usize..self.row_start[row + 1] as usize;
                 for slot in slots {
                     if particles.id[self.partner[slot] as usize] == there {
-                        let seen = if side == 0 { pair.memory } else { reversed(pair.memory) };
-                        self.carried.push((slot as u32, seen));
+                        self.remember(slot, pair, side == 0);
                         found = true;
                     }
                 }
@@ -207,9 +226,18 @@ impl Contacts {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
-        self.carried.sort_unstable_by_key(|&(slot, _)| slot);
-        self.carried.dedup_by_key(|&mut (slot, _)| slot); // known twice, with the same contents
+        self.carried.sort_unstable_by_key(|pair| pair.slot);
+        self.carried.dedup_by_key(|pair| pair.slot); // known twice, with the same contents
         self.recall_walls(&index_of, walls)
+    }
+
+    fn remember(&mut self, slot: usize, pair: &PairMemory, from_lower: bool) {
+        let (memory, rolling_angle) = if from_lower {
+            (pair.memory, pair.rolling_angle)
+        } else {
+            (reversed(pair.memory), -pair.rolling_angle)
+        };
+        self.carried.push(Remembered { slot: slot as u32, memory, rolling_angle });
     }
 
     fn recall_walls(
@@ -227,6 +255,7 @@ impl Contacts {
                 })
                 .map_err(|_| lost())?;
             self.wall_memory[slot] = record.memory;
+            self.wall_rolling_angle[slot] = record.rolling_angle;
             self.wall_touching[slot] = true;
         }
         Ok(())

@@ -12,6 +12,6 @@ pub use bodies::{Bodies, Body, Load};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
 pub use integrate::{kick, kick_and_drift};
-pub use near_pairs::{LANES, MEMORY_FIELDS, MemoryLanes, NearPairs};
+pub use near_pairs::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs};
 pub use neighbours::{Neighbours, Reach};
 pub use store::Particles;

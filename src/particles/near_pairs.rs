@@ -7,6 +7,7 @@
 use super::bodies::FILLERS;
 use super::{Body, ContactMemory};
 use crate::numbers::{Quad, QuadWork, in_quads};
+use nalgebra::Vector3;
 
 /// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
 /// over lanes before it has made vectors of them.
@@ -17,6 +18,18 @@ pub const MEMORY_FIELDS: usize = size_of::<ContactMemory>() / size_of::<f64>();
 
 /// What the pairs of one block remember, number by number.
 pub type MemoryLanes = [[f64; LANES]; MEMORY_FIELDS];
+
+/// Angles of rolling springs, axis by axis.
+pub type AngleLanes = [[f64; LANES]; 3];
+
+/// What the touching pair of a slot remembers, seen from the row's particle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Remembered {
+    pub(super) slot: u32,
+    pub(super) memory: ContactMemory,
+    /// Zero without a rolling spring.
+    pub(super) rolling_angle: Vector3<f64>,
+}
 
 /// Near pairs in the order of their slots, by blocks; the last block is filled up with pairs that never touch.
 #[derive(Clone, Debug, Default)]
@@ -29,8 +42,12 @@ pub struct NearPairs {
     pub touching: Vec<[bool; LANES]>,
     /// What they remember, seen from the first.
     pub memory: Vec<MemoryLanes>,
+    /// Angles of rolling springs, seen from the first; of no pair without such springs.
+    pub rolling_angle: Vec<AngleLanes>,
     /// Radius and mass, if all particles have the same.
     pub one_size: Option<[f64; 2]>,
+    /// Whether there are rolling springs.
+    rolling: bool,
     /// Slot of each pair.
     slot: Vec<u32>,
     validity: Validity,
@@ -115,7 +132,7 @@ impl NearPairs {
         bodies: &[Body],
         (row_start, partners): (&[u32], &[u32]),
         range: f64,
-        carried: &mut Vec<(u32, ContactMemory)>,
+        carried: &mut Vec<Remembered>,
     ) -> bool {
         let particles = &bodies[..bodies.len() - FILLERS];
         let outdated = !self.validity.holds(particles, range);
@@ -130,13 +147,29 @@ impl NearPairs {
         outdated
     }
 
-    /// Slot and memory of all touching pairs.
-    pub(super) fn remembered(&self) -> impl Iterator<Item = (u32, ContactMemory)> + '_ {
+    /// What all touching pairs remember.
+    pub(super) fn remembered(&self) -> impl Iterator<Item = Remembered> + '_ {
         self.slot.iter().enumerate().filter_map(|(pair, &slot)| {
             let (block, lane) = (pair / LANES, pair % LANES);
             let memory = || bytemuck::cast(self.memory[block].map(|field| field[lane]));
-            self.touching[block][lane].then(|| (slot, memory()))
+            let angle = || match self.rolling_angle.get(block) {
+                Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
+                None => Vector3::zeros(),
+            };
+            self.touching[block][lane].then(|| Remembered {
+                slot,
+                memory: memory(),
+                rolling_angle: angle(),
+            })
         })
+    }
+
+    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
+    /// does not come back bent.
+    pub fn hold_rolling_angles(&mut self, hold: bool) {
+        self.rolling = hold;
+        let blocks = if hold { self.first.len() } else { 0 };
+        self.rolling_angle.resize(blocks, [[0.0; LANES]; 3]);
     }
 
     /// Forgets all pairs, so that they are found anew.
@@ -150,6 +183,7 @@ impl NearPairs {
         self.second.clear();
         self.touching.clear();
         self.memory.clear();
+        self.rolling_angle.clear();
         self.slot.clear();
     }
 
@@ -157,7 +191,7 @@ impl NearPairs {
         &mut self,
         bodies: &[Body],
         (row_start, partners): (&[u32], &[u32]),
-        carried: &[(u32, ContactMemory)],
+        carried: &[Remembered],
     ) {
         let margin = self.validity.range + self.validity.margin;
         let mut carried = carried.iter().copied().peekable();
@@ -165,9 +199,9 @@ impl NearPairs {
             let centre = &bodies[row].place;
             for slot in ends[0]..ends[1] {
                 let partner = partners[slot as usize];
-                let remembered = carried.next_if(|&(of, _)| of == slot);
+                let remembered = carried.next_if(|pair| pair.slot == slot);
                 if is_near(centre, &bodies[partner as usize].place, margin) {
-                    self.push([row as u32, partner], slot, remembered.map(|(_, memory)| memory));
+                    self.push([row as u32, partner], slot, remembered);
                 }
             }
         }
@@ -179,9 +213,12 @@ impl NearPairs {
         self.slot.truncate(pairs);
     }
 
-    fn push(&mut self, [first, second]: [u32; 2], slot: u32, memory: Option<ContactMemory>) {
+    fn push(&mut self, [first, second]: [u32; 2], slot: u32, remembered: Option<Remembered>) {
         let lane = self.slot.len() % LANES;
         if lane == 0 {
+            if self.rolling {
+                self.rolling_angle.push([[0.0; LANES]; 3]);
+            }
             self.first.push([0; LANES]);
             self.second.push([0; LANES]);
             self.touching.push([false; LANES]);
@@ -190,10 +227,15 @@ impl NearPairs {
         let block = self.first.len() - 1;
         self.first[block][lane] = first;
         self.second[block][lane] = second;
-        self.touching[block][lane] = memory.is_some();
-        let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory.unwrap_or_default());
-        for (field, number) in self.memory[block].iter_mut().zip(numbers) {
-            field[lane] = number;
+        self.touching[block][lane] = remembered.is_some();
+        if let Some(Remembered { memory, rolling_angle, .. }) = remembered {
+            let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
+            for (field, number) in self.memory[block].iter_mut().zip(numbers) {
+                field[lane] = number;
+            }
+            if let Some(angle) = self.rolling_angle.get_mut(block) {
+                (0..3).for_each(|axis| angle[axis][lane] = rolling_angle[axis]);
+            }
         }
         self.slot.push(slot);
     }

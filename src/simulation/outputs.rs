@@ -53,8 +53,10 @@ impl OutputFolder {
 
 fn is_result(name: &str) -> bool {
     let checkpoint = name.starts_with("checkpoint-");
-    let fixed = ["series.csv", "profiles.h5", "particles.vtkhdf", "case.toml", COMPLETE];
-    checkpoint || fixed.contains(&name)
+    let growing = ["series.csv", "profiles.h5", "particles.vtkhdf"];
+    let of_growing = |suffix| name.strip_suffix(suffix).is_some_and(|file| growing.contains(&file));
+    let fixed = ["case.toml", COMPLETE];
+    checkpoint || fixed.contains(&name) || ["", ".metadata", ".partial"].into_iter().any(of_growing)
 }
 
 /// Steps between two results of a kind; none if it is not asked for.
@@ -192,7 +194,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes a checkpoint and removes the oldest ones beyond the number kept. Collective.
+    /// Writes a checkpoint and removes the oldest ones beyond the number kept. The rows of results that it goes
+    /// on from are made safe before: a run that is killed goes on from it with all of them. Collective.
     pub(super) fn write_checkpoint(
         &mut self,
         case: &Case,
@@ -212,6 +215,9 @@ impl Outputs {
             contacts: pairs.into_iter().map(ContactRecord::from).collect(),
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
         };
+        self.series.keep(ranks)?;
+        self.profiles.as_ref().map_or(Ok(()), |profiles| profiles.keep(ranks))?;
+        self.snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         let path = self.folder.path.join(checkpoint::file_name(state.clock.step));
         let digest = checkpoint::write(&path, &checkpoint, &self.provenance, ranks)?;
         checkpoint::prune(&self.folder.path, self.keep, ranks)?;

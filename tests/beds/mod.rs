@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use talcum::contact::{
-    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
+    CohesionExpression, ContactModel, FrictionCap, Interface, LinearSpringDashpot, VanDerWaals,
 };
 use talcum::domain::{Bounds, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall};
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive};
@@ -69,7 +69,8 @@ pub(crate) fn attraction(
 pub(crate) fn gas(superficial_velocity: f64) -> ColumnGas {
     ColumnGas {
         spacing: 1.5,
-        drag: DragLaw::WenYuCreeping,
+        drag: DragLaw::WEN_YU_CREEPING,
+        drag_factor: 1.0,
         viscosity: 1.0 / 55.0,
         density: 1.3e-3,
         drive: Drive::Velocity(Schedule::Constant(superficial_velocity)),
@@ -149,6 +150,7 @@ impl Bench {
             torque: zero,
             radius,
             mass: self.density * 4.0 / 3.0 * PI * radius.powi(3),
+            gas_force: [0.0; 3],
         });
         self
     }
@@ -196,15 +198,17 @@ impl Bench {
     }
 
     pub(crate) fn models(&self) -> Models {
-        let contact = ContactModel::LinearSpringDashpot(self.contact);
+        let law = ContactModel::LinearSpringDashpot(self.contact);
+        let contact = Interface { law, rolling: None };
         let SizeRange { smallest_diameter, largest_diameter, largest_mass } = self.sizes();
         let diameters = [smallest_diameter, largest_diameter];
         let weight = largest_mass * self.gravity.largest();
         let (cohesion, dt) = (self.cohesion.clone(), self.time_step);
-        let mut limits = Limits::new(&contact, cohesion.as_ref(), diameters, weight, dt);
+        let mut limits = Limits::new([&contact], cohesion.as_ref(), diameters, weight, dt);
         limits.force = self.force_limit.unwrap_or(limits.force);
         Models {
             contact,
+            at_walls: Vec::new(),
             cohesion,
             gas: self.gas.clone(),
             gravity: self.gravity,

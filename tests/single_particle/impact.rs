@@ -11,7 +11,7 @@ const RADIUS: f64 = 0.5;
 
 /// Time step that divides a contact of this reduced mass into `steps`.
 fn step_of(contact: &LinearSpringDashpot, reduced_mass: f64, steps: f64) -> f64 {
-    contact.contact_duration(reduced_mass) / steps
+    contact.contact_duration(reduced_mass, RADIUS) / steps
 }
 
 /// Speed of separation over that of approach of two spheres that meet head on.

@@ -16,6 +16,8 @@ struct Head {
     checkpoint: Checkpoint,
     provenance: Provenance,
     digest: String,
+    /// Version of the schema it was written by.
+    version: u64,
     /// Of particles, contacts and wall contacts.
     rows: [u64; 3],
 }
@@ -31,12 +33,12 @@ pub fn read(
     ranks: &dyn Communicator,
 ) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
     seal::check(path, ranks)?;
-    let Head { mut checkpoint, provenance, digest: stored, rows } =
+    let Head { mut checkpoint, provenance, digest: stored, version, rows } =
         agreed(path, read_head(path), ranks)?;
     let file = SharedFile::open_to_read(path, ranks)?;
-    checkpoint.particles = read_rows(&file, rows[0], ranks)?;
-    checkpoint.contacts = read_rows(&file, rows[1], ranks)?;
-    checkpoint.wall_contacts = read_rows(&file, rows[2], ranks)?;
+    checkpoint.particles = read_rows(&file, version, rows[0], ranks)?;
+    checkpoint.contacts = read_rows(&file, version, rows[1], ranks)?;
+    checkpoint.wall_contacts = read_rows(&file, version, rows[2], ranks)?;
     file.close()?;
     let digest = checkpoint.digest(ranks);
     let same = digest.to_string() == stored;
@@ -62,10 +64,11 @@ fn read_head(path: &Path) -> InWords<Head> {
         checkpoint: read_small(&file)?,
         provenance: read_provenance(&file)?,
         digest: file.text("/", "digest")?,
+        version,
         rows: [
-            rows_of::<crate::parallel::ParticleRecord>(&file)?,
-            rows_of::<crate::parallel::ContactRecord>(&file)?,
-            rows_of::<crate::parallel::WallContactRecord>(&file)?,
+            rows_of::<crate::parallel::ParticleRecord>(&file, version)?,
+            rows_of::<crate::parallel::ContactRecord>(&file, version)?,
+            rows_of::<crate::parallel::WallContactRecord>(&file, version)?,
         ],
     };
     file.close()?;
@@ -120,11 +123,12 @@ fn read_provenance(file: &SerialFile) -> InWords<Provenance> {
     })
 }
 
-/// The number of rows of a table; all its columns must have it, and their widths.
-fn rows_of<R: Table>(file: &SerialFile) -> InWords<u64> {
+/// The number of rows of a table; all its columns of this version must have it, and their widths.
+fn rows_of<R: Table>(file: &SerialFile, version: u64) -> InWords<u64> {
     let (rows, _) = file.shape(R::IDS[0].name)?;
     let ids = R::IDS.iter().map(|column| (column.name, 1));
-    let numbers = R::NUMBERS.iter().map(|column| (column.name, column.width));
+    let numbers = R::NUMBERS.iter().filter(|column| column.since <= version);
+    let numbers = numbers.map(|column| (column.name, column.width));
     for (name, width) in ids.chain(numbers) {
         let shape = file.shape(name)?;
         if shape != (rows, width) {
@@ -137,6 +141,7 @@ fn rows_of<R: Table>(file: &SerialFile) -> InWords<u64> {
 /// This rank's even share of a table's rows.
 fn read_rows<R: Table>(
     file: &SharedFile<'_>,
+    version: u64,
     total: u64,
     ranks: &dyn Communicator,
 ) -> Result<Vec<R>, OutputError> {
@@ -150,7 +155,7 @@ fn read_rows<R: Table>(
             *(column.get_mut)(record) = value;
         }
     }
-    for column in R::NUMBERS {
+    for column in R::NUMBERS.iter().filter(|column| column.since <= version) {
         let values: Vec<f64> = file.read_rows(column.name, first, count)?;
         for (record, value) in records.iter_mut().zip(values.chunks_exact(column.width)) {
             (column.get_mut)(record).copy_from_slice(value);

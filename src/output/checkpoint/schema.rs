@@ -10,7 +10,9 @@ use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
 /// What the root's attribute `format` says.
 pub(super) const FORMAT: &str = "talcum checkpoint";
 /// Version of this schema. A change that older programs would misread raises it.
-pub(super) const VERSION: u64 = 1;
+///
+/// 2: rolling angles of contacts; in files of version 1 they are zero.
+pub(super) const VERSION: u64 = 2;
 
 /// A column of integers.
 pub(super) struct IdColumn<R> {
@@ -26,6 +28,8 @@ pub(super) struct NumberColumn<R> {
     pub(super) width: usize,
     pub(super) unit: fn(&ColumnUnits) -> &'static str,
     pub(super) description: &'static str,
+    /// Version of the schema that brought it; zero in older files.
+    pub(super) since: u64,
     pub(super) get: fn(&R) -> &[f64],
     pub(super) get_mut: fn(&mut R) -> &mut [f64],
 }
@@ -39,11 +43,15 @@ pub(super) trait Table: Pod {
 
 macro_rules! vector {
     ($name:literal, $field:ident, $unit:ident, $description:literal) => {
+        vector!($name, $field, $unit, $description, 1)
+    };
+    ($name:literal, $field:ident, $unit:ident, $description:literal, $since:literal) => {
         NumberColumn {
             name: $name,
             width: 3,
             unit: |units| units.$unit,
             description: $description,
+            since: $since,
             get: |record| &record.$field,
             get_mut: |record| &mut record.$field,
         }
@@ -57,6 +65,7 @@ macro_rules! number {
             width: 1,
             unit: |units| units.$unit,
             description: $description,
+            since: 1,
             get: |record| from_ref(&record.$field),
             get_mut: |record| from_mut(&mut record.$field),
         }
@@ -105,6 +114,13 @@ impl Table for ContactRecord {
             length,
             "largest overlap since the contact began"
         ),
+        vector!(
+            "/contacts/rolling_angle",
+            rolling_angle,
+            angle,
+            "angle that the higher has rolled relative to the lower, if a rolling spring holds it",
+            2
+        ),
     ];
 }
 
@@ -125,6 +141,13 @@ impl Table for WallContactRecord {
             largest_overlap,
             length,
             "largest overlap since the contact began"
+        ),
+        vector!(
+            "/wall_contacts/rolling_angle",
+            rolling_angle,
+            angle,
+            "angle that the wall has rolled relative to the particle, if a rolling spring holds it",
+            2
         ),
     ];
 }

@@ -1,0 +1,125 @@
+//! Elastic spheres in contact: moduli of two bodies, and what the laws of Hertz, Mindlin, and Johnson, Kendall and
+//! Roberts share.
+
+use super::InvalidContactLaw;
+use super::linear_spring_dashpot::require;
+use super::slider::damping_ratio;
+
+/// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is told.
+const TOLD_OVERLAP: f64 = 0.01;
+
+/// What a body is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elasticity {
+    /// Young's modulus E, force per area; infinite for a rigid body.
+    pub young_modulus: f64,
+    /// Poisson's ratio nu.
+    pub poisson_ratio: f64,
+}
+
+/// Moduli of a contact: 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 and 1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2
+/// with G = E / (2 (1 + nu)).
+///
+/// ```
+/// use talcum::contact::{ContactModuli, Elasticity};
+/// let steel = Elasticity { young_modulus: 2.0e11, poisson_ratio: 0.0 };
+/// let alike = ContactModuli::between(steel, steel)?;
+/// assert_eq!((alike.normal, alike.shear), (1.0e11, 2.5e10));
+/// let rigid = Elasticity { young_modulus: f64::INFINITY, poisson_ratio: 0.3 };
+/// assert_eq!(ContactModuli::between(steel, rigid)?.normal, 2.0e11);
+/// # Ok::<(), talcum::contact::InvalidContactLaw>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactModuli {
+    /// E*.
+    pub normal: f64,
+    /// G*.
+    pub shear: f64,
+}
+
+impl ContactModuli {
+    /// Of two bodies.
+    ///
+    /// # Errors
+    /// If a modulus is not positive, nu not within -1 to 0.5, or both bodies are rigid.
+    pub fn between(one: Elasticity, other: Elasticity) -> Result<Self, InvalidContactLaw> {
+        for Elasticity { young_modulus: e, poisson_ratio: nu } in [one, other] {
+            require(e > 0.0, "young_modulus", e, "positive")?;
+            require(nu > -1.0 && nu <= 0.5, "poisson_ratio", nu, "above -1 and at most 0.5")?;
+        }
+        let softer = one.young_modulus.min(other.young_modulus);
+        require(softer.is_finite(), "young_modulus", softer, "finite for one of the bodies")?;
+        let compliance = |body: Elasticity| {
+            let Elasticity { young_modulus: e, poisson_ratio: nu } = body;
+            [(1.0 - nu * nu) / e, 2.0 * (2.0 - nu) * (1.0 + nu) / e]
+        };
+        let ([n1, t1], [n2, t2]) = (compliance(one), compliance(other));
+        Ok(Self { normal: 1.0 / (n1 + n2), shear: 1.0 / (t1 + t2) })
+    }
+}
+
+/// Springs and dashpots of a contact of radius a.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Elastic {
+    pub(super) moduli: ContactModuli,
+    pub(super) friction: f64,
+    /// 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e).
+    damping: f64,
+}
+
+impl Elastic {
+    pub(super) fn new(
+        moduli: ContactModuli,
+        restitution: f64,
+        friction: f64,
+    ) -> Result<Self, InvalidContactLaw> {
+        let e = restitution;
+        require(moduli.normal > 0.0, "young_modulus", moduli.normal, "positive")?;
+        require(moduli.shear > 0.0, "young_modulus", moduli.shear, "positive")?;
+        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
+        require(friction >= 0.0, "friction", friction, "zero or positive")?;
+        let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(e);
+        Ok(Self { moduli, friction, damping })
+    }
+
+    /// S_n = 2 E* a.
+    #[inline(always)]
+    pub(super) fn normal_stiffness(&self, radius: f64) -> f64 {
+        2.0 * self.moduli.normal * radius
+    }
+
+    /// S_t = 8 G* a: Mindlin's, without slip.
+    #[inline(always)]
+    pub(super) fn tangential_stiffness(&self, radius: f64) -> f64 {
+        8.0 * self.moduli.shear * radius
+    }
+
+    /// eta = 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e) sqrt(S m*): in a normal impact of Hertz's law, a restitution
+    /// coefficient of e at any speed.
+    #[inline(always)]
+    pub(super) fn dashpot(&self, stiffness: f64, reduced_mass: f64) -> f64 {
+        self.damping * (stiffness * reduced_mass).sqrt()
+    }
+
+    /// 2.943 delta / V of the elastic impact of Hertz's law whose largest overlap is 1 % of the diameter 4 R* of
+    /// two equal spheres: from (1/2) m* V^2 = (8/15) E* sqrt(R*) delta^(5/2). Slower impacts last longer.
+    pub(super) fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+        let overlap = TOLD_OVERLAP * 4.0 * reduced_radius;
+        let energy = 8.0 / 15.0 * self.hertz_force(overlap, reduced_radius) * 0.75 * overlap;
+        2.943 * overlap / (2.0 * energy / reduced_mass).sqrt()
+    }
+
+    /// (4/3) E* sqrt(R*) delta^(3/2).
+    #[inline(always)]
+    pub(super) fn hertz_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        4.0 / 3.0 * self.moduli.normal * (reduced_radius * overlap).sqrt() * overlap
+    }
+}
+
+/// Part of a tangential displacement that counts after the contact radius went from `before` to `now`: a contact
+/// that is loaded keeps its force, not its displacement. One that is unloaded loses force with S_t. Otherwise
+/// cycles of loading would make energy (Elata & Berryman, Mech. Mater. 24 (1996) 229).
+#[inline(always)]
+pub(super) fn kept(before: f64, now: f64) -> f64 {
+    if before < now { before / now } else { 1.0 }
+}

@@ -1,0 +1,95 @@
+//! Elastic spheres: Hertz's normal force, Mindlin's tangential stiffness without slip, and dashpots of a constant
+//! restitution coefficient.
+//!
+//! Mindlin & Deresiewicz, J. Appl. Mech. 20 (1953) 327; Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239;
+//! Antypov & Elliott, Europhys. Lett. 94 (2011) 50004.
+
+use super::elastic::{ContactModuli, Elastic, kept};
+use super::slider::Slider;
+use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
+use crate::particles::ContactMemory;
+
+/// F_n = (4/3) E* sqrt(R*) delta^(3/2) - eta_n v_n; F_t = -S_t s - eta_t v_t, at most mu |F_n|.
+///
+/// With a = sqrt(R* delta) the radius of contact, S_n = 2 E* a and S_t = 8 G* a; eta = 2 sqrt(5/6) |ln e| /
+/// sqrt(pi^2 + ln^2 e) sqrt(S m*) with S_n or S_t. While a contact is loaded, the tangential force of its spring
+/// stays; while it is unloaded, that falls with S_t: no cycle makes energy.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use talcum::contact::{Contact, ContactLaw, ContactModuli, HertzMindlin};
+/// use talcum::particles::ContactMemory;
+///
+/// let law = HertzMindlin::new(ContactModuli { normal: 0.75e9, shear: 0.2e9 }, 1.0, 0.3)?;
+/// let at_rest = Contact {
+///     overlap: 1.0e-4,
+///     normal: Vector3::z(),
+///     relative_velocity: Vector3::zeros(),
+///     relative_spin: Vector3::zeros(),
+///     reduced_mass: 0.5,
+///     reduced_radius: 0.01,
+///     reduced_inertia: 0.05,
+///     cohesion: 0.0,
+/// };
+/// let force = law.force(&at_rest, &mut ContactMemory::default(), 0.0);
+/// assert!((force.normal - 1.0e9 * 0.1 * 1.0e-6).abs() < 1.0e-10);
+/// # Ok::<(), talcum::contact::InvalidContactLaw>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HertzMindlin {
+    elastic: Elastic,
+}
+
+impl HertzMindlin {
+    /// With the moduli of the contact, e and mu.
+    ///
+    /// # Errors
+    /// If a modulus is not positive, e not within (0, 1], or mu negative.
+    pub fn new(
+        moduli: ContactModuli,
+        restitution: f64,
+        friction: f64,
+    ) -> Result<Self, InvalidContactLaw> {
+        Ok(Self { elastic: Elastic::new(moduli, restitution, friction)? })
+    }
+}
+
+/// sqrt(R* delta), 0 where the spheres are apart.
+#[inline(always)]
+fn contact_radius(overlap: f64, reduced_radius: f64) -> f64 {
+    (reduced_radius * if overlap > 0.0 { overlap } else { 0.0 }).sqrt()
+}
+
+impl ContactLaw for HertzMindlin {
+    #[inline(always)]
+    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+        let Contact { overlap, reduced_mass, reduced_radius, .. } = *contact;
+        let separation_speed = contact.normal.dot(&contact.relative_velocity);
+        let radius = contact_radius(overlap, reduced_radius);
+        let before = contact_radius(overlap + separation_speed * dt, reduced_radius);
+        let stiffness = self.elastic.normal_stiffness(radius);
+        let dashpot = self.elastic.dashpot(stiffness, reduced_mass);
+        let normal = 2.0 / 3.0 * stiffness * overlap - dashpot * separation_speed;
+        let stiffness = self.elastic.tangential_stiffness(radius);
+        let slider = Slider {
+            stiffness,
+            damping: self.elastic.dashpot(stiffness, reduced_mass),
+            limit: self.elastic.friction * normal.abs(),
+            kept: kept(before, radius),
+        };
+        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip: normal.abs() }
+    }
+
+    #[inline(always)]
+    fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        self.elastic.normal_stiffness(contact_radius(overlap, reduced_radius))
+    }
+
+    fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+        self.elastic.contact_duration(reduced_mass, reduced_radius)
+    }
+
+    fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        self.elastic.hertz_force(overlap, reduced_radius)
+    }
+}

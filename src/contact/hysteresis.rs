@@ -1,0 +1,144 @@
+//! Loading, unloading and adhesion along straight lines of their own: what the hysteretic laws share.
+//!
+//! Walton & Braun, J. Rheol. 30 (1986) 949; Luding, Granular Matter 10 (2008) 235.
+
+use super::linear_spring_dashpot::require;
+use super::slider::{Slider, damping_ratio};
+use super::{Contact, ContactForce, InvalidContactLaw};
+use crate::particles::ContactMemory;
+use std::f64::consts::PI;
+
+/// Parameters of every hysteretic law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HystereticParameters {
+    /// k_load, force per overlap.
+    pub loading_stiffness: f64,
+    /// k_unload >= k_load, force per overlap.
+    pub unloading_stiffness: f64,
+    /// k_t, force per length.
+    pub tangential_stiffness: f64,
+    /// e of the dashpot alone, above 0 and at most 1: 1 is no dashpot.
+    pub restitution: f64,
+    /// mu_f.
+    pub friction: f64,
+}
+
+impl HystereticParameters {
+    /// psi_p = 1 - k_load / k_unload, the plasticity index.
+    pub fn plasticity(&self) -> f64 {
+        1.0 - self.loading_stiffness / self.unloading_stiffness
+    }
+
+    fn check(&self) -> Result<(), InvalidContactLaw> {
+        let Self { loading_stiffness: loading, unloading_stiffness: unloading, .. } = *self;
+        require(loading > 0.0, "loading_stiffness", loading, "positive")?;
+        let stiffer = "at least the loading stiffness";
+        require(unloading >= loading, "unloading_stiffness", unloading, stiffer)?;
+        let kt = self.tangential_stiffness;
+        require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
+        let e = self.restitution;
+        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
+        require(self.friction >= 0.0, "friction", self.friction, "zero or positive")
+    }
+}
+
+/// The force without constant attraction, with delta_p = psi_p delta_max:
+///
+/// ```text
+/// loading      (delta = delta_max)   k_load delta
+/// unloading    (delta < delta_max)   k_unload (delta - delta_p)
+/// adhesion     not below             -k_c delta;  there delta_max falls, so that the unloading line meets it
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Hysteresis {
+    unloading_stiffness: f64,
+    plasticity: f64,
+    /// k_c, infinite where nothing limits adhesion.
+    adhesion_stiffness: f64,
+    loading_stiffness: f64,
+    tangential_stiffness: f64,
+    friction: f64,
+    /// eta_n / sqrt(m*).
+    damping_factor: f64,
+    /// eta_t / sqrt(m*).
+    tangential_damping_factor: f64,
+}
+
+impl Hysteresis {
+    /// With an adhesion stiffness k_c, which may be infinite.
+    pub(super) fn new(
+        parameters: &HystereticParameters,
+        adhesion_stiffness: f64,
+    ) -> Result<Self, InvalidContactLaw> {
+        parameters.check()?;
+        let ratio = 2.0 * damping_ratio(parameters.restitution);
+        let kt = parameters.tangential_stiffness;
+        Ok(Self {
+            unloading_stiffness: parameters.unloading_stiffness,
+            plasticity: parameters.plasticity(),
+            adhesion_stiffness,
+            loading_stiffness: parameters.loading_stiffness,
+            tangential_stiffness: kt,
+            friction: parameters.friction,
+            damping_factor: ratio * parameters.loading_stiffness.sqrt(),
+            tangential_damping_factor: ratio * (2.0 / 7.0 * kt).sqrt(),
+        })
+    }
+
+    /// Spring force at an overlap, and the largest overlap to be remembered.
+    #[inline(always)]
+    pub(super) fn spring(&self, overlap: f64, largest: f64) -> (f64, f64) {
+        let largest = if overlap > largest { overlap } else { largest };
+        let unloading = self.unloading_stiffness * (overlap - self.plasticity * largest);
+        let adhesion = -self.adhesion_stiffness * overlap;
+        let met = (self.unloading_stiffness + self.adhesion_stiffness) * overlap
+            / (self.unloading_stiffness * self.plasticity);
+        // Selects instead of branches: contacts are evaluated side by side, in lanes.
+        if unloading < adhesion { (adhesion, met) } else { (unloading, largest) }
+    }
+
+    /// Spring, dashpots and friction, less a constant attraction. Friction is proportional to the normal force
+    /// plus `adhesion`, what of it is repulsive.
+    #[inline(always)]
+    pub(super) fn force(
+        &self,
+        contact: &Contact,
+        memory: &mut ContactMemory,
+        dt: f64,
+        (attraction, adhesion): (f64, f64),
+    ) -> ContactForce {
+        let separation_speed = contact.normal.dot(&contact.relative_velocity);
+        let root_of_mass = contact.reduced_mass.sqrt();
+        let (spring, largest) = self.spring(contact.overlap, memory.largest_overlap);
+        memory.largest_overlap = largest;
+        let normal = spring - attraction - self.damping_factor * root_of_mass * separation_speed;
+        let grip = (normal + adhesion).abs();
+        let slider = Slider {
+            stiffness: self.tangential_stiffness,
+            damping: self.tangential_damping_factor * root_of_mass,
+            limit: self.friction * grip,
+            kept: 1.0,
+        };
+        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip }
+    }
+
+    /// k_load.
+    pub(super) fn loading_stiffness(&self) -> f64 {
+        self.loading_stiffness
+    }
+
+    /// k_unload.
+    pub(super) fn unloading_stiffness(&self) -> f64 {
+        self.unloading_stiffness
+    }
+
+    /// k_c.
+    pub(super) fn adhesion_stiffness(&self) -> f64 {
+        self.adhesion_stiffness
+    }
+
+    /// pi sqrt(m* / k_unload): half a swing along the stiffer line.
+    pub(super) fn contact_duration(&self, reduced_mass: f64) -> f64 {
+        PI * (reduced_mass / self.unloading_stiffness).sqrt()
+    }
+}

@@ -1,0 +1,161 @@
+//! Elastic adhesive spheres: Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301; Thornton & Ning,
+//! Powder Technol. 99 (1998) 154.
+
+use super::elastic::{ContactModuli, Elastic, kept};
+use super::linear_spring_dashpot::require;
+use super::slider::Slider;
+use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
+use crate::numbers::power;
+use crate::particles::ContactMemory;
+use std::f64::consts::PI;
+
+/// With a the radius of contact and gamma the surface energy of each sphere (half the work of adhesion w of equal
+/// bodies: w = 2 gamma),
+///
+/// ```text
+/// delta = a^2 / R* - 2 sqrt(pi gamma a / E*),   F = 4 E* a^3 / (3 R*) - 4 sqrt(pi gamma E* a^3)
+/// ```
+///
+/// or, on one curve for all spheres, with c^3 = 2 R* sqrt(pi gamma / E*) and a = c^2 s^2,
+///
+/// ```text
+/// delta = (c^4 / R*) (s^4 - s),   F = 8 pi gamma R* (2/3 s^6 - s^3)
+/// ```
+///
+/// A contact forms at an overlap above 0, where it pulls with 8/9 of the pull-off force F_c = 3 pi gamma R* at once
+/// (s = 1). It is held by a neck beyond: the pull is largest, F_c, at s^3 = 3/4, and the neck tears at the
+/// largest separation that it can span, s^3 = 1/4, pulling with 5/9 F_c.
+///
+/// Dashpots and tangential spring as in [`super::HertzMindlin`] with this a; friction is at most mu |F_n + 2 F_c|
+/// (Thornton, J. Phys. D 24 (1991) 1942).
+///
+/// ```
+/// use talcum::contact::{ContactLaw, ContactModuli, Jkr};
+/// let law = Jkr::new(ContactModuli { normal: 1.0e7, shear: 2.0e6 }, 0.05, 0.9, 0.3)?;
+/// assert!(law.reach(1.0e-5) < 1.0e-6);
+/// assert!((law.pull_off_force(1.0e-5) - 3.0 * std::f64::consts::PI * 0.05 * 1.0e-5).abs() < 1.0e-20);
+/// # Ok::<(), talcum::contact::InvalidContactLaw>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jkr {
+    elastic: Elastic,
+    surface_energy: f64,
+    /// sqrt(pi gamma / E*).
+    root: f64,
+}
+
+/// Where the neck tears, s^3 = 1/4, and the separation there over c^4 / R*: 3/4 s.
+const TEARING: f64 = 0.629_960_524_947_436_6;
+const LARGEST_SEPARATION: f64 = 0.75 * TEARING;
+/// Newton steps: from at most 1.6 of the root, quadratically, to the last digit.
+const NEWTON_STEPS: usize = 6;
+
+/// The larger s with s^4 - s = y, for y >= -3/4 2^(-2/3).
+///
+/// With s = s_0 + z, s_0^3 = 1/4, and t = y - y_0: z^2 (z^2 + 4 s_0 z + 6 s_0^2) = t, whose root is smooth in sqrt(t)
+/// also where the neck tears. z sqrt(z^2 + ...) is convex, so that Newton's steps from above do not overshoot.
+#[inline(always)]
+fn neck(y: f64) -> f64 {
+    let (linear, constant) = (4.0 * TEARING, 6.0 * TEARING * TEARING);
+    let t = y + LARGEST_SEPARATION;
+    let w = if t > 0.0 { t.sqrt() } else { 0.0 };
+    let (of_small, of_large) = (w / constant.sqrt(), w.sqrt());
+    let mut z = if of_small < of_large { of_small } else { of_large };
+    for _ in 0..NEWTON_STEPS {
+        let square = z * z + linear * z + constant;
+        let root = square.sqrt();
+        z -= (z * root - w) * root / (2.0 * z * z + 1.5 * linear * z + constant);
+    }
+    TEARING + z
+}
+
+impl Jkr {
+    /// With the moduli of the contact, gamma (energy per area), e and mu.
+    ///
+    /// # Errors
+    /// If a modulus or gamma is not positive, e not within (0, 1], or mu negative.
+    pub fn new(
+        moduli: ContactModuli,
+        surface_energy: f64,
+        restitution: f64,
+        friction: f64,
+    ) -> Result<Self, InvalidContactLaw> {
+        require(surface_energy > 0.0, "surface_energy", surface_energy, "positive")?;
+        let elastic = Elastic::new(moduli, restitution, friction)?;
+        let root = (PI * surface_energy / moduli.normal).sqrt();
+        Ok(Self { elastic, surface_energy, root })
+    }
+
+    /// F_c = 3 pi gamma R*.
+    pub fn pull_off_force(&self, reduced_radius: f64) -> f64 {
+        3.0 * PI * self.surface_energy * reduced_radius
+    }
+
+    /// c.
+    #[inline(always)]
+    fn scale(&self, reduced_radius: f64) -> f64 {
+        power(2.0 * reduced_radius * self.root, 1.0 / 3.0)
+    }
+
+    /// c^4 / R* = 2 c sqrt(pi gamma / E*).
+    #[inline(always)]
+    fn overlap_scale(&self, scale: f64) -> f64 {
+        2.0 * scale * self.root
+    }
+}
+
+impl ContactLaw for Jkr {
+    #[inline(always)]
+    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+        let Contact { overlap, reduced_mass, reduced_radius, .. } = *contact;
+        let separation_speed = contact.normal.dot(&contact.relative_velocity);
+        let scale = self.scale(reduced_radius);
+        let per_overlap = 1.0 / self.overlap_scale(scale);
+        let s = neck(overlap * per_overlap);
+        let before = neck((overlap + separation_speed * dt) * per_overlap);
+        let radius = scale * scale * (s * s);
+        let cube = s * s * s;
+        let elastic =
+            8.0 * PI * self.surface_energy * reduced_radius * (2.0 / 3.0 * cube - 1.0) * cube;
+        let dashpot = self.elastic.dashpot(self.elastic.normal_stiffness(radius), reduced_mass);
+        let normal = elastic - dashpot * separation_speed;
+        let stiffness = self.elastic.tangential_stiffness(radius);
+        let grip = (normal + 6.0 * PI * self.surface_energy * reduced_radius).abs();
+        let slider = Slider {
+            stiffness,
+            damping: self.elastic.dashpot(stiffness, reduced_mass),
+            limit: self.elastic.friction * grip,
+            kept: kept(before * before, s * s),
+        };
+        let largest = memory.largest_overlap;
+        memory.largest_overlap = if overlap > largest { overlap } else { largest };
+        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip }
+    }
+
+    /// At an overlap, or joined by a neck that began at one.
+    #[inline(always)]
+    fn touches(&self, contact: &Contact, memory: &ContactMemory) -> bool {
+        let spanned = contact.overlap > -self.reach(contact.reduced_radius);
+        contact.overlap > 0.0 || (memory.largest_overlap > 0.0 && spanned)
+    }
+
+    #[inline(always)]
+    fn reach(&self, reduced_radius: f64) -> f64 {
+        LARGEST_SEPARATION * self.overlap_scale(self.scale(reduced_radius))
+    }
+
+    #[inline(always)]
+    fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        let scale = self.scale(reduced_radius);
+        let s = neck(overlap / self.overlap_scale(scale));
+        self.elastic.normal_stiffness(scale * scale * (s * s))
+    }
+
+    fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+        self.elastic.contact_duration(reduced_mass, reduced_radius)
+    }
+
+    fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        self.elastic.hertz_force(overlap, reduced_radius) + self.pull_off_force(reduced_radius)
+    }
+}

@@ -1,0 +1,68 @@
+//! Linear hysteretic contact with adhesion: Luding, Granular Matter 10 (2008) 235, with a constant k_2.
+
+use super::hysteresis::{Hysteresis, HystereticParameters};
+use super::linear_spring_dashpot::require;
+use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
+use crate::particles::ContactMemory;
+
+/// F = k_1 delta while loaded for the first time, k_2 (delta - delta_0) after, delta_0 = (1 - k_1 / k_2) delta_max,
+/// but not below -k_c delta; there delta_max is lowered, so that a contact that is pressed again climbs with k_2.
+///
+/// k_1 is the loading stiffness, k_2 the unloading one, k_c the stiffness of adhesion. Dashpots as in
+/// [`super::AdhesiveElasticPlastic`]; friction is at most mu |F_n + k_c delta|.
+///
+/// Without dashpot, e^2 = k_1/k_2 - k_c (k_2 - k_1)^2 / (k_1 k_2 (k_2 + k_c)); spheres stick where that is negative.
+///
+/// ```
+/// use talcum::contact::{ContactLaw, HystereticParameters, LinearHysteretic};
+/// let parameters = HystereticParameters {
+///     loading_stiffness: 1.0,
+///     unloading_stiffness: 4.0,
+///     tangential_stiffness: 0.5,
+///     restitution: 1.0,
+///     friction: 0.3,
+/// };
+/// let law = LinearHysteretic::new(parameters, 0.0)?;
+/// assert_eq!(law.contact_duration(1.0, 0.5), std::f64::consts::PI / 2.0);
+/// # Ok::<(), talcum::contact::InvalidContactLaw>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearHysteretic {
+    hysteresis: Hysteresis,
+}
+
+impl LinearHysteretic {
+    /// With k_c, force per overlap.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range, or k_c negative.
+    pub fn new(
+        parameters: HystereticParameters,
+        adhesion_stiffness: f64,
+    ) -> Result<Self, InvalidContactLaw> {
+        let kc = adhesion_stiffness;
+        require(kc >= 0.0 && kc.is_finite(), "adhesion_stiffness", kc, "zero or positive")?;
+        Ok(Self { hysteresis: Hysteresis::new(&parameters, kc)? })
+    }
+}
+
+impl ContactLaw for LinearHysteretic {
+    #[inline(always)]
+    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+        let adhesion = self.hysteresis.adhesion_stiffness() * contact.overlap;
+        self.hysteresis.force(contact, memory, dt, (0.0, adhesion))
+    }
+
+    fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {
+        self.hysteresis.loading_stiffness()
+    }
+
+    fn contact_duration(&self, reduced_mass: f64, _reduced_radius: f64) -> f64 {
+        self.hysteresis.contact_duration(reduced_mass)
+    }
+
+    fn largest_force(&self, overlap: f64, _reduced_radius: f64) -> f64 {
+        let hysteresis = &self.hysteresis;
+        (hysteresis.unloading_stiffness() + hysteresis.adhesion_stiffness()) * overlap
+    }
+}

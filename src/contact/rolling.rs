@@ -1,0 +1,133 @@
+//! Resistance to rolling, for any contact law: Ai, Chen, Rotter & Ooi, Powder Technol. 206 (2011) 269.
+
+use super::{Contact, InvalidContactLaw};
+use nalgebra::Vector3;
+
+/// What a rolling contact resists by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RollingKind {
+    /// A torque mu_r R* F against the rolling, however slow (their type A).
+    ConstantTorque,
+    /// A rolling spring k_r = 2.25 k_n (mu_r R*)^2 that yields at mu_r R* F, and a dashpot (their type C, EPSD).
+    ElasticPlastic {
+        /// eta_r, of the critical damping 2 sqrt(I_r k_r), I_r = (7/2) I*: the inertia about the contact.
+        damping: f64,
+    },
+}
+
+/// Rolling friction: with F the normal force that friction is proportional to ([`super::ContactForce::grip`]) and
+/// omega the relative spin in the tangent plane (spin about the normal is not resisted), the torque on the
+/// second body is
+///
+/// ```text
+/// constant torque    -mu_r R* F omega/|omega|, at most what stops omega within the step
+/// elastic-plastic    -k_r theta - eta_r 2 sqrt(I_r k_r) omega,   theta the angle rolled, |k_r theta| <= mu_r R* F;
+///                    the dashpot is off while the spring yields
+/// ```
+///
+/// k_n is the law's stiffness at the overlap. Where it grows while the contact is loaded, the torque stays and
+/// theta shrinks: a spring that stiffens while it is bent would make energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RollingFriction {
+    kind: RollingKind,
+    coefficient: f64,
+}
+
+impl RollingFriction {
+    /// Of a kind and a coefficient mu_r, a number.
+    ///
+    /// # Errors
+    /// If mu_r or eta_r is negative, or eta_r above 1.
+    pub fn new(kind: RollingKind, coefficient: f64) -> Result<Self, InvalidContactLaw> {
+        let wrong =
+            |parameter, value, allowed| Err(InvalidContactLaw { parameter, value, allowed });
+        if let RollingKind::ElasticPlastic { damping } = kind
+            && !(0.0..=1.0).contains(&damping)
+        {
+            return wrong("rolling_damping", damping, "between 0 and 1");
+        }
+        if coefficient.is_nan() || coefficient < 0.0 {
+            return wrong("rolling_friction", coefficient, "zero or positive");
+        }
+        Ok(Self { kind, coefficient })
+    }
+}
+
+/// A resistance to rolling, or none, chosen once for all pairs.
+pub(super) trait Rolling: Copy {
+    /// Whether there is any.
+    const ACTS: bool;
+
+    /// Torque on the second body, after `angle` has been carried on by `dt`. `stiffness` is that of the law
+    /// before the step and now.
+    fn torque(
+        &self,
+        contact: &Contact,
+        grip: f64,
+        stiffness: [f64; 2],
+        angle: &mut Vector3<f64>,
+        dt: f64,
+    ) -> Vector3<f64>;
+}
+
+/// No resistance.
+#[derive(Clone, Copy)]
+pub(super) struct NoRolling;
+
+impl Rolling for NoRolling {
+    const ACTS: bool = false;
+
+    #[inline(always)]
+    fn torque(
+        &self,
+        _: &Contact,
+        _: f64,
+        _: [f64; 2],
+        _: &mut Vector3<f64>,
+        _: f64,
+    ) -> Vector3<f64> {
+        Vector3::zeros()
+    }
+}
+
+impl Rolling for RollingFriction {
+    const ACTS: bool = true;
+
+    #[inline(always)]
+    fn torque(
+        &self,
+        contact: &Contact,
+        grip: f64,
+        stiffness: [f64; 2],
+        angle: &mut Vector3<f64>,
+        dt: f64,
+    ) -> Vector3<f64> {
+        let n = contact.normal;
+        let spin = contact.relative_spin;
+        let rolling = spin - n * n.dot(&spin);
+        let arm = self.coefficient * contact.reduced_radius;
+        let limit = arm * grip;
+        match self.kind {
+            RollingKind::ConstantTorque => {
+                *angle = Vector3::zeros();
+                let inertia = contact.reduced_inertia;
+                let speed = rolling.norm();
+                let per_step = if dt > 0.0 { inertia / dt } else { 0.0 };
+                rolling * -(if speed * inertia > limit * dt { limit / speed } else { per_step })
+            }
+            RollingKind::ElasticPlastic { damping } => {
+                let [before, now] = stiffness;
+                let spring = 2.25 * now * arm * arm;
+                let loading = if before < now { before / now } else { 1.0 };
+                let mut theta = (*angle - n * n.dot(angle)) * loading + rolling * dt;
+                let bent = spring * spring * theta.norm_squared();
+                let yields = bent > limit * limit;
+                theta *= if yields { limit / bent.sqrt() } else { 1.0 };
+                *angle = theta;
+                let critical = 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt();
+                let dashpot = if yields { 0.0 } else { damping * critical };
+                theta * -spring - rolling * dashpot
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Friction in the tangent plane: spring, dashpot and slider (Cundall & Strack, Géotechnique 29 (1979) 47).
+
+use super::Contact;
+use crate::particles::ContactMemory;
+use nalgebra::Vector3;
+
+/// F_t = -k_t s - eta_t v_t with s the tangential displacement since the contact began; where that exceeds the
+/// limit, F_t is the limit along it and s is set back to -F_t / k_t.
+#[derive(Clone, Copy)]
+pub(super) struct Slider {
+    /// k_t, force per length.
+    pub(super) stiffness: f64,
+    /// eta_t, force per velocity.
+    pub(super) damping: f64,
+    /// mu times the normal force that friction is proportional to.
+    pub(super) limit: f64,
+    /// Part of the old displacement that still counts: 1, unless k_t has grown in the last step.
+    pub(super) kept: f64,
+}
+
+impl Slider {
+    /// Force on the second body, after the spring has been turned into the tangent plane and carried on by `dt`.
+    #[inline(always)]
+    pub(super) fn force(
+        self,
+        contact: &Contact,
+        memory: &mut ContactMemory,
+        dt: f64,
+    ) -> Vector3<f64> {
+        let n = contact.normal;
+        let slip = contact.relative_velocity - n * n.dot(&contact.relative_velocity);
+        let old = memory.tangential_spring;
+        let spring = (old - n * n.dot(&old)) * self.kept + slip * dt;
+        let trial = spring * -self.stiffness - slip * self.damping;
+        let squared = trial.norm_squared();
+        let slides = squared > self.limit * self.limit;
+        let force = trial * if slides { self.limit / squared.sqrt() } else { 1.0 };
+        let compliance = if self.stiffness > 0.0 { 1.0 / self.stiffness } else { 0.0 };
+        memory.tangential_spring = force
+            .zip_map(&spring, |force, spring| if slides { -force * compliance } else { spring });
+        force
+    }
+}
+
+/// |ln e| / sqrt(pi^2 + ln^2 e): the damping of an oscillator, over the critical one, whose half swing has the
+/// restitution coefficient e.
+pub(super) fn damping_ratio(restitution: f64) -> f64 {
+    let log = libm::log(restitution);
+    log.abs() / (std::f64::consts::PI.powi(2) + log * log).sqrt()
+}

@@ -1,0 +1,91 @@
+//! The loop over particles at walls.
+
+use super::forces::{ForceLaws, ForceOutOfRange, forget, out_of_range, total};
+use super::rolling::Rolling;
+use super::{Contact, ContactForce, ContactLaw, Interface};
+use crate::domain::Wall;
+use crate::numbers::within;
+use crate::particles::{ContactMemory, Contacts, Particles};
+use nalgebra::Vector3;
+
+/// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
+/// force lattice.
+///
+/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) at rest in the frame of the
+/// box, with law and attraction of its own.
+///
+/// # Errors
+/// If a force exceeds the limit or is undefined.
+pub fn add_wall_forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    walls: &[Wall],
+    laws: &ForceLaws,
+    on_walls: &mut [[i64; 3]],
+) -> Result<(), ForceOutOfRange> {
+    on_walls.fill([0; 3]);
+    for slot in 0..contacts.wall_pairs.len() {
+        let pair = contacts.wall_pairs[slot];
+        let (i, number) = (pair.particle as usize, pair.wall as usize);
+        let contact = contact_with(&walls[number], particles, i, laws);
+        let interface = laws.at_walls.get(number).unwrap_or(laws.contact);
+        let (force, rolling) = evaluate(interface, &contact, contacts, slot, laws.dt);
+        let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
+        if !within(&on_wall, laws.limit) {
+            let other = format!("wall \"{}\"", walls[number].name);
+            let overlap = contact.overlap;
+            return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
+        }
+        particles.force[i] -= on_wall;
+        let twist = contact.normal.cross(&force.tangential) * particles.radius[i] + rolling;
+        particles.torque[i] -= laws.torque_lattice.round_vector(twist);
+        for axis in 0..3 {
+            on_walls[number][axis] += laws.force_lattice.count(on_wall[axis]);
+        }
+    }
+    Ok(())
+}
+
+/// A particle and a wall as the law sees them.
+fn contact_with(wall: &Wall, particles: &Particles, i: usize, laws: &ForceLaws) -> Contact {
+    let radius = particles.radius[i];
+    let overlap = radius - wall.height_of(&particles.position[i]);
+    let spin = particles.angular_velocity[i];
+    let normal = -wall.normal;
+    Contact {
+        overlap,
+        normal,
+        relative_velocity: -particles.velocity[i] - (spin * radius).cross(&normal),
+        relative_spin: -spin,
+        reduced_mass: particles.mass[i],
+        reduced_radius: radius,
+        reduced_inertia: particles.inertia(i),
+        cohesion: laws.cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap)),
+    }
+}
+
+/// Force and rolling torque on the wall; what the contact remembers goes on, or ends.
+fn evaluate(
+    interface: &Interface,
+    contact: &Contact,
+    contacts: &mut Contacts,
+    slot: usize,
+    dt: f64,
+) -> (ContactForce, Vector3<f64>) {
+    let Interface { law, rolling } = interface;
+    let memory: &mut ContactMemory = &mut contacts.wall_memory[slot];
+    let angle = &mut contacts.wall_rolling_angle[slot];
+    if !law.touches(contact, memory) {
+        forget(&mut contacts.wall_touching[slot], memory);
+        *angle = Vector3::zeros();
+        return (ContactForce::zero(), Vector3::zeros());
+    }
+    contacts.wall_touching[slot] = true;
+    let force = law.force(contact, memory, dt);
+    let Some(rolling) = rolling else {
+        *angle = Vector3::zeros();
+        return (force, Vector3::zeros());
+    };
+    let torque = rolling.torque(contact, force.grip, law.stiffness_over(contact, dt), angle, dt);
+    (force, torque)
+}
