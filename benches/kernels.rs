@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use talcum::contact::{Contact, ContactLaw};
 use talcum::coupling::{Bed, CoarseGraining};
 use talcum::domain::{Decomposition, RankGrid};
-use talcum::gas::DragLaw;
+use talcum::gas::{DragLaw, ScaledDrag};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
 use talcum::particles::{ContactMemory, PairMemory, WallMemory};
 use talcum::timers::Stage;
@@ -109,7 +109,10 @@ fn contacts(count: usize) -> Vec<(Contact, ContactMemory)> {
             overlap: 1.0e-4,
             normal: Vector3::z(),
             relative_velocity: Vector3::new(0.3, 0.1, 1.0e-3) * (1.0 + 1.0e-3 * phase),
+            relative_spin: Vector3::zeros(),
             reduced_mass: 0.26,
+            reduced_radius: 0.25,
+            reduced_inertia: 0.026,
             cohesion: 0.0,
         };
         (contact, ContactMemory::default())
@@ -132,7 +135,7 @@ fn laws(criterion: &mut Criterion) {
         });
         let fractions: Vec<f64> = (0..count).map(|i| 0.6 * i as f64 / count as f64).collect();
         for (name, drag) in
-            [("creeping", DragLaw::WenYuCreeping), ("with Reynolds number", DragLaw::WenYu)]
+            [("creeping", DragLaw::WEN_YU_CREEPING), ("with Reynolds number", DragLaw::WEN_YU)]
         {
             group.bench_function(format!("drag, {name}, per particle/{count}"), |bencher| {
                 bencher.iter(|| {
@@ -180,9 +183,9 @@ fn lists(criterion: &mut Criterion) {
                 bencher.iter(|| {
                     let remembered = (&known[..], &[] as &[WallMemory]);
                     let (particles, contacts) = (&state.particles, &mut state.contacts);
-                    let reach = work.reach;
+                    let (reach, walls) = (work.reach, (&domain.walls[..], &work.wall_poses[..]));
                     work.neighbours
-                        .rebuild(particles, contacts, &domain.walls, reach, remembered)
+                        .rebuild(particles, contacts, walls, reach, remembered)
                         .expect("all contacts have their place");
                 });
             },
