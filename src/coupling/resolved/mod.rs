@@ -5,16 +5,18 @@
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
 mod filter;
+mod flow;
 mod transfer;
 
 pub use filter::Filter;
+pub use flow::{Flow, FlowModel, FlowReport, FlowSolver, FlowStep};
 
 use super::GasForceOutOfRange;
 use crate::domain::{Bounds, Decomposition};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{BedOnGrid, GAS_HALO, GasState};
 use crate::grid::{BoxGrid, CellLocator, CellWeights, Field, GridPart};
-use crate::numbers::{Quantum, within};
+use crate::numbers::{ExactSum, Quantum, within};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -69,6 +71,16 @@ pub struct CellCoupling {
     /// Velocity of the gas and pressure gradient in cells.
     seen: [Field; 6],
     raised_cells: u64,
+    exchanged: Exchanged,
+}
+
+/// What one step moves from the gas to the particles on this rank, by the sums of either.
+#[derive(Clone, Debug, Default)]
+struct Exchanged {
+    /// Force that the gas loses at its faces.
+    lost: [ExactSum; 3],
+    /// Forces on particles, as counts of the lattice of forces.
+    gained: [i64; 3],
 }
 
 impl CellCoupling {
@@ -114,6 +126,7 @@ impl CellCoupling {
             drag: Vec::new(),
             seen: std::array::from_fn(|_| zero.clone()),
             raised_cells: 0,
+            exchanged: Exchanged::default(),
         })
     }
 
@@ -125,6 +138,21 @@ impl CellCoupling {
     /// What the gas sees of the particles, as of the last [`CellCoupling::observe`].
     pub fn bed(&self) -> &BedOnGrid {
         &self.bed
+    }
+
+    /// The same for the gas, which fills its halos.
+    pub(super) fn bed_mut(&mut self) -> &mut BedOnGrid {
+        &mut self.bed
+    }
+
+    /// The voidage alone. Collective.
+    pub(super) fn observe_voidage(
+        &mut self,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> &Field {
+        self.observe_volume(particles, ranks);
+        &self.bed.voidage
     }
 
     /// Number of cells on this rank whose voidage was raised to the least one at the last observation.
@@ -210,8 +238,7 @@ impl CellCoupling {
     }
 
     /// Sets the force of the gas on each owned particle,
-    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the lattice of forces; returns their sum here, as counts
-    /// of the lattice. Collective.
+    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the lattice of forces. Collective.
     ///
     /// `gravity` is the downward acceleration: the pressure of the gas is less its hydrostatic head, which acts
     /// on particles as buoyancy rho_g V g. Before: the bed is that of [`CellCoupling::observe`] at the same
@@ -223,12 +250,11 @@ impl CellCoupling {
         &mut self,
         particles: &mut Particles,
         gas: &GasState,
-        gravity: f64,
-        lattice: Quantum,
+        (gravity, lattice): (f64, Quantum),
         ranks: &dyn Communicator,
-    ) -> Result<[i64; 3], GasForceOutOfRange> {
-        self.see_velocity_and_gradient(gas, ranks);
+    ) -> Result<(), GasForceOutOfRange> {
         let buoyancy = self.model.drag.density * gravity;
+        self.see_velocity_and_gradient(gas, buoyancy, ranks);
         let mut total = [0; 3];
         let mut result = Ok(());
         for i in 0..particles.owned_count() {
@@ -253,7 +279,53 @@ impl CellCoupling {
                 total[axis] += lattice.count(force[axis]);
             }
         }
-        result.map(|()| total)
+        self.exchanged.gained = total;
+        result
+    }
+
+    /// Largest component of the force on all particles less what the gas loses, as of the last
+    /// [`CellCoupling::press`]. Collective.
+    pub fn momentum_error(&self, lattice: Quantum, ranks: &dyn Communicator) -> f64 {
+        let Exchanged { lost, gained } = &self.exchanged;
+        let mut integers: Vec<i64> = (0..3)
+            .flat_map(|axis| {
+                let mut sum = ExactSum::default();
+                sum.add_count(-gained[axis], lattice);
+                [lost[axis].to_integers(), sum.to_integers()].concat()
+            })
+            .collect();
+        ranks.sum_integers(&mut integers);
+        let components = integers.chunks(2 * ExactSum::INTEGERS).map(|both| {
+            let (lost, gained) = both.split_at(ExactSum::INTEGERS);
+            let sum: Vec<i64> = lost.iter().zip(gained).map(|(a, b)| a + b).collect();
+            ExactSum::from_integers(&sum).value().abs()
+        });
+        components.fold(0.0, |largest, error| if error <= largest { largest } else { error })
+    }
+
+    /// Mean velocity of the solids in each owned cell, by volume; 0 where there are none. Collective.
+    pub(super) fn solids_velocity(
+        &self,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> [Field; 3] {
+        let zero = Field::new(self.part(), GAS_HALO);
+        let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
+        let of_flux = Quantum::spanning(self.lattices[0].range() * self.limits.speed);
+        for i in 0..particles.owned_count() {
+            let weights = self.weights(&particles.position[i]);
+            let (amount, v) = (particles.volume(i), particles.velocity[i]);
+            let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
+            let lattices = [self.lattices[0], of_flux, of_flux, of_flux];
+            deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &weights, amounts);
+        }
+        self.halo.clone().add_to_owners(&mut [&mut volume, &mut x, &mut y, &mut z], ranks);
+        [x, y, z].map(|mut flux| {
+            for (flux, &volume) in flux.values_mut().iter_mut().zip(volume.values()) {
+                *flux = if volume > 0.0 { *flux / volume } else { 0.0 };
+            }
+            flux
+        })
     }
 
     fn weights(&self, position: &Vector3<f64>) -> CellWeights {
@@ -299,18 +371,40 @@ impl CellCoupling {
         self.halo.refresh(fields, ranks);
     }
 
-    /// Velocity of the gas and pressure gradient in cells.
-    fn see_velocity_and_gradient(&mut self, gas: &GasState, ranks: &dyn Communicator) {
+    /// Velocity of the gas and pressure gradient in cells; before they are filtered, what the gas loses:
+    /// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)), the sum over faces of what it solves for.
+    fn see_velocity_and_gradient(
+        &mut self,
+        gas: &GasState,
+        buoyancy: f64,
+        ranks: &dyn Communicator,
+    ) {
         for axis in 0..3 {
             mean_of_faces(&gas.velocity[axis], axis, &mut self.seen[axis]);
             let distance = self.spacing[axis];
             mean_gradient(&gas.pressure, axis, distance, &mut self.seen[3 + axis]);
+            self.exchanged.lost[axis] = self.lost(axis, if axis == 2 { buoyancy } else { 0.0 });
         }
         let fields = &mut self.seen.each_mut();
         if let Some(filter) = &mut self.filter {
             filter.apply(fields, &self.ends, &mut self.halo, ranks);
         }
         self.halo.refresh(fields, ranks);
+    }
+}
+
+impl CellCoupling {
+    /// Force along an axis that the gas loses on this rank.
+    fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
+        let mut sum = ExactSum::default();
+        let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
+        let [velocity, gradient] = [&self.seen[axis], &self.seen[3 + axis]];
+        let drags = bed.momentum_transfer.owned().zip(bed.transferred_velocity[axis].owned());
+        let pressures = bed.voidage.owned().zip(gradient.owned());
+        for ((u, (beta, beta_v)), (eps, gradient)) in velocity.owned().zip(drags).zip(pressures) {
+            sum.add(volume * (beta * u - beta_v - (1.0 - eps) * (gradient - buoyancy)));
+        }
+        sum
     }
 }
 
