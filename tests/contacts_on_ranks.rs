@@ -55,7 +55,7 @@ fn bed_between_walls(law: ContactModel, kind: RollingKind) -> Bench {
     bench.domain.walls[2].motion = WallMotion { velocity, start: 0.1, ..WallMotion::REST };
     let mut piston = Wall::plane("piston", Vector3::new(0.0, 0.0, 0.0), Vector3::z());
     piston.motion =
-        WallMotion { amplitude: Vector3::z() * 0.2, frequency: 2.0, ..WallMotion::REST };
+        WallMotion { amplitude: Vector3::z() * 0.05, frequency: 2.0, ..WallMotion::REST };
     bench.domain.walls.push(piston);
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
