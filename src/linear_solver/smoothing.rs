@@ -40,6 +40,14 @@ pub(super) struct System<'a> {
     pub(super) right: &'a Field,
 }
 
+impl System<'_> {
+    /// Where rows begin in the coefficients and in the right-hand side; the other fields share theirs.
+    #[inline(always)]
+    fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        self.coefficients.diagonal.rows().zip(self.right.rows())
+    }
+}
+
 /// x_1 from x_0 = 0.
 pub(super) fn first_step_from_zero(system: System, next: &mut Field) {
     in_wide_vectors(FirstFromZero { system, next });
@@ -71,8 +79,8 @@ impl VectorWork for FirstFromZero<'_> {
     #[inline(always)]
     fn run(self) {
         let length = self.next.count()[0];
-        for row in self.next.rows() {
-            let right = &self.system.right.values()[row..][..length];
+        for (row, right) in self.next.rows().zip(self.system.right.rows()) {
+            let right = &self.system.right.values()[right..][..length];
             let inverse = &self.system.inverse_diagonal.values()[row..][..length];
             for (i, next) in self.next.values_mut()[row..][..length].iter_mut().enumerate() {
                 *next = STEPS.first * (inverse[i] * right[i]);
@@ -94,9 +102,9 @@ impl VectorWork for First<'_> {
     fn run(self) {
         let Self { system, solution, next } = self;
         let length = next.count()[0];
-        for row in next.rows() {
-            let stencil = StencilRow::new(system.coefficients, solution, row, length);
-            let right = &system.right.values()[row..][..length];
+        for (row, (place, right)) in next.rows().zip(system.rows()) {
+            let stencil = StencilRow::new((system.coefficients, place), (solution, row), length);
+            let right = &system.right.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];
             let x = stencil.centre();
             for (i, next) in next.values_mut()[row..][..length].iter_mut().enumerate() {
@@ -119,9 +127,9 @@ impl<const FROM_ZERO: bool> VectorWork for Second<'_, FROM_ZERO> {
     fn run(self) {
         let Self { system, middle, solution } = self;
         let length = solution.count()[0];
-        for row in solution.rows() {
-            let stencil = StencilRow::new(system.coefficients, middle, row, length);
-            let right = &system.right.values()[row..][..length];
+        for (row, (place, right)) in solution.rows().zip(system.rows()) {
+            let stencil = StencilRow::new((system.coefficients, place), (middle, row), length);
+            let right = &system.right.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];
             let x = stencil.centre();
             for (i, solution) in solution.values_mut()[row..][..length].iter_mut().enumerate() {
