@@ -5,9 +5,7 @@ use super::direct::DirectSolver;
 use super::gathering::Gathering;
 use super::operator::{Coefficients, residual};
 use super::place::Place;
-use super::smoothing::{
-    System, first_step, first_step_from_zero, second_step, second_step_from_zero,
-};
+use super::smoothing::{System, smooth};
 use super::step::Step;
 use crate::domain::{Bounds, Decomposition};
 use crate::grid::Field;
@@ -163,7 +161,7 @@ impl Smoother {
         if self.whole { &OneRank } else { ranks }
     }
 
-    /// Smooths from zero, or from what `solution` holds; its halo is current afterwards.
+    /// Smooths from zero, or from what `solution` holds, its halo being current; it is so afterwards too.
     fn smooth(
         &mut self,
         coefficients: &Coefficients,
@@ -173,17 +171,7 @@ impl Smoother {
     ) {
         let Self { halo, inverse_diagonal, middle, .. } = self;
         let system = System { coefficients, inverse_diagonal, right };
-        if from_zero {
-            first_step_from_zero(system, middle);
-            halo.refresh(&mut [middle], ranks);
-            second_step_from_zero(system, middle, solution);
-        } else {
-            halo.refresh(&mut [&mut *solution], ranks);
-            first_step(system, solution, middle);
-            halo.refresh(&mut [middle], ranks);
-            second_step(system, middle, solution);
-        }
-        halo.refresh(&mut [solution], ranks);
+        smooth(system, [solution, middle], from_zero, |field| halo.refresh(&mut [field], ranks));
     }
 }
 
@@ -215,6 +203,7 @@ impl Way<'_> {
         smoother.halo.refresh(&mut [&mut smoother.residual], ranks);
         self.below(step, coarser, &smoother.residual);
         step.correct(solution);
+        smoother.halo.refresh(&mut [&mut *solution], ranks);
         smoother.smooth(coefficients, (right, solution), false, ranks);
     }
 
