@@ -103,8 +103,8 @@ class TestScalingScript(ScriptTest):
     def test_ranks_beds_and_table(self) -> None:
         tools = self.folder / "tools"
         tools.mkdir()
-        srun = f'#!/usr/bin/env bash\necho "$@" >>"{self.folder}/calls"\necho "stage ends: 9 steps, 8.00 million particle-steps/s"\n'
-        (tools / "srun").write_text(srun + 'echo "digest 0123"\n')
+        said = "stage ends: 9 steps, 8.00 million particle-steps/s\ndigest 0123"
+        (tools / "srun").write_text(f'#!/usr/bin/env bash\necho "ranks: $*" >>"{self.folder}/calls"\necho "{said}"\n')
         (tools / "srun").chmod(0o755)
         environment = os.environ | {
             "PATH": f"{tools}:{os.environ['PATH']}", "SLURM_NTASKS": "4", "SLURM_SUBMIT_DIR": str(self.folder),
