@@ -19,6 +19,7 @@ use talcum::domain::{Decomposition, RankGrid};
 use talcum::gas::{DragLaw, ScaledDrag};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
 use talcum::particles::{ContactMemory, PairMemory, WallMemory};
+use talcum::time_step::rebuild;
 use talcum::timers::Stage;
 
 /// Particles along an edge: 1,000 fit into the second-level cache, 125,000 (some 60 MB) into none.
@@ -174,22 +175,15 @@ fn lists(criterion: &mut Criterion) {
         let mut run = bench.alone();
         run.steps(2);
         let width = run.work.reach.ghost_width(1.0);
-        let known = run.state.contacts.records(&run.state.particles, false);
         group.throughput(Throughput::Elements(particles(&run) as u64));
-        group.bench_function(
-            format!("neighbour rebuild per particle/{}", edge.pow(3)),
-            |bencher| {
-                let Run { state, domain, work, .. } = &mut run;
-                bencher.iter(|| {
-                    let remembered = (&known[..], &[] as &[WallMemory]);
-                    let (particles, contacts) = (&state.particles, &mut state.contacts);
-                    let (reach, walls) = (work.reach, (&domain.walls[..], &work.wall_poses[..]));
-                    work.neighbours
-                        .rebuild(particles, contacts, walls, reach, remembered)
-                        .expect("all contacts have their place");
-                });
-            },
-        );
+        let name = format!("rebuild (sort, ghosts, list, memories) per particle/{}", edge.pow(3));
+        group.bench_function(name, |bencher| {
+            let Run { state, domain, models, work, ranks } = &mut run;
+            bencher.iter(|| {
+                rebuild(state, domain, models, work, *ranks)
+                    .expect("all contacts have their place");
+            });
+        });
         group.bench_function(format!("sorting by cells per particle/{}", edge.pow(3)), |bencher| {
             let Run { state, work, .. } = &mut run;
             state.particles.drop_ghosts();
