@@ -272,7 +272,7 @@ fn evaluate_forces(
     ranks: &dyn Communicator,
 ) {
     let State { particles, contacts, clock, .. } = state;
-    let Workspace { fluid, tallies, timers, near, fault, reach, wall_poses, .. } = work;
+    let Workspace { fluid, tallies, timers, bodies, fault, reach, wall_poses, .. } = work;
     let time = clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
@@ -294,7 +294,8 @@ fn evaluate_forces(
         }
     });
     particles.clear_forces();
-    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, near));
+    let pairs =
+        timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, bodies));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)

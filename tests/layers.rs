@@ -13,7 +13,7 @@ const MAY_KNOW: [(&str, &[&str]); 17] = [
     ("particles", &["domain", "numbers"]),
     ("contact", &["domain", "numbers", "particles"]),
     ("grid", &["domain", "numbers"]),
-    ("gas", &["domain", "grid", "numbers"]),
+    ("gas", &["domain", "grid", "linear_solver", "numbers", "parallel"]),
     ("parallel", &["domain", "grid", "numbers", "particles"]),
     ("linear_solver", &["domain", "grid", "numbers", "parallel"]),
     ("coupling", &["domain", "gas", "grid", "numbers", "parallel", "particles"]),

@@ -104,13 +104,31 @@ impl Field {
         axis: usize,
         (from, to): (isize, isize),
     ) -> impl Iterator<Item = Range<usize>> + use<> {
-        let halo = self.halo as isize;
-        let ranges: [(isize, isize); 3] = std::array::from_fn(|other| match other.cmp(&axis) {
-            Ordering::Less => (-halo, self.count[other] as isize + halo),
+        self.block(std::array::from_fn(|other| match other.cmp(&axis) {
+            Ordering::Less => self.with_halo(other),
             Ordering::Equal => (from, to),
             Ordering::Greater => (0, self.count[other] as isize),
-        });
-        let [x, y, z] = ranges;
+        }))
+    }
+
+    /// Rows of the layers of cells `from..to` along `axis`, with the halo across the other axes.
+    pub fn layers(
+        &self,
+        axis: usize,
+        (from, to): (isize, isize),
+    ) -> impl Iterator<Item = Range<usize>> + use<> {
+        self.block(
+            [0, 1, 2].map(|other| if other == axis { (from, to) } else { self.with_halo(other) }),
+        )
+    }
+
+    fn with_halo(&self, axis: usize) -> (isize, isize) {
+        let halo = self.halo as isize;
+        (-halo, self.count[axis] as isize + halo)
+    }
+
+    /// Rows of the cells within ranges along x, y and z.
+    fn block(&self, [x, y, z]: [(isize, isize); 3]) -> impl Iterator<Item = Range<usize>> + use<> {
         let [_, along_y, along_z] = self.strides();
         let first = self.index([x.0, y.0, z.0]);
         let (length, rows, layers) = ((x.1 - x.0) as usize, y.1 - y.0, z.1 - z.0);
@@ -144,5 +162,7 @@ mod tests {
         let field = Field::new(&part(), 1);
         let cells = |axis| -> usize { field.slab(axis, (0, 1)).map(|row| row.len()).sum() };
         assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
+        let cells = |axis| -> usize { field.layers(axis, (0, 1)).map(|row| row.len()).sum() };
+        assert_eq!([0, 1, 2].map(cells), [5 * 4, 6 * 4, 6 * 5]);
     }
 }

@@ -6,6 +6,7 @@
 use super::{AxisNeighbours, Communicator};
 use crate::domain::{Bounds, Decomposition};
 use crate::grid::Field;
+use std::ops::Range;
 
 /// Who has the cells next to this rank's, and buffers for what travels.
 #[derive(Clone, Debug)]
@@ -44,7 +45,8 @@ impl FieldHalo {
         self.neighbours[axis]
     }
 
-    /// Fills the halos from the owners. Halos beyond faces of the box that are not periodic stay as they are.
+    /// Fills the halos from the owners. What lies beyond a face of the box that is not periodic is nobody's: there
+    /// a halo stays as it is, but takes from the neighbours along the face what they hold beyond it.
     ///
     /// Before: owned cells are current; along an axis that is cut, parts are at least a halo wide. After: halo
     /// cells equal their owners'.
@@ -54,9 +56,13 @@ impl FieldHalo {
                 fields.iter_mut().for_each(|field| copy_images(field, axis));
                 continue;
             }
-            let slabs = |field: &Field| Slabs::of(field, axis);
-            self.send(axis, fields, ranks, |field| slabs(field).inner);
-            self.receive(axis, fields, |field| slabs(field).halo, |value, sent| *value = sent);
+            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+                move |field: &Field, side: usize| {
+                    field.layers(axis, layers(Slabs::of(field, axis))[side])
+                }
+            };
+            self.send(axis, fields, ranks, rows(|slabs| slabs.inner));
+            self.receive(axis, fields, rows(|slabs| slabs.halo), |value, sent| *value = sent);
         }
     }
 
@@ -68,25 +74,30 @@ impl FieldHalo {
                 fields.iter_mut().for_each(|field| fold_images(field, axis));
                 continue;
             }
-            let slabs = |field: &Field| Slabs::of(field, axis);
-            self.send(axis, fields, ranks, |field| slabs(field).halo);
-            self.receive(axis, fields, |field| slabs(field).inner, |value, sent| *value += sent);
+            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+                move |field: &Field, side: usize| {
+                    field.slab(axis, layers(Slabs::of(field, axis))[side])
+                }
+            };
+            self.send(axis, fields, ranks, rows(|slabs| slabs.halo));
+            self.receive(axis, fields, rows(|slabs| slabs.inner), |value, sent| *value += sent);
             for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
                 for field in fields.iter_mut() {
-                    let rows = field.slab(axis, slabs(field).halo[side]);
-                    rows.for_each(|row| field.values_mut()[row].fill(0.0));
+                    for row in rows(|slabs| slabs.halo)(field, side) {
+                        field.values_mut()[row].fill(0.0);
+                    }
                 }
             }
         }
     }
 
-    /// Sends slabs of all fields to the neighbours below and above.
-    fn send(
+    /// Sends rows of all fields to the neighbours below and above.
+    fn send<R: Iterator<Item = Range<usize>>>(
         &mut self,
         axis: usize,
         fields: &[&mut Field],
         ranks: &dyn Communicator,
-        slabs: impl Fn(&Field) -> [(isize, isize); 2],
+        rows: impl Fn(&Field, usize) -> R,
     ) {
         let neighbours = self.neighbours[axis];
         if neighbours == [None, None] {
@@ -95,7 +106,7 @@ impl FieldHalo {
         for (side, buffer) in self.outgoing.iter_mut().enumerate() {
             buffer.clear();
             for field in fields.iter().filter(|_| neighbours[side].is_some()) {
-                for row in field.slab(axis, slabs(field)[side]) {
+                for row in rows(field, side) {
                     buffer.extend_from_slice(bytemuck::cast_slice(&field.values()[row]));
                 }
             }
@@ -104,12 +115,12 @@ impl FieldHalo {
         ranks.exchange(neighbours, outgoing, &mut self.incoming);
     }
 
-    /// Joins what came from below and above to slabs of the fields.
-    fn receive(
+    /// Joins what came from below and above to rows of the fields.
+    fn receive<R: Iterator<Item = Range<usize>>>(
         &self,
         axis: usize,
         fields: &mut [&mut Field],
-        slabs: impl Fn(&Field) -> [(isize, isize); 2],
+        rows: impl Fn(&Field, usize) -> R,
         join: impl Fn(&mut f64, f64),
     ) {
         for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
@@ -117,7 +128,7 @@ impl FieldHalo {
                 .chunks_exact(size_of::<f64>())
                 .map(bytemuck::pod_read_unaligned::<f64>);
             for field in fields.iter_mut() {
-                for row in field.slab(axis, slabs(field)[side]) {
+                for row in rows(field, side) {
                     let row = field.values_mut()[row].iter_mut();
                     row.zip(&mut numbers).for_each(|(value, sent)| join(value, sent));
                 }
@@ -134,8 +145,8 @@ fn image_layers(field: &Field, axis: usize) -> impl Iterator<Item = (isize, isiz
 
 fn copy_images(field: &mut Field, axis: usize) {
     for (image, original) in image_layers(field, axis) {
-        let sources = field.slab(axis, (original, original + 1));
-        for (source, target) in sources.zip(field.slab(axis, (image, image + 1))) {
+        let sources = field.layers(axis, (original, original + 1));
+        for (source, target) in sources.zip(field.layers(axis, (image, image + 1))) {
             field.values_mut().copy_within(source, target.start);
         }
     }
@@ -210,6 +221,30 @@ mod tests {
                 for_each_cell(&part, 2, |cell, owner| {
                     assert_eq!(field.at(cell), owner.unwrap_or(0) as f64, "cell {cell:?}");
                 });
+            });
+        }
+    }
+
+    #[test]
+    fn what_lies_beyond_the_box_travels_along_its_faces() {
+        for grid in [[1, 1, 1], [3, 2, 1]] {
+            on_ranks(grid, |part, mut halo, ranks| {
+                // A number of the box's upper face, which no cell owns: its lower face would be of cell 9.
+                let mut field = Field::new(&part, 2);
+                let number = |cell: [isize; 3]| {
+                    let wrapped = |a: usize| {
+                        (cell[a] + part.start[a] as isize).rem_euclid(COUNTS[a] as isize)
+                    };
+                    (wrapped(0) + 10 * wrapped(1)) as f64
+                };
+                let [x, y, z] = part.count.map(|count| count as isize);
+                for cell in (0..y).flat_map(|j| (0..x).map(move |i| [i, j, z])) {
+                    *field.at_mut(cell) = number(cell);
+                }
+                halo.refresh(&mut [&mut field], ranks);
+                for cell in (-2..y + 2).flat_map(|j| (-2..x + 2).map(move |i| [i, j, z])) {
+                    assert_eq!(field.at(cell), number(cell), "cell {cell:?} of {grid:?}");
+                }
             });
         }
     }

@@ -1,6 +1,7 @@
 //! The gas as a case chooses it: what it is made of, and what happens at the faces of the box.
 
 use crate::grid::{BoxGrid, GridPart};
+use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
 
@@ -13,6 +14,8 @@ pub struct VolumeAveragedGas {
     pub viscosity: f64,
     /// What happens at the lower and the upper face along each axis.
     pub boundaries: [[Boundary; 2]; 3],
+    /// How exactly each step obeys continuity: the norm of div(eps u) + d(eps)/dt that is left.
+    pub tolerance: Tolerance,
 }
 
 /// What happens to the gas at a face of the box.
@@ -62,6 +65,11 @@ impl VolumeAveragedGas {
     /// Whether gas can leave or enter through a face at a velocity that follows from the pressure.
     pub(super) fn is_outlet(&self, axis: usize, side: usize) -> bool {
         matches!(self.boundaries[axis][side], Boundary::Outlet { .. })
+    }
+
+    /// Whether the gas has no boundary along an axis.
+    pub(super) fn is_periodic(&self, axis: usize) -> bool {
+        self.boundaries[axis][0] == Boundary::Periodic
     }
 
     /// Says what is wrong with these boundaries on this grid, if anything.
