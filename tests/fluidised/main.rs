@@ -5,7 +5,12 @@
 #[path = "../beds/mod.rs"]
 mod beds;
 
+mod column;
+mod cooling;
+mod force_balance;
 mod one_answer;
+mod packed_bed;
+mod settling;
 
 use beds::Bench;
 use nalgebra::Vector3;

@@ -4,6 +4,7 @@
 //! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
+mod exchange;
 mod filter;
 mod flow;
 mod transfer;
@@ -15,13 +16,14 @@ use super::GasForceOutOfRange;
 use crate::domain::{Bounds, Decomposition};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{BedOnGrid, GAS_HALO, GasState};
-use crate::grid::{BoxGrid, CellLocator, CellWeights, Field, GridPart};
-use crate::numbers::{ExactSum, Quantum, within};
+use crate::grid::{BoxGrid, CellLocator, Field, GridPart};
+use crate::numbers::{Quantum, within};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
+use exchange::Exchanged;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use transfer::{deposit, interpolate, mean_gradient, mean_of_faces, within_reach};
+use transfer::{Corners, deposit, interpolate, mean_gradient, mean_of_faces, within_reach};
 
 /// How particles and gas see each other, as the case chose it.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,21 +68,14 @@ pub struct CellCoupling {
     lattices: [Quantum; 3],
     largest_drag: f64,
     bed: BedOnGrid,
+    /// Where each owned particle was at the last observation.
+    corners: Vec<Corners>,
     /// b of each owned particle, force per velocity.
     drag: Vec<f64>,
     /// Velocity of the gas and pressure gradient in cells.
     seen: [Field; 6],
     raised_cells: u64,
     exchanged: Exchanged,
-}
-
-/// What one step moves from the gas to the particles on this rank, by the sums of either.
-#[derive(Clone, Debug, Default)]
-struct Exchanged {
-    /// Force that the gas loses at its faces.
-    lost: [ExactSum; 3],
-    /// Forces on particles, as counts of the lattice of forces.
-    gained: [i64; 3],
 }
 
 impl CellCoupling {
@@ -123,6 +118,7 @@ impl CellCoupling {
             lattices: ranges.map(Quantum::spanning),
             largest_drag,
             bed: BedOnGrid::empty(&part),
+            corners: Vec::new(),
             drag: Vec::new(),
             seen: std::array::from_fn(|_| zero.clone()),
             raised_cells: 0,
@@ -204,9 +200,9 @@ impl CellCoupling {
             field.values_mut().fill(0.0);
         }
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = self.corners[i];
             let [x, y, z, _, _, _] = &self.seen;
-            let [u, v, w, eps] = interpolate([x, y, z, &self.bed.voidage], &weights);
+            let [u, v, w, eps] = interpolate([x, y, z, &self.bed.voidage], &corners);
             let velocity = particles.velocity[i];
             let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
             let drag = self.model.drag.per_velocity(2.0 * particles.radius[i], 1.0 - eps, slip);
@@ -218,7 +214,7 @@ impl CellCoupling {
             deposit(
                 [momentum_transfer, x, y, z],
                 [of_drag, of_flux, of_flux, of_flux],
-                &weights,
+                &corners,
                 [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z],
             );
         }
@@ -258,15 +254,15 @@ impl CellCoupling {
         let mut total = [0; 3];
         let mut result = Ok(());
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = &self.corners[i];
             let [x, y, z, gx, gy, gz] = &self.seen;
-            let [u, v, w, gx, gy, gz] = interpolate([x, y, z, gx, gy, gz], &weights);
+            let [u, v, w, gx, gy, gz] = interpolate([x, y, z, gx, gy, gz], corners);
             let slip = Vector3::new(u, v, w) - particles.velocity[i];
             let gradient = Vector3::new(gx, gy, gz - buoyancy);
             let force = self.drag[i] * slip - particles.volume(i) * gradient;
             let force = lattice.round_vector(force);
             if !within(&force, self.limits.force) {
-                let [eps] = interpolate([&self.bed.voidage], &weights);
+                let [eps] = interpolate([&self.bed.voidage], corners);
                 result = result.and(Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
@@ -283,26 +279,6 @@ impl CellCoupling {
         result
     }
 
-    /// Largest component of the force on all particles less what the gas loses, as of the last
-    /// [`CellCoupling::press`]. Collective.
-    pub fn momentum_error(&self, lattice: Quantum, ranks: &dyn Communicator) -> f64 {
-        let Exchanged { lost, gained } = &self.exchanged;
-        let mut integers: Vec<i64> = (0..3)
-            .flat_map(|axis| {
-                let mut sum = ExactSum::default();
-                sum.add_count(-gained[axis], lattice);
-                [lost[axis].to_integers(), sum.to_integers()].concat()
-            })
-            .collect();
-        ranks.sum_integers(&mut integers);
-        let components = integers.chunks(2 * ExactSum::INTEGERS).map(|both| {
-            let (lost, gained) = both.split_at(ExactSum::INTEGERS);
-            let sum: Vec<i64> = lost.iter().zip(gained).map(|(a, b)| a + b).collect();
-            ExactSum::from_integers(&sum).value().abs()
-        });
-        components.fold(0.0, |largest, error| if error <= largest { largest } else { error })
-    }
-
     /// Mean velocity of the solids in each owned cell, by volume; 0 where there are none. Collective.
     pub(super) fn solids_velocity(
         &self,
@@ -313,11 +289,11 @@ impl CellCoupling {
         let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
         let of_flux = Quantum::spanning(self.lattices[0].range() * self.limits.speed);
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = self.corners_of(&particles.position[i]);
             let (amount, v) = (particles.volume(i), particles.velocity[i]);
             let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
             let lattices = [self.lattices[0], of_flux, of_flux, of_flux];
-            deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &weights, amounts);
+            deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &corners, amounts);
         }
         self.halo.clone().add_to_owners(&mut [&mut volume, &mut x, &mut y, &mut z], ranks);
         [x, y, z].map(|mut flux| {
@@ -328,16 +304,19 @@ impl CellCoupling {
         })
     }
 
-    fn weights(&self, position: &Vector3<f64>) -> CellWeights {
-        self.locator.weights(&self.bounds.wrap(*position))
+    fn corners_of(&self, position: &Vector3<f64>) -> Corners {
+        let weights = self.locator.weights(&self.bounds.wrap(*position));
+        Corners::of(&weights, &self.bed.voidage)
     }
 
     fn observe_volume(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.bed.voidage.values_mut().fill(0.0);
+        self.corners.clear();
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = self.corners_of(&particles.position[i]);
+            self.corners.push(corners);
             let (field, lattice) = (&mut self.bed.voidage, self.lattices[0]);
-            deposit([field], [lattice], &weights, [particles.volume(i)]);
+            deposit([field], [lattice], &corners, [particles.volume(i)]);
         }
         let voidage = &mut self.bed.voidage;
         self.halo.add_to_owners(&mut [voidage], ranks);
@@ -390,21 +369,6 @@ impl CellCoupling {
             filter.apply(fields, &self.ends, &mut self.halo, ranks);
         }
         self.halo.refresh(fields, ranks);
-    }
-}
-
-impl CellCoupling {
-    /// Force along an axis that the gas loses on this rank.
-    fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
-        let mut sum = ExactSum::default();
-        let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
-        let [velocity, gradient] = [&self.seen[axis], &self.seen[3 + axis]];
-        let drags = bed.momentum_transfer.owned().zip(bed.transferred_velocity[axis].owned());
-        let pressures = bed.voidage.owned().zip(gradient.owned());
-        for ((u, (beta, beta_v)), (eps, gradient)) in velocity.owned().zip(drags).zip(pressures) {
-            sum.add(volume * (beta * u - beta_v - (1.0 - eps) * (gradient - buoyancy)));
-        }
-        sum
     }
 }
 
