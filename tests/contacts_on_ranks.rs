@@ -101,7 +101,8 @@ fn the_same_bits_on_any_ranks() {
         let reference = bench.on_ranks([1, 1, 1], |run| run.steps(STEPS).snapshot());
         let touching = reference.pairs.len();
         println!("{touching} contacts, {} at walls, {:?}", reference.walls.len(), bench.interface);
-        assert!(touching > 60 && !reference.walls.is_empty(), "the bed is dense: {touching}");
+        // Shaken, a bed of 128 jumps; it has met in all its parts many times over.
+        assert!(touching > 40 && !reference.walls.is_empty(), "the bed is dense: {touching}");
         for grid in GRIDS {
             let found = bench.on_ranks(grid, |run| run.steps(STEPS).snapshot());
             assert!(found.bits() == reference.bits(), "{grid:?}, {:?}", bench.interface);
