@@ -8,7 +8,7 @@ use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, Wal
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Bodies, Contacts, Neighbours, Particles, Reach};
+use crate::particles::{Contacts, Neighbours, Particles, Reach};
 use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
@@ -236,8 +236,6 @@ pub struct Workspace {
     pub balance: Option<Balance>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
-    /// Particles as loops over pairs want them.
-    pub bodies: Bodies,
     /// The gas on its grid.
     pub fluid: Option<FluidForce>,
     /// Gas in three dimensions at work on this rank's cells.
@@ -292,7 +290,6 @@ impl Workspace {
             reach: Reach { range: 0.0, skin },
             balance,
             wall_poses: Vec::new(),
-            bodies: Bodies::default(),
             fluid: None,
             flow: None,
             tallies: Tallies::default(),

@@ -156,7 +156,7 @@ fn first_beyond(particles: &Particles, domain: &Domain, kind: Face) -> Option<St
         return None;
     }
     (0..particles.owned_count()).find_map(|i| {
-        let (axis, side) = bounds.passed(kind, &particles.position[i])?;
+        let (axis, side) = bounds.passed(kind, &particles.body[i].position)?;
         let face = [["lower", "upper"][side], ["x", "y", "z"][axis]].join(" ");
         Some(format!("particle {} passed the {face} face of the box", particles.id[i]))
     })
@@ -200,12 +200,13 @@ fn arrange(
         |step: u64| move |error: CollectiveError| StepError::Unstable { step, words: error.0 };
     let unstable = unstable(state.clock.step);
     let State { particles, contacts, clock, .. } = state;
-    for position in &mut particles.position {
-        *position = bounds.wrap(*position);
+    for body in &mut particles.body {
+        body.position = bounds.wrap(body.position);
     }
     let due = work.balance.filter(|balance| clock.step.is_multiple_of(balance.every));
     if due.is_some_and(|due| imbalance(particles.owned_count(), ranks) > due.threshold) {
-        work.cut = balanced(&work.cut, &particles.position, bounds, width, ranks);
+        let positions = particles.body.iter().map(|body| body.position);
+        work.cut = balanced(&work.cut, positions, bounds, width, ranks);
     }
     work.cut = flow::aligned(work.cut.clone(), models, width).map_err(unstable)?;
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
@@ -229,7 +230,8 @@ fn depart(
     ranks: &dyn Communicator,
 ) {
     let particles = &mut state.particles;
-    let gone = |i: u32| domain.bounds.passed(Face::Open, &particles.position[i as usize]).is_some();
+    let gone =
+        |i: u32| domain.bounds.passed(Face::Open, &particles.body[i as usize].position).is_some();
     let (leaving, staying): (Vec<u32>, Vec<u32>) =
         (0..particles.owned_count() as u32).partition(|&i| gone(i));
     if !ranks.any(!leaving.is_empty()) {
@@ -254,7 +256,7 @@ fn check_speeds(
     limit: f64,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    let allowed = |i: usize| particles.velocity[i].norm() <= limit; // an undefined one is not
+    let allowed = |i: usize| particles.body[i].velocity.norm() <= limit; // an undefined one is not
     let too_fast = (0..particles.owned_count()).find(|&i| !allowed(i));
     let result = match too_fast {
         None => Ok(()),
@@ -262,7 +264,7 @@ fn check_speeds(
             "particle {} moves at {:.3e} (limit {limit:.3e}: a tenth of the smallest diameter per step): \
              shorten time.step",
             particles.id[i],
-            particles.velocity[i].norm()
+            particles.body[i].velocity.norm()
         )),
     };
     agree(result, ranks)
@@ -281,7 +283,7 @@ fn evaluate_forces(
     dt: f64,
     ranks: &dyn Communicator,
 ) {
-    let Workspace { fluid, flow, tallies, timers, bodies, fault, reach, wall_poses, .. } = work;
+    let Workspace { fluid, flow, tallies, timers, fault, reach, wall_poses, .. } = work;
     let time = state.clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
@@ -306,8 +308,7 @@ fn evaluate_forces(
     });
     let State { particles, contacts, .. } = state;
     particles.clear_forces();
-    let pairs =
-        timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, bodies));
+    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
@@ -335,8 +336,8 @@ fn add_weight(particles: &mut Particles, models: &Models, gravity: f64) -> i64 {
     let lattice = models.force_lattice;
     let mut total = 0;
     for i in 0..particles.owned_count() {
-        let weight = lattice.round(particles.mass[i] * gravity);
-        particles.force[i].z -= weight;
+        let weight = lattice.round(particles.body[i].mass * gravity);
+        particles.load[i].force.z -= weight;
         total += lattice.count(weight);
     }
     total

@@ -85,7 +85,8 @@ impl MomentumProbe {
     /// Momentum and total force now. Collective.
     pub fn take(particles: &Particles, ranks: &dyn Communicator) -> Self {
         let [px, py, pz, fx, fy, fz] = sums(particles, ranks, |i| {
-            let (p, f) = (particles.velocity[i] * particles.mass[i], particles.force[i]);
+            let (p, f) =
+                (particles.body[i].velocity * particles.body[i].mass, particles.load[i].force);
             [p.x, p.y, p.z, f.x, f.y, f.z]
         });
         Self { momentum: [px, py, pz], force: [fx, fy, fz] }
@@ -170,9 +171,9 @@ pub fn measure(
 ) -> Measures {
     let particles = &state.particles;
     profile.update(particles, ranks);
-    let wrapped = |i: usize| domain.bounds.wrap_coordinate(2, particles.position[i].z);
+    let wrapped = |i: usize| domain.bounds.wrap_coordinate(2, particles.body[i].position.z);
     let [count, mass, moment, momentum, energy, volume, neighbours] = sums(particles, ranks, |i| {
-        let (m, v) = (particles.mass[i], particles.velocity[i]);
+        let (m, v) = (particles.body[i].mass, particles.body[i].velocity);
         let contacts = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
         let energy = 0.5 * m * v.norm_squared();
         [1.0, m, m * wrapped(i), m * v.z, energy, particles.volume(i), contacts as f64]

@@ -10,7 +10,7 @@ use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
 use crate::numbers::{Quad, QuadWork, within};
 use crate::particles::{
-    AngleLanes, Bodies, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs,
+    AngleLanes, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs, Particles,
 };
 use nalgebra::Vector3;
 
@@ -18,10 +18,9 @@ type Lanes = [f64; LANES];
 
 /// Bodies and pairs, and what acts between them.
 pub(super) struct PairWork<'a> {
-    pub(super) bodies: &'a mut Bodies,
+    pub(super) particles: &'a mut Particles,
     pub(super) near: &'a mut NearPairs,
     pub(super) laws: &'a ForceLaws<'a>,
-    pub(super) id: &'a [u64],
 }
 
 impl QuadWork for PairWork<'_> {
@@ -59,12 +58,12 @@ impl PairWork<'_> {
         law: (&L, R),
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { bodies, near, laws, id } = self;
+        let Self { particles, near, laws } = self;
         let mut block = Block::default();
         let mut no_angles = [[0.0; LANES]; 3];
         for index in 0..near.first.len() {
             let pairs = [&near.first[index], &near.second[index]];
-            gather::<Q, R, S>(&mut block, &mut sizes, pairs, &bodies.body);
+            gather::<Q, R, S>(&mut block, &mut sizes, pairs, &particles.body);
             approach(&mut block, &sizes);
             attract(&mut block, &sizes, laws);
             let angles = near.rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
@@ -72,11 +71,12 @@ impl PairWork<'_> {
             note_touching(&block, &mut near.touching[index]);
             if let Some(lane) = out_of_range_lane(&block) {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
-                let [i, j] = pairs.map(|of| id[of[lane] as usize]);
+                let [i, j] = pairs.map(|of| particles.id[of[lane] as usize]);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
                 return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            scatter::<Q, S>(&block, pairs, &mut bodies.load);
+            let used = (near.count() - index * LANES).min(LANES);
+            scatter::<Q, S>(&block, pairs, used, &mut particles.load);
         }
         Ok(())
     }
@@ -129,8 +129,8 @@ impl Sizes for ManySizes {
     #[inline(always)]
     fn gather(&mut self, lane: usize, pair: [&Body; 2]) {
         for (side, body) in pair.into_iter().enumerate() {
-            self.radii[side][lane] = body.place[3];
-            self.masses[side][lane] = body.motion[3];
+            self.radii[side][lane] = body.radius;
+            self.masses[side][lane] = body.mass;
         }
     }
 
@@ -183,9 +183,10 @@ fn gather<Q: Quad, R: Rolling, S: Sizes>(
             let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
             sizes.gather(lane, [i, j]);
             let [radius_i, radius_j] = sizes.radii(lane);
-            branch[row] = Q::load(&j.place).minus(Q::load(&i.place));
-            velocity[row] = Q::load(&j.motion).minus(Q::load(&i.motion));
-            let (spin_i, spin_j) = (Q::load(&i.spin), Q::load(&j.spin));
+            let ([place_i, motion_i, spin_i], [place_j, motion_j, spin_j]) = (i.quads(), j.quads());
+            branch[row] = Q::load(place_j).minus(Q::load(place_i));
+            velocity[row] = Q::load(motion_j).minus(Q::load(motion_i));
+            let (spin_i, spin_j) = (Q::load(spin_i), Q::load(spin_j));
             let surface_i = spin_i.times(Q::splat(radius_i));
             spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
             relative_spin[row] = spin_j.minus(spin_i);
@@ -272,7 +273,7 @@ fn vector(components: &[Lanes; 3], lane: usize) -> Vector3<f64> {
     Vector3::new(components[0][lane], components[1][lane], components[2][lane])
 }
 
-/// All lanes, those that only fill up the last block too: nothing acts between their bodies.
+/// All lanes, those that only fill up the last block too: what they give is not used.
 #[inline(always)]
 fn run<L: ContactLaw, R: Rolling, S: Sizes>(
     (law, rolling): (&L, R),
@@ -365,23 +366,28 @@ fn reduced_inertia(radius: [f64; 2], mass: [f64; 2]) -> f64 {
     one * other / (one + other)
 }
 
+/// Puts forces and torques of the first `used` pairs on their bodies.
 #[inline(always)]
 fn scatter<Q: Quad, S: Sizes>(
     block: &Block,
     [first, second]: [&[u32; LANES]; 2],
+    used: usize,
     loads: &mut [Load],
 ) {
-    for from in (0..LANES).step_by(4) {
+    for from in (0..used).step_by(4) {
         let force = load::<Q>(&block.force_on_j, from);
         let torque_off_i = load::<Q>(&block.torque_off_i, from);
         let torque_off_j = if S::EQUAL { torque_off_i } else { load(&block.torque_off_j, from) };
         for row in 0..4 {
-            let on_i = &mut loads[first[from + row] as usize];
-            Q::load(&on_i.force).minus(force[row]).store(&mut on_i.force);
-            Q::load(&on_i.torque).minus(torque_off_i[row]).store(&mut on_i.torque);
-            let on_j = &mut loads[second[from + row] as usize];
-            Q::load(&on_j.force).plus(force[row]).store(&mut on_j.force);
-            Q::load(&on_j.torque).minus(torque_off_j[row]).store(&mut on_j.torque);
+            if from + row >= used {
+                break;
+            }
+            let [force_i, torque_i] = loads[first[from + row] as usize].quads_mut();
+            Q::load(force_i).minus(force[row]).store(force_i);
+            Q::load(torque_i).minus(torque_off_i[row]).store(torque_i);
+            let [force_j, torque_j] = loads[second[from + row] as usize].quads_mut();
+            Q::load(force_j).plus(force[row]).store(force_j);
+            Q::load(torque_j).minus(torque_off_j[row]).store(torque_j);
         }
     }
 }

@@ -24,7 +24,8 @@ pub fn migrate(
         return;
     }
     let here = ranks.rank();
-    let owner: Vec<usize> = particles.position.iter().map(|x| cut.owner_of(x)).collect();
+    let owner: Vec<usize> =
+        particles.body.iter().map(|body| cut.owner_of(&body.position)).collect();
     let leaves = owner.iter().any(|&rank| rank != here);
     if !ranks.any(leaves) {
         return;

@@ -335,7 +335,10 @@ fn records(case: &Case, state: &State) -> Vec<ParticleRecord> {
     (0..state.particles.owned_count())
         .map(|i| {
             let record = ParticleRecord::of(&state.particles, i);
-            ParticleRecord { position: bounds.wrap(state.particles.position[i]).into(), ..record }
+            ParticleRecord {
+                position: bounds.wrap(state.particles.body[i].position).into(),
+                ..record
+            }
         })
         .collect()
 }

@@ -206,5 +206,5 @@ fn balanced_at_start(
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
     let width = ghost_width(case, sizes);
-    balanced(cut, &positions, &case.domain.bounds, width, ranks)
+    balanced(cut, positions.iter().copied(), &case.domain.bounds, width, ranks)
 }

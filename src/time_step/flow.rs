@@ -97,7 +97,7 @@ pub(super) fn add_held_forces(particles: &mut Particles, models: &Models) -> [i6
     let mut total = [0; 3];
     for i in 0..particles.owned_count() {
         let force = particles.gas_force[i];
-        particles.force[i] += force;
+        particles.load[i].force += force;
         for axis in 0..3 {
             total[axis] += models.force_lattice.count(force[axis]);
         }

@@ -357,7 +357,7 @@ impl Run<'_> {
         let State { particles, contacts, clock, departed, .. } = &self.state;
         let here: Vec<ParticleRecord> = (0..particles.owned_count())
             .map(|index| {
-                let position = self.domain.bounds.wrap(particles.position[index]).into();
+                let position = self.domain.bounds.wrap(particles.body[index].position).into();
                 ParticleRecord { position, ..ParticleRecord::of(particles, index) }
             })
             .collect();

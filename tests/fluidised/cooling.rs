@@ -43,8 +43,8 @@ fn temperatures(restitution: f64, viscosity: Option<f64>) -> Vec<f64> {
     (0..8)
         .map(|_| {
             run.steps(1000);
-            let squares = run.state.particles.velocity[..COUNT as usize].iter();
-            squares.map(Vector3::norm_squared).sum::<f64>() / (3.0 * COUNT as f64)
+            let squares = run.state.particles.body[..COUNT as usize].iter();
+            squares.map(|body| body.velocity.norm_squared()).sum::<f64>() / (3.0 * COUNT as f64)
         })
         .collect()
 }

@@ -163,7 +163,7 @@ impl CellCoupling {
         (index, drag, voidage): (usize, f64, f64),
         dt: f64,
     ) -> Result<(), GasForceOutOfRange> {
-        let response = drag * dt / (particles.mass[index] * voidage * voidage);
+        let response = drag * dt / (particles.body[index].mass * voidage * voidage);
         let (particle, limit) = (particles.id[index], self.largest_drag);
         if !(drag <= limit) {
             return Err(GasForceOutOfRange::Drag { particle, drag, limit });
@@ -203,9 +203,10 @@ impl CellCoupling {
             let corners = self.corners[i];
             let [x, y, z, _, _, _] = &self.seen;
             let [u, v, w, eps] = interpolate([x, y, z, &self.bed.voidage], &corners);
-            let velocity = particles.velocity[i];
+            let velocity = particles.body[i].velocity;
             let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
-            let drag = self.model.drag.per_velocity(2.0 * particles.radius[i], 1.0 - eps, slip);
+            let drag =
+                self.model.drag.per_velocity(2.0 * particles.body[i].radius, 1.0 - eps, slip);
             result = result.and(self.check_response(particles, (i, drag, eps), dt));
             self.drag.push(drag);
             let BedOnGrid { momentum_transfer, transferred_velocity: [x, y, z], .. } =
@@ -257,7 +258,7 @@ impl CellCoupling {
             let corners = &self.corners[i];
             let [x, y, z, gx, gy, gz] = &self.seen;
             let [u, v, w, gx, gy, gz] = interpolate([x, y, z, gx, gy, gz], corners);
-            let slip = Vector3::new(u, v, w) - particles.velocity[i];
+            let slip = Vector3::new(u, v, w) - particles.body[i].velocity;
             let gradient = Vector3::new(gx, gy, gz - buoyancy);
             let force = self.drag[i] * slip - particles.volume(i) * gradient;
             let force = lattice.round_vector(force);
@@ -289,8 +290,8 @@ impl CellCoupling {
         let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
         let of_flux = Quantum::spanning(self.lattices[0].range() * self.limits.speed);
         for i in 0..particles.owned_count() {
-            let corners = self.corners_of(&particles.position[i]);
-            let (amount, v) = (particles.volume(i), particles.velocity[i]);
+            let corners = self.corners_of(&particles.body[i].position);
+            let (amount, v) = (particles.volume(i), particles.body[i].velocity);
             let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
             let lattices = [self.lattices[0], of_flux, of_flux, of_flux];
             deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &corners, amounts);
@@ -313,7 +314,7 @@ impl CellCoupling {
         self.bed.voidage.values_mut().fill(0.0);
         self.corners.clear();
         for i in 0..particles.owned_count() {
-            let corners = self.corners_of(&particles.position[i]);
+            let corners = self.corners_of(&particles.body[i].position);
             self.corners.push(corners);
             let (field, lattice) = (&mut self.bed.voidage, self.lattices[0]);
             deposit([field], [lattice], &corners, [particles.volume(i)]);
