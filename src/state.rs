@@ -1,14 +1,14 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, Interface, NearPair, VanDerWaals};
+use crate::contact::{ContactLaw, Interface, VanDerWaals};
 pub use crate::coupling::FlowReport;
 use crate::coupling::{Flow, FlowModel, FlowSolver, FluidForce};
 use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, WallShape};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Contacts, Neighbours, Particles, Reach};
+use crate::particles::{Bodies, Contacts, Neighbours, Particles, Reach};
 use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
@@ -236,8 +236,8 @@ pub struct Workspace {
     pub balance: Option<Balance>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
-    /// Pairs within range at this step.
-    pub near: Vec<NearPair>,
+    /// Particles as loops over pairs want them.
+    pub bodies: Bodies,
     /// The gas on its grid.
     pub fluid: Option<FluidForce>,
     /// Gas in three dimensions at work on this rank's cells.
@@ -292,7 +292,7 @@ impl Workspace {
             reach: Reach { range: 0.0, skin },
             balance,
             wall_poses: Vec::new(),
-            near: Vec::new(),
+            bodies: Bodies::default(),
             fluid: None,
             flow: None,
             tallies: Tallies::default(),

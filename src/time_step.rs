@@ -281,7 +281,7 @@ fn evaluate_forces(
     dt: f64,
     ranks: &dyn Communicator,
 ) {
-    let Workspace { fluid, flow, tallies, timers, near, fault, reach, wall_poses, .. } = work;
+    let Workspace { fluid, flow, tallies, timers, bodies, fault, reach, wall_poses, .. } = work;
     let time = state.clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
@@ -306,7 +306,8 @@ fn evaluate_forces(
     });
     let State { particles, contacts, .. } = state;
     particles.clear_forces();
-    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, near));
+    let pairs =
+        timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, bodies));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)

@@ -88,6 +88,9 @@ fn changed(section: &Node, change: &Node) -> Node {
 fn require_adhesion(contact: &Section<'_>, changes: &[&Node]) {
     let law = contact.node.get("law").and_then(Node::as_text).unwrap_or_default();
     let Some((_, keys)) = ADHESION.iter().find(|(name, _)| *name == law) else { return };
+    if !keys.iter().any(|key| contact.node.get(key).is_some()) {
+        return; // missed with the keys of particles
+    }
     let says = |change: &&Node| ["law"].iter().chain(*keys).any(|key| change.get(key).is_some());
     if !changes.iter().any(says) {
         let keys: Vec<String> = keys.iter().map(|key| format!("contact.wall.{key}")).collect();

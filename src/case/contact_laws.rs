@@ -120,7 +120,6 @@ fn read_hysteretic(section: &Section<'_>) -> Option<HystereticParameters> {
     {
         section
             .fail("loading_stiffness", format!("must be at most unloading_stiffness, {unloading}"));
-        return None;
     }
     let tangential = match section.has("tangential_stiffness") {
         true => section.number("tangential_stiffness", Allowed::NOT_NEGATIVE),

@@ -21,9 +21,11 @@ pub enum RollingKind {
 ///
 /// ```text
 /// constant torque    -mu_r R* F omega/|omega|, at most what stops omega within the step
-/// elastic-plastic    -k_r theta - eta_r 2 sqrt(I_r k_r) omega,   theta the angle rolled, |k_r theta| <= mu_r R* F;
-///                    the dashpot is off while the spring yields
+/// elastic-plastic    -k_r theta - eta_r 2 sqrt(I_r k_r) omega, at most mu_r R* F
 /// ```
+///
+/// with theta the angle rolled; the spring yields at |k_r theta| = mu_r R* F. (Ai et al. switch the dashpot off only
+/// while the spring yields: at the begin of a fast rolling its torque would be many times that of the friction.)
 ///
 /// k_n is the law's stiffness at the overlap. Where it grows while the contact is loaded, the torque stays and
 /// theta shrinks: a spring that stiffens while it is bent would make energy.
@@ -51,6 +53,12 @@ impl RollingFriction {
         }
         Ok(Self { kind, coefficient })
     }
+}
+
+/// The factor that brings a vector of this squared length down to a limit.
+#[inline(always)]
+fn within(limit: f64, squared: f64) -> f64 {
+    if squared > limit * limit { limit / squared.sqrt() } else { 1.0 }
 }
 
 /// A resistance to rolling, or none, chosen once for all pairs.
@@ -120,13 +128,11 @@ impl Rolling for RollingFriction {
                 let spring = 2.25 * now * arm * arm;
                 let loading = if before < now { before / now } else { 1.0 };
                 let mut theta = (*angle - n * n.dot(angle)) * loading + rolling * dt;
-                let bent = spring * spring * theta.norm_squared();
-                let yields = bent > limit * limit;
-                theta *= if yields { limit / bent.sqrt() } else { 1.0 };
+                theta *= within(limit, spring * spring * theta.norm_squared());
                 *angle = theta;
                 let critical = 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt();
-                let dashpot = if yields { 0.0 } else { damping * critical };
-                theta * -spring - rolling * dashpot
+                let torque = theta * -spring - rolling * (damping * critical);
+                torque * within(limit, torque.norm_squared())
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Preconditioned conjugate gradients.
 
 use super::coarsening::LevelGrid;
-use super::hierarchy::Hierarchy;
+use super::hierarchy::{Cycle, Hierarchy};
 use super::lattice_sum::{DotProduct, RunningDot};
 use super::operator::{Coefficients, apply, residual};
 use crate::domain::{Bounds, Decomposition};
@@ -231,6 +231,7 @@ impl PressureSolver {
         let [squares, energies, curvatures] = &mut products;
         let mut square = squares.of(&self.residual, &self.residual, ranks);
         let mut last_energy = f64::INFINITY;
+        let mut cycle = Cycle::W;
         for iterations in 0..=ITERATION_LIMIT {
             let residual = square.sqrt();
             if !(residual + allowed).is_finite() {
@@ -242,15 +243,18 @@ impl PressureSolver {
             if iterations == ITERATION_LIMIT {
                 return Err(LinearSolverError::NotConverged { iterations, residual, allowed });
             }
-            self.hierarchy.cycle(&self.residual, &mut self.preconditioned, ranks);
-            let energy = energies.of(&self.residual, &self.preconditioned, ranks);
+            let mut energy = self.precondition(cycle, energies, ranks);
+            if energy <= 0.0 {
+                cycle = Cycle::V;
+                last_energy = f64::INFINITY;
+                energy = self.precondition(cycle, energies, ranks);
+            }
             let beta = energy / last_energy;
             last_energy = energy;
             in_wide_vectors(Turn {
                 beta,
                 towards: &self.preconditioned,
                 direction: &mut self.direction,
-                first: iterations == 0,
             });
             self.halo.refresh(&mut [&mut self.direction], ranks);
             let dot =
@@ -267,6 +271,18 @@ impl PressureSolver {
             square = squares.finish(running, [&self.residual, &self.residual], ranks);
         }
         unreachable!("the last iteration returns")
+    }
+
+    /// z = M r, and r . z. Collective.
+    fn precondition(
+        &mut self,
+        cycle: Cycle,
+        energies: &mut DotProduct,
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        let equation = (&self.residual, &mut self.preconditioned);
+        self.hierarchy.cycle(&self.coefficients, equation, cycle, ranks);
+        energies.of(&self.residual, &self.preconditioned, ranks)
     }
 
     /// Subtracts the mean over all cells, summed exactly; returns it.
@@ -300,7 +316,6 @@ struct Turn<'a> {
     beta: f64,
     towards: &'a Field,
     direction: &'a mut Field,
-    first: bool,
 }
 
 impl VectorWork for Turn<'_> {
@@ -309,11 +324,10 @@ impl VectorWork for Turn<'_> {
     #[inline(always)]
     fn run(self) {
         let length = self.direction.count()[0];
-        let beta = if self.first { 0.0 } else { self.beta };
         for row in self.direction.rows() {
             let towards = &self.towards.values()[row..][..length];
             for (p, z) in self.direction.values_mut()[row..][..length].iter_mut().zip(towards) {
-                *p = z + beta * *p;
+                *p = z + self.beta * *p;
             }
         }
     }

@@ -102,6 +102,10 @@ impl ParticleRecord {
     }
 }
 
+fn memory_of(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactMemory {
+    ContactMemory { tangential_spring: tangential_spring.into(), largest_overlap }
+}
+
 impl From<PairMemory> for ContactRecord {
     fn from(pair: PairMemory) -> Self {
         Self {
@@ -116,10 +120,7 @@ impl From<PairMemory> for ContactRecord {
 
 impl From<ContactRecord> for PairMemory {
     fn from(record: ContactRecord) -> Self {
-        let memory = ContactMemory {
-            tangential_spring: record.tangential_spring.into(),
-            largest_overlap: record.largest_overlap,
-        };
+        let memory = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { lower: record.lower, higher: record.higher, memory, rolling_angle }
     }
@@ -139,10 +140,7 @@ impl From<WallMemory> for WallContactRecord {
 
 impl From<WallContactRecord> for WallMemory {
     fn from(record: WallContactRecord) -> Self {
-        let memory = ContactMemory {
-            tangential_spring: record.tangential_spring.into(),
-            largest_overlap: record.largest_overlap,
-        };
+        let memory = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { particle: record.particle, wall: record.wall as u32, memory, rolling_angle }
     }

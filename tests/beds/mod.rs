@@ -31,6 +31,10 @@ pub(crate) const PLATE: [Face; 2] = [Face::Wall, Face::Open];
 pub(crate) struct Bench {
     pub(crate) domain: Domain,
     pub(crate) contact: LinearSpringDashpot,
+    /// What holds between particles instead of `contact`.
+    pub(crate) interface: Option<Interface>,
+    /// What holds at the walls, by their numbers; walls beyond are like particles.
+    pub(crate) at_walls: Vec<Interface>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
     /// A gas in three dimensions, in the place of the column.
@@ -128,6 +132,8 @@ impl Bench {
         Self {
             domain: Domain { bounds, walls },
             contact: law(2.0e5, 0.9, 0.1),
+            interface: None,
+            at_walls: Vec::new(),
             cohesion: None,
             gas: None,
             flow: None,
@@ -203,16 +209,23 @@ impl Bench {
 
     pub(crate) fn models(&self) -> Models {
         let law = ContactModel::LinearSpringDashpot(self.contact);
-        let contact = Interface { law, rolling: None };
+        let contact = self.interface.clone().unwrap_or(Interface { law, rolling: None });
+        let at_walls = self.at_walls.clone();
         let SizeRange { smallest_diameter, largest_diameter, largest_mass } = self.sizes();
         let diameters = [smallest_diameter, largest_diameter];
         let weight = largest_mass * self.gravity.largest();
         let (cohesion, dt) = (self.cohesion.clone(), self.time_step);
-        let mut limits = Limits::new([&contact], cohesion.as_ref(), diameters, weight, dt);
+        let mut limits = Limits::new(
+            std::iter::once(&contact).chain(&at_walls),
+            cohesion.as_ref(),
+            diameters,
+            weight,
+            dt,
+        );
         limits.force = self.force_limit.unwrap_or(limits.force);
         Models {
             contact,
-            at_walls: Vec::new(),
+            at_walls,
             cohesion,
             gas: match &self.flow {
                 Some(flow) => Some(GasModel::VolumeAveraged(flow.clone())),
