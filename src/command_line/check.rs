@@ -5,7 +5,7 @@ use super::progress::in_words;
 use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, Interface};
 use crate::coupling::FlowModel;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::gas::volume_averaged::Boundary;
@@ -140,10 +140,31 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
             describe_flow(&mut line, model, particle, stage.time_step);
         }
     }
-    let duration = case.shortest_contact(stage, sizes);
-    let per_contact = duration / stage.time_step;
-    line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
-    if per_contact < LEAST_STEPS_PER_CONTACT {
+    describe_contacts(&mut line, case, stage, sizes);
+}
+
+/// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
+fn describe_contacts(
+    line: &mut impl FnMut(&str, String),
+    case: &Case,
+    stage: &Stage,
+    sizes: &SizeRange,
+) {
+    let mass = case.particles.mass_of(sizes.smallest_diameter);
+    let radius = 0.5 * sizes.smallest_diameter;
+    let mut tell = |name: &str, interface: &Interface, mass: f64, radius: f64| {
+        let duration = interface.law.contact_duration(mass, radius);
+        let steps = duration / stage.time_step;
+        let law = interface.law.name();
+        line(name, format!("{duration:.4e}, {steps:.1} time steps ({law})"));
+    };
+    tell("duration of a contact", &stage.contact, 0.5 * mass, 0.5 * radius);
+    for (wall, interface) in case.domain.walls.iter().zip(&stage.at_walls) {
+        if *interface != stage.contact {
+            tell(&format!("with wall \"{}\"", wall.name), interface, mass, radius);
+        }
+    }
+    if case.shortest_contact(stage, sizes) / stage.time_step < LEAST_STEPS_PER_CONTACT {
         line(
             "warning",
             format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),

@@ -205,7 +205,8 @@ impl PressureSolver {
     ) -> Result<Convergence, LinearSolverError> {
         self.solution.set_owned(solution.owned());
         self.right.set_owned(right_hand_side.owned());
-        let removed_mean = if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
+        let removed_mean =
+            if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
         let size = DotProduct::default().of(&self.right, &self.right, ranks).sqrt();
         if size == 0.0 {
             solution.set_owned(std::iter::repeat(0.0));
@@ -261,7 +262,8 @@ impl PressureSolver {
     ) -> Result<(), LinearSolverError> {
         let mut last_energy = f64::INFINITY;
         while size > allowed {
-            let failed = LinearSolverError::NotConverged { iterations: *done, residual: size, allowed };
+            let failed =
+                LinearSolverError::NotConverged { iterations: *done, residual: size, allowed };
             if *done == ITERATION_LIMIT {
                 return Err(failed);
             }
