@@ -65,11 +65,12 @@ impl PairWork<'_> {
         for index in 0..near.first.len() {
             let pairs = [&near.first[index], &near.second[index]];
             gather::<Q, R, S>(&mut block, &mut sizes, pairs, &bodies.body);
+            approach(&mut block, &sizes);
             attract(&mut block, &sizes, laws);
             let angles = near.rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             run(law, &sizes, laws, &mut block, (&mut near.memory[index], angles));
-            near.touching[index] = block.touching.map(|touching| touching != 0.0);
-            if let Some(lane) = (0..LANES).find(|&lane| block.out_of_range[lane] != 0.0) {
+            note_touching(&block, &mut near.touching[index]);
+            if let Some(lane) = out_of_range_lane(&block) {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
                 let [i, j] = pairs.map(|of| id[of[lane] as usize]);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
@@ -148,21 +149,23 @@ impl Sizes for ManySizes {
 #[derive(Default)]
 struct Block {
     branch: [Lanes; 3],
+    /// Of the centres; then of the surfaces where they meet.
     relative_velocity: [Lanes; 3],
     /// omega_i r_i + omega_j r_j.
     surface_spin: [Lanes; 3],
     /// Only if rolling is resisted.
     relative_spin: [Lanes; 3],
-    cohesion: Lanes,
     overlap: Lanes,
+    normal: [Lanes; 3],
+    cohesion: Lanes,
     force_on_j: [Lanes; 3],
     /// Less the torques.
     torque_off_i: [Lanes; 3],
     torque_off_j: [Lanes; 3],
     /// 1 where the bodies touch.
-    touching: Lanes,
+    touching: [u64; LANES],
     /// 1 where the force exceeds the limit or is undefined.
-    out_of_range: Lanes,
+    out_of_range: [u64; LANES],
 }
 
 #[inline(always)]
@@ -227,6 +230,25 @@ fn quad_mut(lanes: &mut Lanes, from: usize) -> &mut [f64; 4] {
     lanes[from..].first_chunk_mut().expect("lanes are whole quads")
 }
 
+/// How the surfaces of the pairs meet. A loop of its own: a processor sees only so far ahead, and here it sees
+/// several square roots at once.
+#[inline(always)]
+fn approach<S: Sizes>(block: &mut Block, sizes: &S) {
+    for lane in 0..LANES {
+        let branch = vector(&block.branch, lane);
+        let distance = branch.dot(&branch).sqrt();
+        let [radius_i, radius_j] = sizes.radii(lane);
+        let normal = branch * (1.0 / distance);
+        let velocity = vector(&block.relative_velocity, lane)
+            - vector(&block.surface_spin, lane).cross(&normal);
+        block.overlap[lane] = radius_i + radius_j - distance;
+        for axis in 0..3 {
+            block.normal[axis][lane] = normal[axis];
+            block.relative_velocity[axis][lane] = velocity[axis];
+        }
+    }
+}
+
 /// Attraction of the pairs, if there is any.
 #[inline(always)]
 fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
@@ -240,9 +262,8 @@ fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
 #[inline(always)]
 fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut Block, sizes: &S) {
     for lane in 0..LANES {
-        let ([radius_i, radius_j], branch) = (sizes.radii(lane), vector(&block.branch, lane));
-        let separation = -(radius_i + radius_j - branch.dot(&branch).sqrt());
-        block.cohesion[lane] = attraction.between(radius_i, radius_j, separation);
+        let [radius_i, radius_j] = sizes.radii(lane);
+        block.cohesion[lane] = attraction.between(radius_i, radius_j, -block.overlap[lane]);
     }
 }
 
@@ -296,29 +317,44 @@ fn run<L: ContactLaw, R: Rolling, S: Sizes>(
         for (number, field) in numbers.into_iter().zip(&mut *memories) {
             field[lane] = if_touching(number);
         }
-        block.overlap[lane] = contact.overlap;
-        block.touching[lane] = if_touching(1.0);
-        block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
+        block.touching[lane] = u64::from(touches);
+        block.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));
     }
 }
 
 #[inline(always)]
 fn contact_of<S: Sizes>(block: &Block, sizes: &S, lane: usize) -> Contact {
-    let branch = vector(&block.branch, lane);
-    let distance = branch.dot(&branch).sqrt();
     let ([radius_i, radius_j], [mass_i, mass_j]) = (sizes.radii(lane), sizes.masses(lane));
-    let normal = branch * (1.0 / distance);
-    let surface_velocity = vector(&block.surface_spin, lane).cross(&normal);
     Contact {
-        overlap: radius_i + radius_j - distance,
-        normal,
-        relative_velocity: vector(&block.relative_velocity, lane) - surface_velocity,
+        overlap: block.overlap[lane],
+        normal: vector(&block.normal, lane),
+        relative_velocity: vector(&block.relative_velocity, lane),
         relative_spin: vector(&block.relative_spin, lane),
         reduced_mass: mass_i * mass_j / (mass_i + mass_j),
         reduced_radius: radius_i * radius_j / (radius_i + radius_j),
         reduced_inertia: reduced_inertia([radius_i, radius_j], [mass_i, mass_j]),
         cohesion: block.cohesion[lane],
     }
+}
+
+#[inline(always)]
+fn note_touching(block: &Block, touching: &mut [bool; LANES]) {
+    for lane in 0..LANES {
+        touching[lane] = block.touching[lane] != 0;
+    }
+}
+
+/// The first pair with a force that has no meaning.
+#[inline(always)]
+fn out_of_range_lane(block: &Block) -> Option<usize> {
+    let mut any = 0;
+    for lane in 0..LANES {
+        any |= block.out_of_range[lane];
+    }
+    if any == 0 {
+        return None;
+    }
+    block.out_of_range.iter().position(|&flag| flag != 0)
 }
 
 /// I* of two solid spheres.
