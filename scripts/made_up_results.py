@@ -55,7 +55,8 @@ def write_series(folder: Path, columns: dict[str, np.ndarray]) -> None:
     rows = len(columns["time"])
     table = np.column_stack([columns.get(name, np.zeros(rows)) for name in COLUMNS])
     with open(folder / "series.csv", "w", encoding="utf-8") as file:
-        file.write("# talcum 0.1.0\n# title: made up\n")
+        file.write("# talcum_version: 0.1.0\n# title: made up\n")
+        file.write("".join(f"# case: {line}".rstrip() + "\n" for line in CASE.splitlines()))
         file.write(",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items()) + "\n")
         for row in table:
             file.write(",".join(repr(float(value)) for value in row) + "\n")

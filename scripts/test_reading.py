@@ -23,6 +23,16 @@ class TestReading(ScriptTest):
             file.write(",".join(["7"] * (len(COLUMNS) - 1) + ["1"]))  # all columns, but maybe not all digits
         self.assertEqual(list(talcum_results.read_series(self.folder).time), [0.0, 1.0, 2.0, 3.0, 4.0])
 
+    def test_numpy_reads_the_rows_below_the_case(self) -> None:
+        write_series(self.folder, {"time": np.arange(5.0), "bed_top": np.arange(5.0) ** 2})
+        file = self.folder / "series.csv"
+        lines = file.read_text(encoding="utf-8").splitlines()
+        self.assertIn("# case: stokes_number = 55", lines)
+        header = next(index for index, line in enumerate(lines) if not line.startswith("#"))
+        table = np.genfromtxt(file, delimiter=",", skip_header=header + 1)
+        self.assertEqual(table.shape, (5, len(COLUMNS)))
+        self.assertEqual(list(table[:, list(COLUMNS).index("bed_top")]), [0.0, 1.0, 4.0, 9.0, 16.0])
+
     def test_profile_rows_not_filled_are_left_out(self) -> None:
         times = np.array([0.0, 1.0, 2.0, 0.0, 0.0])
         write_profiles(self.folder, times, np.arange(4.0), np.zeros((5, 4)))

@@ -85,6 +85,7 @@ pub mod coupling;
 pub mod domain;
 pub mod gas;
 pub mod grid;
+pub mod linear_solver;
 pub mod numbers;
 pub mod output;
 pub mod parallel;

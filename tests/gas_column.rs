@@ -16,12 +16,13 @@ const DENSITY: f64 = 1.3e-3;
 fn momentum_transfer(drag: DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 {
     let creeping = 18.0 * VISCOSITY / diameter.powi(2) * phi * (1.0 - phi).powf(-2.65);
     match drag {
-        DragLaw::WenYuCreeping => creeping,
-        DragLaw::WenYu => {
+        DragLaw::WEN_YU_CREEPING => creeping,
+        DragLaw::WEN_YU => {
             // Re = (1 - phi) rho d |u_g - u_s| / mu, and (1 - phi) (u_g - u_s) = U_s - u_s.
             let reynolds = DENSITY * diameter * slip.abs() / VISCOSITY;
             creeping * (1.0 + 0.15 * reynolds.powf(0.687))
         }
+        other => panic!("{other:?} is not among these beds"),
     }
 }
 
@@ -33,7 +34,7 @@ fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
 }
 
 fn profile_of(run: &Run) -> BedProfile {
-    let spacing = run.models.gas.as_ref().map_or(1.5, |gas| gas.spacing);
+    let spacing = run.models.column().map_or(1.5, |gas| gas.spacing);
     let grid = ColumnGrid::new(&run.domain.bounds, spacing, 1.0);
     BedProfile::new(grid, run.models.limits.speed, [1.0; 2], 0.3)
 }
@@ -50,7 +51,7 @@ fn fixed_lattice(drag: DragLaw, velocity: f64, diameter: f64) -> Bench {
 
 #[test]
 fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
-    for drag in [DragLaw::WenYuCreeping, DragLaw::WenYu] {
+    for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for (velocity, d) in [(0.12, 1.0), (30.0, 1.0), (-5.0, 0.8)] {
             let mut run = fixed_lattice(drag, velocity, d).alone();
             let phi = 160.0 * PI / 6.0 * d.powi(3) / (25.0 * 12.5);
@@ -58,7 +59,7 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
             let gradient = momentum_transfer(drag, phi, d, velocity) * u_g / (1.0 - phi);
             let expected = gradient * 12.5;
             let fluid = run.work.fluid.as_mut().unwrap();
-            let gas = run.models.gas.as_ref().unwrap();
+            let gas = run.models.column().unwrap();
             let found = fluid.pressure_drop(gas);
             // Sums of 160 numbers on lattices of 1e-15 of the cell, and a power: round-off.
             assert!(
@@ -82,7 +83,7 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
 fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
     let mut bench = Bench::new([4.2, 4.2, 30.0], [PERIODIC, PERIODIC, PLATE]);
     bench.add_layers(160, (1.03, 0.55), &[1.0, 0.8], (0.01, 0.0));
-    for drag in [DragLaw::WenYuCreeping, DragLaw::WenYu] {
+    for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         let mut flow = gas(0.5);
         flow.drag = drag;
         bench.gas = Some(flow);
@@ -103,7 +104,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
             }
         }
         let fluid = run.work.fluid.as_mut().unwrap();
-        let gas = run.models.gas.as_ref().unwrap();
+        let gas = run.models.column().unwrap();
         let found = fluid.pressure_drop(gas);
         assert!((found / expected - 1.0).abs() < 1.0e-12, "{found} for {expected}"); // round-off
     }
@@ -117,7 +118,7 @@ fn bed_between_walls() -> Bench {
     bench.gravity = shaken(3.0, 0.16);
     bench.cohesion = Some(attraction((3.0, 1.5), 1.0, (1.0e-4, 0.01)));
     let mut flow = gas(0.05);
-    flow.drag = DragLaw::WenYu;
+    flow.drag = DragLaw::WEN_YU;
     flow.lateral_drag = true;
     bench.gas = Some(flow);
     bench.add_layers(160, (1.05, 0.6), &[1.0, 0.8], (0.01, 0.5));
@@ -220,7 +221,7 @@ fn drift(bench: &Bench) -> f64 {
 
 #[test]
 fn gas_that_carries_the_weight_lets_nothing_drift() {
-    for drag in [DragLaw::WenYuCreeping, DragLaw::WenYu] {
+    for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for diameters in [[1.0, 1.0], [1.1, 0.7]] {
             let drift = drift(&weightless_box(WeightBalance::ParticleForce, drag, &diameters));
             println!("weight by particle force, {drag:?} {diameters:?}: drift {drift:.1e} of g");
@@ -232,7 +233,7 @@ fn gas_that_carries_the_weight_lets_nothing_drift() {
 
 #[test]
 fn the_grid_integral_lets_the_box_drift_a_little() {
-    for drag in [DragLaw::WenYuCreeping, DragLaw::WenYu] {
+    for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for diameters in [vec![1.0], vec![1.0, 0.7]] {
             let drift = drift(&weightless_box(WeightBalance::GridIntegral, drag, &diameters));
             println!("weight by grid integral, {drag:?} {diameters:?}: drift {drift:.1e} of g");
@@ -268,8 +269,8 @@ fn an_empty_column_is_fine() {
 fn measures_have_the_same_bits_on_any_number_of_ranks() {
     let beds = [
         bed_between_walls(),
-        weightless_box(WeightBalance::ParticleForce, DragLaw::WenYu, &[1.1, 0.7]),
-        weightless_box(WeightBalance::GridIntegral, DragLaw::WenYu, &[1.0]),
+        weightless_box(WeightBalance::ParticleForce, DragLaw::WEN_YU, &[1.1, 0.7]),
+        weightless_box(WeightBalance::GridIntegral, DragLaw::WEN_YU, &[1.0]),
     ];
     for bench in beds {
         let measures = |grid| {

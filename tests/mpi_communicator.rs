@@ -14,7 +14,7 @@ use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
-use talcum::state::{Clock, Departed, SizeRange};
+use talcum::state::{Clock, Departed, FlowReport, SizeRange};
 
 /// Environment variable that names what a rank is to do.
 const ROLE: &str = "TALCUM_TEST_ROLE";
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         }
     };
     for n in 1..=4 {
-        for role in ["methods", "write", "read"] {
+        for role in ["methods", "methods_in_pieces", "write", "read"] {
             // What n ranks wrote is read by n, and later by others.
             judge(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
         }
@@ -95,6 +95,8 @@ fn act(role: &str, folder: &Path) {
     let last = ranks.rank() == ranks.size() - 1;
     match role {
         "methods" => methods(&ranks),
+        // 100,000 is a multiple of it: the last piece of such messages is empty.
+        "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
         "write" => write(&ranks, folder),
         "read" => read(&ranks, folder),
         "panic" => {
@@ -202,6 +204,8 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         particles: (0..count).filter(mine).map(particle).collect(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: Vec::new(),
+        cells: Vec::new(),
+        flow_report: FlowReport::default(),
     }
 }
 
@@ -226,6 +230,7 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     for (step, count) in COUNTS.into_iter().enumerate() {
         snapshots.append(step as f64, &share(count, ranks).particles, ranks).unwrap();
     }
+    snapshots.keep(ranks).unwrap();
     let mut snapshots = ParticleSnapshots::resume(&path, 1.0, "", &provenance, ranks).unwrap();
     snapshots.append(2.0, &share(3, ranks).particles, ranks).unwrap();
 }

@@ -1,11 +1,12 @@
-//! The section of the gas.
+//! The keys of a column of gas.
 
 use super::allowed::{Allowed, rounded};
+use super::drag::read_drag;
 use super::forces::positive_gravity;
 use super::particles::Scales;
 use super::section::Section;
 use crate::domain::{Bounds, Face};
-use crate::gas::{BaseNode, ColumnGas, DragLaw, Drive, WeightBalance};
+use crate::gas::{BaseNode, ColumnGas, DragLaw, Drive, ScaledDrag, WeightBalance};
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -13,19 +14,6 @@ use std::ops::Range;
 const MOST_NODES: f64 = 1.0e6;
 /// A periodic grid of fewer nodes would meet itself.
 const FEWEST_PERIODIC_NODES: f64 = 3.0;
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Kind {
-    Column,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Drag {
-    WenYu,
-    WenYuCreeping,
-}
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -41,22 +29,21 @@ enum Base {
     HalfCell,
 }
 
-/// `[gas]`.
-pub(super) fn read_gas(
+/// `[gas]` of kind "column".
+pub(super) fn read_column(
     section: Section<'_>,
     scales: Scales,
     gravity: Option<f64>,
     bounds: Option<&Bounds>,
     stages: &[Range<f64>],
 ) -> Option<ColumnGas> {
-    let kind: Option<Kind> = section.value("kind");
     if let Some(bounds) = bounds
         && matches!(bounds.faces(2)[0], Face::Open | Face::Stop)
     {
         section.fail("kind", "a column of gas needs a lower wall or a periodic box along z");
     }
     let viscosity = read_viscosity(&section, scales, gravity);
-    let drag = read_drag(&section);
+    let drag = read_drag_and_density(&section);
     let spacing = read_spacing(&section, bounds);
     let drive = read_drive(&section, bounds, stages);
     section.note_default("lateral_drag", "false, the gas acts vertically only");
@@ -67,22 +54,25 @@ pub(super) fn read_gas(
         Some(Base::FullCell) | None => BaseNode::FullCell,
     };
     section.finish();
-    let (drag, density) = drag?;
-    match kind? {
-        Kind::Column => Some(ColumnGas {
-            spacing: spacing?,
-            drag,
-            viscosity: viscosity?,
-            density,
-            drive: drive?,
-            lateral_drag,
-            base_node,
-        }),
-    }
+    let (drag, drag_factor, density) = drag?;
+    Some(ColumnGas {
+        spacing: spacing?,
+        drag,
+        drag_factor,
+        viscosity: viscosity?,
+        density,
+        drive: drive?,
+        lateral_drag,
+        base_node,
+    })
 }
 
 /// mu, or from St = rho_s g^1/2 d^3/2 / mu.
-fn read_viscosity(section: &Section<'_>, scales: Scales, gravity: Option<f64>) -> Option<f64> {
+pub(super) fn read_viscosity(
+    section: &Section<'_>,
+    scales: Scales,
+    gravity: Option<f64>,
+) -> Option<f64> {
     let key = section.exactly_one(&["viscosity", "stokes_number"])?;
     let number = section.optional_number(key, Allowed::POSITIVE)?;
     if key == "viscosity" {
@@ -93,24 +83,20 @@ fn read_viscosity(section: &Section<'_>, scales: Scales, gravity: Option<f64>) -
     Some(scales.density? * (gravity * diameter).sqrt() * diameter / number)
 }
 
-/// The drag law, and the gas density that it needs or 0.
-fn read_drag(section: &Section<'_>) -> Option<(DragLaw, f64)> {
-    match section.value("drag") {
-        Some(Drag::WenYu) => {
-            section.number("density", Allowed::POSITIVE).map(|density| (DragLaw::WenYu, density))
-        }
-        Some(Drag::WenYuCreeping) => {
-            if section.has("density") {
-                section
-                    .fail("density", "cannot be given: drag \"wen_yu_creeping\" has no use for it");
-            }
-            Some((DragLaw::WenYuCreeping, 0.0))
-        }
-        None => {
-            section.optional_number("density", Allowed::POSITIVE);
-            None
-        }
+/// The drag law, its factor, and the gas density that it needs or 0.
+fn read_drag_and_density(section: &Section<'_>) -> Option<(DragLaw, f64, f64)> {
+    let drag = read_drag(section);
+    let Some((law, factor)) = drag else {
+        section.optional_number("density", Allowed::POSITIVE);
+        return None;
+    };
+    if law.depends_on_reynolds() {
+        return section.number("density", Allowed::POSITIVE).map(|density| (law, factor, density));
     }
+    if section.has("density") {
+        section.fail("density", "cannot be given: drag \"wen_yu_creeping\" has no use for it");
+    }
+    Some((law, factor, 0.0))
 }
 
 /// dz, in a periodic box the divisor of its height nearest to the one asked for.

@@ -2,8 +2,9 @@
 
 use super::reading::read_case;
 use super::run::say;
-use crate::case::{Case, Quantity, Stage};
+use crate::case::{Case, Stage};
 use crate::contact::{ContactLaw, Interface, force_loop};
+use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use anyhow::anyhow;
 use clap::Args;
@@ -96,8 +97,7 @@ fn table(
         .map_or("two particles".to_owned(), |wall| format!("a particle and wall \"{wall}\""));
     let mut words = format!("# talcum {}\n# title: {}\n", env!("CARGO_PKG_VERSION"), case.title);
     let _ = writeln!(words, "# contact: {other} of diameter {diameter}, stage \"{}\"", stage.name);
-    let unit = |quantity| case.units.unit(quantity);
-    let (length, force) = (unit(Quantity::Length), unit(Quantity::Force));
+    let ColumnUnits { length, force, .. } = ColumnUnits::of_system(case.units.name());
     let _ = writeln!(words, "overlap [{length}],force [{force}],part [1]");
     for point in points {
         let _ = writeln!(words, "{:?},{:?},{}", point.overlap, point.force, point.part);

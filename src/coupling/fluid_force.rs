@@ -2,7 +2,9 @@
 
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, WeightBalance};
+use crate::gas::{
+    ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, ScaledDrag, WeightBalance,
+};
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
@@ -28,6 +30,32 @@ pub enum GasForceOutOfRange {
         limit: f64,
         /// Solids fraction at the particle.
         solids_fraction: f64,
+    },
+    /// A drag coefficient, force per velocity.
+    #[error(
+        "the drag of the gas on particle {particle} is {drag:.3e} per velocity (limit {limit:.3e}): the gas there \
+         is too fast or undefined"
+    )]
+    Drag {
+        /// Id of the particle.
+        particle: u64,
+        /// Its drag coefficient.
+        drag: f64,
+        /// What it may be.
+        limit: f64,
+    },
+    /// A gas step that is too long for the drag.
+    #[error(
+        "in one gas step the drag takes {response:.3} of the velocity of particle {particle} relative to the gas \
+         (b dt / (m eps^2), limit {limit}): use fewer gas.substeps or a shorter time.step"
+    )]
+    Response {
+        /// Id of the particle.
+        particle: u64,
+        /// The part taken.
+        response: f64,
+        /// What it may be.
+        limit: f64,
     },
     /// On the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
@@ -352,16 +380,22 @@ impl VectorWork for DragWork<'_> {
     #[inline(always)]
     fn run(self) {
         match self.drag_law.law {
-            DragLaw::WenYuCreeping => self.fill(DragLaw::WenYuCreeping),
-            DragLaw::WenYu => self.fill(DragLaw::WenYu),
+            DragLaw::WenYu(law) => self.fill(law),
+            DragLaw::WenYuCreeping(law) => self.fill(law),
+            DragLaw::Ergun(law) => self.fill(law),
+            DragLaw::Gidaspow(law) => self.fill(law),
+            DragLaw::Beetstra(law) => self.fill(law),
+            DragLaw::Tenneti(law) => self.fill(law),
+            DragLaw::DiFelice(law) => self.fill(law),
         }
     }
 }
 
 impl DragWork<'_> {
     #[inline(always)]
-    fn fill(self, law: DragLaw) {
-        let drag_law = ParticleDrag { law, ..self.drag_law };
+    fn fill<L: ScaledDrag>(self, law: L) {
+        let ParticleDrag { factor, viscosity, density, .. } = self.drag_law;
+        let drag_law = ParticleDrag { law, factor, viscosity, density };
         let n = self.radii.len();
         let local = self.local;
         let (phi, u) = (&local.solids_fraction[..n], &local.solids_velocity[..n]);

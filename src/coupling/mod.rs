@@ -2,6 +2,11 @@
 
 mod coarse_grain;
 mod fluid_force;
+mod resolved;
 
 pub use coarse_grain::{Bed, CoarseGraining};
 pub use fluid_force::{FluidForce, GasForceOutOfRange};
+pub use resolved::{
+    CellCoupling, CouplingModel, Filter, Flow, FlowModel, FlowReport, FlowSolver, FlowStep,
+    ParticleLimits,
+};

@@ -1,6 +1,6 @@
 //! A column of gas: one-dimensional, incompressible, without inertia.
 
-use super::DragLaw;
+use super::{DragLaw, ScaledDrag};
 use crate::domain::Bounds;
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
@@ -14,6 +14,8 @@ pub struct ColumnGas {
     pub spacing: f64,
     /// Drag law.
     pub drag: DragLaw,
+    /// xi, the drag over that of the law; 1 as a rule.
+    pub drag_factor: f64,
     /// Gas viscosity mu_g.
     pub viscosity: f64,
     /// Gas density rho_g; only drag laws with a Reynolds number use it.
@@ -66,7 +68,12 @@ impl ColumnGas {
 
     /// The drag on one particle, whatever its size and surroundings.
     pub fn particle_drag(&self) -> ParticleDrag {
-        ParticleDrag { law: self.drag, viscosity: self.viscosity, density: self.density }
+        ParticleDrag {
+            law: self.drag,
+            factor: self.drag_factor,
+            viscosity: self.viscosity,
+            density: self.density,
+        }
     }
 
     /// Pressure drop over the column: the integral of -dp/dz = B (u_g - u_d) / (1 - phi), which for particles of
@@ -94,17 +101,19 @@ impl ColumnGas {
 
 /// Drag of a gas on single particles in a suspension.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParticleDrag {
+pub struct ParticleDrag<L = DragLaw> {
     /// Drag law.
-    pub law: DragLaw,
+    pub law: L,
+    /// xi, the drag over that of the law (Liu 2016: 0.2, for clustered particles).
+    pub factor: f64,
     /// Gas viscosity.
     pub viscosity: f64,
     /// Gas density.
     pub density: f64,
 }
 
-impl ParticleDrag {
-    /// (V / phi) beta = 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
+impl<L: ScaledDrag> ParticleDrag<L> {
+    /// xi (V / phi) beta = xi 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
     /// where the solids fraction is phi and U_s - u_s is `slip`.
     ///
     /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
@@ -114,7 +123,7 @@ impl ParticleDrag {
             true => self.density * diameter * slip.abs() / self.viscosity,
             false => 0.0,
         };
-        let stokes = 3.0 * PI * self.viscosity * diameter;
+        let stokes = self.factor * (3.0 * PI * self.viscosity * diameter);
         stokes * self.law.scaled_drag(solids_fraction, reynolds)
     }
 }

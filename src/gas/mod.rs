@@ -1,7 +1,12 @@
-//! The gas: drag laws (pure), and the one-dimensional column of gas that has no inertia.
+//! The gas: drag laws (pure), the one-dimensional column of gas that has no inertia, and the gas in three
+//! dimensions.
 
 mod column;
 mod drag;
+pub mod volume_averaged;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
-pub use drag::DragLaw;
+pub use drag::{
+    Beetstra, DiFelice, DragLaw, Ergun, Gidaspow, ScaledDrag, SingleSphere, Switch, Tenneti, WenYu,
+    WenYuCreeping,
+};

@@ -1,6 +1,9 @@
 //! A parameter that may change with time.
 
-/// A number as a function of time: constant, ramped, or in steps.
+use super::sine;
+use std::f64::consts::PI;
+
+/// A number as a function of time: constant, ramped, in steps, or a sine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
     /// The same at all times.
@@ -25,6 +28,17 @@ pub enum Schedule {
         /// How long each value lasts.
         every: f64,
     },
+    /// mean + amplitude sin(2 pi frequency (t - start)) from `start` on, the mean before.
+    Sine {
+        /// Mean over a period.
+        mean: f64,
+        /// Largest deviation from the mean.
+        amplitude: f64,
+        /// Cycles per time.
+        frequency: f64,
+        /// When the first cycle begins.
+        start: f64,
+    },
 }
 
 impl Schedule {
@@ -46,6 +60,10 @@ impl Schedule {
                 let step = ((time - start) / every).floor().max(0.0) as usize;
                 values[step.min(values.len() - 1)]
             }
+            Self::Sine { mean, amplitude, frequency, start } => {
+                let phase = 2.0 * PI * frequency * (time - start).max(0.0);
+                mean + amplitude * sine(phase)
+            }
         }
     }
 
@@ -55,6 +73,7 @@ impl Schedule {
             Self::Constant(value) => *value,
             Self::Ramp { from, to, .. } => from.max(*to),
             Self::Steps { values, .. } => values.iter().copied().fold(f64::MIN, f64::max),
+            Self::Sine { mean, amplitude, .. } => mean + amplitude.abs(),
         }
     }
 
@@ -68,6 +87,10 @@ impl Schedule {
                 *to *= factor;
             }
             Self::Steps { values, .. } => values.iter_mut().for_each(|value| *value *= factor),
+            Self::Sine { mean, amplitude, .. } => {
+                *mean *= factor;
+                *amplitude *= factor;
+            }
         }
         scaled
     }
@@ -84,5 +107,13 @@ mod tests {
         assert_eq!(at, [1.0, 1.0, 1.0, 2.0, 5.0, 5.0]);
         assert_eq!(steps.largest(), 5.0);
         assert_eq!(steps.scaled(2.0).at(14.0), 4.0);
+    }
+
+    #[test]
+    fn a_sine_begins_at_its_mean() {
+        let sine = Schedule::Sine { mean: 2.0, amplitude: 0.5, frequency: 0.25, start: 3.0 };
+        assert_eq!([0.0, 3.0, 4.0].map(|t| sine.at(t)), [2.0, 2.0, 2.5]);
+        assert_eq!(sine.scaled(2.0).at(4.0), 5.0);
+        assert_eq!(sine.largest(), 2.5);
     }
 }

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use crate::parallel::{Communicator, agree};
 
 pub mod checkpoint;
+mod gas_snapshots;
 mod hdf5_file;
+mod metadata_copy;
 mod particle_snapshots;
 mod profiles;
 mod provenance;
@@ -16,6 +18,7 @@ mod series;
 mod table;
 mod units;
 
+pub use gas_snapshots::GasSnapshots;
 pub use particle_snapshots::ParticleSnapshots;
 pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;

@@ -1,14 +1,14 @@
 //! The particles at chosen times for ParaView: `particles.vtkhdf`, temporal PolyData of VTKHDF 2.0.
 //!
 //! One partition for each time, rows sorted by id, so that the file does not depend on the number of ranks.
-//! Rows are written first, then what makes them a time step; the file is closed after each, so that a
-//! kill between two steps leaves a whole file.
+//! Rows are written first, then what makes them a time step; the file is closed after each, so that it can
+//! be read while the run goes on; at each checkpoint its rows are made safe against a kill.
 
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::{SerialFile, SharedFile};
 use super::table::{Rows, TableHead};
-use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
+use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
 use crate::parallel::{Communicator, ParticleRecord, sort_by_id};
 
 /// The kinds of cells that PolyData may have; we have none, but their groups must be there.
@@ -47,8 +47,8 @@ impl ParticleSnapshots {
         Ok(Self { path: path.to_owned(), steps: 0, points: 0 })
     }
 
-    /// Continues a file after the snapshots up to and including `time`; later ones are dropped. A file
-    /// that cannot be read is set aside with a warning, and a new one begun. Collective.
+    /// Continues a file as it was last kept, after the snapshots up to and including `time`; later ones are
+    /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -62,7 +62,7 @@ impl ParticleSnapshots {
         let cut = on_root(path, ranks, || {
             if path.exists() {
                 match cut_after(path, time) {
-                    Ok(kept) => return Ok(kept),
+                    Ok(kept) => return metadata_copy::keep(path, &tables()).map(|()| kept),
                     Err(reason) => set_aside(path, &reason)?,
                 }
             }
@@ -108,6 +108,15 @@ impl ParticleSnapshots {
         self.points = after;
         Ok(())
     }
+
+    /// Makes the snapshots so far safe: whenever the program is killed from now on,
+    /// [`ParticleSnapshots::resume`] finds them. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its copy not be written.
+    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+    }
 }
 
 /// Paths of the datasets with a row for each particle at each time.
@@ -128,14 +137,25 @@ fn step_tables() -> Vec<String> {
     steps.chain(data).chain(cells).chain(number).collect()
 }
 
+/// Paths of the datasets that grow.
+fn tables() -> Vec<String> {
+    let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
+    let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
+    [point_tables(), step_tables(), wider.to_vec()].concat()
+}
+
 fn create(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, case_text, provenance))
+}
+
+fn make(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
     let file = SerialFile::create(path)?;
     for group in ["/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/Steps", "/VTKHDF/Steps/PointDataOffsets"]
     {
         file.make_group(group)?;
     }
     file.set_numbers("/VTKHDF", "Version", &[2_i64, 0])?;
-    file.set_format_name("/VTKHDF", "Type", "PolyData")?;
+    file.set_format_name("/VTKHDF", "Type", b"PolyData")?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
     for (name, words) in provenance.entries() {
@@ -213,6 +233,7 @@ fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> InWor
 
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
 fn cut_after(path: &Path, time: f64) -> InWords<[u64; 2]> {
+    let found_length = metadata_copy::bring_back(path)?;
     let file = SerialFile::open_to_change(path)?;
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
@@ -221,15 +242,14 @@ fn cut_after(path: &Path, time: f64) -> InWords<[u64; 2]> {
     let steps = times.take_while(|&&step_time| step_time <= time).count();
     let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
     let points = points.ok_or("its numbers of particles are damaged")?;
-    for name in step_tables() {
-        file.cut(&name, steps as u64)?;
-    }
-    for name in ["CellOffsets", "ConnectivityIdOffsets", "Values"] {
-        file.cut(&format!("/VTKHDF/Steps/{name}"), steps as u64)?;
-    }
-    for name in point_tables() {
-        file.cut(&name, points as u64)?;
-    }
+    let of_points = point_tables();
+    let rows_of =
+        |name: &String| if of_points.contains(name) { points as u64 } else { steps as u64 };
+    let tables = tables();
+    let require =
+        |name: &String| metadata_copy::require_rows(&file, name, rows_of(name), found_length);
+    tables.iter().try_for_each(require)?;
+    tables.iter().try_for_each(|name| file.cut(name, rows_of(name)))?;
     file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
     file.close()?;
     Ok([steps as u64, points as u64])

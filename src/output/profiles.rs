@@ -1,11 +1,12 @@
 //! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is
-//! closed after each row, so that it can be read while the run goes on.
+//! closed after each row, so that it can be read while the run goes on; at each checkpoint its rows are made
+//! safe against a kill.
 
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
 use super::table::{Rows, TableHead};
-use super::{ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside};
+use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
 use crate::parallel::Communicator;
 
 /// Datasets that grow with time.
@@ -50,8 +51,8 @@ impl Profiles {
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
 
-    /// Continues a file after the rows up to and including `time`; later ones are dropped. A file that
-    /// cannot be read, or has other heights, is set aside. Collective.
+    /// Continues a file as it was last kept, after the rows up to and including `time`; later ones are dropped.
+    /// A file that cannot be read, or has other heights, is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -64,8 +65,10 @@ impl Profiles {
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
             if path.exists() {
-                let Err(reason) = cut_after(path, time, heights) else { return Ok(()) };
-                set_aside(path, &reason)?;
+                match cut_after(path, time, heights) {
+                    Ok(()) => return metadata_copy::keep(path, &tables()),
+                    Err(reason) => set_aside(path, &reason)?,
+                }
             }
             create(path, heights, case_text, provenance)
         })?;
@@ -91,9 +94,26 @@ impl Profiles {
         })?;
         Ok(())
     }
+
+    /// Makes the rows so far safe: whenever the program is killed from now on, [`Profiles::resume`] finds them.
+    /// Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its copy not be written.
+    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+    }
+}
+
+fn tables() -> Vec<String> {
+    GROWING.map(str::to_owned).to_vec()
 }
 
 fn create(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, heights, case_text, provenance))
+}
+
+fn make(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
     let file = SerialFile::create(path)?;
     for (name, words) in provenance.entries() {
         file.set_text("/", name, &words)?;
@@ -119,6 +139,7 @@ fn create(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance
 
 /// Drops the rows after a time.
 fn cut_after(path: &Path, time: f64, heights: &[f64]) -> InWords<()> {
+    let found_length = metadata_copy::bring_back(path)?;
     let file = SerialFile::open_to_change(path)?;
     let same_bits = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
     let stored: Vec<f64> = file.read("/height")?;
@@ -127,7 +148,9 @@ fn cut_after(path: &Path, time: f64, heights: &[f64]) -> InWords<()> {
     }
     let times: Vec<f64> = file.read("/time")?;
     let rows = times.iter().take_while(|&&row_time| row_time <= time).count();
-    GROWING.iter().try_for_each(|name| file.cut(name, rows as u64))?;
+    let require = |name| metadata_copy::require_rows(&file, name, rows as u64, found_length);
+    GROWING.into_iter().try_for_each(require)?;
+    GROWING.into_iter().try_for_each(|name| file.cut(name, rows as u64))?;
     file.close()
 }
 
@@ -163,6 +186,7 @@ mod tests {
             let profiles = Profiles::create(&path, &heights, "title = 1", &provenance, ranks);
             let profiles = profiles.unwrap();
             (0..100).for_each(|step| append(&profiles, step, ranks));
+            profiles.keep(ranks).unwrap();
         });
         let whole = contents(&path);
         assert_eq!(whole[2].len(), 300);
@@ -174,6 +198,7 @@ mod tests {
             let rows = if ranks.is_root() { contents(&path)[0].len() } else { 71 };
             assert_eq!(rows, 71);
             (71..100).for_each(|step| append(&profiles, step, ranks));
+            profiles.keep(ranks).unwrap();
         });
         assert_eq!(contents(&path), whole);
         let other = [0.5, 1.5];

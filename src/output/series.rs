@@ -11,7 +11,7 @@ use crate::analysis::Measures;
 use crate::parallel::Communicator;
 
 /// Name, unit and value of every column, in the order of the file.
-fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 17] {
+fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 21] {
     let ColumnUnits { time, length, speed, energy, .. } = *units;
     [
         ("time", time, row.time),
@@ -31,10 +31,14 @@ fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str,
         ("mass_error", "1", row.mass_error),
         ("particles", "1", row.particles),
         ("departed", "1", row.departed),
+        ("gas_iterations", "1", row.gas_iterations),
+        ("gas_courant", "1", row.gas_courant),
+        ("raised_cells", "1", row.raised_cells),
+        ("exchange_error", "1", row.exchange_error),
     ]
 }
 
-/// The open table: a comment with what was run, a header with units, and a row for each time.
+/// The open table: comments with what was run, a header with units, and a row for each time.
 #[derive(Debug)]
 pub struct Series {
     path: PathBuf,
@@ -50,11 +54,12 @@ impl Series {
     /// If the file cannot be written.
     pub fn create(
         path: &Path,
+        case_text: &str,
         provenance: &Provenance,
         units: ColumnUnits,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let file = on_root(path, ranks, || create(path, provenance, &units))?;
+        let file = on_root(path, ranks, || create(path, case_text, provenance, &units))?;
         Ok(Self { path: path.to_owned(), units, file })
     }
 
@@ -65,22 +70,19 @@ impl Series {
     /// If the file cannot be written.
     pub fn resume(
         path: &Path,
-        time: f64,
+        (time, case_text): (f64, &str),
         provenance: &Provenance,
         units: ColumnUnits,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let file = on_root(path, ranks, || {
-            if !path.exists() {
-                return create(path, provenance, &units);
-            }
-            match kept(path, time, &units) {
-                Ok(text) => replace(path, &text),
-                Err(reason) => {
-                    set_aside(path, &reason)?;
-                    create(path, provenance, &units)
+            if path.exists() {
+                match kept(path, time, &units) {
+                    Ok(text) => return replace(path, &text),
+                    Err(reason) => set_aside(path, &reason)?,
                 }
             }
+            create(path, case_text, provenance, &units)
         })?;
         Ok(Self { path: path.to_owned(), units, file })
     }
@@ -98,6 +100,18 @@ impl Series {
         })?;
         Ok(())
     }
+
+    /// Brings the rows so far to the disk. Collective.
+    ///
+    /// # Errors
+    /// If that fails.
+    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || {
+            let file = self.file.as_ref().ok_or("the file is not open")?;
+            file.sync_all().map_err(|error| error.to_string())
+        })
+        .map(|_| ())
+    }
 }
 
 /// The line of names and units.
@@ -112,10 +126,19 @@ fn shortest(value: f64) -> String {
     if plain { format!("{value}") } else { format!("{value:e}") }
 }
 
-fn create(path: &Path, provenance: &Provenance, units: &ColumnUnits) -> InWords<File> {
+fn create(
+    path: &Path,
+    case_text: &str,
+    provenance: &Provenance,
+    units: &ColumnUnits,
+) -> InWords<File> {
     let mut text = String::new();
     for (name, words) in provenance.entries() {
         text += &format!("# {name}: {}\n", words.replace(['\n', '\r'], " "));
+    }
+    for line in case_text.lines() {
+        text += format!("# case: {line}").trim_end();
+        text += "\n";
     }
     text += &header(units);
     text += "\n";
@@ -182,17 +205,21 @@ mod tests {
         let path = folder.path().join("series.csv");
         let (provenance, units) = (provenance(), ColumnUnits::DIMENSIONLESS);
         run_on_threads(2, |ranks| {
-            let mut series = Series::create(&path, &provenance, units, ranks).unwrap();
+            let mut series =
+                Series::create(&path, "title = \"A\"\n\na = 1", &provenance, units, ranks).unwrap();
             (0..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
         });
         let whole = std::fs::read_to_string(&path).unwrap();
         assert!(whole.contains("# title: A bed\n"));
+        assert!(
+            whole.contains("\n# case: title = \"A\"\n# case:\n# case: a = 1\ntime [sqrt(d/g)],")
+        );
         assert!(whole.contains("\ntime [sqrt(d/g)],superficial_velocity [sqrt(g d)],"));
         // A kill in the middle of a row after the checkpoint.
         std::fs::write(&path, &whole[..whole.len() - 30]).unwrap();
         run_on_threads(2, |ranks| {
-            let time = 0.1 * 5.0;
-            let mut series = Series::resume(&path, time, &provenance, units, ranks).unwrap();
+            let given = (0.1 * 5.0, "");
+            let mut series = Series::resume(&path, given, &provenance, units, ranks).unwrap();
             (6..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
         });
         assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
@@ -203,7 +230,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
         std::fs::write(&path, "a,b\n1,2\n").unwrap();
-        Series::resume(&path, 1.0, &provenance(), ColumnUnits::SI, &OneRank).unwrap();
+        Series::resume(&path, (1.0, ""), &provenance(), ColumnUnits::SI, &OneRank).unwrap();
         let aside = folder.path().join("series.csv.unreadable-1");
         assert_eq!(std::fs::read_to_string(aside).unwrap(), "a,b\n1,2\n");
         assert!(std::fs::read_to_string(&path).unwrap().contains("\ntime [s],"));
@@ -222,7 +249,7 @@ mod tests {
         let path = Path::new("/nonexistent-folder/series.csv");
         let provenance = provenance();
         run_on_threads(3, |ranks| {
-            let error = Series::create(path, &provenance, ColumnUnits::SI, ranks).unwrap_err();
+            let error = Series::create(path, "", &provenance, ColumnUnits::SI, ranks).unwrap_err();
             assert!(error.to_string().contains("nonexistent-folder/series.csv: No such file"));
         });
     }

@@ -27,8 +27,8 @@ const COLLECTIVE: Tag = 3;
 /// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
 const PANIC_CODE: i32 = 101;
 
-/// Bytes that are broadcast at once: MPI counts in 32-bit integers.
-const BROADCAST_PIECE: usize = 1 << 30;
+/// Bytes that are sent at once: MPI counts in 32-bit integers.
+const LONGEST_MESSAGE: usize = 1 << 30;
 
 /// Whether MPI may be called: from the start to the beginning of the end.
 static RUNNING: AtomicBool = AtomicBool::new(false);
@@ -42,6 +42,7 @@ pub struct MpiRanks {
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
+    longest_message: usize,
     scratch: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
@@ -66,11 +67,19 @@ impl MpiRanks {
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
+            longest_message: LONGEST_MESSAGE,
             world,
             scratch: RefCell::default(),
             integer_scratch: RefCell::default(),
             universe,
         })
+    }
+
+    /// The same ranks with another largest number of bytes in a message of MPI (1 GiB by default), at
+    /// least 1 and the same on all ranks; longer messages are sent in pieces.
+    pub fn with_longest_message(mut self, longest_message: usize) -> Self {
+        self.longest_message = longest_message.max(1);
+        self
     }
 
     /// Ends all ranks at once with an exit code: for errors that one rank cannot share with the others.
@@ -79,12 +88,28 @@ impl MpiRanks {
         self.universe.world().abort(code)
     }
 
-    /// Receives a message of any length into a buffer that is kept between calls.
+    /// The pieces of a message: all are of the greatest length but the last, which is shorter and may be
+    /// empty. MPI does not let one message overtake another between two ranks.
+    fn pieces<'m>(&self, message: &'m [u8]) -> impl Iterator<Item = &'m [u8]> {
+        let whole = message.chunks_exact(self.longest_message);
+        let rest = whole.remainder();
+        whole.chain(std::iter::once(rest))
+    }
+
+    /// Receives a message of any length, in its pieces, into a buffer that is kept between calls.
     fn receive(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
         let process = self.world.process_at_rank(source as i32);
-        let (message, status) = process.matched_probe_with_tag(tag);
-        incoming.resize(status.count(u8::equivalent_datatype()) as usize, 0);
-        message.matched_receive_into(&mut incoming[..]);
+        incoming.clear();
+        loop {
+            let (message, status) = process.matched_probe_with_tag(tag);
+            let length = status.count(u8::equivalent_datatype()) as usize;
+            let before = incoming.len();
+            incoming.resize(before + length, 0);
+            message.matched_receive_into(&mut incoming[before..]);
+            if length < self.longest_message {
+                return;
+            }
+        }
     }
 }
 
@@ -115,10 +140,11 @@ impl Communicator for MpiRanks {
     ) {
         let others = neighbours.map(|neighbour| neighbour.filter(|&rank| rank != self.rank));
         scope(|scope| {
-            let _sent: [Option<WaitGuard<_, _>>; 2] = std::array::from_fn(|side| {
+            let _sent: [Option<Sent<WaitGuard<_, _>>>; 2] = std::array::from_fn(|side: usize| {
                 let process = self.world.process_at_rank(others[side]? as i32);
                 let tag = [DOWNWARDS, UPWARDS][side];
-                Some(process.immediate_send_with_tag(scope, outgoing[side], tag).into())
+                let send = |piece| process.immediate_send_with_tag(scope, piece, tag).into();
+                Some(send_all(self.pieces(outgoing[side]), send))
             });
             for side in 0..2 {
                 incoming[side].clear();
@@ -133,9 +159,10 @@ impl Communicator for MpiRanks {
 
     fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>> {
         scope(|scope| {
-            let send = |rank: usize| -> WaitGuard<_, _> {
+            let send = |rank: usize| -> Sent<WaitGuard<_, _>> {
                 let process = self.world.process_at_rank(rank as i32);
-                process.immediate_send_with_tag(scope, &outgoing[rank][..], COLLECTIVE).into()
+                let send = |piece| process.immediate_send_with_tag(scope, piece, COLLECTIVE).into();
+                send_all(self.pieces(&outgoing[rank]), send)
             };
             let others = (0..self.size).filter(|&rank| rank != self.rank);
             let _sent: Vec<_> = others.map(send).collect();
@@ -179,7 +206,8 @@ impl Communicator for MpiRanks {
 
     fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
         if !self.is_root() {
-            self.world.process_at_rank(0).send_with_tag(bytes, COLLECTIVE);
+            let root = self.world.process_at_rank(0);
+            self.pieces(bytes).for_each(|piece| root.send_with_tag(piece, COLLECTIVE));
             return None;
         }
         let mut gathered = vec![Vec::new(); self.size];
@@ -195,12 +223,24 @@ impl Communicator for MpiRanks {
         let mut length = bytes.len() as u64;
         root.broadcast_into(&mut length);
         bytes.resize(length as usize, 0);
-        bytes.chunks_mut(BROADCAST_PIECE).for_each(|piece| root.broadcast_into(piece));
+        bytes.chunks_mut(self.longest_message).for_each(|piece| root.broadcast_into(piece));
     }
 
     fn file_access(&self) -> FileAccess {
         FileAccess::Collective(self.world.as_raw())
     }
+}
+
+/// Sendings that end when they are dropped. Nearly every message is one piece, for which no memory is taken.
+type Sent<G> = (Option<G>, Vec<G>);
+
+/// Sends the pieces of a message.
+fn send_all<'m, G>(
+    mut pieces: impl Iterator<Item = &'m [u8]>,
+    send: impl Fn(&'m [u8]) -> G,
+) -> Sent<G> {
+    let first = pieces.next().map(&send);
+    (first, pieces.map(send).collect())
 }
 
 /// Adds to the panic hook that a panic on one rank, in any of its threads, ends all ranks.

@@ -23,6 +23,8 @@ pub struct ParticleRecord {
     pub radius: f64,
     /// Mass.
     pub mass: f64,
+    /// Force of a gas in three dimensions as of its last step; zero without such a gas.
+    pub gas_force: [f64; 3],
 }
 
 /// What a touching pair remembers, as seen from the particle with the lower id.
@@ -57,6 +59,21 @@ pub struct WallContactRecord {
     pub rolling_angle: [f64; 3],
 }
 
+/// What a gas in three dimensions is in one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellRecord {
+    /// Number of the cell in the whole grid, x fastest, then y, then z.
+    pub cell: u64,
+    /// Velocities at the lower faces along x, y, z, at the upper faces, pressure, voidage.
+    pub numbers: [f64; CellRecord::NUMBERS],
+}
+
+impl CellRecord {
+    /// Numbers in a record.
+    pub const NUMBERS: usize = 8;
+}
+
 impl ParticleRecord {
     /// The record of one owned particle.
     pub fn of(particles: &Particles, index: usize) -> Self {
@@ -69,6 +86,7 @@ impl ParticleRecord {
             torque: particles.torque[index].into(),
             radius: particles.radius[index],
             mass: particles.mass[index],
+            gas_force: particles.gas_force[index].into(),
         }
     }
 
@@ -80,7 +98,12 @@ impl ParticleRecord {
         particles.angular_velocity[index] = self.angular_velocity.into();
         particles.force[index] = self.force.into();
         particles.torque[index] = self.torque.into();
+        particles.gas_force[index] = self.gas_force.into();
     }
+}
+
+fn memory_of(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactMemory {
+    ContactMemory { tangential_spring: tangential_spring.into(), largest_overlap }
 }
 
 impl From<PairMemory> for ContactRecord {
@@ -97,10 +120,7 @@ impl From<PairMemory> for ContactRecord {
 
 impl From<ContactRecord> for PairMemory {
     fn from(record: ContactRecord) -> Self {
-        let memory = ContactMemory {
-            tangential_spring: record.tangential_spring.into(),
-            largest_overlap: record.largest_overlap,
-        };
+        let memory = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { lower: record.lower, higher: record.higher, memory, rolling_angle }
     }
@@ -120,10 +140,7 @@ impl From<WallMemory> for WallContactRecord {
 
 impl From<WallContactRecord> for WallMemory {
     fn from(record: WallContactRecord) -> Self {
-        let memory = ContactMemory {
-            tangential_spring: record.tangential_spring.into(),
-            largest_overlap: record.largest_overlap,
-        };
+        let memory = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { particle: record.particle, wall: record.wall as u32, memory, rolling_angle }
     }

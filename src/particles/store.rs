@@ -25,6 +25,9 @@ pub struct Particles {
     pub force: Vec<Vector3<f64>>,
     /// Total torques about the centres, on the force lattice. Those of ghosts are scratch.
     pub torque: Vec<Vector3<f64>>,
+    /// Of owned particles: force of a gas in three dimensions, on the force lattice, as of its last step; it is
+    /// held until the next. Zero without such a gas.
+    pub gas_force: Vec<Vector3<f64>>,
 }
 
 /// Marks a ghost whose owner is another rank.
@@ -54,17 +57,6 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
-    /// Moves what pairs have put on images of owned particles to those particles.
-    pub fn fold_image_forces(&mut self) {
-        for ghost in self.owned..self.count() {
-            if let Some(original) = self.owned_original(ghost) {
-                let (force, torque) = (self.force[ghost], self.torque[ghost]);
-                self.force[original] += force;
-                self.torque[original] += torque;
-            }
-        }
-    }
-
     /// Moment of inertia of a solid sphere, (2/5) m r^2.
     #[inline(always)]
     pub fn inertia(&self, index: usize) -> f64 {
@@ -88,6 +80,7 @@ impl Particles {
     ) {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
         self.push_columns(id, position, velocity, (radius, mass));
+        self.gas_force.push(Vector3::zeros());
         self.owned += 1;
     }
 
@@ -130,6 +123,7 @@ impl Particles {
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.owned = 0;
+        self.gas_force.clear();
         self.truncate(0);
     }
 
@@ -147,6 +141,7 @@ impl Particles {
         reorder(&mut self.mass, order);
         reorder(&mut self.force, order);
         reorder(&mut self.torque, order);
+        reorder(&mut self.gas_force, order);
         self.owned = order.len();
     }
 

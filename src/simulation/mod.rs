@@ -13,7 +13,7 @@ use crate::case::Case;
 use crate::grid::ColumnGrid;
 use crate::output::OutputError;
 use crate::parallel::{Communicator, ParticleRecord};
-use crate::state::{Models, State, Workspace};
+use crate::state::{GasModel, Models, State, Workspace};
 use crate::time_step::{self, StepError};
 use crate::timers::{Stage as TimedStage, StageTime};
 use outputs::Outputs;
@@ -149,7 +149,10 @@ pub fn run(
 fn profile_grid(case: &Case, largest_diameter: f64) -> ColumnGrid {
     let bounds = &case.domain.bounds;
     match case.stages.iter().find_map(|stage| stage.gas.as_ref()) {
-        Some(gas) => gas.grid(bounds),
+        Some(GasModel::Column(gas)) => gas.grid(bounds),
+        Some(GasModel::VolumeAveraged(model)) => {
+            ColumnGrid::new(bounds, model.grid.spacing().z, 1.0)
+        }
         None => {
             let nodes = (bounds.lengths().z / (1.5 * largest_diameter)).round().max(2.0);
             ColumnGrid::new(bounds, bounds.lengths().z / nodes, 1.0)
@@ -237,13 +240,13 @@ impl<'a> Simulation<'a> {
         self.enter_stage()?;
         let domain = &self.case.domain;
         let next = self.state.clock.step + 1;
-        let row_due = self.outputs.row_due(next);
+        let row_due = self.outputs.row_due(&self.state.clock, next);
         let probe = row_due.then(|| MomentumProbe::take(&self.state.particles, self.ranks));
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
         let begin = Instant::now();
         self.write_due(probe)?;
-        if requests.checkpoint || self.outputs.checkpoint_due(next) {
+        if requests.checkpoint || self.outputs.checkpoint_due(&self.state.clock) {
             self.write_checkpoint()?;
         }
         self.work.timers.add(TimedStage::Output, begin.elapsed());
@@ -279,14 +282,17 @@ impl<'a> Simulation<'a> {
 
     /// Rows, profiles and snapshots that are due at this step.
     fn write_due(&mut self, probe: Option<MomentumProbe>) -> Result<(), RunError> {
-        let step = self.state.clock.step;
-        if !self.outputs.anything_due(step) {
+        if !self.outputs.anything_due(&self.state.clock) {
             return Ok(());
         }
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
-        outputs.write(step, &measures, profile.bed(), || records(case, state), *ranks)?;
+        outputs.write(&state.clock, &measures, profile.bed(), || records(case, state), *ranks)?;
+        if let (Some(flow), Some(solver)) = (&state.flow, &mut work.flow) {
+            let picture = || solver.picture(&state.particles, flow, *ranks);
+            outputs.write_gas(&state.clock, picture, *ranks)?;
+        }
         let found = measures.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;
@@ -297,8 +303,12 @@ impl<'a> Simulation<'a> {
 
     fn write_checkpoint(&mut self) -> Result<(Digest, std::path::PathBuf), RunError> {
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
-        let Self { case, state, outputs, ranks, .. } = self;
-        Ok(outputs.write_checkpoint(case, state, records(case, state), *ranks)?)
+        let Self { case, state, work, models, outputs, ranks, .. } = self;
+        let cells = match models.flow().zip(state.flow.as_ref()) {
+            Some((model, flow)) => flow.records(model, &work.cut, ranks.rank()),
+            None => Vec::new(),
+        };
+        Ok(outputs.write_checkpoint(case, state, (records(case, state), cells), *ranks)?)
     }
 
     /// The last checkpoint, and the mark of a case that has come to its end.

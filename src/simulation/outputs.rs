@@ -2,13 +2,14 @@
 
 use crate::analysis::{BedProfile, Digest, Measures};
 use crate::case::Case;
-use crate::coupling::Bed;
+use crate::coupling::{Bed, FlowModel};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{
-    ColumnUnits, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, on_root,
+    ColumnUnits, GasSnapshots, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance,
+    Series, on_root,
 };
-use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
-use crate::state::State;
+use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::state::{Clock, State};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -53,21 +54,23 @@ impl OutputFolder {
 
 fn is_result(name: &str) -> bool {
     let checkpoint = name.starts_with("checkpoint-");
-    let fixed = ["series.csv", "profiles.h5", "particles.vtkhdf", "case.toml", COMPLETE];
-    checkpoint || fixed.contains(&name)
+    let growing = ["series.csv", "profiles.h5", "particles.vtkhdf", "gas.vtkhdf"];
+    let of_growing = |suffix| name.strip_suffix(suffix).is_some_and(|file| growing.contains(&file));
+    let fixed = ["case.toml", COMPLETE];
+    checkpoint || fixed.contains(&name) || ["", ".metadata", ".partial"].into_iter().any(of_growing)
 }
 
-/// Steps between two results of a kind; none if it is not asked for.
+/// Time between two results of a kind; none if it is not asked for. One is due at each multiple of it, at the
+/// nearest step, whatever the steps before were like.
 #[derive(Clone, Copy, Debug)]
-struct Interval(Option<u64>);
+struct Interval(Option<f64>);
 
 impl Interval {
-    fn of(time: Option<f64>, time_step: f64) -> Self {
-        Self(time.map(|time| (time / time_step).round().max(1.0) as u64))
-    }
-
-    fn due(self, step: u64) -> bool {
-        self.0.is_some_and(|interval| step.is_multiple_of(interval))
+    fn due(self, clock: &Clock, step: u64) -> bool {
+        let Some(interval) = self.0 else { return false };
+        // The same numbers whether a step is asked for as this one or as the one before: none is missed.
+        let multiples = |step| ((clock.time_of(step) + 0.5 * clock.time_step) / interval).floor();
+        step == 0 || step > clock.origin_step && multiples(step) > multiples(step - 1)
     }
 }
 
@@ -81,7 +84,10 @@ pub(super) struct Outputs {
     profile_interval: Interval,
     snapshots: Option<ParticleSnapshots>,
     snapshot_interval: Interval,
+    gas_snapshots: Option<GasSnapshots>,
+    gas_interval: Interval,
     checkpoint_interval: Interval,
+    checkpoint_steps: Option<u64>,
     last_checkpoint: Instant,
     every_wall_clock: Option<std::time::Duration>,
     keep: usize,
@@ -105,9 +111,10 @@ impl Outputs {
         let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
         let (time, text) = (state.clock.time(), &case.text);
         let file = |name: &str| folder.path.join(name);
+        let path = file("series.csv");
         let series = match continues {
-            true => Series::resume(&file("series.csv"), time, &provenance, units, ranks)?,
-            false => Series::create(&file("series.csv"), &provenance, units, ranks)?,
+            true => Series::resume(&path, (time, text), &provenance, units, ranks)?,
+            false => Series::create(&path, text, &provenance, units, ranks)?,
         };
         let grid = profile.grid();
         let heights: Vec<f64> = (0..grid.nodes()).map(|node| grid.height_of(node)).collect();
@@ -123,20 +130,29 @@ impl Outputs {
             (_, true) => Some(ParticleSnapshots::resume(&path, time, text, &provenance, ranks)?),
             (_, false) => Some(ParticleSnapshots::create(&path, text, &provenance, ranks)?),
         };
-        let interval = |time| Interval::of(time, state.clock.time_step);
+        let path = file("gas.vtkhdf");
+        let gas_snapshots = match (case.output.gas.and(case.flow()), continues) {
+            (None, _) => None,
+            (Some(FlowModel { grid, .. }), true) => {
+                Some(GasSnapshots::resume(&path, time, (grid, text), &provenance, ranks)?)
+            }
+            (Some(FlowModel { grid, .. }), false) => {
+                Some(GasSnapshots::create(&path, grid, text, &provenance, ranks)?)
+            }
+        };
         Ok(Self {
             folder: folder.clone(),
             provenance,
             series,
-            series_interval: interval(Some(case.output.series)),
+            series_interval: Interval(Some(case.output.series)),
             profiles,
-            profile_interval: interval(case.output.profiles),
+            profile_interval: Interval(case.output.profiles),
             snapshots,
-            snapshot_interval: interval(case.output.particles),
-            checkpoint_interval: match case.checkpoint.every_steps {
-                Some(steps) => Interval(Some(steps)),
-                None => interval(case.checkpoint.every),
-            },
+            snapshot_interval: Interval(case.output.particles),
+            gas_snapshots,
+            gas_interval: Interval(case.output.gas),
+            checkpoint_interval: Interval(case.checkpoint.every),
+            checkpoint_steps: case.checkpoint.every_steps,
             last_checkpoint: Instant::now(),
             every_wall_clock: case.checkpoint.every_wall_clock,
             keep: case.checkpoint.keep,
@@ -144,20 +160,21 @@ impl Outputs {
     }
 
     /// Whether a row of the series is due after a step.
-    pub(super) fn row_due(&self, step: u64) -> bool {
-        self.series_interval.due(step)
+    pub(super) fn row_due(&self, clock: &Clock, step: u64) -> bool {
+        self.series_interval.due(clock, step)
     }
 
-    /// Whether anything but a checkpoint is due after a step.
-    pub(super) fn anything_due(&self, step: u64) -> bool {
-        self.series_interval.due(step)
-            || self.profile_interval.due(step)
-            || self.snapshot_interval.due(step)
+    /// Whether anything but a checkpoint is due now.
+    pub(super) fn anything_due(&self, clock: &Clock) -> bool {
+        [self.series_interval, self.profile_interval, self.snapshot_interval, self.gas_interval]
+            .iter()
+            .any(|interval| interval.due(clock, clock.step))
     }
 
-    /// Whether a checkpoint is due after a step.
-    pub(super) fn checkpoint_due(&self, step: u64) -> bool {
-        self.checkpoint_interval.due(step)
+    /// Whether a checkpoint is due now.
+    pub(super) fn checkpoint_due(&self, clock: &Clock) -> bool {
+        self.checkpoint_interval.due(clock, clock.step)
+            || self.checkpoint_steps.is_some_and(|steps| clock.step.is_multiple_of(steps))
     }
 
     /// Whether a checkpoint is due by the clock on the wall, on this rank.
@@ -165,19 +182,20 @@ impl Outputs {
         self.every_wall_clock.is_some_and(|every| self.last_checkpoint.elapsed() >= every)
     }
 
-    /// Writes what is due at a step. Collective.
+    /// Writes what is due now. Collective.
     pub(super) fn write(
         &mut self,
-        step: u64,
+        clock: &Clock,
         measures: &Measures,
         bed: &Bed,
         records: impl FnOnce() -> Vec<ParticleRecord>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        if self.series_interval.due(step) {
+        let due = |interval: Interval| interval.due(clock, clock.step);
+        if due(self.series_interval) {
             self.series.append(measures, ranks)?;
         }
-        if let (Some(profiles), true) = (&self.profiles, self.profile_interval.due(step)) {
+        if let (Some(profiles), true) = (&self.profiles, due(self.profile_interval)) {
             let row = ProfileRow {
                 time: measures.time,
                 superficial_velocity: measures.superficial_velocity,
@@ -186,18 +204,34 @@ impl Outputs {
             };
             profiles.append(&row, ranks)?;
         }
-        if let (Some(snapshots), true) = (&mut self.snapshots, self.snapshot_interval.due(step)) {
+        if let (Some(snapshots), true) = (&mut self.snapshots, due(self.snapshot_interval)) {
             snapshots.append(measures.time, &records(), ranks)?;
         }
         Ok(())
     }
 
-    /// Writes a checkpoint and removes the oldest ones beyond the number kept. Collective.
+    /// Writes the gas in three dimensions if that is due at a step. Collective.
+    pub(super) fn write_gas(
+        &self,
+        clock: &Clock,
+        picture: impl FnOnce() -> Vec<CellRecord>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        match &self.gas_snapshots {
+            Some(snapshots) if self.gas_interval.due(clock, clock.step) => {
+                snapshots.append(clock.time(), &picture(), ranks)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a checkpoint and removes the oldest ones beyond the number kept. The rows of results that it goes
+    /// on from are made safe before: a run that is killed goes on from it with all of them. Collective.
     pub(super) fn write_checkpoint(
         &mut self,
         case: &Case,
         state: &State,
-        particles: Vec<ParticleRecord>,
+        (particles, cells): (Vec<ParticleRecord>, Vec<CellRecord>),
         ranks: &dyn Communicator,
     ) -> Result<(Digest, PathBuf), OutputError> {
         let pairs = state.contacts.records(&state.particles, true);
@@ -211,7 +245,13 @@ impl Outputs {
             particles,
             contacts: pairs.into_iter().map(ContactRecord::from).collect(),
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
+            cells,
+            flow_report: state.flow.as_ref().map(|flow| flow.report).unwrap_or_default(),
         };
+        self.series.keep(ranks)?;
+        self.profiles.as_ref().map_or(Ok(()), |profiles| profiles.keep(ranks))?;
+        self.snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
+        self.gas_snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         let path = self.folder.path.join(checkpoint::file_name(state.clock.step));
         let digest = checkpoint::write(&path, &checkpoint, &self.provenance, ranks)?;
         checkpoint::prune(&self.folder.path, self.keep, ranks)?;
@@ -244,4 +284,47 @@ fn make_folder(path: &Path, case_text: &str, ranks: &dyn Communicator) -> Result
         std::fs::write(path.join("case.toml"), case_text)
     };
     on_root(path, ranks, || make().map_err(|error| error.to_string())).map(|_| ())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn due_times(clock: &Clock, interval: f64, steps: u64) -> Vec<f64> {
+        let steps = clock.step..clock.step + steps;
+        let due = |step: &u64| Interval(Some(interval)).due(clock, *step);
+        steps.filter(due).map(|step| clock.time_of(step)).collect()
+    }
+
+    #[test]
+    fn rows_fall_on_multiples_of_their_interval() {
+        let clock = Clock::new(2.5e-4);
+        let times = due_times(&clock, 0.25, 1_000_000);
+        assert_eq!(times.len(), 1000);
+        let exact =
+            times.iter().zip(0..).all(|(time, k)| (time - 0.25 * f64::from(k)).abs() < 1e-9);
+        assert!(exact);
+        // Intervals that are no multiples of the step: the nearest step, also half-way and below a step.
+        for interval in [1.1e-3, 1.5 * 2.5e-4, 3.7e-4, 2.5e-4, 1.0e-4] {
+            let times = due_times(&clock, interval, 10_000);
+            let expected = (10_000.0 * 2.5e-4 / interval).min(10_000.0);
+            assert!((times.len() as f64 - expected).abs() <= 1.0, "{interval}: {}", times.len());
+        }
+        assert!(due_times(&clock, 1.0e-4, 100).len() == 100 && !Interval(None).due(&clock, 0));
+    }
+
+    #[test]
+    fn rows_fall_on_multiples_of_their_interval_after_the_step_has_changed() {
+        let (before, after) = (2.5e-4, 1.0e-4);
+        let clock = Clock { step: 1003, ..Clock::new(before) }.with_time_step(after);
+        let times = due_times(&clock, 0.25, 100_000);
+        // From 0.25075 on, for 10 time units: 0.5, 0.75, ...; 0.25 was due before.
+        assert_eq!(times.len(), 40);
+        let off = |(time, k): (&f64, u32)| (time - 0.25 * f64::from(k)).abs();
+        let farthest = times.iter().zip(2..).map(off).fold(0.0, f64::max);
+        assert!(farthest <= 0.5 * after + 1.0e-9, "{farthest}");
+        // Multiples of 2500 steps would be elsewhere, by up to half of an interval.
+        let other = clock.time_of(2500) / 0.25;
+        assert!((other - other.round()).abs() > 0.2);
+    }
 }

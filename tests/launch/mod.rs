@@ -10,12 +10,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What `.cargo/config.toml` sets, for test programs that are started by hand.
-const ENVIRONMENT: [(&str, &str); 4] = [
+/// What `.cargo/config.toml` sets, for test programs that are started by hand, and how ranks wait.
+const ENVIRONMENT: [(&str, &str); 5] = [
     ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
     ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
     ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
     ("OMPI_MCA_btl_vader_single_copy_mechanism", "none"),
+    // Ranks that wait leave their core to others: there may be more ranks than cores.
+    ("OMPI_MCA_mpi_yield_when_idle", "1"),
 ];
 /// The longest that one start may take: 30 times what the longest takes on two idle cores.
 const PATIENCE: Duration = Duration::from_secs(300);

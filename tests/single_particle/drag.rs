@@ -2,8 +2,8 @@
 
 use crate::beds::{Bench, OPEN, PERIODIC, gas};
 use talcum::domain::EffectiveGravity;
-use talcum::gas::DragLaw;
 use talcum::gas::Drive;
+use talcum::gas::{DragLaw, ScaledDrag};
 use talcum::numbers::Schedule;
 
 #[test]
@@ -20,9 +20,9 @@ fn wen_yu_has_the_tabulated_values() {
         (0.6, 100.0, 128.93935),
     ];
     for (phi, reynolds, expected) in table {
-        let found = DragLaw::WenYu.scaled_drag(phi, reynolds) / (1.0 - phi);
+        let found = DragLaw::WEN_YU.scaled_drag(phi, reynolds) / (1.0 - phi);
         assert!((found - expected).abs() < 6.0e-6, "{found} for {expected}"); // digits of the table
-        let creeping = DragLaw::WenYuCreeping.scaled_drag(phi, reynolds) / (1.0 - phi);
+        let creeping = DragLaw::WEN_YU_CREEPING.scaled_drag(phi, reynolds) / (1.0 - phi);
         assert!((creeping - expected).abs() > 1.0e-2); // negative control: without the Reynolds number
     }
 }
@@ -97,12 +97,12 @@ fn dem06_reference() -> f64 {
 
 #[test]
 fn dem06_terminal_velocity() {
-    let (found, exact) = (dem06(DragLaw::WenYu), dem06_reference());
+    let (found, exact) = (dem06(DragLaw::WEN_YU), dem06_reference());
     println!("DEM06: v(0.35 s) {found:.6}, reference {exact:.6} (published -0.05739)");
     // The particle's own solids fraction is 9e-6: its drag is 4e-5 more, its slip of 0.457 not quite as much less.
     assert!((found - exact).abs() < 2.0e-5, "{found} for {exact}");
     // The published reference and its terminal slip of 0.45754, from another start of the transient.
     assert!((found + 0.05739).abs() < 1.0e-4 && (0.4 - found - 0.45754).abs() < 2.0e-4);
     // Negative control: Stokes' drag is far off.
-    assert!((dem06(DragLaw::WenYuCreeping) - exact).abs() > 0.1);
+    assert!((dem06(DragLaw::WEN_YU_CREEPING) - exact).abs() > 0.1);
 }

@@ -146,6 +146,7 @@ fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
         torque: [0.0; 3],
         radius: 0.5 * sphere.diameter,
         mass: case.particles.mass_of(sphere.diameter),
+        gas_force: [0.0; 3],
     }
 }
 

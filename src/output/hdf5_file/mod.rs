@@ -1,32 +1,23 @@
-//! HDF5 files: made by one process, filled by all ranks together. The only file that calls HDF5.
+//! HDF5 files: made by one process, filled by all ranks together. The only module that calls HDF5.
 //!
 //! Groups, datasets and attributes are made by rank 0 alone through [`SerialFile`]; rows are then written
 //! through [`SharedFile`], where all ranks take part in every transfer, those without rows too.
 
+mod rows;
+
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::ptr;
 use std::str::FromStr;
 
 use bytemuck::Pod;
 use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents, h5check};
-use hdf5_sys::h5::hsize_t;
-use hdf5_sys::h5d::{H5Dget_space, H5Dread, H5Dset_extent, H5Dwrite};
-use hdf5_sys::h5i::hid_t;
-use hdf5_sys::h5p::{
-    H5FD_mpio_xfer_t, H5P_CLS_DATASET_XFER, H5Pclose, H5Pcreate, H5Pset_dxpl_mpio,
-};
-use hdf5_sys::h5s::{
-    H5S_seloper_t, H5Sclose, H5Screate_simple, H5Sselect_hyperslab, H5Sselect_none,
-};
+use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents};
 
+use self::rows::{place_of_piece, read_rows, set_rows, write};
 use super::table::{Rows, TableHead};
 use super::{InWords, OutputError, agreed};
 use crate::parallel::{Communicator, FileAccess, records_of_bytes};
-
-/// Longest text of a fixed length: names of formats.
-const FIXED_TEXT: usize = 8;
 
 /// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
 /// reads a table while it grows must not end the run.
@@ -81,12 +72,16 @@ impl SerialFile {
     }
 
     /// A text attribute of a fixed length, as the VTKHDF format asks for.
-    pub(super) fn set_format_name(&self, group: &str, name: &str, text: &str) -> InWords<()> {
-        let text = FixedAscii::<FIXED_TEXT>::from_ascii(text.as_bytes());
-        let text = text.map_err(|error| error.to_string())?;
+    pub(super) fn set_format_name<const N: usize>(
+        &self,
+        group: &str,
+        name: &str,
+        text: &[u8; N],
+    ) -> InWords<()> {
+        let text = FixedAscii::<N>::from_ascii(text).map_err(|error| error.to_string())?;
         let set = || {
             let group = self.0.group(group)?;
-            group.new_attr::<FixedAscii<FIXED_TEXT>>().create(name)?.write_scalar(&text)
+            group.new_attr::<FixedAscii<N>>().create(name)?.write_scalar(&text)
         };
         in_words(set())
     }
@@ -125,8 +120,18 @@ impl SerialFile {
     /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
     /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> InWords<()> {
+        self.make::<T>(head, &[], rows)
+    }
+
+    /// A new dataset whose rows are blocks of this shape; stored by single rows.
+    pub(super) fn make_blocks<T: Element>(&self, head: &TableHead, shape: &[usize]) -> InWords<()> {
+        self.make::<T>(head, shape, Rows::Growing(1))
+    }
+
+    fn make<T: Element>(&self, head: &TableHead, shape: &[usize], rows: Rows) -> InWords<()> {
         let make = || {
             let width = if head.width == 1 { &[][..] } else { &[head.width] };
+            let width = &[shape, width].concat()[..];
             let builder = self.0.new_dataset::<T>();
             let (first, builder) = match rows {
                 Rows::Fixed(rows) => (Extent::fixed(rows as usize), builder.no_chunk()),
@@ -143,13 +148,12 @@ impl SerialFile {
         in_words(make())
     }
 
-    /// Rows and width of a dataset.
+    /// Rows of a dataset, and numbers in each.
     pub(super) fn shape(&self, name: &str) -> InWords<(u64, usize)> {
         let shape = in_words(self.0.dataset(name)).map_err(|words| format!("{name}: {words}"))?;
-        match shape.shape()[..] {
-            [rows] => Ok((rows as u64, 1)),
-            [rows, width] => Ok((rows as u64, width)),
-            _ => Err(format!("{name} is no table")),
+        match &shape.shape()[..] {
+            [rows, inner @ ..] => Ok((*rows as u64, inner.iter().product())),
+            [] => Err(format!("{name} is no table")),
         }
     }
 
@@ -173,6 +177,17 @@ impl SerialFile {
             return Err(format!("{name} has fewer than {rows} rows"));
         }
         in_words(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
+    }
+
+    /// Where the first rows of a growing dataset lie in the file, in bytes: whole pieces, those with any of
+    /// these rows in them.
+    pub(super) fn places_of_rows(&self, name: &str, rows: u64) -> InWords<Vec<Range<u64>>> {
+        let places = || {
+            let dataset = self.0.dataset(name)?;
+            let piece = dataset.chunk().ok_or("the dataset does not grow")?;
+            (0..rows).step_by(piece[0].max(1)).map(|row| place_of_piece(&dataset, row)).collect()
+        };
+        in_words(places()).map_err(|words| format!("{name}: {words}"))
     }
 
     /// Appends rows to a dataset.
@@ -278,12 +293,7 @@ impl<'r> SharedFile<'r> {
         first_row: u64,
         rows: u64,
     ) -> Result<Vec<T>, OutputError> {
-        self.with(name, |dataset| {
-            let mut values = vec![T::default(); rows as usize * width(dataset)];
-            let buffer = Buffer::Read(values.as_mut_ptr().cast());
-            transfer::<T>(dataset, [first_row, rows], buffer, self.together)?;
-            Ok(values)
-        })
+        self.with(name, |dataset| read_rows(dataset, first_row, rows, self.together))
     }
 
     /// Brings everything to the file and closes it.
@@ -300,93 +310,4 @@ fn missing(group: &str, name: &str, error: &hdf5::Error) -> String {
 fn set_text(location: &Location, name: &str, text: &str) -> hdf5::Result<()> {
     let text = VarLenUnicode::from_str(text).map_err(|error| error.to_string())?;
     location.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&text)
-}
-
-fn width(dataset: &Dataset) -> usize {
-    dataset.shape().get(1).copied().unwrap_or(1).max(1)
-}
-
-#[allow(unsafe_code, reason = "the safe interface takes the whole shape in a type of fixed rank")]
-fn set_rows(dataset: &Dataset, rows: u64) -> hdf5::Result<()> {
-    let mut shape: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
-    shape[0] = rows;
-    // SAFETY: the identifier is that of an open dataset, and `shape` has as many items as its rank.
-    hdf5::sync::sync(|| h5check(unsafe { H5Dset_extent(dataset.id(), shape.as_ptr()) })).map(|_| ())
-}
-
-fn write<T: Element>(
-    dataset: &Dataset,
-    first_row: u64,
-    values: &[T],
-    together: bool,
-) -> hdf5::Result<()> {
-    let rows = (values.len() / width(dataset)) as u64;
-    transfer::<T>(dataset, [first_row, rows], Buffer::Write(values.as_ptr().cast()), together)
-}
-
-/// Where numbers lie in memory.
-#[derive(Clone, Copy)]
-enum Buffer {
-    Write(*const std::ffi::c_void),
-    Read(*mut std::ffi::c_void),
-}
-
-/// Moves `rows` rows from `first_row` on between memory and file. `together`: all ranks take part, and
-/// those without rows too, or the others would wait for ever; the safe interface cannot do this.
-#[allow(unsafe_code, reason = "collective transfers are missing in the safe interface")]
-fn transfer<T: Element>(
-    dataset: &Dataset,
-    [first_row, rows]: [u64; 2],
-    buffer: Buffer,
-    together: bool,
-) -> hdf5::Result<()> {
-    let mut count: Vec<hsize_t> = dataset.shape().iter().map(|&n| n as hsize_t).collect();
-    if count.is_empty() || first_row + rows > count[0] {
-        return Err("rows beyond the end of a dataset".into());
-    }
-    if count[0] == 0 {
-        // An empty dataset has no place in the file; all ranks see this alike.
-        return Ok(());
-    }
-    count[0] = rows;
-    let mut start = vec![0; count.len()];
-    start[0] = first_row;
-    let datatype = hdf5::Datatype::from_type::<T>()?;
-    // SAFETY: all identifiers come from successful calls; `start` and `count` have the dataset's rank;
-    // the buffer holds rows times width elements of type T, as the callers made it.
-    hdf5::sync::sync(|| unsafe {
-        let file_space = Identifier(h5check(H5Dget_space(dataset.id()))?, H5Sclose);
-        let memory_space =
-            h5check(H5Screate_simple(count.len() as i32, count.as_ptr(), ptr::null()));
-        let memory_space = Identifier(memory_space?, H5Sclose);
-        let how = Identifier(h5check(H5Pcreate(*H5P_CLS_DATASET_XFER))?, H5Pclose);
-        if together {
-            h5check(H5Pset_dxpl_mpio(how.0, H5FD_mpio_xfer_t::H5FD_MPIO_COLLECTIVE))?;
-        }
-        if rows == 0 {
-            h5check(H5Sselect_none(file_space.0))?;
-            h5check(H5Sselect_none(memory_space.0))?;
-        } else {
-            let (select, start) = (H5S_seloper_t::H5S_SELECT_SET, start.as_ptr());
-            let (none, count) = (ptr::null(), count.as_ptr());
-            h5check(H5Sselect_hyperslab(file_space.0, select, start, none, count, none))?;
-        }
-        let (memory, file) = (memory_space.0, file_space.0);
-        h5check(match buffer {
-            Buffer::Write(from) => H5Dwrite(dataset.id(), datatype.id(), memory, file, how.0, from),
-            Buffer::Read(to) => H5Dread(dataset.id(), datatype.id(), memory, file, how.0, to),
-        })
-    })
-    .map(|_| ())
-}
-
-/// An identifier of the library that is closed at the end.
-struct Identifier(hid_t, unsafe extern "C" fn(hid_t) -> hdf5_sys::h5::herr_t);
-
-impl Drop for Identifier {
-    #[allow(unsafe_code, reason = "the library's own way to free what it made")]
-    fn drop(&mut self) {
-        // SAFETY: the identifier is open, and this function closes identifiers of its kind.
-        unsafe { (self.1)(self.0) };
-    }
 }

@@ -1,0 +1,276 @@
+//! Nanoseconds per contact, per pair, per particle, per ghost of what a step consists of, in and out of cache.
+//!
+//! `scripts/bench --kernels` runs it and makes a table. What is called within a step is timed within steps of a bed
+//! that rests, by the timers of the stages; the rest is called by itself.
+#![allow(missing_docs, reason = "criterion_group makes an undocumented function")]
+
+#[path = "../tests/beds/mod.rs"]
+mod beds;
+
+use beds::{Bench, PERIODIC, Run, gas};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use nalgebra::Vector3;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use talcum::contact::{Contact, ContactLaw};
+use talcum::coupling::{Bed, CoarseGraining};
+use talcum::domain::{Decomposition, RankGrid};
+use talcum::gas::{DragLaw, ScaledDrag};
+use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
+use talcum::particles::{ContactMemory, PairMemory, WallMemory};
+use talcum::time_step::rebuild;
+use talcum::timers::Stage;
+
+/// Particles along an edge: 1,000 fit into the second-level cache, 125,000 (some 60 MB) into none.
+const EDGES: [u64; 2] = [10, 50];
+/// A cubic lattice that touches (three contacts per particle), and one of which all pairs are near but apart.
+const TOUCHING: f64 = 0.999;
+const APART: f64 = 1.05;
+const SKIN: f64 = 0.08;
+
+/// A cubic lattice at rest in a periodic box: nothing moves, so that each step costs the same.
+fn lattice(edge: u64, spacing: f64) -> Bench {
+    let mut bench = Bench::new([edge as f64 * spacing; 3], [PERIODIC; 3]);
+    bench.skin = SKIN;
+    bench.add_layers(edge.pow(3), (spacing, 0.5 * spacing), &[1.0], (0.0, 0.0));
+    bench
+}
+
+/// Seconds that a rank has spent in a stage.
+fn spent(run: &Run, stage: Stage) -> f64 {
+    let stages = run.work.timers.over_ranks(run.ranks);
+    stages.iter().find(|time| time.stage == stage).map_or(0.0, |time| time.mean)
+}
+
+/// Times one stage within steps; `count` tells how many items a step has.
+fn time_stage(
+    group: &mut BenchmarkGroup<WallTime>,
+    name: &str,
+    (bench, stage): (&Bench, Stage),
+    count: impl Fn(&Run) -> usize,
+) {
+    let mut run = bench.alone();
+    run.steps(2);
+    let size = bench.particles.len();
+    group.throughput(Throughput::Elements(count(&run) as u64));
+    group.bench_function(format!("{name}/{size}"), |bencher| {
+        bencher.iter_custom(|steps| {
+            let before = spent(&run, stage);
+            run.steps(steps);
+            Duration::from_secs_f64(spent(&run, stage) - before)
+        });
+    });
+}
+
+fn particles(run: &Run) -> usize {
+    run.state.particles.owned_count()
+}
+
+fn ghosts(run: &Run) -> usize {
+    run.state.particles.count() - particles(run)
+}
+
+fn pairs(run: &Run) -> usize {
+    run.state.contacts.pair_count()
+}
+
+fn within_steps(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step");
+    for edge in EDGES {
+        let mut touching = lattice(edge, TOUCHING);
+        time_stage(&mut group, "pair forces per contact", (&touching, Stage::Contacts), pairs);
+        time_stage(
+            &mut group,
+            "integration per particle",
+            (&touching, Stage::Integrate),
+            particles,
+        );
+        time_stage(&mut group, "list check per particle", (&touching, Stage::Decide), particles);
+        time_stage(&mut group, "image refresh per ghost", (&touching, Stage::Halo), ghosts);
+        let apart = lattice(edge, APART);
+        time_stage(&mut group, "candidate check per pair", (&apart, Stage::Contacts), pairs);
+        touching.gas = Some(gas(0.0));
+        let stages = [
+            ("coarse-graining and interpolation per particle", Stage::Gas),
+            ("gas force and weight per particle", Stage::BodyForces),
+        ];
+        for (name, stage) in stages {
+            time_stage(&mut group, name, (&touching, stage), particles);
+        }
+    }
+    group.finish();
+}
+
+/// Contacts of one particle each: the law by itself.
+fn contacts(count: usize) -> Vec<(Contact, ContactMemory)> {
+    let contact = |index: usize| {
+        let phase = index as f64;
+        let contact = Contact {
+            overlap: 1.0e-4,
+            normal: Vector3::z(),
+            relative_velocity: Vector3::new(0.3, 0.1, 1.0e-3) * (1.0 + 1.0e-3 * phase),
+            relative_spin: Vector3::zeros(),
+            reduced_mass: 0.26,
+            reduced_radius: 0.25,
+            reduced_inertia: 0.026,
+            cohesion: 0.0,
+        };
+        (contact, ContactMemory::default())
+    };
+    (0..count).map(contact).collect()
+}
+
+fn laws(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("laws");
+    let law = beds::law(2.0e5, 0.9, 0.1);
+    for count in [1_000, 400_000] {
+        let mut contacts = contacts(count);
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(format!("contact law, one by one, per contact/{count}"), |bencher| {
+            bencher.iter(|| {
+                for (contact, memory) in &mut contacts {
+                    black_box(law.force(black_box(contact), memory, 2.5e-4));
+                }
+            });
+        });
+        let fractions: Vec<f64> = (0..count).map(|i| 0.6 * i as f64 / count as f64).collect();
+        for (name, drag) in
+            [("creeping", DragLaw::WEN_YU_CREEPING), ("with Reynolds number", DragLaw::WEN_YU)]
+        {
+            group.bench_function(format!("drag, {name}, per particle/{count}"), |bencher| {
+                bencher.iter(|| {
+                    let drags = fractions.iter().map(|&phi| drag.scaled_drag(phi, 10.0));
+                    drags.for_each(|drag| {
+                        black_box(drag);
+                    });
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+fn grids(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("grid");
+    for edge in EDGES {
+        let bench = lattice(edge, TOUCHING);
+        let run = bench.alone();
+        let grid = gas(0.0).grid(&bench.domain.bounds);
+        let mut graining = CoarseGraining::new(&grid, 100.0, [1.0, 1.0]);
+        let mut bed = Bed::default();
+        group.throughput(Throughput::Elements(particles(&run) as u64));
+        group.bench_function(format!("coarse-graining per particle/{}", edge.pow(3)), |bencher| {
+            bencher.iter(|| graining.deposit(&run.state.particles, &grid, &mut bed, &OneRank));
+        });
+    }
+    group.finish();
+}
+
+fn lists(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("lists");
+    group.sample_size(10);
+    for edge in EDGES {
+        let bench = lattice(edge, TOUCHING);
+        let mut run = bench.alone();
+        run.steps(2);
+        let width = run.work.reach.ghost_width(1.0);
+        group.throughput(Throughput::Elements(particles(&run) as u64));
+        let name = format!("rebuild (sort, ghosts, list, memories) per particle/{}", edge.pow(3));
+        group.bench_function(name, |bencher| {
+            let Run { state, domain, models, work, ranks } = &mut run;
+            bencher.iter(|| {
+                rebuild(state, domain, models, work, *ranks)
+                    .expect("all contacts have their place");
+            });
+        });
+        group.bench_function(format!("sorting by cells per particle/{}", edge.pow(3)), |bencher| {
+            let Run { state, work, .. } = &mut run;
+            state.particles.drop_ghosts();
+            bencher.iter(|| work.neighbours.sort_by_cells(&mut state.particles, width));
+        });
+    }
+    group.finish();
+}
+
+/// Runs `work` on two ranks as threads, each with its half of a touching lattice, until it has been done `times`;
+/// the longer of their times.
+fn on_two_ranks(
+    bench: &Bench,
+    times: u64,
+    work: impl Fn(&mut Run, &dyn Communicator) + Sync,
+) -> Duration {
+    let elapsed = run_on_threads(2, |ranks| {
+        let mut run = bench.start(RankGrid::slabs(2, 2), ranks);
+        ranks.any(false); // both are ready
+        let begin = Instant::now();
+        for _ in 0..times {
+            work(&mut run, ranks);
+        }
+        begin.elapsed()
+    });
+    elapsed.into_iter().max().unwrap_or_default()
+}
+
+fn between_ranks(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("two thread ranks");
+    group.sample_size(10);
+    for edge in EDGES {
+        let bench = lattice(edge, TOUCHING);
+        let size = edge.pow(3);
+        let crossing = bench.on_ranks([1, 1, 2], |run| ghosts(run)) as u64;
+        group.throughput(Throughput::Elements(crossing));
+        group.bench_function(format!("halo refresh per ghost/{size}"), |bencher| {
+            bencher.iter_custom(|times| {
+                on_two_ranks(&bench, times, |run, ranks| {
+                    run.work.halo.refresh(&mut run.state.particles, ranks);
+                })
+            });
+        });
+        group.bench_function(format!("halo rebuild per ghost/{size}"), |bencher| {
+            bencher.iter_custom(|times| {
+                on_two_ranks(&bench, times, |run, ranks| {
+                    let width = run.work.reach.ghost_width(1.0);
+                    let particles = &mut run.state.particles;
+                    particles.drop_ghosts();
+                    let mut halo = ParticleHalo::default();
+                    halo.rebuild(particles, &run.domain.bounds, &run.work.cut, width, ranks);
+                })
+            });
+        });
+        // The cut goes up and down by a layer, so that one layer changes its owner each time.
+        group.throughput(Throughput::Elements(edge.pow(2)));
+        group.bench_function(format!("migration per moving particle/{size}"), |bencher| {
+            bencher.iter_custom(|times| {
+                on_two_ranks(&bench, times, |run, ranks| {
+                    let cut = other_cut(&mut run.work.cut, &bench);
+                    let (mut pairs, mut walls): (Vec<PairMemory>, Vec<WallMemory>) =
+                        Default::default();
+                    run.state.particles.drop_ghosts();
+                    migrate(&mut run.state.particles, &mut pairs, &mut walls, &cut, ranks);
+                })
+            });
+        });
+    }
+    group.finish();
+}
+
+/// The middle plane moved by one layer from where it was, to and fro.
+fn other_cut(cut: &mut Decomposition, bench: &Bench) -> Decomposition {
+    let [lower, plane, upper] = *cut.cuts(2) else { unreachable!("two slabs have three planes") };
+    let middle = 0.5 * (lower + upper);
+    let moved = if plane == middle { middle + TOUCHING } else { middle };
+    let across = |axis: usize| vec![0.0, bench.domain.bounds.lengths()[axis]];
+    *cut = cut.with_cuts([across(0), across(1), vec![lower, moved, upper]]);
+    cut.clone()
+}
+
+criterion_group! {
+    name = kernels;
+    config = Criterion::default()
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .sample_size(20);
+    targets = laws, within_steps, grids, lists, between_ranks
+}
+criterion_main!(kernels);

@@ -1,0 +1,1 @@
+"""Talcum's speed on known beds, beside that of LIGGGHTS and LAMMPS: what scripts/bench calls."""

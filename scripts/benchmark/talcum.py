@@ -1,0 +1,39 @@
+"""Talcum itself on the beds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+
+from .beds import RESULTS, ROOT, TIME_STEP, Bed
+from .runs import Measured, measured, on_cores, read_talcum
+
+PROGRAM = ROOT / "target" / "release" / "talcum"
+OUTPUT = RESULTS / "again"
+# The stage of cases/benchmark that follows the settling, by number.
+STAGE = 2
+
+
+def changes(bed: Bed) -> list[str]:
+    """What is different from the settled bed without gas and cohesion."""
+    settings = [f"stage.{STAGE}.{setting}" for setting in bed.settings]
+    if bed.vibration:
+        # Named in the stage, so that the phase is 0 at its begin.
+        settings += [
+            f"stage.{STAGE}.vibration.gamma={bed.vibration.gamma}",
+            f"stage.{STAGE}.vibration.frequency={bed.vibration.frequency}",
+            f"stage.{STAGE}.duration={bed.steps * TIME_STEP}",
+        ]
+    return [argument for setting in settings for argument in ("--set", setting)]
+
+
+def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM) -> Measured:
+    """One measured run from a checkpoint."""
+    with h5py.File(state, "r", locking=False) as file:
+        clock = file["clock"].attrs
+        steps = int(clock["step"]) - int(clock["origin_step"])
+        now = float(clock["origin_time"]) + steps * float(clock["time_step"])
+    until = repr(now + bed.steps * TIME_STEP)
+    command = [str(program), "restart", str(state), "--until", until, "--output", str(OUTPUT), *changes(bed)]
+    return measured(read_talcum, on_cores(command, bed.ranks, first), bed.ranks, OUTPUT)

@@ -1,0 +1,210 @@
+"""Tests of scripts/benchmark: what is read off programs, decks, states and tables; nothing is measured."""
+
+from __future__ import annotations
+
+import json
+import re
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmark import agreement, floor, kernels, peers, runs, scaling, states, tables
+from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
+from benchmark.states import Particles
+from made_up_results import ScriptTest
+
+TALCUM_SAYS = """[INFO ] stage "settled" ends: 1000 steps, 7.60 million particle-steps/s
+1000 steps in 3 s: 7.55 million particle-steps/s, 7.55 per rank
+stage                      seconds   share     largest over mean
+integrate                     0.18   5.7 %                  1.00
+gas force, weight             0.04  94.3 %                  1.25
+complete at time 25.25; the end state is in checkpoint-000000101000.h5
+digest 9b7025bd5cf6209a24ad1192757b13fe
+"""
+LAMMPS_SAYS = """Step KinEng c_spin v_centre c_top
+       0 0.00016635464  0.023199357    25.872626    51.826681
+     500 0.00035026766  0.023296233    25.872507    51.826496
+Loop time of 8 on 1 procs for 500 steps with 24000 atoms
+Step KinEng c_spin v_centre c_top
+    1500  0.0010349164  0.023270983    25.872605    51.826648
+Loop time of 2.5 on 1 procs for 1000 steps with 24000 atoms
+"""
+
+
+def small_bed() -> Particles:
+    """Two particles, one of them on the plate, in a box of 4 x 5 x 6."""
+    position = np.array([[0.1, 0.2, 0.5], [3.0, 4.0, 1.5]])
+    motion = np.arange(12.0).reshape(2, 6)
+    return Particles(np.array([4.0, 5.0, 6.0]), position, motion[:, :3], motion[:, 3:], np.ones(2))
+
+
+class TestReadingPrograms(unittest.TestCase):
+    """Rates, stages, digests and energies."""
+
+    def test_talcum(self) -> None:
+        found = runs.read_talcum(TALCUM_SAYS)
+        self.assertEqual((found.rate, found.digest), (7.60, "9b7025bd5cf6209a24ad1192757b13fe"))
+        self.assertEqual(found.stages, {"integrate": 0.057, "gas force, weight": 0.943})
+        self.assertEqual(found.imbalance["gas force, weight"], 1.25)
+
+    def test_the_last_loop_of_a_peer_counts(self) -> None:
+        self.assertAlmostEqual(runs.read_peer(LAMMPS_SAYS).rate, 9.6)
+        self.assertEqual(agreement.last_thermo_row(LAMMPS_SAYS).kinetic_energy, 0.0010349164)
+
+    def test_words_without_numbers_are_an_error(self) -> None:
+        for read in (runs.read_talcum, runs.read_peer, agreement.last_thermo_row):
+            with self.assertRaises(runs.BenchmarkError):
+                read("Segmentation fault")
+
+    def test_a_program_that_fails_is_an_error_with_its_words(self) -> None:
+        with self.assertRaisesRegex(runs.BenchmarkError, "no such bed"):
+            runs.execute(["sh", "-c", "echo no such bed; exit 3"])
+
+
+class TestDecks(ScriptTest):
+    """The peers are given Talcum's law."""
+
+    def test_the_law_is_that_of_the_cases(self) -> None:
+        law = ContactLaw()
+        for case in (ROOT / "cases" / "benchmark").glob("bed-*.toml"):
+            text = case.read_text(encoding="utf-8")
+            names = ("normal_stiffness", "poisson_ratio", "restitution", "friction")
+            found = [float(re.search(rf"^{name} = (.*)$", text, re.MULTILINE)[1]) for name in names]
+            self.assertEqual(found, [law.normal_stiffness, law.poisson_ratio, law.restitution, law.friction])
+
+    def test_the_dashpot_gives_the_restitution(self) -> None:
+        # x'' = -(k/m*) x - gamma x': the speed falls by exp(-gamma T / 2) over half a period T.
+        law, reduced = ContactLaw(), 0.25 * np.pi / 3.0
+        gamma = law.pair_damping
+        period = np.pi / np.sqrt(law.normal_stiffness / reduced - 0.25 * gamma**2)
+        self.assertAlmostEqual(np.exp(-0.5 * gamma * period), law.restitution, places=12)
+        # Negative control: the dashpot of the wall is another.
+        self.assertNotAlmostEqual(np.exp(-0.5 * law.wall_damping * period), law.restitution, places=3)
+
+    def test_decks_are_complete(self) -> None:
+        for bed in BEDS:
+            for peer in peers.PEERS:
+                text = peers.deck(peer, bed, Path("bed.data"), 0.05)
+                self.assertIn(f"run {bed.steps}", text)
+                self.assertEqual("*sin(" in text, bed.vibration is not None)
+        with self.assertRaisesRegex(ValueError, "@skin@"):
+            peers.fill("neighbor @skin@ bin", {})
+
+    def test_data_files_keep_the_bits(self) -> None:
+        bed, path = small_bed(), self.folder / "bed.data"
+        states.write_lammps_data(bed, 2, 7.0, path)
+        text = path.read_text(encoding="utf-8")
+        self.assertIn("2 atoms\n2 atom types\n\n0 4.0 xlo xhi\n0 5.0 ylo yhi\n0 7.0 zlo zhi\n", text)
+        self.assertIn("1 1 1.0 1.0 0.1 0.2 0.5\n", text)
+        self.assertIn("2 6.0 7.0 8.0 9.0 10.0 11.0\n", text)
+
+
+class TestStates(ScriptTest):
+    """Beds made of the settled one."""
+
+    def test_tiles_keep_distances_and_fill_the_box(self) -> None:
+        bed = states.tiled(small_bed(), (3, 3))
+        self.assertEqual(bed.count, 18)
+        self.assertEqual(bed.box.tolist(), [12.0, 15.0, 6.0])
+        self.assertEqual(len(np.unique(bed.position.round(9), axis=0)), 18)
+        self.assertTrue((bed.position < bed.box).all())
+
+    def test_agitated(self) -> None:
+        bed = replace(small_bed(), velocity=np.zeros((2, 3)))
+        agitated = states.agitated(bed)
+        # The lowest stays on the plate, the other is lifted by a tenth of its height above it.
+        np.testing.assert_allclose(agitated.position[:, 2], [0.5, 1.6])
+        many = Particles(bed.box, np.ones((9000, 3)), np.zeros((9000, 3)), np.zeros((9000, 3)), np.ones(9000))
+        # Its standard error is T sqrt(2 / 27000) = 0.0009.
+        self.assertAlmostEqual(float(np.mean(states.agitated(many).velocity ** 2)), 0.1, delta=0.004)
+
+    def test_case_and_file(self) -> None:
+        csv, case = self.folder / "bed.csv", self.folder / "bed.toml"
+        states.write_csv(small_bed(), csv)
+        states.write_case(small_bed(), csv, case)
+        self.assertEqual(csv.read_text(encoding="utf-8").splitlines()[1], "0,0.1,0.2,0.5,0.0,1.0,2.0,3.0,4.0,5.0,1.0")
+        text = case.read_text(encoding="utf-8")
+        self.assertEqual(states.box_lengths(text).tolist(), [4.0, 5.0, 6.0])
+        self.assertIn("normal_stiffness = 2.0e5", text)
+        self.assertNotIn("[cohesion]", text)
+
+    def test_settled_times(self) -> None:
+        self.assertEqual(states.settled_time(states.CASES / "bed-24000.toml"), 25.0)
+
+
+class TestTables(ScriptTest):
+    """Medians, ratios and their place."""
+
+    def test_ratios_are_of_runs_of_the_same_round(self) -> None:
+        self.assertEqual(tables.ratio([4.0, 9.0, 2.0], [2.0, 3.0, 2.0]), 2.0)
+        self.assertIsNone(tables.ratio([1.0], []))
+
+    def test_rates(self) -> None:
+        run = {"rate": 20.0, "stages": {"contact forces": 0.8}, "imbalance": {"contact forces": 1.1}}
+        results = {"24,000 settled": {"Talcum": [run], "LAMMPS": [run | {"rate": 10.0}]}}
+        results["24,000 settled, 2 ranks"] = {"Talcum": [run | {"rate": 38.0}]}
+        beds = [bed for bed in BEDS if bed.name in results]
+        rows = tables.rate_table(beds, results).splitlines()
+        self.assertEqual(rows[2], "| 24,000 settled | 20.00 | 20.00 | 10.00 | 2.00 | 2.5 | - |")
+        self.assertEqual(rows[3], "| 24,000 settled, 2 ranks | 38.00 | 19.00 | - | - | 2.4 | 1.90 |")
+        self.assertIn("| 80.0 | 1.10 |", tables.stage_table(beds, results))
+
+    def test_markers(self) -> None:
+        path = self.folder / "page.md"
+        path.write_text("above\n<!-- beds -->\nold\n<!-- end of beds -->\nbelow\n", encoding="utf-8")
+        tables.write_between_markers(path, "beds", "new")
+        expected = "above\n<!-- beds -->\n\nnew\n\n<!-- end of beds -->\nbelow\n"
+        self.assertEqual(path.read_text(encoding="utf-8"), expected)
+        with self.assertRaisesRegex(ValueError, "no place"):
+            tables.write_between_markers(path, "others", "new")
+
+    def test_beds_by_name(self) -> None:
+        self.assertEqual([bed.name for bed in beds_named(["24000 ranks"])], ["24,000 settled, 2 ranks"])
+        self.assertEqual(beds_named([]), list(BEDS))
+        with self.assertRaisesRegex(ValueError, "no bed"):
+            beds_named(["5000"])
+
+
+class TestModels(ScriptTest):
+    """The scaling model, the floor, and what criterion writes."""
+
+    def test_ghosts_of_columns_and_cubes(self) -> None:
+        load = scaling.Load(particles=24_000)
+        side, _, height = load.sides
+        self.assertAlmostEqual(side * side * height * load.density, 24_000)
+        first, second = load.ghosts_per_message()
+        self.assertAlmostEqual(first, load.density * scaling.LAYER * side * height)
+        self.assertAlmostEqual(second / first, 1.0 + 2.0 * scaling.LAYER / side)
+        self.assertEqual(len(replace(load, columns=False).ghosts_per_message()), 3)
+
+    def test_a_rank_alone_only_computes(self) -> None:
+        load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
+        parts = scaling.step_parts(load, 1, network)
+        self.assertEqual([name for name, seconds in parts.items() if seconds > 0.0], ["compute"])
+        # Messages to all others are what grows: with 100,000 ranks they take half a second per 100 rebuilds.
+        many = [scaling.step_parts(replace(load, to_all=to_all), 100_000, network) for to_all in (True, False)]
+        self.assertGreater(many[0]["rebuild"], 100.0 * many[1]["rebuild"])
+        self.assertEqual(many[0]["halo"], many[1]["halo"])
+
+    def test_the_sweep_over_everything_needs_least(self) -> None:
+        self.assertLess(floor.FUSED.size, sum(each.size for each in floor.PASSES))
+        self.assertGreater(floor.FUSED.flops, floor.CONTACTS * floor.CONTACT_FLOPS)
+
+    def test_criterion(self) -> None:
+        for size, time in (1_000, 5_000.0), (125_000, 1_250_000.0):
+            folder = self.folder / "step" / f"pairs_{size}" / "new"
+            folder.mkdir(parents=True)
+            what = {"group_id": "step", "function_id": f"pairs per contact/{size}", "throughput": {"Elements": size}}
+            (folder / "benchmark.json").write_text(json.dumps(what))
+            (folder / "estimates.json").write_text(json.dumps({"median": {"point_estimate": time}}))
+        found = kernels.read_criterion(self.folder)
+        self.assertEqual(found, {"step: pairs per contact": {1_000: 5.0, 125_000: 10.0}})
+        self.assertIn("| step: pairs per contact | 1,000 | 5.00 | 125,000 | 10.00 |", kernels.kernel_table(found))
+        with self.assertRaisesRegex(runs.BenchmarkError, "no results"):
+            kernels.read_criterion(self.folder / "nothing")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,26 @@
+//! Beetstra, van der Hoef & Kuipers.
+
+use super::ScaledDrag;
+use crate::numbers::power;
+
+/// Beetstra, van der Hoef & Kuipers (2007), from lattice-Boltzmann simulations of arrays of spheres up to
+/// Re = 1000: F = 10 phi / eps^2 + eps^2 (1 + 1.5 phi^(1/2)) + (0.413 Re / (24 eps^2))
+/// [1/eps + 3 eps phi + 8.4 Re^-0.343] / [1 + 10^(3 phi) Re^-(1/2 + 2 phi)].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beetstra;
+
+/// Below, the inertial part is lost in the rounding of the viscous one.
+const SLOWEST: f64 = 1.0e-14;
+
+impl ScaledDrag for Beetstra {
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+        let (phi, eps, reynolds) = (solids_fraction, 1.0 - solids_fraction, reynolds.max(SLOWEST));
+        let viscous = 10.0 * phi / (eps * eps) + eps * eps * (1.0 + 1.5 * phi.sqrt());
+        // Both brackets times Re^(1/2 + 2 phi), so that no power of a small number grows large.
+        let raised = power(reynolds, 0.5 + 2.0 * phi);
+        let above = 1.0 / eps + 3.0 * eps * phi + 8.4 * power(reynolds, -0.343);
+        let ratio = raised * above / (raised + power(10.0, 3.0 * phi));
+        eps * (viscous + 0.413 * reynolds / (24.0 * eps * eps) * ratio)
+    }
+}

@@ -1,0 +1,37 @@
+//! Di Felice.
+
+use super::ScaledDrag;
+use super::wen_yu::schiller_naumann;
+use crate::numbers::power;
+
+/// Di Felice (1994): F = (C_D Re / 24) eps^-chi, chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2 / 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiFelice {
+    /// C_D; programs differ in it.
+    pub single_sphere: SingleSphere,
+}
+
+/// Drag coefficient C_D of a single sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SingleSphere {
+    /// (0.63 + 4.8 Re^-1/2)^2, Dallavalle (1948), as Di Felice has it; at small Re 0.96 of Stokes' drag.
+    Dallavalle,
+    /// 24 / Re (1 + 0.15 Re^0.687), 0.44 above Re = 1000, Schiller & Naumann (1935).
+    SchillerNaumann,
+}
+
+impl ScaledDrag for DiFelice {
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+        let sphere = match self.single_sphere {
+            SingleSphere::Dallavalle => {
+                let root = 0.63 * reynolds.sqrt() + 4.8;
+                root * root / 24.0
+            }
+            SingleSphere::SchillerNaumann => schiller_naumann(reynolds),
+        };
+        let distance = 1.5 - libm::log10(reynolds); // infinite for a sphere at rest: chi = 3.7
+        let chi = 3.7 - 0.65 * libm::exp(-0.5 * distance * distance);
+        sphere * power(1.0 - solids_fraction, 1.0 - chi)
+    }
+}

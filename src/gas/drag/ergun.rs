@@ -1,0 +1,40 @@
+//! Ergun.
+
+use super::ScaledDrag;
+
+/// Ergun (1952), the pressure drop of a packed bed: F = 150 phi / (18 eps^2) + 1.75 Re / (18 eps^2).
+///
+/// dp/L = 150 mu phi^2 U / (eps^3 d^2) + 1.75 rho_g phi U^2 / (eps^3 d), U the superficial velocity. Without
+/// meaning in dilute suspensions, where it goes to zero with phi and Re.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ergun;
+
+impl ScaledDrag for Ergun {
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+        (150.0 * solids_fraction + 1.75 * reynolds) / (18.0 * (1.0 - solids_fraction))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_gives_the_pressure_drop_of_packed_beds() {
+        // d, eps, U and dp/L in air of 1.2 kg/m3 and 1.8e-5 Pa s.
+        for [d, eps, speed, expected] in [
+            [1.0e-3, 0.40, 0.1, 1715.625],
+            [1.0e-3, 0.40, 0.5, 12515.625],
+            [1.0e-3, 0.45, 0.5, 7650.206],
+            [40.0e-6, 0.42, 0.01, 76662.8],
+        ] {
+            let (density, viscosity, phi) = (1.2, 1.8e-5, 1.0 - eps);
+            let reynolds = density * d * speed / viscosity;
+            let beta = 18.0 * viscosity * phi / (d * d) * Ergun.scaled_drag(phi, reynolds);
+            // -eps dp/dz = beta u with u = U / eps.
+            let gradient = beta * speed / (eps * eps);
+            assert!((gradient / expected - 1.0).abs() < 1.0e-6, "{gradient} {expected}");
+        }
+    }
+}

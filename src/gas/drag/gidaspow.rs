@@ -1,0 +1,67 @@
+//! Gidaspow.
+
+use super::{Ergun, ScaledDrag, WenYu};
+use std::f64::consts::PI;
+
+/// Gidaspow (1994): Ergun where the voidage is below 0.8, Wen & Yu (n = 1.65) above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gidaspow {
+    /// How one law becomes the other.
+    pub switch: Switch,
+}
+
+/// From Ergun to Wen & Yu.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switch {
+    /// At phi = 0.2, with a jump.
+    Sharp,
+    /// The part atan(150 * 1.75 (0.2 - phi)) / pi + 1/2 of Wen & Yu, the rest of Ergun (Huilin & Gidaspow 2003).
+    Smooth,
+}
+
+/// Solids fraction at the switch.
+const SWITCH: f64 = 0.2;
+
+impl ScaledDrag for Gidaspow {
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+        let dense = Ergun.scaled_drag(solids_fraction, reynolds);
+        let dilute = WenYu::USUAL.scaled_drag(solids_fraction, reynolds);
+        match self.switch {
+            Switch::Sharp if solids_fraction > SWITCH => dense,
+            Switch::Sharp => dilute,
+            Switch::Smooth => {
+                let part = libm::atan(150.0 * 1.75 * (SWITCH - solids_fraction)) / PI + 0.5;
+                dense + part * (dilute - dense)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn far_from_the_switch_both_forms_are_the_two_laws() {
+        let [sharp, smooth] = [Switch::Sharp, Switch::Smooth].map(|switch| Gidaspow { switch });
+        for reynolds in [0.1, 10.0] {
+            assert_eq!(sharp.scaled_drag(0.5, reynolds), Ergun.scaled_drag(0.5, reynolds));
+            assert_eq!(sharp.scaled_drag(0.05, reynolds), WenYu::USUAL.scaled_drag(0.05, reynolds));
+            // The arctangent is 1 / (150 * 1.75 * 0.3 pi) = 0.4 % of the other law away from its limit.
+            let [a, b] = [sharp, smooth].map(|law| law.scaled_drag(0.5, reynolds));
+            assert!((a / b - 1.0).abs() < 0.005, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn only_the_sharp_switch_jumps() {
+        let jump = |switch| {
+            let law = Gidaspow { switch };
+            let [below, above] = [0.2, 0.2 + 1.0e-9].map(|phi| law.scaled_drag(phi, 1.0));
+            (above / below - 1.0).abs()
+        };
+        assert!(jump(Switch::Sharp) > 0.05);
+        assert!(jump(Switch::Smooth) < 1.0e-6);
+    }
+}

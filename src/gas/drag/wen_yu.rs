@@ -1,0 +1,91 @@
+//! Wen & Yu.
+
+use super::ScaledDrag;
+use crate::numbers::power;
+
+/// Reynolds number above which a sphere's drag coefficient stays at 0.44.
+pub(super) const INERTIAL: f64 = 1000.0;
+
+/// C_D Re / 24 of a single sphere: 1 + 0.15 Re^0.687 (Schiller & Naumann 1935), 0.44 Re / 24 above Re = 1000.
+#[inline(always)]
+pub(super) fn schiller_naumann(reynolds: f64) -> f64 {
+    if reynolds < INERTIAL { 1.0 + 0.15 * power(reynolds, 0.687) } else { 0.44 * reynolds / 24.0 }
+}
+
+/// Wen & Yu (1966) with Schiller & Naumann's C_D (Moon 2006 eqs (13)-(15)):
+/// beta = (3/4) C_D rho_g |u_g - v| phi / d eps^-n, that is eps F = (C_D Re / 24) eps^-(n + 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WenYu {
+    /// n: 1.65 as usual, so that F = (C_D Re / 24) eps^-3.65; Liu 2016 prints 2.7.
+    pub exponent: f64,
+}
+
+impl WenYu {
+    /// n = 1.65.
+    pub const USUAL: Self = Self { exponent: 1.65 };
+}
+
+impl ScaledDrag for WenYu {
+    /// ```
+    /// use talcum::gas::{ScaledDrag, WenYu};
+    /// let eps = 0.9_f64;
+    /// let f = WenYu::USUAL.scaled_drag(0.1, 100.0) / eps;
+    /// assert!((f - 6.68220).abs() < 5e-6); // tabulated value
+    /// ```
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+        let crowding = power(1.0 - solids_fraction, -(self.exponent + 1.0));
+        if reynolds < INERTIAL {
+            crowding * (1.0 + 0.15 * power(reynolds, 0.687))
+        } else {
+            crowding * 0.44 * reynolds / 24.0
+        }
+    }
+}
+
+/// Wen & Yu's limit Re << 1 (Moon 2006 eq. (16)): eps F = eps^-(n + 1), so that with n = 1.65
+/// beta = 18 (mu / d^2) phi eps^-2.65.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WenYuCreeping {
+    /// n.
+    pub exponent: f64,
+}
+
+impl WenYuCreeping {
+    /// n = 1.65.
+    pub const USUAL: Self = Self { exponent: 1.65 };
+}
+
+impl ScaledDrag for WenYuCreeping {
+    #[inline(always)]
+    fn scaled_drag(self, solids_fraction: f64, _reynolds: f64) -> f64 {
+        power(1.0 - solids_fraction, -(self.exponent + 1.0))
+    }
+
+    fn depends_on_reynolds(self) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponent_of_liu_is_that_of_beta() {
+        // beta d^2 / (18 mu phi) = eps F: by eps^-2.7 and the slip |u - v| = Re mu / (eps rho d).
+        let (phi, eps, reynolds) = (0.4, 0.6_f64, 2.0);
+        let coefficient = 24.0 / reynolds * (1.0 + 0.15 * libm::pow(reynolds, 0.687));
+        // (3/4) C_D rho |u - v| phi / d eps^-2.7 over 18 mu phi / d^2.
+        let printed = 0.75 * coefficient * (reynolds / eps) * libm::pow(eps, -2.7) / 18.0;
+        let found = WenYu { exponent: 2.7 }.scaled_drag(phi, reynolds);
+        assert!((found / printed - 1.0).abs() < 1.0e-13, "{found} {printed}");
+        assert!((WenYu::USUAL.scaled_drag(phi, reynolds) / printed - 1.0).abs() > 0.4); // a control
+    }
+
+    #[test]
+    fn a_single_sphere_in_fast_flow_has_a_constant_coefficient() {
+        assert_eq!(WenYu::USUAL.scaled_drag(0.0, 2400.0), 44.0);
+        assert_eq!(schiller_naumann(2400.0), 44.0);
+    }
+}

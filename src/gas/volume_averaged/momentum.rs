@@ -1,0 +1,170 @@
+//! Momentum with implicit drag, and the pressure's part in it.
+//!
+//! On each free face, eps, beta and (beta v) being the means of the two cells:
+//!
+//! ```text
+//! u = [ (eps rho/dt) u_old + R + eps (f - grad p) + (beta v) + S ] / (eps rho/dt + beta)
+//! ```
+//!
+//! R advection and viscous force, f the driving force per volume of gas, S another force per volume. With
+//! beta dt/rho >> 1 this is Darcy's law, whatever u_old was.
+
+use super::faces::{Region, moved};
+use super::{BedOnGrid, VolumeAveragedGas};
+use crate::grid::{Field, GridPart};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// What holds for a whole step.
+#[derive(Clone, Copy)]
+pub(super) struct Momentum<'a> {
+    pub(super) gas: &'a VolumeAveragedGas,
+    pub(super) part: &'a GridPart,
+    pub(super) spacing: Vector3<f64>,
+    pub(super) bed: &'a BedOnGrid,
+    pub(super) dt: f64,
+}
+
+/// Forces on the faces normal to one axis.
+#[derive(Clone, Copy)]
+pub(super) struct Forces<'a> {
+    pub(super) rate: &'a Field,
+    pub(super) pressure: &'a Field,
+    pub(super) driving: f64,
+    pub(super) source: Option<&'a Field>,
+}
+
+/// Voidage and momentum transfer in the faces of a row.
+struct FaceRow<'a> {
+    eps: [&'a [f64]; 2],
+    beta: [&'a [f64]; 2],
+    inertia: f64,
+}
+
+impl FaceRow<'_> {
+    /// eps, eps rho/dt and eps rho/dt + beta in the i-th face.
+    #[inline(always)]
+    fn at(&self, i: usize) -> (f64, f64, f64) {
+        let eps = 0.5 * (self.eps[0][i] + self.eps[1][i]);
+        let beta = 0.5 * (self.beta[0][i] + self.beta[1][i]);
+        let inertia = eps * self.inertia;
+        (eps, inertia, inertia + beta)
+    }
+}
+
+/// Numbers of the cells below and above the faces of a row.
+fn both<'a>(field: &'a Field, row: &Range<usize>, stride: isize) -> [&'a [f64]; 2] {
+    [-stride, 0].map(|steps| moved(field.values(), row, steps))
+}
+
+impl<'a> Momentum<'a> {
+    fn faces(&self, axis: usize) -> Region {
+        Region::free_faces(self.part, axis, self.gas)
+    }
+
+    fn stride(&self, axis: usize) -> isize {
+        self.bed.voidage.strides()[axis] as isize
+    }
+
+    fn face_row(&self, row: &Range<usize>, stride: isize) -> FaceRow<'a> {
+        FaceRow {
+            eps: both(&self.bed.voidage, row, stride),
+            beta: both(&self.bed.momentum_transfer, row, stride),
+            inertia: self.gas.density / self.dt,
+        }
+    }
+
+    /// The velocity at the end of the step, before the pressure has changed.
+    pub(super) fn predict(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
+        let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
+        for row in self.faces(axis).rows(old) {
+            let face = self.face_row(&row, stride);
+            let solids = both(&self.bed.transferred_velocity[axis], &row, stride);
+            let pressure = both(forces.pressure, &row, stride);
+            let (u, rate) = (moved(old.values(), &row, 0), moved(forces.rate.values(), &row, 0));
+            let source = forces.source.map(|source| moved(source.values(), &row, 0));
+            let target = &mut new.values_mut()[row];
+            for i in 0..target.len() {
+                let (eps, inertia, total) = face.at(i);
+                let gradient = (pressure[1][i] - pressure[0][i]) * inverse;
+                let drag = 0.5 * (solids[0][i] + solids[1][i]);
+                let given = source.map_or(0.0, |source| source[i]);
+                let gained = rate[i] + eps * (forces.driving - gradient) + drag + given;
+                target[i] = (inertia * u[i] + gained) / total;
+            }
+        }
+    }
+
+    /// Coefficients of the pressure equation, eps^2 / (eps rho/dt + beta) / spacing^2 on faces, and what an outlet,
+    /// half a cell away, adds to the diagonal.
+    pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
+        diagonal.values_mut().fill(0.0);
+        for (axis, faces) in faces.iter_mut().enumerate() {
+            let stride = self.stride(axis);
+            let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
+            for row in self.faces(axis).rows(faces) {
+                let face = self.face_row(&row, stride);
+                let target = &mut faces.values_mut()[row];
+                for (i, coefficient) in target.iter_mut().enumerate() {
+                    let (eps, _, total) = face.at(i);
+                    *coefficient = eps * eps / total * factor;
+                }
+            }
+            for side in 0..2 {
+                self.add_outlet(faces, diagonal, (axis, side));
+            }
+        }
+    }
+
+    fn add_outlet(&self, faces: &Field, diagonal: &mut Field, (axis, side): (usize, usize)) {
+        if !(self.part.at_ends(axis)[side] && self.gas.is_outlet(axis, side)) {
+            return;
+        }
+        let last = self.part.count[axis] as isize - 1;
+        for cell in Region::owned(self.part).layer(axis, [0, last][side]).cells() {
+            let mut face = cell;
+            face[axis] += side as isize;
+            *diagonal.at_mut(cell) += 2.0 * faces.at(face);
+        }
+    }
+
+    /// The part of continuity that the predicted velocity leaves: -[div(eps u) + (eps - eps_old)/dt] in cells.
+    pub(super) fn set_imbalance(&self, imbalance: &mut Field, velocity: &[Field; 3], old: &Field) {
+        let strides = [0, 1, 2].map(|axis| self.stride(axis));
+        let inverse = [0, 1, 2].map(|axis| 1.0 / self.spacing[axis]);
+        for row in Region::owned(self.part).rows(imbalance) {
+            let eps = &self.bed.voidage;
+            let here = moved(eps.values(), &row, 0);
+            let before = moved(old.values(), &row, 0);
+            let below = strides.map(|stride| moved(eps.values(), &row, -stride));
+            let above = strides.map(|stride| moved(eps.values(), &row, stride));
+            let lower = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, 0));
+            let upper = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, strides[axis]));
+            let target = &mut imbalance.values_mut()[row];
+            for i in 0..target.len() {
+                let along = |a: usize| {
+                    let outflow = 0.5 * (here[i] + above[a][i]) * upper[a][i];
+                    let inflow = 0.5 * (below[a][i] + here[i]) * lower[a][i];
+                    (outflow - inflow) * inverse[a]
+                };
+                target[i] = -(along(0) + along(1) + along(2) + (here[i] - before[i]) / self.dt);
+            }
+        }
+    }
+
+    /// Adds what a change of pressure does to the velocity.
+    pub(super) fn correct(&self, velocity: &mut [Field; 3], change: &Field) {
+        for (axis, velocity) in velocity.iter_mut().enumerate() {
+            let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
+            for row in self.faces(axis).rows(velocity) {
+                let face = self.face_row(&row, stride);
+                let change = both(change, &row, stride);
+                let target = &mut velocity.values_mut()[row];
+                for (i, u) in target.iter_mut().enumerate() {
+                    let (eps, _, total) = face.at(i);
+                    *u -= eps / total * ((change[1][i] - change[0][i]) * inverse);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! What the gas is at one time, and what it sees of the particles.
+
+use crate::grid::{Field, GridPart};
+
+/// Width of the halo of every field of the gas: the limiter sees two cells to each side.
+pub const GAS_HALO: usize = 2;
+
+/// The gas on a rank's part of the grid. All that its future depends on is in [`GasState::record`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct GasState {
+    /// Velocity u of the gas between the particles: component a at the lower face of each cell along a. The upper
+    /// faces of the box are the lower ones of cells in the halo.
+    pub velocity: [Field; 3],
+    /// Pressure in cells, less the hydrostatic head rho g.x. The halo continues it, so that the difference of two
+    /// neighbours over their distance is the gradient on every face, those of the box included.
+    pub pressure: Field,
+    /// Voidage eps in cells, at the time of the velocity.
+    pub voidage: Field,
+}
+
+/// The particles as the gas sees them, on cells. Owned cells are given; the gas fills the halos.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BedOnGrid {
+    /// Voidage eps at the end of the step, above 0 and at most 1.
+    pub voidage: Field,
+    /// Drag coefficient beta per volume: the force of the gas on the particles is beta u - (beta v).
+    pub momentum_transfer: Field,
+    /// The sum of drag coefficients times the velocities of the particles, per volume: (beta v).
+    pub transferred_velocity: [Field; 3],
+}
+
+impl GasState {
+    /// Numbers in a record.
+    pub const RECORD: usize = 8;
+
+    /// Gas at rest without particles; halos are not yet filled.
+    pub fn at_rest(part: &GridPart) -> Self {
+        let zero = Field::new(part, GAS_HALO);
+        let mut voidage = zero.clone();
+        voidage.values_mut().fill(1.0);
+        Self { velocity: std::array::from_fn(|_| zero.clone()), pressure: zero, voidage }
+    }
+
+    /// What a checkpoint keeps of a cell: velocities at its lower faces, at its upper faces, pressure, voidage.
+    ///
+    /// Upper faces are those of the next cell but at the end of the box, where no cell owns them.
+    pub fn record(&self, cell: [isize; 3]) -> [f64; Self::RECORD] {
+        let mut record = [0.0; Self::RECORD];
+        for axis in 0..3 {
+            record[axis] = self.velocity[axis].at(cell);
+            record[3 + axis] = self.velocity[axis].at(next(cell, axis));
+        }
+        record[6] = self.pressure.at(cell);
+        record[7] = self.voidage.at(cell);
+        record
+    }
+
+    /// Sets a cell to what its record says. Halos must be filled afterwards.
+    pub fn restore(&mut self, cell: [isize; 3], record: &[f64; Self::RECORD]) {
+        for axis in 0..3 {
+            *self.velocity[axis].at_mut(cell) = record[axis];
+            *self.velocity[axis].at_mut(next(cell, axis)) = record[3 + axis];
+        }
+        *self.pressure.at_mut(cell) = record[6];
+        *self.voidage.at_mut(cell) = record[7];
+    }
+}
+
+impl BedOnGrid {
+    /// No particles: voidage 1 and no drag.
+    pub fn empty(part: &GridPart) -> Self {
+        let zero = Field::new(part, GAS_HALO);
+        let mut voidage = zero.clone();
+        voidage.values_mut().fill(1.0);
+        Self {
+            voidage,
+            momentum_transfer: zero.clone(),
+            transferred_velocity: std::array::from_fn(|_| zero.clone()),
+        }
+    }
+}
+
+/// The cell above along an axis.
+fn next(mut cell: [isize; 3], axis: usize) -> [isize; 3] {
+    cell[axis] += 1;
+    cell
+}

@@ -1,0 +1,160 @@
+//! The cells of the box, and which of them a rank works on.
+
+use crate::domain::{Bounds, Decomposition};
+use nalgebra::Vector3;
+
+/// Equal cells that fill the box; cell (i, j, k) reaches from i dx to (i + 1) dx, and so on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoxGrid {
+    counts: [usize; 3],
+    spacing: Vector3<f64>,
+    periodic: [bool; 3],
+}
+
+/// The block of cells that one rank owns, seen in the whole grid.
+///
+/// Parts know global numbers only, so that what a cell does never depends on where the cuts are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridPart {
+    /// Cells of the whole grid along x, y, z.
+    pub counts: [usize; 3],
+    /// First owned cell along each axis.
+    pub start: [usize; 3],
+    /// Number of owned cells along each axis.
+    pub count: [usize; 3],
+}
+
+impl BoxGrid {
+    /// `counts` cells along x, y and z.
+    pub fn new(bounds: &Bounds, counts: [usize; 3]) -> Self {
+        let spacing = Vector3::from_fn(|axis, _| bounds.lengths()[axis] / counts[axis] as f64);
+        let periodic = std::array::from_fn(|axis| bounds.is_periodic(axis));
+        Self { counts, spacing, periodic }
+    }
+
+    /// Cells along x, y and z.
+    pub fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
+    /// Edge lengths of a cell: dx, dy, dz.
+    pub fn spacing(&self) -> Vector3<f64> {
+        self.spacing
+    }
+
+    /// Whether the last cell along an axis has the first as its neighbour.
+    pub fn is_periodic(&self, axis: usize) -> bool {
+        self.periodic[axis]
+    }
+
+    /// Volume of a cell.
+    pub fn cell_volume(&self) -> f64 {
+        self.spacing.x * self.spacing.y * self.spacing.z
+    }
+
+    /// The cell face nearest to a plane at `coordinate`: face i is the lower face of cell i.
+    pub fn nearest_face(&self, axis: usize, coordinate: f64) -> usize {
+        ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
+    }
+
+    /// The same cut with every plane moved to a cell face, blocks being at least `least` cells wide.
+    ///
+    /// Returns nothing if the grid has too few cells for that.
+    pub fn aligned(&self, cut: &Decomposition, least: usize) -> Option<Decomposition> {
+        let mut cuts: [Vec<f64>; 3] = Default::default();
+        for (axis, planes) in cuts.iter_mut().enumerate() {
+            let (blocks, cells) = (cut.grid().0[axis], self.counts[axis]);
+            if blocks > 1 && blocks * least > cells {
+                return None;
+            }
+            let mut face = 0;
+            for (plane, &wanted) in cut.cuts(axis).iter().enumerate() {
+                face = match plane {
+                    0 => 0,
+                    last if last == blocks => cells,
+                    _ => {
+                        let highest = cells - least * (blocks - plane);
+                        self.nearest_face(axis, wanted).clamp(face + least, highest)
+                    }
+                };
+                let ends = plane == 0 || plane == blocks;
+                planes.push(if ends { wanted } else { face as f64 * self.spacing[axis] });
+            }
+        }
+        Some(cut.with_cuts(cuts))
+    }
+
+    /// The cells of a rank, from a cut whose planes lie on cell faces.
+    pub fn part_of(&self, cut: &Decomposition, rank: usize) -> GridPart {
+        let block = cut.grid().block_of(rank);
+        let face = |axis: usize, plane: usize| self.nearest_face(axis, cut.cuts(axis)[plane]);
+        let start = std::array::from_fn(|axis| face(axis, block[axis]));
+        let count = std::array::from_fn(|axis| face(axis, block[axis] + 1) - start[axis]);
+        GridPart { counts: self.counts, start, count }
+    }
+}
+
+impl GridPart {
+    /// A grid that one rank owns whole.
+    pub fn whole(counts: [usize; 3]) -> Self {
+        Self { counts, start: [0; 3], count: counts }
+    }
+
+    /// One past the last owned cell.
+    pub fn end(&self, axis: usize) -> usize {
+        self.start[axis] + self.count[axis]
+    }
+
+    /// Number of owned cells.
+    pub fn cells(&self) -> usize {
+        self.count.iter().product()
+    }
+
+    /// Whether the owned cells reach the lower and the upper end of the grid.
+    pub fn at_ends(&self, axis: usize) -> [bool; 2] {
+        [self.start[axis] == 0, self.end(axis) == self.counts[axis]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::{Face, RankGrid};
+    use proptest::prelude::*;
+
+    fn bounds() -> Bounds {
+        let periodic = [Face::Periodic; 2];
+        Bounds::new(Vector3::new(2.1, 3.0, 10.3), [periodic, periodic, [Face::Wall, Face::Open]])
+    }
+
+    proptest! {
+        #[test]
+        fn every_cell_has_one_owner_and_blocks_are_wide_enough(
+            ranks in 1usize..5, cells in 9usize..40, planes in prop::collection::vec(0.0..10.3f64, 4),
+        ) {
+            let grid = BoxGrid::new(&bounds(), [3, 4, cells]);
+            let even = Decomposition::even(RankGrid::slabs(2, ranks), &bounds());
+            let mut wanted = vec![0.0];
+            wanted.extend_from_slice(&planes[..ranks - 1]);
+            wanted.push(bounds().lengths().z);
+            wanted.sort_by(f64::total_cmp);
+            let cut = even.with_cuts([even.cuts(0).to_vec(), even.cuts(1).to_vec(), wanted]);
+            let cut = grid.aligned(&cut, 2).expect("there are enough cells");
+            let mut next = 0;
+            for rank in 0..ranks {
+                let part = grid.part_of(&cut, rank);
+                prop_assert_eq!(part.start, [0, 0, next]);
+                prop_assert!(part.count[2] >= 2);
+                next = part.end(2);
+            }
+            prop_assert_eq!(next, cells);
+        }
+    }
+
+    #[test]
+    fn too_few_cells_for_the_ranks_are_refused() {
+        let grid = BoxGrid::new(&bounds(), [3, 4, 5]);
+        let cut = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
+        assert_eq!(grid.aligned(&cut, 2), None);
+    }
+}

@@ -1,0 +1,224 @@
+//! The levels, and one cycle over them.
+
+use super::coarsening::LevelGrid;
+use super::direct::DirectSolver;
+use super::gathering::Gathering;
+use super::operator::{Coefficients, residual};
+use super::place::Place;
+use super::smoothing::{System, smooth};
+use super::step::Step;
+use crate::domain::{Bounds, Decomposition};
+use crate::grid::Field;
+use crate::parallel::{Communicator, FieldHalo, OneRank};
+
+/// Levels up to this many cells are factorised.
+const FACTORISED: usize = 64;
+
+/// How often a level is visited on the way through the one above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cycle {
+    /// Once. Positive definite whatever the coarse grids say.
+    V,
+    /// Twice, but the coarsest: for the price of a sixth more, fewer iterations, and as many on fine grids as on
+    /// coarse ones. Positive definite as long as no coarse grid answers more than twice too strongly.
+    W,
+}
+
+/// A grid of the hierarchy, as one rank has it, and what is below.
+#[derive(Clone, Debug)]
+struct Level {
+    smoother: Smoother,
+    below: Below,
+}
+
+/// What a level needs for itself.
+#[derive(Clone, Debug)]
+struct Smoother {
+    whole: bool,
+    halo: FieldHalo,
+    inverse_diagonal: Field,
+    /// The solution between two steps of smoothing.
+    middle: Field,
+    /// With a halo of two cells, which restriction needs.
+    residual: Field,
+}
+
+/// What is below a level.
+#[derive(Clone, Debug)]
+enum Below {
+    Coarser(Step),
+    Nothing(DirectSolver),
+}
+
+/// The equation of the first level, if that is small and held whole by every rank.
+#[derive(Clone, Debug)]
+struct Whole {
+    gathering: Gathering,
+    coefficients: Coefficients,
+    right: Field,
+    solution: Field,
+}
+
+/// All levels. The first is that of the equation to be solved.
+#[derive(Clone, Debug)]
+pub(super) struct Hierarchy {
+    whole: Option<Whole>,
+    levels: Vec<Level>,
+}
+
+impl Hierarchy {
+    pub(super) fn new(
+        finest: &LevelGrid,
+        cut: &Decomposition,
+        bounds: &Bounds,
+        rank: usize,
+    ) -> Self {
+        let place = Place { cut, bounds, rank };
+        let whole = finest.is_held_whole().then(|| {
+            let part = place.part(&finest.whole(), true);
+            Whole {
+                gathering: Gathering::new(place.part(finest, false), finest.periodic()),
+                coefficients: Coefficients::new(&part),
+                right: Field::new(&part, 1),
+                solution: Field::new(&part, 1),
+            }
+        });
+        let mut levels: Vec<Level> = Vec::new();
+        let mut held_whole = whole.is_some();
+        let mut next = Some(if held_whole { finest.whole() } else { finest.clone() });
+        while let Some(grid) = next {
+            held_whole |= grid.is_held_whole();
+            let (level, coarser) = Level::new(&grid, place, held_whole);
+            levels.push(level);
+            next = coarser;
+        }
+        Self { whole, levels }
+    }
+
+    /// Sets the coefficients of all levels from those of the first, whose halos are current. Collective.
+    pub(super) fn set_coefficients(&mut self, finest: &Coefficients, ranks: &dyn Communicator) {
+        let mut coefficients = finest;
+        if let Some(whole) = &mut self.whole {
+            whole.gathering.gather_coefficients(finest, &mut whole.coefficients, ranks);
+            self.levels[0].smoother.halo.refresh(&mut whole.coefficients.fields(), &OneRank);
+            coefficients = &whole.coefficients;
+        }
+        for level in &mut self.levels {
+            let Level { smoother, below } = level;
+            coefficients.inverse_diagonal_into(&mut smoother.inverse_diagonal);
+            let ranks = smoother.ranks(ranks);
+            coefficients = match below {
+                Below::Nothing(direct) => return direct.factorise(coefficients),
+                Below::Coarser(step) => step.coarsen(coefficients, &mut smoother.halo, ranks),
+            };
+        }
+    }
+
+    /// z = M r, M being symmetric. Collective; halos are neither needed nor filled.
+    pub(super) fn cycle(
+        &mut self,
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        kind: Cycle,
+        ranks: &dyn Communicator,
+    ) {
+        let Some(whole) = &mut self.whole else {
+            let way = Way { kind, ranks };
+            return way.through(&mut self.levels, coefficients, (right, solution), true);
+        };
+        whole.gathering.gather(right, &mut whole.right, ranks);
+        let way = Way { kind, ranks: &OneRank };
+        let equation = (&whole.right, &mut whole.solution);
+        way.through(&mut self.levels, &whole.coefficients, equation, true);
+        whole.gathering.take_part(&whole.solution, solution);
+    }
+}
+
+impl Level {
+    /// A level, and the grid of the next coarser one, in the parts in which it will be.
+    fn new(grid: &LevelGrid, place: Place, whole: bool) -> (Self, Option<LevelGrid>) {
+        let part = place.part(grid, whole);
+        let (below, coarser) = if grid.cells() <= FACTORISED {
+            (Below::Nothing(DirectSolver::new(grid.cells())), None)
+        } else {
+            let (step, coarser) = Step::new(grid, place, whole);
+            (Below::Coarser(step), Some(coarser))
+        };
+        let smoother = Smoother {
+            whole,
+            halo: place.halo(whole),
+            inverse_diagonal: Field::new(&part, 1),
+            middle: Field::new(&part, 1),
+            residual: Field::new(&part, 2),
+        };
+        (Self { smoother, below }, coarser)
+    }
+}
+
+impl Smoother {
+    /// Those that share the level.
+    fn ranks<'a>(&self, ranks: &'a dyn Communicator) -> &'a dyn Communicator {
+        if self.whole { &OneRank } else { ranks }
+    }
+
+    /// Smooths from zero, or from what `solution` holds, its halo being current; it is so afterwards too.
+    fn smooth(
+        &mut self,
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        from_zero: bool,
+        ranks: &dyn Communicator,
+    ) {
+        let Self { halo, inverse_diagonal, middle, .. } = self;
+        let system = System { coefficients, inverse_diagonal, right };
+        smooth(system, [solution, middle], from_zero, |field| halo.refresh(&mut [field], ranks));
+    }
+}
+
+/// How levels are gone through.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    kind: Cycle,
+    ranks: &'a dyn Communicator,
+}
+
+impl Way<'_> {
+    /// One cycle on the first of the levels, from zero or from what `solution` holds.
+    fn through(
+        self,
+        levels: &mut [Level],
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        from_zero: bool,
+    ) {
+        let Some((level, coarser)) = levels.split_first_mut() else { return };
+        let Level { smoother, below } = level;
+        let step = match below {
+            Below::Nothing(direct) => return direct.solve(right, solution),
+            Below::Coarser(step) => step,
+        };
+        let ranks = smoother.ranks(self.ranks);
+        smoother.smooth(coefficients, (right, solution), from_zero, ranks);
+        residual(coefficients, solution, right, &mut smoother.residual);
+        smoother.halo.refresh(&mut [&mut smoother.residual], ranks);
+        self.below(step, coarser, &smoother.residual);
+        step.correct(solution);
+        smoother.halo.refresh(&mut [&mut *solution], ranks);
+        smoother.smooth(coefficients, (right, solution), false, ranks);
+    }
+
+    /// Brings the residual down, solves there, with current halo, as often as the cycle says.
+    fn below(self, step: &mut Step, coarser: &mut [Level], residual: &Field) {
+        step.restrict(residual, self.ranks);
+        let last = coarser.len() == 1;
+        let visits = if self.kind == Cycle::W && !last { 2 } else { 1 };
+        for visit in 0..visits {
+            let (coefficients, equation) = step.equation();
+            self.through(coarser, coefficients, equation, visit == 0);
+        }
+        if last {
+            let (_, (_, solution)) = step.equation();
+            coarser[0].smoother.halo.refresh(&mut [solution], &OneRank);
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Dot products whose bits do not depend on the order of their terms.
+//!
+//! Each product is split into a multiple of a coarse and a multiple of a fine spacing, and the multiples are added as
+//! integers, which the compiler does side by side. Method: Demmel & Nguyen (2015) with two bins.
+
+use crate::grid::Field;
+use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::parallel::Communicator;
+
+/// Terms that are added as 64-bit integers before they are carried over: each is below 2^51.
+const TERMS_BETWEEN_CARRIES: usize = 1024;
+
+/// How far products may exceed the last value of a dot product before its lattice is chosen anew.
+const HEADROOM: f64 = 4_294_967_296.0; // 2^32
+
+/// Two lattices for the terms of a sum, from the bound of their magnitude: spacings of 2^-51 and 2^-103 of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TermLattice {
+    /// A power of two.
+    limit: f64,
+}
+
+impl TermLattice {
+    /// Smaller bounds would put the fine spacing out of the range of doubles.
+    const SMALLEST: f64 = 1.0e-270;
+
+    fn reaching(largest: f64) -> Self {
+        let mut limit = 1.0_f64;
+        while limit < largest {
+            limit *= 2.0;
+        }
+        while limit * 0.5 >= largest.max(Self::SMALLEST) {
+            limit *= 0.5;
+        }
+        Self { limit }
+    }
+
+    /// What is added to a term so that the last bit of the sum stands for one spacing: coarse, fine.
+    #[inline(always)]
+    fn shifts(self) -> [f64; 2] {
+        [3.0 * self.limit, 3.0 * self.limit * 0.5_f64.powi(52)]
+    }
+
+    fn spacings(self) -> [f64; 2] {
+        [self.limit * 0.5_f64.powi(51), self.limit * 0.5_f64.powi(103)]
+    }
+}
+
+/// An exact sum of terms rounded to the fine lattice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LatticeSum {
+    multiples: [i128; 2],
+    /// Terms beyond the bound, undefined ones (NaN) among them: then the sum has no meaning.
+    beyond: i64,
+}
+
+impl LatticeSum {
+    const INTEGERS: usize = 5;
+    const SPLIT: i128 = 1 << 48;
+
+    /// Adds a_i b_i of a row.
+    #[inline(always)]
+    fn add_row(&mut self, lattice: TermLattice, a: &[f64], b: &[f64]) {
+        for (a, b) in a.chunks(TERMS_BETWEEN_CARRIES).zip(b.chunks(TERMS_BETWEEN_CARRIES)) {
+            self.add_chunk(lattice, a, b);
+        }
+    }
+
+    #[inline(always)]
+    fn add_chunk(&mut self, lattice: TermLattice, a: &[f64], b: &[f64]) {
+        let [coarse, fine] = lattice.shifts();
+        let (mut high, mut low, mut beyond) = (0_u64, 0_u64, 0_u64);
+        for (a, b) in a.iter().zip(b) {
+            let term = a * b;
+            let shifted = term + coarse;
+            let rest = term - (shifted - coarse);
+            high = high.wrapping_add(shifted.to_bits());
+            low = low.wrapping_add((rest + fine).to_bits());
+            beyond += u64::from(term.abs() > lattice.limit || term.is_nan());
+        }
+        let multiples = |sum: u64, shift: f64| {
+            i128::from(sum.wrapping_sub(shift.to_bits().wrapping_mul(a.len() as u64)) as i64)
+        };
+        self.multiples[0] += multiples(high, coarse);
+        self.multiples[1] += multiples(low, fine);
+        self.beyond += beyond as i64;
+    }
+
+    fn to_integers(self) -> [i64; Self::INTEGERS] {
+        let [high, low] = self.multiples;
+        let split =
+            |sum: i128| [sum.div_euclid(Self::SPLIT) as i64, sum.rem_euclid(Self::SPLIT) as i64];
+        let ([a, b], [c, d]) = (split(high), split(low));
+        [a, b, c, d, self.beyond]
+    }
+
+    fn from_integers(integers: [i64; Self::INTEGERS]) -> Self {
+        let [a, b, c, d, beyond] = integers;
+        let join = |high: i64, low: i64| i128::from(high) * Self::SPLIT + i128::from(low);
+        Self { multiples: [join(a, b), join(c, d)], beyond }
+    }
+
+    /// The value, unless a term lay beyond the bound.
+    fn value(self, lattice: TermLattice) -> Option<f64> {
+        let [coarse, fine] = lattice.spacings();
+        let [high, low] = self.multiples.map(|sum| sum as f64);
+        (self.beyond == 0).then_some(high * coarse + low * fine)
+    }
+}
+
+/// A dot product that is formed again and again: its lattice follows its value.
+///
+/// Of N terms each is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value: as long as
+/// the value keeps its magnitude the relative error is below N 2^-71, and terms are never added in vain. The result
+/// is the same for any order of cells and any number of ranks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DotProduct {
+    lattice: TermLattice,
+}
+
+impl Default for DotProduct {
+    /// With a bound so small that the first product chooses its lattice.
+    fn default() -> Self {
+        Self { lattice: TermLattice { limit: 0.0 } }
+    }
+}
+
+impl DotProduct {
+    /// A sum to which rows are added: [`RunningDot::add_row`].
+    pub(super) fn begin(self) -> RunningDot {
+        RunningDot { lattice: self.lattice, sum: LatticeSum::default() }
+    }
+
+    /// The sum over ranks of what was added up; if terms lay beyond the bound, once more from `a` and `b`.
+    /// Undefined (NaN) if a term is infinite or undefined. Collective.
+    pub(super) fn finish(
+        &mut self,
+        running: RunningDot,
+        [a, b]: [&Field; 2],
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        let value = match total(running, ranks) {
+            Some(value) => value,
+            None => match self.anew(a, b, ranks) {
+                Some(value) => value,
+                None => return f64::NAN,
+            },
+        };
+        if value != 0.0 {
+            self.lattice = TermLattice::reaching((HEADROOM * value.abs()).min(f64::MAX / 8.0));
+        }
+        value
+    }
+
+    /// The dot product of the owned numbers of two fields. Collective.
+    pub(super) fn of(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> f64 {
+        let running = in_wide_vectors(AddRows { running: self.begin(), a, b });
+        self.finish(running, [a, b], ranks)
+    }
+
+    fn anew(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> Option<f64> {
+        let mut largest = [in_wide_vectors(LargestTerm { a, b })];
+        ranks.maximum(&mut largest);
+        if largest[0] > f64::MAX / 8.0 {
+            return None;
+        }
+        self.lattice = TermLattice::reaching(largest[0]);
+        total(in_wide_vectors(AddRows { running: self.begin(), a, b }), ranks)
+    }
+}
+
+/// A dot product of which some rows are added up, on one rank.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RunningDot {
+    lattice: TermLattice,
+    sum: LatticeSum,
+}
+
+impl RunningDot {
+    /// Adds a_i b_i of a row.
+    #[inline(always)]
+    pub(super) fn add_row(&mut self, a: &[f64], b: &[f64]) {
+        self.sum.add_row(self.lattice, a, b);
+    }
+}
+
+fn total(running: RunningDot, ranks: &dyn Communicator) -> Option<f64> {
+    let mut integers = running.sum.to_integers();
+    ranks.sum_integers(&mut integers);
+    LatticeSum::from_integers(integers).value(running.lattice)
+}
+
+struct AddRows<'a> {
+    running: RunningDot,
+    a: &'a Field,
+    b: &'a Field,
+}
+
+impl VectorWork for AddRows<'_> {
+    type Output = RunningDot;
+
+    #[inline(always)]
+    fn run(mut self) -> RunningDot {
+        let along_x = self.a.count()[0];
+        for (a, b) in self.a.rows().zip(self.b.rows()) {
+            let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
+            self.running.add_row(a, b);
+        }
+        self.running
+    }
+}
+
+struct LargestTerm<'a> {
+    a: &'a Field,
+    b: &'a Field,
+}
+
+impl VectorWork for LargestTerm<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let along_x = self.a.count()[0];
+        let mut largest = 0_u64;
+        for (a, b) in self.a.rows().zip(self.b.rows()) {
+            let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
+            for (a, b) in a.iter().zip(b) {
+                // Bits of magnitudes are ordered like magnitudes, undefined numbers being the largest.
+                largest = largest.max((a * b).abs().to_bits());
+            }
+        }
+        f64::from_bits(largest)
+    }
+}

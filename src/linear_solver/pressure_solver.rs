@@ -1,0 +1,366 @@
+//! Preconditioned conjugate gradients.
+
+use super::coarsening::LevelGrid;
+use super::hierarchy::{Cycle, Hierarchy};
+use super::lattice_sum::{DotProduct, RunningDot};
+use super::operator::{Coefficients, apply, residual};
+use crate::domain::{Bounds, Decomposition};
+use crate::grid::{BoxGrid, Field, GridPart};
+use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::parallel::{Communicator, FieldHalo};
+
+/// Iterations after which a solve is given up.
+const ITERATION_LIMIT: usize = 200;
+
+/// When a solution is good enough: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all
+/// cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Part of the norm of the right-hand side; of what is left of it if a mean is taken away.
+    pub relative: f64,
+    /// In the unit of the right-hand side; 0 for none.
+    pub absolute: f64,
+}
+
+impl Tolerance {
+    /// Relative to the right-hand side alone.
+    pub fn relative(relative: f64) -> Self {
+        Self { relative, absolute: 0.0 }
+    }
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Convergence {
+    /// Iterations, 0 if the start value was good enough.
+    pub iterations: usize,
+    /// |b - A p| at the end, as conjugate gradients carry it along.
+    pub residual: f64,
+    /// |b|.
+    pub right_hand_side: f64,
+    /// The mean that was taken from the right-hand side of a closed box: 0 unless what flows in there does not
+    /// flow out.
+    pub removed_mean: f64,
+}
+
+/// Why there is no solution: the same on all ranks.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LinearSolverError {
+    /// A coefficient is negative, infinite or undefined.
+    #[error(
+        "the pressure equation has {0} coefficients that are negative, infinite or not a number; all must be at least 0"
+    )]
+    Coefficients(usize),
+    /// The right-hand side or the start value is infinite or undefined.
+    #[error("the pressure equation's right-hand side or start value is infinite or not a number")]
+    NotFinite,
+    /// The limit of iterations was reached.
+    #[error(
+        "the pressure equation did not converge: residual {residual:.3e} after {iterations} iterations, allowed is \
+         {allowed:.3e}; either the equation has no solution (a part of the box without outlet takes in more than it \
+         gives) or its coefficients differ too much"
+    )]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Norm of the residual.
+        residual: f64,
+        /// Norm that was asked for.
+        allowed: f64,
+    },
+}
+
+/// Solves A p = b on the cells of the box; holds all that it needs between two solves.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
+/// use talcum::grid::{BoxGrid, Field};
+/// use talcum::linear_solver::{PressureSolver, Tolerance};
+/// use talcum::parallel::OneRank;
+///
+/// // Flow through a column of 10 cells, each with resistance 1, from a source at the bottom to an outlet on top.
+/// let bounds = Bounds::new(Vector3::new(1.0, 1.0, 10.0), [[Face::Wall; 2]; 3]);
+/// let grid = BoxGrid::new(&bounds, [1, 1, 10]);
+/// let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
+/// let part = grid.part_of(&cut, 0);
+/// let field = |value: f64| {
+///     let mut field = Field::new(&part, 1);
+///     field.set_owned((0..10).map(|_| value));
+///     field
+/// };
+/// let (face, mut outlet, mut source) = (field(1.0), field(0.0), field(0.0));
+/// *outlet.at_mut([0, 0, 9]) = 2.0; // the face is half a cell away
+/// *source.at_mut([0, 0, 0]) = 1.0;
+///
+/// let mut solver = PressureSolver::new(&grid, &cut, &bounds, 0);
+/// solver.set_coefficients([&face, &face, &face], Some(&outlet), &OneRank)?;
+/// let mut pressure = field(0.0);
+/// solver.solve(&mut pressure, &source, Tolerance::relative(1.0e-12), &OneRank)?;
+/// assert!((pressure.at([0, 0, 0]) - 9.5).abs() < 1.0e-9);
+/// # Ok::<(), talcum::linear_solver::LinearSolverError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PressureSolver {
+    part: GridPart,
+    periodic: [bool; 3],
+    halo: FieldHalo,
+    coefficients: Coefficients,
+    /// Nothing holds the mean of the solution: no cell has a diagonal.
+    closed: bool,
+    hierarchy: Hierarchy,
+    solution: Field,
+    residual: Field,
+    preconditioned: Field,
+    direction: Field,
+    image: Field,
+}
+
+impl PressureSolver {
+    /// For a grid whose cut has its planes on cell faces ([`BoxGrid::aligned`]); `rank` is this rank's number.
+    ///
+    /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is taken here.
+    pub fn new(grid: &BoxGrid, cut: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
+        let part = grid.part_of(cut, rank);
+        let zero = || Field::new(&part, 1);
+        Self {
+            part,
+            periodic: [0, 1, 2].map(|axis| grid.is_periodic(axis)),
+            halo: FieldHalo::new(cut, bounds, rank),
+            coefficients: Coefficients::new(&part),
+            closed: true,
+            hierarchy: Hierarchy::new(&LevelGrid::finest(grid, cut), cut, bounds, rank),
+            solution: zero(),
+            residual: zero(),
+            preconditioned: zero(),
+            direction: zero(),
+            image: zero(),
+        }
+    }
+
+    /// Sets a_f, on the lower faces of cells for x, y and z, and d_c (none: 0), and builds the coarse levels.
+    ///
+    /// Of the fields, owned cells are read; their halos may be of any width. Faces on the box's own faces, other than
+    /// periodic ones, count as closed whatever stands there: an outlet of given pressure is a diagonal. Collective.
+    ///
+    /// # Errors
+    /// If a coefficient is negative, infinite or undefined, on all ranks.
+    pub fn set_coefficients(
+        &mut self,
+        faces: [&Field; 3],
+        diagonal: Option<&Field>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), LinearSolverError> {
+        for axis in 0..3 {
+            self.coefficients.faces[axis].set_owned(faces[axis].owned());
+            self.close_lower_face(axis);
+        }
+        match diagonal {
+            Some(diagonal) => self.coefficients.diagonal.set_owned(diagonal.owned()),
+            None => self.coefficients.diagonal.set_owned(std::iter::repeat(0.0)),
+        }
+        let allowed = |value: &f64| (0.0..=f64::MAX).contains(value);
+        let fields = self.coefficients.fields();
+        let wrong: usize =
+            fields.iter().map(|field| field.owned().filter(|value| !allowed(value)).count()).sum();
+        let holding = self.coefficients.diagonal.owned().filter(|&value| value > 0.0).count();
+        let mut counts = [wrong as i64, holding as i64];
+        ranks.sum_integers(&mut counts);
+        if counts[0] != 0 {
+            return Err(LinearSolverError::Coefficients(counts[0] as usize));
+        }
+        self.closed = counts[1] == 0;
+        self.halo.refresh(&mut self.coefficients.fields(), ranks);
+        self.hierarchy.set_coefficients(&self.coefficients, ranks);
+        Ok(())
+    }
+
+    /// Nothing passes the box's own lower face, nor between a cell and itself.
+    fn close_lower_face(&mut self, axis: usize) {
+        let closed = !self.periodic[axis] || self.part.counts[axis] == 1;
+        if closed && self.part.start[axis] == 0 {
+            let field = &mut self.coefficients.faces[axis];
+            let rows: Vec<_> = field.slab(axis, (0, 1)).collect();
+            rows.into_iter().for_each(|row| field.values_mut()[row].fill(0.0));
+        }
+    }
+
+    /// Solves A p = b from the start value in `solution`, of which owned cells are read and set.
+    ///
+    /// In a closed box (no diagonal anywhere) the mean of the right-hand side is taken away, and the solution has
+    /// mean zero. Collective; the result is the same bits on any cut.
+    ///
+    /// # Errors
+    /// If the right-hand side or the start value is not finite, or the limit of 200 iterations is reached: on all
+    /// ranks, and `solution` keeps the start value.
+    pub fn solve(
+        &mut self,
+        solution: &mut Field,
+        right_hand_side: &Field,
+        tolerance: Tolerance,
+        ranks: &dyn Communicator,
+    ) -> Result<Convergence, LinearSolverError> {
+        self.solution.set_owned(solution.owned());
+        // Kept where conjugate gradients keep their direction later.
+        self.direction.set_owned(right_hand_side.owned());
+        let removed_mean =
+            if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
+        let size = DotProduct::default().of(&self.direction, &self.direction, ranks).sqrt();
+        if size == 0.0 {
+            solution.set_owned(std::iter::repeat(0.0));
+            return Ok(Convergence { removed_mean, ..Convergence::default() });
+        }
+        self.halo.refresh(&mut [&mut self.solution], ranks);
+        residual(&self.coefficients, &self.solution, &self.direction, &mut self.residual);
+        let allowed = (tolerance.relative * size).max(tolerance.absolute);
+        let (iterations, residual) = self.iterate(allowed, ranks)?;
+        if self.closed {
+            self.remove_mean(Of::Solution, ranks);
+        }
+        solution.set_owned(self.solution.owned());
+        Ok(Convergence { iterations, residual, right_hand_side: size, removed_mean })
+    }
+
+    /// Conjugate gradients from the residual at hand; number of iterations, and norm of the residual.
+    fn iterate(
+        &mut self,
+        allowed: f64,
+        ranks: &dyn Communicator,
+    ) -> Result<(usize, f64), LinearSolverError> {
+        let mut products = [DotProduct::default(); 3];
+        let [squares, energies, curvatures] = &mut products;
+        let mut square = squares.of(&self.residual, &self.residual, ranks);
+        let mut last_energy = f64::INFINITY;
+        let mut cycle = Cycle::W;
+        for iterations in 0..=ITERATION_LIMIT {
+            let residual = square.sqrt();
+            if !(residual + allowed).is_finite() {
+                return Err(LinearSolverError::NotFinite);
+            }
+            if residual <= allowed {
+                return Ok((iterations, residual));
+            }
+            if iterations == ITERATION_LIMIT {
+                return Err(LinearSolverError::NotConverged { iterations, residual, allowed });
+            }
+            let mut energy = self.precondition(cycle, energies, ranks);
+            if energy <= 0.0 {
+                cycle = Cycle::V;
+                last_energy = f64::INFINITY;
+                energy = self.precondition(cycle, energies, ranks);
+            }
+            let beta = energy / last_energy;
+            last_energy = energy;
+            in_wide_vectors(Turn {
+                beta,
+                towards: &self.preconditioned,
+                direction: &mut self.direction,
+            });
+            self.halo.refresh(&mut [&mut self.direction], ranks);
+            let dot =
+                apply(&self.coefficients, &self.direction, &mut self.image, curvatures.begin());
+            let curvature = curvatures.finish(dot, [&self.direction, &self.image], ranks);
+            let running = in_wide_vectors(Advance {
+                length: energy / curvature,
+                direction: &self.direction,
+                image: &self.image,
+                solution: &mut self.solution,
+                residual: &mut self.residual,
+                squares: squares.begin(),
+            });
+            square = squares.finish(running, [&self.residual, &self.residual], ranks);
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// z = M r, and r . z. Collective.
+    fn precondition(
+        &mut self,
+        cycle: Cycle,
+        energies: &mut DotProduct,
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        let equation = (&self.residual, &mut self.preconditioned);
+        self.hierarchy.cycle(&self.coefficients, equation, cycle, ranks);
+        energies.of(&self.residual, &self.preconditioned, ranks)
+    }
+
+    /// Subtracts the mean over all cells, summed exactly; returns it.
+    fn remove_mean(&mut self, of: Of, ranks: &dyn Communicator) -> f64 {
+        let Self { solution, direction, image, part, .. } = self;
+        let field = match of {
+            Of::RightHandSide => direction,
+            Of::Solution => solution,
+        };
+        image.values_mut().fill(1.0);
+        let sum = DotProduct::default().of(field, image, ranks);
+        let mean = sum / part.counts.iter().product::<usize>() as f64;
+        for row in field.rows() {
+            let row = row..row + part.count[0];
+            field.values_mut()[row].iter_mut().for_each(|value| *value -= mean);
+        }
+        image.values_mut().fill(0.0);
+        mean
+    }
+}
+
+/// What a mean is taken from.
+#[derive(Clone, Copy)]
+enum Of {
+    RightHandSide,
+    Solution,
+}
+
+/// p = z + beta p.
+struct Turn<'a> {
+    beta: f64,
+    towards: &'a Field,
+    direction: &'a mut Field,
+}
+
+impl VectorWork for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let length = self.direction.count()[0];
+        for row in self.direction.rows() {
+            let towards = &self.towards.values()[row..][..length];
+            for (p, z) in self.direction.values_mut()[row..][..length].iter_mut().zip(towards) {
+                *p = z + self.beta * *p;
+            }
+        }
+    }
+}
+
+/// x += alpha p, r -= alpha q, and r . r.
+struct Advance<'a> {
+    length: f64,
+    direction: &'a Field,
+    image: &'a Field,
+    solution: &'a mut Field,
+    residual: &'a mut Field,
+    squares: RunningDot,
+}
+
+impl VectorWork for Advance<'_> {
+    type Output = RunningDot;
+
+    #[inline(always)]
+    fn run(mut self) -> RunningDot {
+        let length = self.direction.count()[0];
+        for row in self.direction.rows() {
+            let p = &self.direction.values()[row..][..length];
+            for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {
+                *x += self.length * p;
+            }
+            let q = &self.image.values()[row..][..length];
+            let r = &mut self.residual.values_mut()[row..][..length];
+            for (r, q) in r.iter_mut().zip(q) {
+                *r -= self.length * q;
+            }
+            self.squares.add_row(r, r);
+        }
+        self.squares
+    }
+}

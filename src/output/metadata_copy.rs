@@ -1,0 +1,298 @@
+//! A copy of all that a growing HDF5 file holds beside its rows, so that no kill can take the rows away.
+//!
+//! HDF5 writes rows into places that it never moves, but while it adds some it changes, in several writes, what
+//! says where they lie (its metadata): a program that is killed between two of these writes leaves a file
+//! that nobody can read. At each checkpoint this metadata is copied beside the file, as `<name>.metadata`. A
+//! resumed run puts it back and takes off what the file has grown by since: the file is again the one
+//! of the checkpoint. What is copied is small, some hundred bytes for each 4096 rows.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::hdf5_file::SerialFile;
+use super::{InWords, sync_folder, with_suffix};
+
+/// First bytes of a copy.
+const MARK: &[u8; 16] = b"\nTalcum copy  1\n";
+/// Bytes of the hash at the end.
+const HASH_LENGTH: usize = 32;
+
+fn path_of_copy(path: &Path) -> PathBuf {
+    with_suffix(path, ".metadata")
+}
+
+/// Makes a new file with its first copy; it stands under its name only when it is complete.
+pub(super) fn create(
+    path: &Path,
+    tables: &[String],
+    make: impl FnOnce(&Path) -> InWords<()>,
+) -> InWords<()> {
+    // The copy of an older file would be put into this one.
+    match std::fs::remove_file(path_of_copy(path)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.to_string()),
+        _ => {}
+    }
+    let partial = with_suffix(path, ".partial");
+    make(&partial)?;
+    std::fs::rename(&partial, path).map_err(|error| error.to_string())?;
+    keep(path, tables)
+}
+
+/// Copies the metadata of a closed file, in the place of an earlier copy, and brings the file to the disk:
+/// from now on the rows that it has are safe.
+pub(super) fn keep(path: &Path, tables: &[String]) -> InWords<()> {
+    let file = SerialFile::open(path)?;
+    let mut rows = Vec::new();
+    for name in tables {
+        rows.extend(file.places_of_rows(name, file.shape(name)?.0)?);
+    }
+    file.close()?;
+    copy_all_but(path, rows).map_err(|error| format!("its metadata cannot be copied: {error}"))?;
+    sync_folder(path)
+}
+
+fn copy_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<()> {
+    let mut file = File::open(path)?;
+    file.sync_all()?;
+    let length = file.metadata()?.len();
+    let pieces = gaps(rows, length);
+    let mut copy = MARK.to_vec();
+    copy.extend_from_slice(&length.to_le_bytes());
+    copy.extend_from_slice(&(pieces.len() as u64).to_le_bytes());
+    for piece in &pieces {
+        copy.extend_from_slice(&piece.start.to_le_bytes());
+        copy.extend_from_slice(&piece.end.to_le_bytes());
+    }
+    for piece in &pieces {
+        file.seek(SeekFrom::Start(piece.start))?;
+        Read::by_ref(&mut file).take(piece.end - piece.start).read_to_end(&mut copy)?;
+    }
+    let hash = blake3::hash(&copy);
+    copy.extend_from_slice(hash.as_bytes());
+    let place = path_of_copy(path);
+    let partial = with_suffix(&place, ".partial");
+    let mut file = File::create(&partial)?;
+    file.write_all(&copy)?;
+    file.sync_all()?;
+    std::fs::rename(&partial, &place)
+}
+
+/// What lies between ranges, from 0 to `length`.
+fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
+    ranges.sort_unstable_by_key(|range| range.start);
+    ranges.push(length..length);
+    let mut end = 0;
+    let mut gaps = Vec::new();
+    for range in ranges {
+        if range.start > end {
+            gaps.push(end..range.start);
+        }
+        end = end.max(range.end);
+    }
+    gaps
+}
+
+/// Makes a file again the one that was kept. Returns the length that was found: rows that lay beyond it are
+/// lost. Without a copy nothing is done.
+pub(super) fn bring_back(path: &Path) -> InWords<u64> {
+    let found = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+    let place = path_of_copy(path);
+    if !place.exists() {
+        return Ok(found);
+    }
+    let copy = std::fs::read(&place).map_err(|error| error.to_string())?;
+    match Copy::of_bytes(&copy) {
+        Some(copy) => copy.put_into(path).map_err(|error| error.to_string())?,
+        None => log::warn!("{} is damaged: it is not used", place.display()),
+    }
+    Ok(found)
+}
+
+/// A whole copy, taken apart.
+struct Copy<'a> {
+    length: u64,
+    pieces: Vec<(u64, &'a [u8])>,
+}
+
+impl<'a> Copy<'a> {
+    fn of_bytes(bytes: &'a [u8]) -> Option<Self> {
+        let (sealed, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_LENGTH)?)?;
+        if *blake3::hash(sealed).as_bytes() != *hash {
+            return None;
+        }
+        let mut rest = sealed.strip_prefix(MARK)?;
+        let length = number(&mut rest)?;
+        let count = number(&mut rest)?;
+        let ranges: Vec<[u64; 2]> = (0..count)
+            .map(|_| Some([number(&mut rest)?, number(&mut rest)?]))
+            .collect::<Option<_>>()?;
+        let mut pieces = Vec::with_capacity(ranges.len());
+        for [start, end] in ranges {
+            let (piece, after) = rest.split_at_checked(end.checked_sub(start)? as usize)?;
+            pieces.push((start, piece));
+            rest = after;
+        }
+        Some(Self { length, pieces })
+    }
+
+    fn put_into(&self, path: &Path) -> std::io::Result<()> {
+        let mut file = OpenOptions::new().write(true).open(path)?;
+        file.set_len(self.length)?;
+        for (start, piece) in &self.pieces {
+            file.seek(SeekFrom::Start(*start))?;
+            file.write_all(piece)?;
+        }
+        file.sync_all()
+    }
+}
+
+fn number(bytes: &mut &[u8]) -> Option<u64> {
+    let (first, rest) = bytes.split_first_chunk()?;
+    *bytes = rest;
+    Some(u64::from_le_bytes(*first))
+}
+
+/// An error if some of the first rows of a table lie beyond the length that a file was found with.
+pub(super) fn require_rows(
+    file: &SerialFile,
+    name: &str,
+    rows: u64,
+    found_length: u64,
+) -> InWords<()> {
+    let end = file.places_of_rows(name, rows)?.iter().map(|place| place.end).max().unwrap_or(0);
+    if end > found_length {
+        return Err(format!("it was cut short: rows of {name} lie beyond its end"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::table::{Rows, TableHead};
+
+    const WIDTHS: [usize; 3] = [1, 3, 40];
+
+    fn tables() -> Vec<String> {
+        WIDTHS.iter().map(|width| format!("/rows/{width}")).collect()
+    }
+
+    fn make(path: &Path) -> InWords<()> {
+        let file = SerialFile::create(path)?;
+        file.make_group("/rows")?;
+        file.set_number("/rows", "count", 0_i64)?;
+        for (name, width) in tables().iter().zip(WIDTHS) {
+            let head = TableHead { name, width, unit: "1", description: "rows of a test" };
+            file.make_table::<f64>(&head, Rows::Growing(8))?;
+        }
+        file.close()
+    }
+
+    fn row(number: u64, width: usize) -> impl Iterator<Item = f64> {
+        (0..width).map(move |column| number as f64 + 0.01 * column as f64)
+    }
+
+    fn append(path: &Path, numbers: Range<u64>) {
+        let file = SerialFile::open_to_change(path).unwrap();
+        for (name, width) in tables().iter().zip(WIDTHS) {
+            let rows: Vec<f64> = numbers.clone().flat_map(|number| row(number, width)).collect();
+            file.append(name, &rows).unwrap();
+        }
+        file.set_number("/rows", "count", numbers.end as i64).unwrap();
+        file.close().unwrap();
+    }
+
+    /// A resumed run: the first `rows` rows are wanted, and must be as they were written.
+    fn resume(path: &Path, rows: u64) -> InWords<()> {
+        let found = bring_back(path)?;
+        let file = SerialFile::open_to_change(path)?;
+        tables().iter().try_for_each(|name| require_rows(&file, name, rows, found))?;
+        for (name, width) in tables().iter().zip(WIDTHS) {
+            file.cut(name, rows)?;
+            let expected: Vec<f64> = (0..rows).flat_map(|number| row(number, width)).collect();
+            assert_eq!(file.read::<f64>(name)?, expected);
+        }
+        file.close()
+    }
+
+    /// Some of the blocks of a file are of one time, some of another: any part of what was to be written has
+    /// reached the file. A superset of what a kill can leave.
+    fn mixed(before: &[u8], after: &[u8], trial: u64) -> Vec<u8> {
+        const BLOCK: usize = 32;
+        let mut mixed = after.to_vec();
+        let blocks = mixed.chunks_mut(BLOCK).zip(before.chunks(BLOCK)).enumerate();
+        for (number, (block, earlier)) in blocks {
+            let hash = blake3::hash(&[trial.to_le_bytes(), number.to_le_bytes()].concat());
+            // From few blocks of the later time to nearly all of them.
+            if u64::from(hash.as_bytes()[0]) * 16 > 256 * (trial % 16) {
+                block[..earlier.len()].copy_from_slice(earlier);
+            }
+        }
+        let cut = (after.len() - before.len()) as u64 * (trial % 7) / 6;
+        mixed.truncate(before.len() + cut as usize);
+        mixed
+    }
+
+    #[test]
+    fn no_part_of_a_write_takes_away_rows_that_were_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.h5");
+        create(&path, &tables(), make).unwrap();
+        let mut rows = 0;
+        for round in 0..6 {
+            // Through the first piece, some pieces, and several levels of the tree of pieces.
+            let more = [1, 30, 700, 3, 2000, 40][round];
+            append(&path, rows..rows + more);
+            rows += more;
+            keep(&path, &tables()).unwrap();
+            let before = std::fs::read(&path).unwrap();
+            for (step, more) in [1, 9, 300, 5].into_iter().enumerate() {
+                append(&path, rows..rows + more);
+                let after = std::fs::read(&path).unwrap();
+                for trial in 0..10 {
+                    let trial = 10 * step as u64 + trial;
+                    std::fs::write(&path, mixed(&before, &after, trial)).unwrap();
+                    resume(&path, rows).unwrap();
+                }
+                // Killed once more, after the resumed run has kept what it goes on from.
+                keep(&path, &tables()).unwrap();
+                let seed = 1000 + step as u64;
+                std::fs::write(&path, mixed(&before, &after, seed)).unwrap();
+                resume(&path, rows).unwrap();
+            }
+        }
+    }
+
+    #[test]
+    fn damage_is_mended_or_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rows.h5");
+        create(&path, &tables(), make).unwrap();
+        append(&path, 0..100);
+        keep(&path, &tables()).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let mut damaged = whole.clone();
+        damaged[..200].fill(0xff);
+        std::fs::write(&path, &damaged).unwrap();
+        resume(&path, 100).unwrap();
+        // Rows that are not there any more.
+        std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+        assert!(resume(&path, 100).unwrap_err().contains("it was cut short"));
+        // Nothing helps where the copy is damaged too.
+        let copy = path_of_copy(&path);
+        let mut bytes = std::fs::read(&copy).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(&copy, bytes).unwrap();
+        std::fs::write(&path, &damaged).unwrap();
+        assert!(resume(&path, 100).is_err());
+    }
+
+    #[test]
+    fn gaps_are_what_is_left() {
+        assert_eq!(gaps(vec![5..7, 0..2, 7..9], 12), [2..5, 9..12]);
+        assert_eq!(gaps(vec![1..3, 4..6], 6), [0..1, 3..4]);
+    }
+}

@@ -1,0 +1,300 @@
+//! Halos of fields: copies of the cells next to a rank's part of the grid.
+//!
+//! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
+//! corners need no messages of their own.
+
+use super::{AxisNeighbours, Communicator};
+use crate::domain::{Bounds, Decomposition};
+use crate::grid::Field;
+use std::ops::Range;
+
+/// Who has the cells next to this rank's, and buffers for what travels.
+#[derive(Clone, Debug)]
+pub struct FieldHalo {
+    rank: usize,
+    neighbours: [AxisNeighbours; 3],
+    outgoing: [Vec<u8>; 2],
+    incoming: [Vec<u8>; 2],
+}
+
+/// Layers of cells along an axis, at the lower and the upper end.
+struct Slabs {
+    inner: [(isize, isize); 2],
+    halo: [(isize, isize); 2],
+}
+
+impl Slabs {
+    fn of(field: &Field, axis: usize) -> Self {
+        let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
+        Self {
+            inner: [(0, halo), (count - halo, count)],
+            halo: [(-halo, 0), (count, count + halo)],
+        }
+    }
+}
+
+impl FieldHalo {
+    /// The neighbours of a rank in a cut of the box.
+    pub fn new(cut: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
+        let neighbours = [0, 1, 2].map(|axis| cut.neighbours(rank, axis, bounds));
+        Self { rank, neighbours, outgoing: Default::default(), incoming: Default::default() }
+    }
+
+    /// Neighbours below and above along an axis.
+    pub fn neighbours(&self, axis: usize) -> AxisNeighbours {
+        self.neighbours[axis]
+    }
+
+    /// Fills the halos from the owners. What lies beyond a face of the box that is not periodic is nobody's: there
+    /// a halo stays as it is, but takes from the neighbours along the face what they hold beyond it.
+    ///
+    /// Before: owned cells are current; along an axis that is cut, parts are at least a halo wide. After: halo
+    /// cells equal their owners'.
+    pub fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        for axis in 0..3 {
+            if self.neighbours[axis] == [Some(self.rank); 2] {
+                fields.iter_mut().for_each(|field| copy_images(field, axis));
+                continue;
+            }
+            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+                move |field: &Field, side: usize| {
+                    field.layers(axis, layers(Slabs::of(field, axis))[side])
+                }
+            };
+            self.send(axis, fields, ranks, rows(|slabs| slabs.inner));
+            self.receive(axis, fields, rows(|slabs| slabs.halo), |value, sent| *value = sent);
+        }
+    }
+
+    /// Adds what halos hold to their owners, and leaves the halos zero, but those beyond faces of the box
+    /// that are not periodic. The numbers must lie on one lattice: then their sums are exact.
+    pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        for axis in (0..3).rev() {
+            if self.neighbours[axis] == [Some(self.rank); 2] {
+                fields.iter_mut().for_each(|field| fold_images(field, axis));
+                continue;
+            }
+            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+                move |field: &Field, side: usize| {
+                    field.slab(axis, layers(Slabs::of(field, axis))[side])
+                }
+            };
+            self.send(axis, fields, ranks, rows(|slabs| slabs.halo));
+            self.receive(axis, fields, rows(|slabs| slabs.inner), |value, sent| *value += sent);
+            for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
+                for field in fields.iter_mut() {
+                    for row in rows(|slabs| slabs.halo)(field, side) {
+                        field.values_mut()[row].fill(0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sends rows of all fields to the neighbours below and above.
+    fn send<R: Iterator<Item = Range<usize>>>(
+        &mut self,
+        axis: usize,
+        fields: &[&mut Field],
+        ranks: &dyn Communicator,
+        rows: impl Fn(&Field, usize) -> R,
+    ) {
+        let neighbours = self.neighbours[axis];
+        if neighbours == [None, None] {
+            return;
+        }
+        for (side, buffer) in self.outgoing.iter_mut().enumerate() {
+            buffer.clear();
+            for field in fields.iter().filter(|_| neighbours[side].is_some()) {
+                for row in rows(field, side) {
+                    buffer.extend_from_slice(bytemuck::cast_slice(&field.values()[row]));
+                }
+            }
+        }
+        let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
+        ranks.exchange(neighbours, outgoing, &mut self.incoming);
+    }
+
+    /// Joins what came from below and above to rows of the fields.
+    fn receive<R: Iterator<Item = Range<usize>>>(
+        &self,
+        axis: usize,
+        fields: &mut [&mut Field],
+        rows: impl Fn(&Field, usize) -> R,
+        join: impl Fn(&mut f64, f64),
+    ) {
+        for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
+            let mut numbers = self.incoming[side]
+                .chunks_exact(size_of::<f64>())
+                .map(bytemuck::pod_read_unaligned::<f64>);
+            for field in fields.iter_mut() {
+                for row in rows(field, side) {
+                    let row = field.values_mut()[row].iter_mut();
+                    row.zip(&mut numbers).for_each(|(value, sent)| join(value, sent));
+                }
+            }
+        }
+    }
+}
+
+/// Pairs (halo layer, owned layer) along a periodic axis that one rank spans: it may be narrower than a halo.
+fn image_layers(field: &Field, axis: usize) -> impl Iterator<Item = (isize, isize)> + use<> {
+    let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
+    (-halo..0).chain(count..count + halo).map(move |layer| (layer, layer.rem_euclid(count)))
+}
+
+fn copy_images(field: &mut Field, axis: usize) {
+    for (image, original) in image_layers(field, axis) {
+        let sources = field.layers(axis, (original, original + 1));
+        for (source, target) in sources.zip(field.layers(axis, (image, image + 1))) {
+            field.values_mut().copy_within(source, target.start);
+        }
+    }
+}
+
+fn fold_images(field: &mut Field, axis: usize) {
+    for (image, original) in image_layers(field, axis) {
+        let targets = field.slab(axis, (original, original + 1));
+        for (target, source) in targets.zip(field.slab(axis, (image, image + 1))) {
+            for (target, source) in target.zip(source) {
+                let amount = std::mem::take(&mut field.values_mut()[source]);
+                field.values_mut()[target] += amount;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::run_on_threads;
+    use super::*;
+    use crate::domain::{Face, RankGrid};
+    use crate::grid::{BoxGrid, GridPart};
+    use nalgebra::Vector3;
+
+    const COUNTS: [usize; 3] = [6, 5, 9];
+
+    fn bounds() -> Bounds {
+        let periodic = [Face::Periodic; 2];
+        Bounds::new(Vector3::new(6.0, 5.0, 9.0), [periodic, periodic, [Face::Wall, Face::Open]])
+    }
+
+    /// Calls `check` with each cell of part and halo, and the number of its owner, if there is one.
+    fn for_each_cell(
+        part: &GridPart,
+        halo: isize,
+        mut check: impl FnMut([isize; 3], Option<usize>),
+    ) {
+        let range = |axis: usize| -halo..part.count[axis] as isize + halo;
+        for k in range(2) {
+            for j in range(1) {
+                for i in range(0) {
+                    let global = [0, 1, 2].map(|a| [i, j, k][a] + part.start[a] as isize);
+                    let [x, y] = [0, 1].map(|a| global[a].rem_euclid(COUNTS[a] as isize) as usize);
+                    let inside = (0..COUNTS[2] as isize).contains(&global[2]);
+                    let number = |z| x + COUNTS[0] * (y + COUNTS[1] * z);
+                    check([i, j, k], inside.then(|| number(global[2] as usize)));
+                }
+            }
+        }
+    }
+
+    fn on_ranks(grid: [usize; 3], work: impl Fn(GridPart, FieldHalo, &dyn Communicator) + Sync) {
+        run_on_threads(grid.iter().product(), |ranks| {
+            let cells = BoxGrid::new(&bounds(), COUNTS);
+            let even = Decomposition::even(RankGrid(grid), &bounds());
+            let cut = cells.aligned(&even, 2).expect("there are enough cells");
+            let part = cells.part_of(&cut, ranks.rank());
+            work(part, FieldHalo::new(&cut, &bounds(), ranks.rank()), ranks);
+        });
+    }
+
+    #[test]
+    fn halos_hold_what_their_owners_hold_at_edges_and_corners_too() {
+        for grid in [[1, 1, 1], [1, 1, 3], [2, 2, 2], [3, 2, 1]] {
+            on_ranks(grid, |part, mut halo, ranks| {
+                let mut field = Field::new(&part, 2);
+                for_each_cell(&part, 0, |cell, owner| {
+                    *field.at_mut(cell) = owner.expect("owned cells lie in the box") as f64;
+                });
+                halo.refresh(&mut [&mut field], ranks);
+                for_each_cell(&part, 2, |cell, owner| {
+                    assert_eq!(field.at(cell), owner.unwrap_or(0) as f64, "cell {cell:?}");
+                });
+            });
+        }
+    }
+
+    #[test]
+    fn what_lies_beyond_the_box_travels_along_its_faces() {
+        for grid in [[1, 1, 1], [3, 2, 1]] {
+            on_ranks(grid, |part, mut halo, ranks| {
+                // A number of the box's upper face, which no cell owns: its lower face would be of cell 9.
+                let mut field = Field::new(&part, 2);
+                let number = |cell: [isize; 3]| {
+                    let wrapped = |a: usize| {
+                        (cell[a] + part.start[a] as isize).rem_euclid(COUNTS[a] as isize)
+                    };
+                    (wrapped(0) + 10 * wrapped(1)) as f64
+                };
+                let [x, y, z] = part.count.map(|count| count as isize);
+                for cell in (0..y).flat_map(|j| (0..x).map(move |i| [i, j, z])) {
+                    *field.at_mut(cell) = number(cell);
+                }
+                halo.refresh(&mut [&mut field], ranks);
+                for cell in (-2..y + 2).flat_map(|j| (-2..x + 2).map(move |i| [i, j, z])) {
+                    assert_eq!(field.at(cell), number(cell), "cell {cell:?} of {grid:?}");
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn owners_receive_all_that_halos_hold() {
+        let expected = |grid| {
+            let sums = std::sync::Mutex::new(vec![0.0; COUNTS.iter().product()]);
+            on_ranks(grid, |part, mut halo, ranks| {
+                let mut field = Field::new(&part, 2);
+                let mut wanted = sums.lock().expect("no thread panics here");
+                for_each_cell(&part, 2, |cell, owner| {
+                    let amount =
+                        (ranks.rank() * 100) as f64 + (cell[0] + 2 * cell[1] + 4 * cell[2]) as f64;
+                    *field.at_mut(cell) = amount;
+                    if let Some(owner) = owner {
+                        wanted[owner] += amount;
+                    }
+                });
+                drop(wanted);
+                ranks.any(true); // all have added theirs
+                halo.add_to_owners(&mut [&mut field], ranks);
+                let wanted = sums.lock().expect("no thread panics here");
+                for_each_cell(&part, 0, |cell, owner| {
+                    let owner = owner.expect("owned cells lie in the box");
+                    assert_eq!(field.at(cell), wanted[owner], "cell {cell:?} of {grid:?}");
+                });
+            });
+        };
+        for grid in [[1, 1, 1], [1, 1, 3], [2, 2, 2], [3, 2, 1]] {
+            expected(grid);
+        }
+    }
+
+    #[test]
+    fn a_periodic_axis_may_be_one_cell_wide() {
+        let bounds = bounds();
+        let grid = BoxGrid::new(&bounds, [1, 2, 4]);
+        let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
+        run_on_threads(1, |ranks| {
+            let mut halo = FieldHalo::new(&cut, &bounds, 0);
+            let mut field = Field::new(&grid.part_of(&cut, 0), 2);
+            *field.at_mut([0, 0, 1]) = 3.0;
+            *field.at_mut([0, 1, 1]) = 5.0;
+            halo.refresh(&mut [&mut field], ranks);
+            assert_eq!([-2, -1, 1, 2].map(|i| field.at([i, 0, 1])), [3.0; 4]);
+            assert_eq!([-2, -1, 2, 3].map(|j| field.at([0, j, 1])), [3.0, 5.0, 3.0, 5.0]);
+            halo.add_to_owners(&mut [&mut field], ranks);
+            // Each cell stands five times along x and three times along y.
+            assert_eq!(field.owned().sum::<f64>(), 5.0 * (3.0 * 3.0 + 3.0 * 5.0));
+        });
+    }
+}
