@@ -1,6 +1,6 @@
-//! What ranks say to each other in a step, counted: the numbers that the scaling model of docs/performance.md rests on.
+//! What ranks say to each other in a step, counted: what the scaling model of docs/performance.md rests on.
 //!
-//! `cargo bench --bench messages` prints a table in Markdown. A vibrating bed on thread ranks; the largest of the ranks.
+//! `cargo bench --bench messages` prints a table in Markdown: a vibrating bed on thread ranks, the largest of the ranks.
 
 #[path = "../tests/beds/mod.rs"]
 mod beds;

@@ -5,7 +5,7 @@
 
 The arrows of the loop: pressed to half the largest overlap, parted to a twentieth of it, pressed to the largest, parted
 for good. For each table a line of numbers is printed: the largest force, the largest pull, and the energy that
-the loop encloses, over the work of pressing.
+the loop encloses, also over the work of pressing if that is positive.
 """
 
 from __future__ import annotations
@@ -72,13 +72,13 @@ def read_loop(path: Path) -> Loop:
 
 def describe(loop: Loop) -> str:
     """The line of numbers of a loop."""
-    force = loop.table.units.get("force", "")
+    force, length = loop.table.units.get("force", ""), loop.table.units.get("overlap", "")
     work = loop.work()
     pressed = work[np.diff(loop.overlap) > 0.0].sum()
-    lost = work.sum() / pressed if pressed > 0.0 else 0.0
+    share = f", {work.sum() / pressed:.4f} of the work of pressing" if pressed > 0.0 else ""
     return (
         f"{loop.name}: largest force {loop.force.max():.4g} {force}, largest pull {max(0.0, -loop.force.min()):.4g} "
-        f"{force}, energy lost {lost:.4f} of the work of pressing"
+        f"{force}, energy lost {work.sum():.4g} {force} x {length}{share}"
     )
 
 

@@ -182,7 +182,8 @@ def minimum_fluidisation_of(series: Series, profiles: Profiles, case: dict[str, 
 def is_ramp(case: dict[str, Any]) -> bool:
     """Whether some stage changes the superficial velocity gradually from or to zero."""
     gases = [stage.get("gas") for stage in case.get("stage", [])]
-    return any(isinstance(gas, dict) and isinstance(gas.get("superficial_velocity"), dict) for gas in gases)
+    velocities = [gas.get("superficial_velocity") for gas in gases if isinstance(gas, dict)]
+    return any(isinstance(ramp, dict) and 0.0 in (ramp.get("from"), ramp.get("to")) for ramp in velocities)
 
 
 def line(cells: list[str] | tuple[str, ...]) -> str:

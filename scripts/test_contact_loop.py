@@ -39,7 +39,7 @@ class TestContactLoop(ScriptTest):
 
     def lost(self, printed: str) -> list[float]:
         """The energies lost."""
-        return [float(number) for number in re.findall(r"energy lost ([\d.-]+)", printed)]
+        return [float(number) for number in re.findall(r", ([\d.-]+) of the work", printed)]
 
     def test_elastic_and_plastic(self) -> None:
         elastic = self.write("elastic.csv", 2.0, 2.0)

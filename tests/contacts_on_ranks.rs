@@ -77,7 +77,7 @@ fn bed_in_column(law: ContactModel) -> Bench {
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
     bench.skin = 0.04;
-    bench.add_layers(200, (1.22, 0.8), &[1.0, 0.9], (0.05, 2.0));
+    bench.add_layers(396, (1.15, 0.8), &[1.0, 0.9], (0.05, 2.0));
     bench.particles.retain(|particle| {
         let [x, y, _] = particle.position;
         (x - 3.5).hypot(y - 3.5) < 2.7

@@ -357,7 +357,7 @@ fn planted_violations_are_caught() {
         ("command_line/run.rs", "use mpi::topology::Communicator;"),
         ("parallel/migrate.rs", "fn f() { ::mpi::initialize(); mpi::initialize(); }"),
         ("output/seal.rs", "extern crate hdf5_sys; fn f() { hdf5_sys::h5::H5open(); }"),
-        ("linear_solver/mod.rs", ""),
+        ("turbulence/mod.rs", ""),
     ] {
         assert!(!violations(file, text).is_empty(), "{file}: {text}");
     }

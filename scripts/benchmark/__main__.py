@@ -11,7 +11,7 @@ from typing import Any, Callable
 
 from . import agreement, floor, kernels, peers, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
-from .runs import BenchmarkError, execute
+from .runs import BenchmarkError, execute, on_cores
 from .states import state
 from .tables import LARGE, TALCUM, Runs
 from .talcum import PROGRAM, run_talcum
@@ -22,7 +22,8 @@ LATEST = RESULTS / "latest.json"
 def measure(beds: list[Bed], wanted: argparse.Namespace) -> dict[str, Runs]:
     """All runs, interleaved: in each round one of each program on each bed."""
     others = peers.peers_here() if wanted.peers else []
-    states = {bed: state(bed.state, execute, PROGRAM) for bed in beds}
+    prepare = lambda command: execute(on_cores(command, 1, wanted.first))  # noqa: E731
+    states = {bed: state(bed.state, prepare, PROGRAM) for bed in beds}
     skins = {
         (peer, bed): peers.best_skin(peer, bed, states[bed], wanted.first)
         for bed in beds if bed.with_peers for peer in others
@@ -110,9 +111,8 @@ def options() -> argparse.Namespace:
     parser.add_argument("--peers", action="store_true", help="LIGGGHTS and LAMMPS too, installed if missing")
     parser.add_argument("--rounds", type=int, default=5, help="runs of each program on each bed (5)")
     parser.add_argument("--first", action="store_true", help="before others on a shared machine, where permitted")
-    parser.add_argument(
-        "--parts", default="beds", metavar="PART,...", help=f"what is measured: all, or some of {', '.join(PARTS)} (beds)"
-    )
+    words = f"what is measured: all, or some of {', '.join(PARTS)} (beds)"
+    parser.add_argument("--parts", default="beds", metavar="PART,...", help=words)
     parser.add_argument("--write", type=Path, metavar="FILE", help="put the tables between the markers of this file")
     return parser.parse_args()
 

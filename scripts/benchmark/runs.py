@@ -34,7 +34,7 @@ class Measured:
     rate: float  # million particle-steps per second, of all ranks
     share_of_cores: float = 1.0
     largest_memory: float = 0.0  # bytes, of the largest process
-    usual_memory: float = 0.0  # bytes, median over time of the process started
+    usual_memory: float = 0.0  # bytes, in the steps, of the process started
     stages: dict[str, float] = field(default_factory=dict)  # name: share of time
     imbalance: dict[str, float] = field(default_factory=dict)  # name: largest over mean
     digest: str = ""
@@ -101,12 +101,14 @@ def execute(command: list[str], ranks: int = 1) -> Finished:
 
 
 def watch(pid: int) -> tuple[float, int, resource.struct_rusage]:
-    """Waits for a process; the median of its memory over time, its status, and what it used."""
+    """Waits for a process; its memory after the start and before the end, its status, and what it used."""
     seen = []
     while True:
         done, status, used = os.wait4(pid, os.WNOHANG)
         if done:
-            return (median(seen) if seen else 0.0), status, used
+            # Between its middle and its last tenth a program that is measured does its steps.
+            steps = seen[len(seen) // 2 : max(len(seen) * 9 // 10, len(seen) // 2 + 1)]
+            return (median(steps) if steps else 0.0), status, used
         try:
             resident = Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1]
             seen.append(float(resident) * resource.getpagesize())

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from .beds import RESULTS, ROOT, TIME_STEP
+from .runs import BenchmarkError
 
 Array = np.ndarray
 Run = Callable[[list[str]], object]
@@ -153,10 +154,17 @@ def write_lammps_data(bed: Particles, types: int, height: float, path: Path) -> 
 
 
 def state(name: str, run: Run, talcum: Path) -> Path:
-    """The checkpoint of a state, made if it is not there; `run` starts a command and waits for it."""
+    """The checkpoint of a state, made if it is not there; `run` starts a command and waits for it.
+
+    Made anew if this version of Talcum cannot read it.
+    """
     path = STATES / f"{name}.h5"
     if path.is_file():
-        return path
+        try:
+            run([str(talcum), "info", str(path)])
+            return path
+        except BenchmarkError:
+            print(f"{path} is of another version: it is made anew", flush=True)
     STATES.mkdir(parents=True, exist_ok=True)
     kind, _, count = name.partition("-")
     if kind == "settled" and name not in TILES:

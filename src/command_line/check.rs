@@ -3,9 +3,10 @@
 use super::Changes;
 use super::progress::in_words;
 use super::reading::read_case;
+use super::report::six_digits;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, Interface};
 use crate::coupling::FlowModel;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::gas::volume_averaged::Boundary;
@@ -65,7 +66,12 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
     let _ = writeln!(
         words,
         "box: {} x {} x {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
-        lengths.x, lengths.y, lengths.z, in_diameters.x, in_diameters.y, in_diameters.z
+        six_digits(lengths.x),
+        six_digits(lengths.y),
+        six_digits(lengths.z),
+        in_diameters.x,
+        in_diameters.y,
+        in_diameters.z
     );
     for axis in 0..3 {
         let face = |kind| match kind {
@@ -88,7 +94,12 @@ fn describe_wall(wall: &Wall) -> String {
     let mut words = match wall.shape {
         WallShape::Plane { point: p, normal: n } => format!(
             "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
-            p.x, p.y, p.z, n.x, n.y, n.z
+            six_digits(p.x),
+            six_digits(p.y),
+            six_digits(p.z),
+            n.x,
+            n.y,
+            n.z
         ),
         WallShape::Cylinder { centre, radius } => {
             format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
@@ -140,10 +151,31 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
             describe_flow(&mut line, model, particle, stage.time_step);
         }
     }
-    let duration = case.shortest_contact(stage, sizes);
-    let per_contact = duration / stage.time_step;
-    line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
-    if per_contact < LEAST_STEPS_PER_CONTACT {
+    describe_contacts(&mut line, case, stage, sizes);
+}
+
+/// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
+fn describe_contacts(
+    line: &mut impl FnMut(&str, String),
+    case: &Case,
+    stage: &Stage,
+    sizes: &SizeRange,
+) {
+    let mass = case.particles.mass_of(sizes.smallest_diameter);
+    let radius = 0.5 * sizes.smallest_diameter;
+    let mut tell = |name: &str, interface: &Interface, mass: f64, radius: f64| {
+        let duration = interface.law.contact_duration(mass, radius);
+        let steps = duration / stage.time_step;
+        let law = interface.law.name();
+        line(name, format!("{duration:.4e}, {steps:.1} time steps ({law})"));
+    };
+    tell("duration of a contact", &stage.contact, 0.5 * mass, 0.5 * radius);
+    for (wall, interface) in case.domain.walls.iter().zip(&stage.at_walls) {
+        if *interface != stage.contact {
+            tell(&format!("with wall \"{}\"", wall.name), interface, mass, radius);
+        }
+    }
+    if case.shortest_contact(stage, sizes) / stage.time_step < LEAST_STEPS_PER_CONTACT {
         line(
             "warning",
             format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),
@@ -251,11 +283,12 @@ fn describe_ranks(words: &mut String, beginning: &Beginning, ranks: &dyn Communi
     let here = beginning.state.particles.owned_count() as u64;
     let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
     for (rank, bytes) in counts.iter().enumerate() {
-        let [lower, upper] = beginning.work.cut.block_bounds(rank);
+        let corners = beginning.work.cut.block_bounds(rank).map(|corner| corner.map(six_digits));
+        let [lower, upper] = corners;
         let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
         let _ = writeln!(
             words,
-            "rank {rank}: x {:.3} to {:.3}, y {:.3} to {:.3}, z {:.3} to {:.3}, {count} particles",
+            "rank {rank}: x {} to {}, y {} to {}, z {} to {}, {count} particles",
             lower.x, upper.x, lower.y, upper.y, lower.z, upper.z
         );
     }

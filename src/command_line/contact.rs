@@ -3,7 +3,7 @@
 use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::{Interface, force_loop};
+use crate::contact::{ContactLaw, Interface, force_loop};
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use anyhow::anyhow;
@@ -27,7 +27,7 @@ pub(super) struct ContactOptions {
     /// In this stage, instead of the first.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// The largest overlap (default: a thousandth of the reference diameter).
+    /// The largest overlap (default: a thousandth of the reference diameter, or twice the length of a neck).
     #[arg(long, value_name = "LENGTH", value_parser = positive)]
     overlap: Option<f64>,
     /// Points on each of the four ways: pressed half, parted, pressed, parted.
@@ -87,7 +87,8 @@ fn table(
         None => 0.0,
     };
     let range = cohesion.map_or(0.0, |cohesion| cohesion.range());
-    let overlap = options.overlap.unwrap_or(OVERLAP * diameter);
+    let default = (OVERLAP * diameter).max(2.0 * interface.law.reach(pair.1));
+    let overlap = options.overlap.unwrap_or(default);
     let points = options.points as usize;
     let points = force_loop(&interface.law, pair, overlap, points, (&attraction, range));
     let other = options

@@ -24,18 +24,34 @@ impl Coefficients {
         [x, y, z, &mut self.diagonal]
     }
 
+    /// Sum of a_f + d_c of a cell, by its place.
+    #[inline(always)]
+    fn sum(&self, cell: usize) -> f64 {
+        let strides = self.diagonal.strides();
+        let along = |axis: usize| {
+            let faces = self.faces[axis].values();
+            faces[cell] + faces[cell + strides[axis]]
+        };
+        (along(0) + along(1)) + (along(2) + self.diagonal.values()[cell])
+    }
+
     /// 1 / (sum of a_f + d_c); zero for a cell that nothing holds.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field) {
         let length = inverse.count()[0];
-        let strides = self.diagonal.strides();
         for (from, to) in self.diagonal.rows().zip(inverse.rows()) {
+            for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
+                let sum = self.sum(from + i);
+                *value = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            }
+        }
+    }
+
+    /// (sum of a_f + d_c) p_c.
+    pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
+        let length = p.count()[0];
+        for (from, to) in self.diagonal.rows().zip(p.rows()) {
             for i in 0..length {
-                let cell = from + i;
-                let mut sum = self.diagonal.values()[cell];
-                for (face, stride) in self.faces.iter().zip(strides) {
-                    sum += face.values()[cell] + face.values()[cell + stride];
-                }
-                inverse.values_mut()[to + i] = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+                scaled.values_mut()[to + i] = self.sum(from + i) * p.values()[to + i];
             }
         }
     }

@@ -22,7 +22,7 @@ fn cycle(three_dimensional: bool, gamma: f64) -> Vec<[f64; 2]> {
     let mut column = gas(0.01);
     column.spacing = 1.5;
     if three_dimensional {
-        let (density, viscosity) = (1.0e-4, column.viscosity);
+        let (density, viscosity) = (1.0e-3, column.viscosity);
         let mut model =
             flow(&bench, [1, 1, 32], (density, viscosity), DragLaw::WEN_YU_CREEPING, 0.01);
         model.substeps = 10;

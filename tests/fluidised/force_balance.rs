@@ -37,16 +37,18 @@ fn the_mean_pressure_drop_is_the_weight_per_area() {
     let rows = rows(0.16);
     let drop = mean(&rows, |row| row.grid_pressure_drop);
     let plate = mean(&rows, |row| row.plate_stress);
+    let force = mean(&rows, |row| row.gas_force);
     let deviation = mean(&rows, |row| (row.grid_pressure_drop - drop).powi(2)).sqrt();
     let exchange = rows.iter().fold(0.0, |most: f64, row| most.max(row.exchange_error));
     println!(
-        "fluidised bed: pressure drop {drop:.4} +- {deviation:.3}, plate {plate:.4} of the weight; \
+        "fluidised bed: pressure drop {drop:.4} +- {deviation:.4}, gas force {force:.4}, plate {plate:.4}; \
          exchange error {exchange:.1e}"
     );
-    // Over 32 time units the bed's momentum changes by less than 0.2 of weight times time: 0.6 %.
-    assert!((drop + plate - 1.0).abs() < 0.01, "{drop} and {plate}");
+    // Over 32 time units a bed that has come to move at 0.1 has gained 0.3 % of weight times time.
+    assert!((force + plate - 1.0).abs() < 0.005, "{force} and {plate}");
+    // The pressure at the bottom is continued through half a cell, which holds fewer particles than the next one.
     assert!((drop - 1.0).abs() < 0.01, "{drop}");
-    assert!(deviation > 0.005, "the bed moves: {deviation}"); // a control
+    assert!(deviation > 0.001, "the bed moves: {deviation}"); // a control: it is not packed
     assert!(exchange < 1.0e-7); // 320 forces on a lattice of 1e-9 of a weight
     assert!(rows.iter().all(|row| row.raised_cells == 0.0));
 }
@@ -54,9 +56,11 @@ fn the_mean_pressure_drop_is_the_weight_per_area() {
 #[test]
 fn a_gas_too_slow_to_fluidise_carries_a_part() {
     let rows = rows(0.01);
-    let [drop, plate] =
-        [mean(&rows, |row| row.grid_pressure_drop), mean(&rows, |row| row.plate_stress)];
-    println!("fixed bed: pressure drop {drop:.4}, plate {plate:.4} of the weight");
+    let [drop, force, plate] = [0, 1, 2]
+        .map(|k| mean(&rows, |row| [row.grid_pressure_drop, row.gas_force, row.plate_stress][k]));
+    println!(
+        "fixed bed: pressure drop {drop:.4}, gas force {force:.4}, plate {plate:.4} of the weight"
+    );
     assert!(drop < 0.8, "{drop}"); // the negative control of the balance above
-    assert!((drop + plate - 1.0).abs() < 0.01);
+    assert!((force + plate - 1.0).abs() < 0.005, "{force} and {plate}");
 }
