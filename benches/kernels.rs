@@ -16,9 +16,10 @@ use std::time::{Duration, Instant};
 use talcum::contact::{Contact, ContactLaw};
 use talcum::coupling::{Bed, CoarseGraining};
 use talcum::domain::{Decomposition, RankGrid};
-use talcum::gas::DragLaw;
+use talcum::gas::{DragLaw, ScaledDrag};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
 use talcum::particles::{ContactMemory, PairMemory, WallMemory};
+use talcum::time_step::rebuild;
 use talcum::timers::Stage;
 
 /// Particles along an edge: 1,000 fit into the second-level cache, 125,000 (some 60 MB) into none.
@@ -109,7 +110,10 @@ fn contacts(count: usize) -> Vec<(Contact, ContactMemory)> {
             overlap: 1.0e-4,
             normal: Vector3::z(),
             relative_velocity: Vector3::new(0.3, 0.1, 1.0e-3) * (1.0 + 1.0e-3 * phase),
+            relative_spin: Vector3::zeros(),
             reduced_mass: 0.26,
+            reduced_radius: 0.25,
+            reduced_inertia: 0.026,
             cohesion: 0.0,
         };
         (contact, ContactMemory::default())
@@ -132,7 +136,7 @@ fn laws(criterion: &mut Criterion) {
         });
         let fractions: Vec<f64> = (0..count).map(|i| 0.6 * i as f64 / count as f64).collect();
         for (name, drag) in
-            [("creeping", DragLaw::WenYuCreeping), ("with Reynolds number", DragLaw::WenYu)]
+            [("creeping", DragLaw::WEN_YU_CREEPING), ("with Reynolds number", DragLaw::WEN_YU)]
         {
             group.bench_function(format!("drag, {name}, per particle/{count}"), |bencher| {
                 bencher.iter(|| {
@@ -171,22 +175,15 @@ fn lists(criterion: &mut Criterion) {
         let mut run = bench.alone();
         run.steps(2);
         let width = run.work.reach.ghost_width(1.0);
-        let known = run.state.contacts.records(&run.state.particles, false);
         group.throughput(Throughput::Elements(particles(&run) as u64));
-        group.bench_function(
-            format!("neighbour rebuild per particle/{}", edge.pow(3)),
-            |bencher| {
-                let Run { state, domain, work, .. } = &mut run;
-                bencher.iter(|| {
-                    let remembered = (&known[..], &[] as &[WallMemory]);
-                    let (particles, contacts) = (&state.particles, &mut state.contacts);
-                    let reach = work.reach;
-                    work.neighbours
-                        .rebuild(particles, contacts, &domain.walls, reach, remembered)
-                        .expect("all contacts have their place");
-                });
-            },
-        );
+        let name = format!("rebuild (sort, ghosts, list, memories) per particle/{}", edge.pow(3));
+        group.bench_function(name, |bencher| {
+            let Run { state, domain, models, work, ranks } = &mut run;
+            bencher.iter(|| {
+                rebuild(state, domain, models, work, *ranks)
+                    .expect("all contacts have their place");
+            });
+        });
         group.bench_function(format!("sorting by cells per particle/{}", edge.pow(3)), |bencher| {
             let Run { state, work, .. } = &mut run;
             state.particles.drop_ghosts();

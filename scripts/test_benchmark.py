@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import unittest
 from dataclasses import replace
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmark import agreement, peers, runs, states, tables
+from benchmark import agreement, floor, kernels, peers, runs, scaling, states, tables
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
 from made_up_results import ScriptTest
@@ -104,7 +105,7 @@ class TestStates(ScriptTest):
     """Beds made of the settled one."""
 
     def test_tiles_keep_distances_and_fill_the_box(self) -> None:
-        bed = states.tiled(small_bed(), 3)
+        bed = states.tiled(small_bed(), (3, 3))
         self.assertEqual(bed.count, 18)
         self.assertEqual(bed.box.tolist(), [12.0, 15.0, 6.0])
         self.assertEqual(len(np.unique(bed.position.round(9), axis=0)), 18)
@@ -164,6 +165,45 @@ class TestTables(ScriptTest):
         self.assertEqual(beds_named([]), list(BEDS))
         with self.assertRaisesRegex(ValueError, "no bed"):
             beds_named(["5000"])
+
+
+class TestModels(ScriptTest):
+    """The scaling model, the floor, and what criterion writes."""
+
+    def test_ghosts_of_columns_and_cubes(self) -> None:
+        load = scaling.Load(particles=24_000)
+        side, _, height = load.sides
+        self.assertAlmostEqual(side * side * height * load.density, 24_000)
+        first, second = load.ghosts_per_message()
+        self.assertAlmostEqual(first, load.density * scaling.LAYER * side * height)
+        self.assertAlmostEqual(second / first, 1.0 + 2.0 * scaling.LAYER / side)
+        self.assertEqual(len(replace(load, columns=False).ghosts_per_message()), 3)
+
+    def test_a_rank_alone_only_computes(self) -> None:
+        load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
+        parts = scaling.step_parts(load, 1, network)
+        self.assertEqual([name for name, seconds in parts.items() if seconds > 0.0], ["compute"])
+        # Messages to all others are what grows: with 100,000 ranks they take half a second per 100 rebuilds.
+        many = [scaling.step_parts(replace(load, to_all=to_all), 100_000, network) for to_all in (True, False)]
+        self.assertGreater(many[0]["rebuild"], 100.0 * many[1]["rebuild"])
+        self.assertEqual(many[0]["halo"], many[1]["halo"])
+
+    def test_the_sweep_over_everything_needs_least(self) -> None:
+        self.assertLess(floor.FUSED.size, sum(each.size for each in floor.PASSES))
+        self.assertGreater(floor.FUSED.flops, floor.CONTACTS * floor.CONTACT_FLOPS)
+
+    def test_criterion(self) -> None:
+        for size, time in (1_000, 5_000.0), (125_000, 1_250_000.0):
+            folder = self.folder / "step" / f"pairs_{size}" / "new"
+            folder.mkdir(parents=True)
+            what = {"group_id": "step", "function_id": f"pairs per contact/{size}", "throughput": {"Elements": size}}
+            (folder / "benchmark.json").write_text(json.dumps(what))
+            (folder / "estimates.json").write_text(json.dumps({"median": {"point_estimate": time}}))
+        found = kernels.read_criterion(self.folder)
+        self.assertEqual(found, {"step: pairs per contact": {1_000: 5.0, 125_000: 10.0}})
+        self.assertIn("| step: pairs per contact | 1,000 | 5.00 | 125,000 | 10.00 |", kernels.kernel_table(found))
+        with self.assertRaisesRegex(runs.BenchmarkError, "no results"):
+            kernels.read_criterion(self.folder / "nothing")
 
 
 if __name__ == "__main__":

@@ -96,5 +96,33 @@ class TestSlurmScript(ScriptTest):
         self.assertIn("ended from outside", printed)
         self.assertTrue((self.output / "checkpoint-000000000000.h5").exists())
 
+
+class TestScalingScript(ScriptTest):
+    """jobs/scaling.slurm with stand-ins for srun and talcum."""
+
+    def test_ranks_beds_and_table(self) -> None:
+        tools = self.folder / "tools"
+        tools.mkdir()
+        said = "stage ends: 9 steps, 8.00 million particle-steps/s\ndigest 0123"
+        (tools / "srun").write_text(f'#!/usr/bin/env bash\necho "ranks: $*" >>"{self.folder}/calls"\necho "{said}"\n')
+        (tools / "srun").chmod(0o755)
+        environment = os.environ | {
+            "PATH": f"{tools}:{os.environ['PATH']}", "SLURM_NTASKS": "4", "SLURM_SUBMIT_DIR": str(self.folder),
+            "SLURM_JOB_ID": "17",
+        }  # fmt: skip
+        command = ["bash", str(SCRIPTS.parent / "jobs/scaling.slurm"), "100"]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=True)
+        rows = [line.split(" | ") for line in done.stdout.splitlines()[2:]]
+        self.assertEqual([row[:3] for row in rows], [
+            ["| weak", "1", "16000"], ["| weak", "2", "32000"], ["| weak", "4", "64000"],
+            ["| strong", "1", "64000"], ["| strong", "2", "64000"], ["| strong", "4", "64000"],
+        ])  # fmt: skip
+        self.assertEqual(rows[2][3:], ["8.00", "2.000", "0123 |"])
+        calls = (self.folder / "calls").read_text().splitlines()
+        self.assertIn("-n 4 ", calls[2])
+        self.assertIn("--ranks 2,2,1 --set box.lengths=[40.0, 40.0, 60.0] --set particles.count=64000", calls[2])
+        self.assertIn("--set time.end=0.025", calls[2])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -41,7 +41,20 @@ const MAY_KNOW: [(&str, &[&str]); 17] = [
         &["coupling", "domain", "gas", "grid", "numbers", "parallel", "particles", "state"],
     ),
     ("output", &["analysis", "domain", "grid", "numbers", "parallel", "particles", "state"]),
-    ("case", &["contact", "domain", "gas", "grid", "numbers", "particles", "state"]),
+    (
+        "case",
+        &[
+            "contact",
+            "coupling",
+            "domain",
+            "gas",
+            "grid",
+            "linear_solver",
+            "numbers",
+            "particles",
+            "state",
+        ],
+    ),
     (
         "simulation",
         &[
@@ -67,6 +80,7 @@ const MAY_KNOW: [(&str, &[&str]); 17] = [
             "analysis",
             "case",
             "contact",
+            "coupling",
             "domain",
             "gas",
             "output",

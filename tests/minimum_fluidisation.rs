@@ -37,7 +37,7 @@ fn poured_bed() -> (Bench, Snapshot) {
 /// the ends, where phi is averaged with what is beyond them, are not the bulk.
 fn bulk(run: &mut Run) -> (f64, f64) {
     let Run { state, models, work, .. } = run;
-    let (gas, fluid) = (models.gas.as_ref().unwrap(), work.fluid.as_mut().unwrap());
+    let (gas, fluid) = (models.column().unwrap(), work.fluid.as_mut().unwrap());
     let mut probe = state.particles.clone();
     probe.clear_forces();
     fluid.add_to(gas, &mut probe).expect("forces have a meaning");

@@ -6,33 +6,23 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from statistics import median
+from typing import Any, Callable
 
-from . import agreement, peers, tables
+from . import agreement, floor, kernels, peers, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
-from .runs import BenchmarkError, execute
+from .runs import BenchmarkError, execute, on_cores
 from .states import state
+from .tables import LARGE, TALCUM, Runs
 from .talcum import PROGRAM, run_talcum
-from .tables import TALCUM, Runs
 
 LATEST = RESULTS / "latest.json"
-
-
-def options() -> argparse.Namespace:
-    """What the user asked for."""
-    parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
-    parser.add_argument("beds", nargs="*", help='words of names, such as "24000 settled"; all without')
-    parser.add_argument("--peers", action="store_true", help="LIGGGHTS and LAMMPS too, installed if missing")
-    parser.add_argument("--rounds", type=int, default=5, help="runs of each program on each bed (5)")
-    parser.add_argument("--first", action="store_true", help="before others on a shared machine, where permitted")
-    parser.add_argument("--agreement", action="store_true", help="only whether the peers compute the same bed")
-    parser.add_argument("--write", type=Path, metavar="FILE", help="put the tables between the markers of this file")
-    return parser.parse_args()
 
 
 def measure(beds: list[Bed], wanted: argparse.Namespace) -> dict[str, Runs]:
     """All runs, interleaved: in each round one of each program on each bed."""
     others = peers.peers_here() if wanted.peers else []
-    prepare = lambda command: execute(command)  # noqa: E731
+    prepare = lambda command: execute(on_cores(command, 1, wanted.first))  # noqa: E731
     states = {bed: state(bed.state, prepare, PROGRAM) for bed in beds}
     skins = {
         (peer, bed): peers.best_skin(peer, bed, states[bed], wanted.first)
@@ -55,18 +45,22 @@ def check_one_answer(beds: list[Bed], results: dict[str, Runs]) -> None:
     """Runs of the same steps from the same state must end with the same digest, on one rank or two."""
     digests: dict[tuple[object, ...], set[str]] = {}
     for bed in beds:
-        same = digests.setdefault((bed.state, bed.steps, bed.vibration, bed.models), set())
+        same = digests.setdefault((bed.state, bed.steps, bed.vibration, bed.settings), set())
         same |= {run["digest"] for run in results[bed.name][TALCUM]}
     if any(len(same) != 1 for same in digests.values()):
         raise BenchmarkError(f"runs that must agree have different digests: {digests}")
 
 
-def report(beds: list[Bed], results: dict[str, Runs]) -> str:
-    """All tables, with the machine above them."""
+def measure_beds(wanted: argparse.Namespace) -> str:
+    """Measures the beds and keeps the runs; all tables, with the machine above them."""
+    beds = beds_named(wanted.beds)
+    results = measure(beds, wanted)
+    LATEST.write_text(json.dumps({"machine": tables.machine(), "beds": results}, indent=1), encoding="utf-8")
+    check_one_answer(beds, results)
     here = tables.machine()
     least = min(run["share_of_cores"] for runs in results.values() for found in runs.values() for run in found)
     head = (
-        f"Million particle-steps per second; medians of {len(results[beds[0].name][TALCUM])} interleaved runs on "
+        f"Million particle-steps per second; medians of {wanted.rounds} interleaved runs on "
         f"{here['cores']} cores of {here['processor']} ({here['vectors']}), {here['rust']}, commit {here['commit']}. "
         f"Each run had at least {100 * least:.0f} % of its cores."
     )
@@ -78,25 +72,65 @@ def report(beds: list[Bed], results: dict[str, Runs]) -> str:
     return "\n\n".join(parts)
 
 
+def latest_rate(name: str) -> float:
+    """Talcum's rate per rank on a bed, as last measured."""
+    if not LATEST.is_file():
+        raise BenchmarkError(f"measure the bed \"{name}\" first: scripts/bench \"{name}\"")
+    found: dict[str, Any] = json.loads(LATEST.read_text(encoding="utf-8"))["beds"]
+    if name not in found:
+        raise BenchmarkError(f"the last call did not measure the bed \"{name}\": scripts/bench \"{name}\"")
+    return median(tables.rates(found[name], TALCUM))
+
+
+def model() -> str:
+    """The scaling model, with the rate of a rank while both cores are busy."""
+    rate = 0.5 * latest_rate("24,000 settled, 2 ranks") * 1.0e6
+    load = scaling.Load(particles=1.0, particle_step=1.0 / rate)
+    tall = scaling.model_table(load)
+    cubes = scaling.model_table(scaling.replace(load, columns=False, gas_nodes=75))
+    words = f"Each rank computes {rate * 1e-6:.1f} million particle-steps per second."
+    return f"{words} Columns of a bed 52 d high:\n\n{tall}\n\nCubes of a bed with a column of gas:\n\n{cubes}"
+
+
+# What can be measured, by the name of its place in docs/performance.md.
+PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
+    "beds": measure_beds,
+    "agreement": lambda _: agreement.agreement(),
+    "floor": lambda _: floor.floor(latest_rate(LARGE)),
+    "kernels": lambda _: kernels.kernels(),
+    "messages": lambda _: kernels.messages(),
+    "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first),
+    "model": lambda _: model(),
+}
+
+
+def options() -> argparse.Namespace:
+    """What the user asked for."""
+    parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
+    parser.add_argument("beds", nargs="*", help='words of names of beds, such as "24000 settled"; all without')
+    parser.add_argument("--peers", action="store_true", help="LIGGGHTS and LAMMPS too, installed if missing")
+    parser.add_argument("--rounds", type=int, default=5, help="runs of each program on each bed (5)")
+    parser.add_argument("--first", action="store_true", help="before others on a shared machine, where permitted")
+    words = f"what is measured: all, or some of {', '.join(PARTS)} (beds)"
+    parser.add_argument("--parts", default="beds", metavar="PART,...", help=words)
+    parser.add_argument("--write", type=Path, metavar="FILE", help="put the tables between the markers of this file")
+    return parser.parse_args()
+
+
 def main() -> None:
     """From the command line."""
     wanted = options()
     RESULTS.mkdir(parents=True, exist_ok=True)
     try:
-        if wanted.agreement:
-            words = agreement.agreement()
-            print(words)
+        names = list(PARTS) if wanted.parts == "all" else wanted.parts.split(",")
+        unknown = [name for name in names if name not in PARTS]
+        if unknown:
+            raise BenchmarkError(f"there is no part {', '.join(unknown)}; there are {', '.join(PARTS)}")
+        for name in names:
+            words = PARTS[name](wanted)
+            print(f"{words}\n", flush=True)
             if wanted.write:
-                tables.write_between_markers(wanted.write, "agreement", words)
-            return
-        beds = beds_named(wanted.beds)
-        results = measure(beds, wanted)
-        LATEST.write_text(json.dumps({"machine": tables.machine(), "beds": results}, indent=1), encoding="utf-8")
-        check_one_answer(beds, results)
-        words = report(beds, results)
-        print(words)
-        if wanted.write:
-            tables.write_between_markers(wanted.write, "beds", words)
+                tables.write_between_markers(wanted.write, name, words)
     except (BenchmarkError, ValueError) as error:
         sys.exit(f"error: {error}")
 

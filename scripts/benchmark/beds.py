@@ -62,8 +62,8 @@ class Bed:
     warm_up: int
     ranks: int = 1
     vibration: Vibration | None = None
-    # What is switched on, in Talcum alone.
-    models: tuple[str, ...] = ()
+    # Keys of the stage that are changed, in Talcum alone.
+    settings: tuple[str, ...] = ()
     # Skins tried with each peer; lists of settled beds are hardly ever rebuilt, so small ones are best there.
     skins: tuple[float, ...] = (0.02, 0.05)
     # Least ratio to LAMMPS (Debian), and to another bed of Talcum, that is aimed at.
@@ -73,13 +73,14 @@ class Bed:
     @property
     def with_peers(self) -> bool:
         """Whether the peers can run it."""
-        return not self.models
+        return not self.settings and not self.state.startswith("adhesive")
 
 
 BEDS = (
     Bed("3,000 settled", "settled-3000", 3_000, 6_000, 2_000, aim=2.5),
     Bed("3,000 settled, gas and cohesion", "settled-3000", 3_000, 6_000, 0,
-        models=("gas", "cohesion"), beside="3,000 settled"),
+        settings=("gas=on", "cohesion=on"), beside="3,000 settled"),
+    Bed("3,000 settled, adhesive elastic-plastic", "adhesive-3000", 3_000, 6_000, 0, beside="3,000 settled"),
     Bed("24,000 settled", "settled-24000", 24_000, 1_000, 500, aim=2.5),
     Bed("216,000 settled", "settled-216000", 216_000, 150, 50, aim=2.4),
     Bed("3,000 shaken", "settled-3000", 3_000, 25_000, 0, vibration=Vibration(), skins=(0.04, 0.08, 0.15), aim=2.2),

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import shutil
 import subprocess
 import tempfile
 import time
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from statistics import median
 from typing import Callable
+
+from .beds import ROOT
 
 # A run that got less of its cores than this shared them with others: it is measured again.
 LEAST_SHARE = 0.93
 ATTEMPTS = 3
+# Seconds between looks at the memory of a process.
+POLL = 0.1
 
 
 class BenchmarkError(Exception):
@@ -28,6 +34,7 @@ class Measured:
     rate: float  # million particle-steps per second, of all ranks
     share_of_cores: float = 1.0
     largest_memory: float = 0.0  # bytes, of the largest process
+    usual_memory: float = 0.0  # bytes, in the steps, of the process started
     stages: dict[str, float] = field(default_factory=dict)  # name: share of time
     imbalance: dict[str, float] = field(default_factory=dict)  # name: largest over mean
     digest: str = ""
@@ -44,6 +51,7 @@ class Finished:
     words: str
     share_of_cores: float
     largest_memory: float
+    usual_memory: float
 
 
 def environment(ranks: int) -> dict[str, str]:
@@ -80,8 +88,8 @@ def execute(command: list[str], ranks: int = 1) -> Finished:
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
         begin = time.monotonic()
         streams = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
-        process = subprocess.Popen(command, **streams, env=environment(ranks), start_new_session=True)
-        _, status, used = os.wait4(process.pid, 0)
+        process = subprocess.Popen(command, **streams, cwd=ROOT, env=environment(ranks), start_new_session=True)
+        memory, status, used = watch(process.pid)
         process.returncode = os.waitstatus_to_exitcode(status)
         elapsed = time.monotonic() - begin
         said.seek(0)
@@ -89,7 +97,24 @@ def execute(command: list[str], ranks: int = 1) -> Finished:
     if process.returncode != 0:
         raise BenchmarkError(f"{' '.join(command)}: ended with {process.returncode}\n{words[-2000:]}")
     share = (used.ru_utime + used.ru_stime) / (elapsed * ranks)
-    return Finished(words, share, used.ru_maxrss * 1024.0)
+    return Finished(words, share, used.ru_maxrss * 1024.0, memory)
+
+
+def watch(pid: int) -> tuple[float, int, resource.struct_rusage]:
+    """Waits for a process; its memory after the start and before the end, its status, and what it used."""
+    seen = []
+    while True:
+        done, status, used = os.wait4(pid, os.WNOHANG)
+        if done:
+            # Between its middle and its last tenth a program that is measured does its steps.
+            steps = seen[len(seen) // 2 : max(len(seen) * 9 // 10, len(seen) // 2 + 1)]
+            return (median(steps) if steps else 0.0), status, used
+        try:
+            resident = Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1]
+            seen.append(float(resident) * resource.getpagesize())
+        except (OSError, IndexError):
+            pass
+        time.sleep(POLL)
 
 
 STAGE_LINE = re.compile(r"^(?P<name>\S.*?)\s+[\d.]+\s+(?P<share>[\d.]+) %\s+(?P<imbalance>[\d.]+)$", re.MULTILINE)
@@ -136,7 +161,8 @@ def measured(
             shutil.rmtree(fresh, ignore_errors=True)
         finished = execute(command, ranks)
         result = read(finished.words)
-        result.share_of_cores, result.largest_memory = finished.share_of_cores, finished.largest_memory
+        result.share_of_cores = finished.share_of_cores
+        result.largest_memory, result.usual_memory = finished.largest_memory, finished.usual_memory
         if best is None or result.share_of_cores > best.share_of_cores:
             best = result
         if result.share_of_cores >= LEAST_SHARE:

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from .beds import RESULTS, ROOT, TIME_STEP
+from .runs import BenchmarkError
 
 Array = np.ndarray
 Run = Callable[[list[str]], object]
@@ -18,7 +19,20 @@ CASES = ROOT / "cases" / "benchmark"
 STATES = RESULTS / "states"
 STRETCH = 1.10
 GRANULAR_TEMPERATURE = 0.1
-TILES = 3
+# Settled beds made of that of 24,000: how often it is repeated along x and y.
+TILES = {"settled-48000": (2, 1), "settled-216000": (3, 3)}
+# The adhesive elastic-plastic law, as stiff as the linear one.
+ADHESIVE = """[contact]
+law = "adhesive_elastic_plastic"
+unloading_stiffness = 2.0e5
+plasticity_index = 0.2
+restitution = 0.9
+friction = 0.1
+bond_number = 20
+primary_diameter = 5.0e-4
+[contact.wall]
+bond_number = 0
+"""
 
 
 @dataclass
@@ -59,12 +73,12 @@ def box_lengths(case: str) -> Array:
     return np.array([float(number) for number in found[1].split(",")])
 
 
-def tiled(bed: Particles, tiles: int) -> Particles:
+def tiled(bed: Particles, tiles: tuple[int, int]) -> Particles:
     """A periodic bed repeated along x and y."""
-    shifts = [np.array([i, j, 0]) * bed.box for j in range(tiles) for i in range(tiles)]
+    shifts = [np.array([i, j, 0]) * bed.box for j in range(tiles[1]) for i in range(tiles[0])]
     repeat = lambda rows: np.concatenate([rows] * len(shifts))  # noqa: E731
     position = np.concatenate([bed.position + shift for shift in shifts])
-    box = bed.box * np.array([tiles, tiles, 1])
+    box = bed.box * np.array([*tiles, 1])
     return Particles(box, position, repeat(bed.velocity), repeat(bed.spin), repeat(bed.diameter))
 
 
@@ -87,12 +101,17 @@ def write_csv(bed: Particles, path: Path) -> None:
             file.write(f"{number},{','.join(map(repr, row))}\n")
 
 
-def write_case(bed: Particles, csv: Path, path: Path) -> None:
-    """A case that begins with such a file: the contact law of cases/benchmark, no gas, no cohesion."""
+def usual_contact() -> str:
+    """The section [contact] of cases/benchmark."""
     text = (CASES / "bed-24000.toml").read_text(encoding="utf-8")
     contact = re.search(r"^\[contact\].*?(?=^\[)", text, re.MULTILINE | re.DOTALL)
     if not contact:
         raise ValueError("cases/benchmark/bed-24000.toml has no [contact]")
+    return contact[0]
+
+
+def write_case(bed: Particles, csv: Path, path: Path, contact: str | None = None) -> None:
+    """A case that begins with such a file, without gas and cohesion."""
     lengths = ", ".join(map(repr, bed.box.tolist()))
     path.write_text(
         f"""title = "Benchmark: {bed.count} particles from a file"
@@ -110,7 +129,7 @@ format = "csv"
 path = "{csv.name}"
 [gravity]
 magnitude = 1.0
-{contact[0]}[time]
+{contact or usual_contact()}[time]
 step = {TIME_STEP}
 end = 1000.0
 [output]
@@ -135,27 +154,32 @@ def write_lammps_data(bed: Particles, types: int, height: float, path: Path) -> 
 
 
 def state(name: str, run: Run, talcum: Path) -> Path:
-    """The checkpoint of a state, made if it is not there; `run` starts a command and waits for it."""
+    """The checkpoint of a state, made if it is not there; `run` starts a command and waits for it.
+
+    Made anew if this version of Talcum cannot read it.
+    """
     path = STATES / f"{name}.h5"
     if path.is_file():
-        return path
+        try:
+            run([str(talcum), "info", str(path)])
+            return path
+        except BenchmarkError:
+            print(f"{path} is of another version: it is made anew", flush=True)
     STATES.mkdir(parents=True, exist_ok=True)
     kind, _, count = name.partition("-")
-    output = STATES / f"making-{name}"
-    command = [str(talcum), "run", "", "--force", "--output", str(output)]
-    if kind == "settled" and count != "216000":
-        command[2] = str(CASES / f"bed-{count}.toml")
-        until = settled_time(Path(command[2]))
+    if kind == "settled" and name not in TILES:
+        case = CASES / f"bed-{count}.toml"
+        until = settled_time(case)
     else:
-        bed = read_particles(state("settled-24000", run, talcum))
-        bed = agitated(bed) if kind == "agitated" else tiled(bed, TILES)
+        bed = read_particles(state("settled-3000" if kind == "adhesive" else "settled-24000", run, talcum))
+        # Springs of contacts are not in the file; they find themselves in a thousand steps, an adhesive bed in ten.
+        until = {"settled": 0.25, "agitated": 0.0, "adhesive": 2.5}[kind]
+        bed = agitated(bed) if kind == "agitated" else tiled(bed, TILES.get(name, (1, 1)))
         csv, case = STATES / f"{name}.csv", STATES / f"{name}.toml"
         write_csv(bed, csv)
-        write_case(bed, csv, case)
-        command[2] = str(case)
-        # Friction springs are not in the file; they find themselves in a thousand steps.
-        until = 0.0 if kind == "agitated" else 0.25
-    run([*command, "--until", repr(until)])
+        write_case(bed, csv, case, ADHESIVE if kind == "adhesive" else None)
+    output = STATES / f"making-{name}"
+    run([str(talcum), "run", str(case), "--force", "--output", str(output), "--until", repr(until)])
     newest = sorted(output.glob("checkpoint-*.h5"))[-1]
     newest.replace(path)
     return path

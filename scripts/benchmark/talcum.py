@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,8 @@ import h5py
 from .beds import RESULTS, ROOT, TIME_STEP, Bed
 from .runs import Measured, measured, on_cores, read_talcum
 
-PROGRAM = ROOT / "target" / "release" / "talcum"
+# Another build of it, if the variable names one.
+PROGRAM = Path(os.environ.get("TALCUM", ROOT / "target" / "release" / "talcum"))
 OUTPUT = RESULTS / "again"
 # The stage of cases/benchmark that follows the settling, by number.
 STAGE = 2
@@ -17,7 +19,7 @@ STAGE = 2
 
 def changes(bed: Bed) -> list[str]:
     """What is different from the settled bed without gas and cohesion."""
-    settings = [f"stage.{STAGE}.{model}=on" for model in bed.models]
+    settings = [f"stage.{STAGE}.{setting}" for setting in bed.settings]
     if bed.vibration:
         # Named in the stage, so that the phase is 0 at its begin.
         settings += [

@@ -1,9 +1,9 @@
 //! The loops over near pairs: geometry, law, cohesion, and exact sums.
 
-use super::lanes::evaluate_in_lanes;
+use super::lanes::PairWork;
 use super::{Contact, ContactForce, Interface, VanDerWaalsNow};
-use crate::numbers::{Quantum, VectorWork, in_wide_vectors};
-use crate::particles::{ContactMemory, Contacts, Particles};
+use crate::numbers::{Quantum, in_quads};
+use crate::particles::{Bodies, ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -47,14 +47,6 @@ pub struct ForceLaws<'a> {
     pub torque_lattice: Quantum,
 }
 
-/// A pair within range of each other's force.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NearPair {
-    pub(super) row: u32,
-    pub(super) partner: u32,
-    pub(super) slot: u32,
-}
-
 /// Adds the forces and torques of all pairs to both their particles.
 ///
 /// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
@@ -63,7 +55,7 @@ pub struct NearPair {
 /// neither the order of pairs nor evaluating a pair on two ranks changes a bit.
 ///
 /// Before: forces are those of nothing else but lattice numbers; ghosts are current. After: forces of
-/// owned particles are complete, those of ghosts are scratch. `near` is room to work in.
+/// owned particles are complete. `bodies` is room to work in.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined; the first such pair of this rank.
@@ -71,65 +63,14 @@ pub fn add_pair_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
-    near: &mut Vec<NearPair>,
+    bodies: &mut Bodies,
 ) -> Result<(), ForceOutOfRange> {
-    in_wide_vectors(PairWork { particles, contacts, laws, near })?;
-    particles.fold_image_forces();
+    bodies.take(particles);
+    contacts.near.hold_rolling_angles(laws.contact.rolling.is_some());
+    contacts.find_near(bodies, laws.range);
+    in_quads(PairWork { bodies, near: &mut contacts.near, laws, id: &particles.id })?;
+    bodies.give(particles);
     Ok(())
-}
-
-struct PairWork<'a> {
-    particles: &'a mut Particles,
-    contacts: &'a mut Contacts,
-    laws: &'a ForceLaws<'a>,
-    near: &'a mut Vec<NearPair>,
-}
-
-impl VectorWork for PairWork<'_> {
-    type Output = Result<(), ForceOutOfRange>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
-        let Self { particles, contacts, laws, near } = self;
-        contacts.hold_rolling_angles(laws.contact.rolling.is_some());
-        find_near_pairs(particles, contacts, laws.range, near);
-        evaluate_in_lanes(particles, contacts, laws, near)
-    }
-}
-
-/// Gathers the pairs whose surfaces are closer than `range`; a touching pair that is not has parted.
-#[inline(always)]
-fn find_near_pairs(
-    particles: &Particles,
-    contacts: &mut Contacts,
-    range: f64,
-    near: &mut Vec<NearPair>,
-) {
-    near.resize(contacts.pair_count(), NearPair::default());
-    let mut found = 0;
-    let n = particles.count();
-    let (position, radius) = (&particles.position[..n], &particles.radius[..n]);
-    let slots = contacts.pair_count();
-    let (partners, touching) = (&contacts.partner[..slots], &mut contacts.touching[..slots]);
-    let room = &mut near[..slots];
-    for (row, ends) in contacts.row_start.windows(2).enumerate() {
-        let (centre, reach_of_row) = (position[row], radius[row] + range);
-        for slot in ends[0] as usize..(ends[1] as usize).min(slots) {
-            let partner = partners[slot] as usize;
-            let reach = reach_of_row + radius[partner];
-            let is_near = (position[partner] - centre).norm_squared() < reach * reach;
-            // Written always, kept only if near: cheaper than a branch that cannot be predicted.
-            room[found] = NearPair { row: row as u32, partner: partner as u32, slot: slot as u32 };
-            found += usize::from(is_near);
-            if touching[slot] && !is_near {
-                forget(&mut touching[slot], &mut contacts.memory[slot]);
-                if let Some(angle) = contacts.rolling_angle.get_mut(slot) {
-                    *angle = Vector3::zeros();
-                }
-            }
-        }
-    }
-    near.truncate(found);
 }
 
 /// A contact that has ended leaves no memory.

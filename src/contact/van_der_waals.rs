@@ -80,10 +80,6 @@ pub(super) trait Attraction: Copy {
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64;
 }
 
-/// No attraction at all.
-#[derive(Clone, Copy)]
-pub(super) struct NoAttraction;
-
 /// A r / (12 s^2), r = 2 r_1 r_2 / (r_1 + r_2).
 #[derive(Clone, Copy)]
 pub(super) struct NearContact(pub(super) VanDerWaalsNow);
@@ -91,13 +87,6 @@ pub(super) struct NearContact(pub(super) VanDerWaalsNow);
 /// Hamaker's expression.
 #[derive(Clone, Copy)]
 pub(super) struct Full(pub(super) VanDerWaalsNow);
-
-impl Attraction for NoAttraction {
-    #[inline(always)]
-    fn between(&self, _radius_1: f64, _radius_2: f64, _separation: f64) -> f64 {
-        0.0
-    }
-}
 
 impl Attraction for NearContact {
     #[inline(always)]

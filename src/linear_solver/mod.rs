@@ -29,8 +29,11 @@ mod gathering;
 mod hierarchy;
 mod lattice_sum;
 mod operator;
+mod pairs;
+mod place;
 mod pressure_solver;
 mod smoothing;
+mod step;
 mod transfer;
 
 pub use pressure_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};

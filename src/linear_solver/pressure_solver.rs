@@ -1,7 +1,7 @@
 //! Preconditioned conjugate gradients.
 
 use super::coarsening::LevelGrid;
-use super::hierarchy::Hierarchy;
+use super::hierarchy::{Cycle, Hierarchy};
 use super::lattice_sum::{DotProduct, RunningDot};
 use super::operator::{Coefficients, apply, residual};
 use crate::domain::{Bounds, Decomposition};
@@ -13,7 +13,8 @@ use crate::parallel::{Communicator, FieldHalo};
 const ITERATION_LIMIT: usize = 200;
 
 /// When a solution is good enough: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all
-/// cells.
+/// cells; or at most 2^-52 |D p|, D being the diagonal of A, which is what rounding leaves where the pressure is large
+/// and all but constant (contrasts of 10^9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Part of the norm of the right-hand side; of what is left of it if a mean is taken away.
@@ -34,7 +35,7 @@ impl Tolerance {
 pub struct Convergence {
     /// Iterations, 0 if the start value was good enough.
     pub iterations: usize,
-    /// |b - A p| at the end, as conjugate gradients carry it along.
+    /// |b - A p| at the end, formed anew from the solution.
     pub residual: f64,
     /// |b|.
     pub right_hand_side: f64,
@@ -109,6 +110,7 @@ pub struct PressureSolver {
     /// Nothing holds the mean of the solution: no cell has a diagonal.
     closed: bool,
     hierarchy: Hierarchy,
+    right: Field,
     solution: Field,
     residual: Field,
     preconditioned: Field,
@@ -130,6 +132,7 @@ impl PressureSolver {
             coefficients: Coefficients::new(&part),
             closed: true,
             hierarchy: Hierarchy::new(&LevelGrid::finest(grid, cut), cut, bounds, rank),
+            right: zero(),
             solution: zero(),
             residual: zero(),
             preconditioned: zero(),
@@ -201,17 +204,14 @@ impl PressureSolver {
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
         self.solution.set_owned(solution.owned());
-        // Kept where conjugate gradients keep their direction later.
-        self.direction.set_owned(right_hand_side.owned());
+        self.right.set_owned(right_hand_side.owned());
         let removed_mean =
             if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
-        let size = DotProduct::default().of(&self.direction, &self.direction, ranks).sqrt();
+        let size = DotProduct::default().of(&self.right, &self.right, ranks).sqrt();
         if size == 0.0 {
             solution.set_owned(std::iter::repeat(0.0));
             return Ok(Convergence { removed_mean, ..Convergence::default() });
         }
-        self.halo.refresh(&mut [&mut self.solution], ranks);
-        residual(&self.coefficients, &self.solution, &self.direction, &mut self.residual);
         let allowed = (tolerance.relative * size).max(tolerance.absolute);
         let (iterations, residual) = self.iterate(allowed, ranks)?;
         if self.closed {
@@ -221,59 +221,96 @@ impl PressureSolver {
         Ok(Convergence { iterations, residual, right_hand_side: size, removed_mean })
     }
 
-    /// Conjugate gradients from the residual at hand; number of iterations, and norm of the residual.
+    /// Runs of conjugate gradients, until b - A p, formed anew, is as small as allowed or as rounding lets it be; number of iterations, and
+    /// norm of the residual.
     fn iterate(
         &mut self,
         allowed: f64,
         ranks: &dyn Communicator,
     ) -> Result<(usize, f64), LinearSolverError> {
-        let mut products = [DotProduct::default(); 3];
-        let [squares, energies, curvatures] = &mut products;
-        let mut square = squares.of(&self.residual, &self.residual, ranks);
-        let mut last_energy = f64::INFINITY;
-        for iterations in 0..=ITERATION_LIMIT {
-            let residual = square.sqrt();
-            if !(residual + allowed).is_finite() {
+        let mut run = Run::default();
+        let mut done = 0;
+        loop {
+            self.halo.refresh(&mut [&mut self.solution], ranks);
+            residual(&self.coefficients, &self.solution, &self.right, &mut self.residual);
+            let size = run.squares.of(&self.residual, &self.residual, ranks).sqrt();
+            if !(size + allowed).is_finite() {
                 return Err(LinearSolverError::NotFinite);
             }
-            if residual <= allowed {
-                return Ok((iterations, residual));
+            if size <= allowed || (done > 0 && size <= self.rounding(ranks)) {
+                return Ok((done, size));
             }
-            if iterations == ITERATION_LIMIT {
-                return Err(LinearSolverError::NotConverged { iterations, residual, allowed });
+            self.run(&mut run, &mut done, (size, allowed), ranks)?;
+        }
+    }
+
+    /// What rounding makes of b - A p: 2^-52 |D p|, D being the diagonal of A. No solution in doubles is better than
+    /// about that. Collective.
+    fn rounding(&mut self, ranks: &dyn Communicator) -> f64 {
+        self.coefficients.scale_by_diagonal(&self.solution, &mut self.image);
+        DotProduct::default().of(&self.image, &self.image, ranks).sqrt() * f64::EPSILON
+    }
+
+    /// Conjugate gradients from the residual at hand, of a norm above what is allowed, until the residual that they
+    /// carry along is as small.
+    fn run(
+        &mut self,
+        run: &mut Run,
+        done: &mut usize,
+        (mut size, allowed): (f64, f64),
+        ranks: &dyn Communicator,
+    ) -> Result<(), LinearSolverError> {
+        let mut last_energy = f64::INFINITY;
+        while size > allowed {
+            let failed =
+                LinearSolverError::NotConverged { iterations: *done, residual: size, allowed };
+            if *done == ITERATION_LIMIT {
+                return Err(failed);
             }
-            self.hierarchy.cycle(&self.residual, &mut self.preconditioned, ranks);
-            let energy = energies.of(&self.residual, &self.preconditioned, ranks);
+            let mut energy = self.precondition(run, ranks);
+            if energy <= 0.0 {
+                run.cycle = Cycle::V;
+                last_energy = f64::INFINITY;
+                energy = self.precondition(run, ranks);
+            }
             let beta = energy / last_energy;
             last_energy = energy;
-            in_wide_vectors(Turn {
-                beta,
-                towards: &self.preconditioned,
-                direction: &mut self.direction,
-                first: iterations == 0,
-            });
+            let towards = &self.preconditioned;
+            in_wide_vectors(Turn { beta, towards, direction: &mut self.direction });
             self.halo.refresh(&mut [&mut self.direction], ranks);
-            let dot =
-                apply(&self.coefficients, &self.direction, &mut self.image, curvatures.begin());
-            let curvature = curvatures.finish(dot, [&self.direction, &self.image], ranks);
+            let dot = run.curvatures.begin();
+            let dot = apply(&self.coefficients, &self.direction, &mut self.image, dot);
+            let curvature = run.curvatures.finish(dot, [&self.direction, &self.image], ranks);
             let running = in_wide_vectors(Advance {
                 length: energy / curvature,
                 direction: &self.direction,
                 image: &self.image,
                 solution: &mut self.solution,
                 residual: &mut self.residual,
-                squares: squares.begin(),
+                squares: run.squares.begin(),
             });
-            square = squares.finish(running, [&self.residual, &self.residual], ranks);
+            let square = run.squares.finish(running, [&self.residual, &self.residual], ranks);
+            if !square.is_finite() {
+                return Err(failed);
+            }
+            size = square.sqrt();
+            *done += 1;
         }
-        unreachable!("the last iteration returns")
+        Ok(())
+    }
+
+    /// z = M r, and r . z. Collective.
+    fn precondition(&mut self, run: &mut Run, ranks: &dyn Communicator) -> f64 {
+        let equation = (&self.residual, &mut self.preconditioned);
+        self.hierarchy.cycle(&self.coefficients, equation, run.cycle, ranks);
+        run.energies.of(&self.residual, &self.preconditioned, ranks)
     }
 
     /// Subtracts the mean over all cells, summed exactly; returns it.
     fn remove_mean(&mut self, of: Of, ranks: &dyn Communicator) -> f64 {
-        let Self { solution, direction, image, part, .. } = self;
+        let Self { solution, right, image, part, .. } = self;
         let field = match of {
-            Of::RightHandSide => direction,
+            Of::RightHandSide => right,
             Of::Solution => solution,
         };
         image.values_mut().fill(1.0);
@@ -285,6 +322,26 @@ impl PressureSolver {
         }
         image.values_mut().fill(0.0);
         mean
+    }
+}
+
+/// What is kept from run to run of a solve: the magnitudes of dot products, and the kind of cycle.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    /// r . r
+    squares: DotProduct,
+    /// r . M r
+    energies: DotProduct,
+    /// p . A p
+    curvatures: DotProduct,
+    /// V once W was found not to be positive definite.
+    cycle: Cycle,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        let [squares, energies, curvatures] = [DotProduct::default(); 3];
+        Self { squares, energies, curvatures, cycle: Cycle::W }
     }
 }
 
@@ -300,7 +357,6 @@ struct Turn<'a> {
     beta: f64,
     towards: &'a Field,
     direction: &'a mut Field,
-    first: bool,
 }
 
 impl VectorWork for Turn<'_> {
@@ -309,11 +365,10 @@ impl VectorWork for Turn<'_> {
     #[inline(always)]
     fn run(self) {
         let length = self.direction.count()[0];
-        let beta = if self.first { 0.0 } else { self.beta };
         for row in self.direction.rows() {
             let towards = &self.towards.values()[row..][..length];
             for (p, z) in self.direction.values_mut()[row..][..length].iter_mut().zip(towards) {
-                *p = z + beta * *p;
+                *p = z + self.beta * *p;
             }
         }
     }

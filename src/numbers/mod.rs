@@ -3,6 +3,7 @@
 
 mod exact_sum;
 mod functions;
+mod quads;
 mod quantum;
 mod random;
 mod schedule;
@@ -10,6 +11,7 @@ mod wide_vectors;
 
 pub use exact_sum::ExactSum;
 pub use functions::{power, sine};
+pub use quads::{Quad, QuadWork, in_quads};
 pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;

@@ -104,7 +104,7 @@ impl Outgoing {
     }
 }
 
-fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
+pub(super) fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
     let bytes: Vec<Vec<u8>> =
         outgoing.iter().map(|records| bytemuck::cast_slice(records).to_vec()).collect();
     let incoming = ranks.all_to_all(&bytes);

@@ -59,6 +59,21 @@ pub struct WallContactRecord {
     pub rolling_angle: [f64; 3],
 }
 
+/// What a gas in three dimensions is in one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellRecord {
+    /// Number of the cell in the whole grid, x fastest, then y, then z.
+    pub cell: u64,
+    /// Velocities at the lower faces along x, y, z, at the upper faces, pressure, voidage.
+    pub numbers: [f64; CellRecord::NUMBERS],
+}
+
+impl CellRecord {
+    /// Numbers in a record.
+    pub const NUMBERS: usize = 8;
+}
+
 impl ParticleRecord {
     /// The record of one owned particle.
     pub fn of(particles: &Particles, index: usize) -> Self {

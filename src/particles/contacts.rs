@@ -2,17 +2,21 @@
 //!
 //! Every pair of particles closer than the list's reach, with at least one of them owned, has a slot.
 //! Pairs are stored in rows: the row of an owned particle lists its partners, each pair of two owned
-//! particles once, also where they meet through a periodic face. What a touching pair remembers lives in its slot; [`Contacts::records`] and
-//! [`Contacts::recall`] carry it over a rebuild, to another rank, and through a checkpoint.
+//! particles once, also where they meet through a periodic face. The pairs that can feel each other for the next
+//! steps, and what those that touch remember, are [`NearPairs`]; [`Contacts::records`] and [`Contacts::recall`]
+//! carry it over a rebuild, to another rank, and through a checkpoint.
 
-use super::{Particles, Reach};
+use super::near_pairs::Remembered;
+use super::{Bodies, NearPairs, Particles, Reach};
 use crate::domain::{Wall, WallPose};
+use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
 
-/// What a touching pair remembers: one record for all contact laws.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What a touching pair remembers: one record for all contact laws, of numbers (`f64`) only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct ContactMemory {
     /// Tangential displacement of the second body relative to the first since the contact began.
     pub tangential_spring: Vector3<f64>,
@@ -65,12 +69,10 @@ pub struct Contacts {
     pub(crate) row_start: Vec<u32>,
     /// Partner of each slot, an owned particle or a ghost.
     pub(crate) partner: Vec<u32>,
-    /// Whether the pair of a slot touches.
-    pub(crate) touching: Vec<bool>,
-    /// What it remembers, seen from the row's particle.
-    pub(crate) memory: Vec<ContactMemory>,
-    /// Angles of rolling springs, seen from the row's particle: one per slot, or none without such springs.
-    pub(crate) rolling_angle: Vec<Vector3<f64>>,
+    /// The pairs that can feel each other.
+    pub(crate) near: NearPairs,
+    /// What touching pairs remember that are not yet among the near ones, by slots.
+    carried: Vec<Remembered>,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_memory: Vec<ContactMemory>,
@@ -113,32 +115,48 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let ends = |slot: usize| {
-            if particles.owned_original(self.partner[slot] as usize).is_some() { 2 } else { 1 }
+        let ends = |pair: Remembered| {
+            let partner = self.partner[pair.slot as usize] as usize;
+            if particles.owned_original(partner).is_some() { 2 } else { 1 }
         };
-        (0..self.pair_count()).filter(|&slot| self.touching[slot]).map(ends).sum()
+        self.remembered().map(ends).sum()
     }
 
-    /// Row and slot of every pair.
-    fn slots(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let rows = self.row_start.len().saturating_sub(1);
-        (0..rows).flat_map(move |row| {
-            (self.row_start[row] as usize..self.row_start[row + 1] as usize)
-                .map(move |slot| (row, slot))
-        })
+    /// What every touching pair remembers, by slots.
+    fn remembered(&self) -> impl Iterator<Item = Remembered> + '_ {
+        self.near.remembered().chain(self.carried.iter().copied())
+    }
+
+    /// Begins a new list, without pairs and memories.
+    pub(super) fn clear_pairs(&mut self) {
+        self.row_start.clear();
+        self.row_start.push(0);
+        self.partner.clear();
+        self.near.forget();
+        self.carried.clear();
+    }
+
+    /// Makes sure that all pairs whose surfaces are closer than `range` are among the near ones.
+    pub fn find_near(&mut self, bodies: &Bodies, range: f64) {
+        let list = (&self.row_start[..], &self.partner[..]);
+        if self.near.update(&bodies.body, list, range, &mut self.carried) {
+            self.near.one_size = bodies.one_size();
+        }
     }
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
     /// both, with the same contents; `once` leaves it to the owner of the lower id.
     pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
-        self.slots()
-            .filter(|&(_, slot)| self.touching[slot])
-            .filter_map(|(row, slot)| {
-                let partner = self.partner[slot] as usize;
+        let mut row = 0; // slots ascend
+        self.remembered()
+            .filter_map(|pair| {
+                while self.row_start[row + 1] <= pair.slot {
+                    row += 1;
+                }
+                let partner = self.partner[pair.slot as usize] as usize;
                 let (here, there) = (particles.id[row], particles.id[partner]);
                 let leave = once && here > there && particles.owned_original(partner).is_none();
-                let angle = self.rolling_angle.get(slot).copied().unwrap_or_default();
-                (!leave).then(|| PairMemory::of([here, there], self.memory[slot], angle))
+                (!leave).then(|| PairMemory::of([here, there], pair.memory, pair.rolling_angle))
             })
             .collect()
     }
@@ -213,24 +231,18 @@ impl Contacts {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
+        self.carried.sort_unstable_by_key(|pair| pair.slot);
+        self.carried.dedup_by_key(|pair| pair.slot); // known twice, with the same contents
         self.recall_walls(&index_of, walls)
     }
 
-    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
-    /// does not come back bent.
-    pub(crate) fn hold_rolling_angles(&mut self, hold: bool) {
-        self.rolling_angle.resize(if hold { self.pair_count() } else { 0 }, Vector3::zeros());
-    }
-
     fn remember(&mut self, slot: usize, pair: &PairMemory, from_lower: bool) {
-        let seen = if from_lower { pair.memory } else { reversed(pair.memory) };
-        self.memory[slot] = seen;
-        self.touching[slot] = true;
-        if pair.rolling_angle != Vector3::zeros() {
-            self.hold_rolling_angles(true);
-            let angle = pair.rolling_angle;
-            self.rolling_angle[slot] = if from_lower { angle } else { -angle };
-        }
+        let (memory, rolling_angle) = if from_lower {
+            (pair.memory, pair.rolling_angle)
+        } else {
+            (reversed(pair.memory), -pair.rolling_angle)
+        };
+        self.carried.push(Remembered { slot: slot as u32, memory, rolling_angle });
     }
 
     fn recall_walls(

@@ -1,7 +1,7 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
 use super::contacts::{LostContact, PairMemory, WallMemory};
-use super::{CellGrid, ContactMemory, Contacts, Particles};
+use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Wall, WallPose};
 use nalgebra::Vector3;
 
@@ -83,9 +83,7 @@ impl Neighbours {
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, reach: Reach) {
         let margin = reach.range + reach.skin;
         let owned = particles.owned_count();
-        contacts.row_start.clear();
-        contacts.row_start.push(0);
-        contacts.partner.clear();
+        contacts.clear_pairs();
         for i in 0..owned {
             let (centre, radius) = (particles.position[i], particles.radius[i]);
             self.cells.for_each_neighbourhood(i, |members| {
@@ -103,10 +101,5 @@ impl Neighbours {
             });
             contacts.row_start.push(contacts.partner.len() as u32);
         }
-        contacts.touching.clear();
-        contacts.touching.resize(contacts.partner.len(), false);
-        contacts.memory.clear();
-        contacts.memory.resize(contacts.partner.len(), ContactMemory::default());
-        contacts.rolling_angle.clear();
     }
 }

@@ -57,17 +57,6 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
-    /// Moves what pairs have put on images of owned particles to those particles.
-    pub fn fold_image_forces(&mut self) {
-        for ghost in self.owned..self.count() {
-            if let Some(original) = self.owned_original(ghost) {
-                let (force, torque) = (self.force[ghost], self.torque[ghost]);
-                self.force[original] += force;
-                self.torque[original] += torque;
-            }
-        }
-    }
-
     /// Moment of inertia of a solid sphere, (2/5) m r^2.
     #[inline(always)]
     pub fn inertia(&self, index: usize) -> f64 {

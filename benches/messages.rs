@@ -1,0 +1,163 @@
+//! What ranks say to each other in a step, counted: what the scaling model of docs/performance.md rests on.
+//!
+//! `cargo bench --bench messages` prints a table in Markdown: a vibrating bed on thread ranks, the largest of the ranks.
+
+#[path = "../tests/beds/mod.rs"]
+mod beds;
+
+use beds::{Bench, PERIODIC, PLATE, gas, shaken};
+use std::cell::Cell;
+use talcum::domain::RankGrid;
+use talcum::parallel::{AxisNeighbours, Communicator, FileAccess, run_on_threads};
+
+const STEPS: u64 = 400;
+const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [2, 2, 1], [2, 2, 2], [4, 4, 1]];
+
+/// Counts what goes through another communicator.
+struct Counting<'a> {
+    inner: &'a dyn Communicator,
+    counts: Cell<Counts>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    messages: u64,
+    bytes: u64,
+    reductions: u64,
+    reduced_bytes: u64,
+    all_to_alls: u64,
+}
+
+impl Counting<'_> {
+    fn count(&self, change: impl FnOnce(&mut Counts)) {
+        let mut counts = self.counts.get();
+        change(&mut counts);
+        self.counts.set(counts);
+    }
+
+    fn reduction<T>(&self, values: &[T]) {
+        self.count(|counts| {
+            counts.reductions += 1;
+            counts.reduced_bytes += size_of_val(values) as u64;
+        });
+    }
+}
+
+impl Communicator for Counting<'_> {
+    fn rank(&self) -> usize {
+        self.inner.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.inner.size()
+    }
+
+    fn exchange(
+        &self,
+        neighbours: AxisNeighbours,
+        outgoing: [&[u8]; 2],
+        incoming: &mut [Vec<u8>; 2],
+    ) {
+        for (neighbour, bytes) in neighbours.iter().zip(outgoing) {
+            if neighbour.is_some_and(|rank| rank != self.rank()) {
+                self.count(|counts| {
+                    counts.messages += 1;
+                    counts.bytes += bytes.len() as u64;
+                });
+            }
+        }
+        self.inner.exchange(neighbours, outgoing, incoming);
+    }
+
+    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>> {
+        self.count(|counts| counts.all_to_alls += 1);
+        self.inner.all_to_all(outgoing)
+    }
+
+    fn sum_exact(&self, values: &mut [f64]) {
+        self.reduction(values);
+        self.inner.sum_exact(values);
+    }
+
+    fn sum_integers(&self, values: &mut [i64]) {
+        self.reduction(values);
+        self.inner.sum_integers(values);
+    }
+
+    fn maximum(&self, values: &mut [f64]) {
+        self.reduction(values);
+        self.inner.maximum(values);
+    }
+
+    fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
+        self.inner.gather_to_root(bytes)
+    }
+
+    fn broadcast_from_root(&self, bytes: &mut Vec<u8>) {
+        self.inner.broadcast_from_root(bytes);
+    }
+
+    fn file_access(&self) -> FileAccess {
+        self.inner.file_access()
+    }
+}
+
+/// What one rank said and held.
+struct Seen {
+    counts: Counts,
+    owned: usize,
+    ghosts: usize,
+}
+
+/// 20 x 20 layers of a lattice on a plate, without gaps above: about 8,000 particles.
+fn bed(with_gas: bool) -> Bench {
+    let mut bench = Bench::new([20.0, 20.0, 21.0], [PERIODIC, PERIODIC, PLATE]);
+    bench.skin = 0.08;
+    bench.gravity = shaken(3.0, 0.16);
+    bench.add_layers(8_000, (1.0, 0.55), &[0.97], (0.01, 0.2));
+    bench.gas = with_gas.then(|| gas(0.1));
+    bench
+}
+
+fn seen_on(bench: &Bench, grid: [usize; 3]) -> Vec<Seen> {
+    let grid = RankGrid(grid);
+    run_on_threads(grid.size(), |ranks| {
+        let counting = Counting { inner: ranks, counts: Cell::default() };
+        let mut run = bench.start(grid, &counting);
+        counting.counts.set(Counts::default());
+        run.steps(STEPS);
+        let owned = run.state.particles.owned_count();
+        let ghosts = run.state.particles.count() - owned;
+        Seen { counts: counting.counts.get(), owned, ghosts }
+    })
+}
+
+fn main() {
+    println!(
+        "| ranks | gas | particles per rank | ghosts per rank | messages per step | bytes sent per step | \
+         reductions per step | bytes reduced per step | all-to-alls per step |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    for with_gas in [false, true] {
+        let bench = bed(with_gas);
+        for grid in GRIDS {
+            let seen = seen_on(&bench, grid);
+            let most = |of: &dyn Fn(&Seen) -> u64| seen.iter().map(of).max().unwrap_or_default();
+            let per_step = |of: &dyn Fn(&Counts) -> u64| {
+                most(&|rank: &Seen| of(&rank.counts)) as f64 / STEPS as f64
+            };
+            println!(
+                "| {} | {} | {} | {} | {:.2} | {:.0} | {:.2} | {:.0} | {:.3} |",
+                RankGrid(grid),
+                if with_gas { "column" } else { "none" },
+                most(&|rank| rank.owned as u64),
+                most(&|rank| rank.ghosts as u64),
+                per_step(&|counts| counts.messages),
+                per_step(&|counts| counts.bytes),
+                per_step(&|counts| counts.reductions),
+                per_step(&|counts| counts.reduced_bytes),
+                per_step(&|counts| counts.all_to_alls),
+            );
+        }
+    }
+}

@@ -1,0 +1,131 @@
+"""A model of the time of a step on many ranks, from measured rates and what ranks say to each other.
+
+Blocks of a bed over a plate, cut into columns or into cubes. With n particles per rank at number density c, a ghost
+layer of width w and a block of sides l:
+
+    compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
+    halo        per cut axis two messages of c w (face, with the ghosts of the axes before) particles, 72 bytes each
+    decide      one all-reduce of five integers: 2 log2(P) latencies
+    gas         one all-reduce of two fields over the column's nodes, more if there is gas
+    rebuild     every R steps: the ghosts anew (96 bytes each), three reductions, and an all-to-all of three messages
+                to each other rank if any particle changes its owner
+
+t = latency + bytes / bandwidth for each message; messages of one axis go both ways at once, the axes one after another.
+Ranks of a node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks
+leave it. Nothing overlaps; loads are even.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from .tables import table
+
+GHOST_BYTES, NEW_GHOST_BYTES = 72, 96
+DECISION_BYTES = 5 * 8
+# Particles, pair memories, wall memories: each has its own all-to-all.
+MIGRATION_MESSAGES = 3
+REDUCTIONS_PER_REBUILD = 3
+SOLIDS_FRACTION = 0.6
+LAYER = 1.08
+BED_HEIGHT = 52.0
+
+
+@dataclass(frozen=True)
+class Network:
+    """A network, as an MPI program sees it. Cray Aries as measured with the OSU benchmarks, one rank per node
+    (gist.github.com/hppritcha/6a3acd0c192fcfd082bd543fc98e6fe6: 1.2 us for small messages, 114 us for 1 MiB);
+    the bandwidth of a node is shared by its ranks."""
+
+    latency: float = 1.2e-6
+    node_bandwidth: float = 9.2e9
+    ranks_per_node: int = 64
+    # A rank sends and receives single messages one after another: about the latency's processor part.
+    overhead: float = 0.5e-6
+
+    # Within a node a message is copied twice through memory that all cores share.
+    copy_bandwidth: float = 1.5e9
+
+    def message(self, size: float, cut_axes: int = 2) -> float:
+        """Seconds for one message while all ranks of the node, a block of `cut_axes` dimensions, send theirs."""
+        leaving = self.ranks_per_node ** (1.0 - 1.0 / cut_axes)
+        return self.latency + max(size * leaving / self.node_bandwidth, size / self.copy_bandwidth)
+
+    def all_reduce(self, ranks: int, size: float) -> float:
+        """Seconds, by recursive doubling."""
+        return math.ceil(math.log2(ranks)) * self.message(size) if ranks > 1 else 0.0
+
+
+@dataclass(frozen=True)
+class Load:
+    """What each rank has to do."""
+
+    particles: float
+    # Cut along x and y only, over the whole height of the bed; or along all three axes.
+    columns: bool = True
+    particle_step: float = 1.0e-7
+    steps_per_rebuild: float = 100.0
+    gas_nodes: int = 0
+    # Whether migration goes to all ranks at each rebuild, as it does, or to the 26 around.
+    to_all: bool = True
+
+    @property
+    def sides(self) -> list[float]:
+        """Lengths of the block along the axes that are cut, and then of the others."""
+        volume = self.particles / self.density
+        if self.columns:
+            return [math.sqrt(volume / BED_HEIGHT)] * 2 + [BED_HEIGHT]
+        return [volume ** (1.0 / 3.0)] * 3
+
+    @property
+    def density(self) -> float:
+        """Particles per volume."""
+        return SOLIDS_FRACTION * 6.0 / math.pi
+
+    def ghosts_per_message(self) -> list[float]:
+        """For each cut axis, in the order in which they go: what came along one axis goes on along the next."""
+        sides, ghosts = self.sides, []
+        for axis in range(2 if self.columns else 3):
+            others = [side for other, side in enumerate(sides) if other != axis]
+            ghosts.append(self.density * LAYER * others[0] * others[1])
+            sides[axis] += 2.0 * LAYER
+        return ghosts
+
+
+def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:
+    """Seconds of the parts of a step."""
+    ghosts = load.ghosts_per_message() if ranks > 1 else []
+    messages = lambda size: sum(network.message(size * n, len(ghosts)) + network.overhead for n in ghosts)  # noqa: E731
+    halo, renewal = messages(GHOST_BYTES), messages(NEW_GHOST_BYTES)
+    others = (ranks - 1) if load.to_all else min(26, ranks - 1)
+    migration = MIGRATION_MESSAGES * (network.overhead * others + (network.latency if ranks > 1 else 0.0))
+    renewal += REDUCTIONS_PER_REBUILD * network.all_reduce(ranks, 8) + migration
+    return {
+        "compute": load.particles * load.particle_step,
+        "halo": halo,
+        "decide": network.all_reduce(ranks, DECISION_BYTES),
+        "gas": network.all_reduce(ranks, 16 * load.gas_nodes) if load.gas_nodes else 0.0,
+        "rebuild": renewal / load.steps_per_rebuild,
+    }
+
+
+def efficiency(parts: dict[str, float]) -> str:
+    """The part of a step that is computing."""
+    return f"{100.0 * parts['compute'] / sum(parts.values()):.0f} %"
+
+
+def model_table(load: Load, network: Network = Network()) -> str:
+    """Microseconds of the parts of a step, and efficiency with either kind of migration, on 64 to 100,000 ranks."""
+    rows = []
+    for particles in (1.0e3, 1.0e4, 1.0e5):
+        for ranks in (64, 1_000, 100_000):
+            here = replace(load, particles=particles)
+            parts = step_parts(here, ranks, network)
+            near = step_parts(replace(here, to_all=False), ranks, network)
+            cells = [f"{1e6 * seconds:.1f}" for seconds in parts.values()]
+            sizes = [f"{particles:,.0f}", f"{ranks:,}", f"{particles * ranks:.1e}"]
+            rows.append([*sizes, *cells, efficiency(parts), efficiency(near)])
+    head = ["particles per rank", "ranks", "particles", "compute, us", "halo", "decide", "gas", "rebuild", "efficiency",
+            "with migration to neighbours only"]  # fmt: skip
+    return table(head, rows)

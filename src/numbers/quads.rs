@@ -1,0 +1,223 @@
+//! Four numbers side by side, for what the compiler does not turn into vector instructions by itself.
+
+/// Four doubles in one register.
+///
+/// Each operation is an IEEE one on each number, rounded once, so that all implementations give the same bits.
+/// Everything is `#[inline(always)]`: it must be compiled into the function that was chosen for the processor.
+pub trait Quad: Copy {
+    /// Four numbers in memory.
+    fn load(numbers: &[f64; 4]) -> Self;
+
+    /// Writes them to memory.
+    fn store(self, numbers: &mut [f64; 4]);
+
+    /// The same number four times.
+    fn splat(number: f64) -> Self;
+
+    /// Sums.
+    fn plus(self, other: Self) -> Self;
+
+    /// Differences.
+    fn minus(self, other: Self) -> Self;
+
+    /// Products.
+    fn times(self, other: Self) -> Self;
+
+    /// The larger of each two; either of them if one is undefined.
+    fn larger(self, other: Self) -> Self;
+
+    /// Rows to columns.
+    fn transposed(rows: [Self; 4]) -> [Self; 4];
+}
+
+/// Work on quads. `run`, and all it calls, must be `#[inline(always)]`, as for
+/// [`VectorWork`](super::VectorWork); quads in closures, so also in `map` of arrays, are an order of magnitude slower.
+pub trait QuadWork {
+    /// What it gives.
+    type Output;
+
+    /// Does the work with one kind of quad.
+    fn run<Q: Quad>(self) -> Self::Output;
+}
+
+/// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does.
+#[inline(always)]
+pub fn in_quads<W: QuadWork>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        return unsafe { avx2::run(work) };
+    }
+    work.run::<Portable>()
+}
+
+/// Quads on any processor.
+#[derive(Clone, Copy)]
+struct Portable([f64; 4]);
+
+impl Portable {
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(f64, f64) -> f64) -> Self {
+        let (a, b) = (self.0, other.0);
+        Self([
+            operation(a[0], b[0]),
+            operation(a[1], b[1]),
+            operation(a[2], b[2]),
+            operation(a[3], b[3]),
+        ])
+    }
+}
+
+impl Quad for Portable {
+    #[inline(always)]
+    fn load(numbers: &[f64; 4]) -> Self {
+        Self(*numbers)
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut [f64; 4]) {
+        *numbers = self.0;
+    }
+
+    #[inline(always)]
+    fn splat(number: f64) -> Self {
+        Self([number; 4])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn transposed(rows: [Self; 4]) -> [Self; 4] {
+        let [Self(a), Self(b), Self(c), Self(d)] = rows;
+        [
+            Self([a[0], b[0], c[0], d[0]]),
+            Self([a[1], b[1], c[1], d[1]]),
+            Self([a[2], b[2], c[2], d[2]]),
+            Self([a[3], b[3], c[3], d[3]]),
+        ]
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    #![allow(
+        unsafe_code,
+        reason = "vector instructions; `Wide` is used by `run` alone, which is called where there is AVX2"
+    )]
+
+    use super::{Quad, QuadWork};
+    use std::arch::x86_64::*;
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn run<W: QuadWork>(work: W) -> W::Output {
+        work.run::<Wide>()
+    }
+
+    /// Quads in a register of AVX2.
+    #[derive(Clone, Copy)]
+    struct Wide(__m256d);
+
+    impl Quad for Wide {
+        #[inline(always)]
+        fn load(numbers: &[f64; 4]) -> Self {
+            Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn store(self, numbers: &mut [f64; 4]) {
+            unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), self.0) }
+        }
+
+        #[inline(always)]
+        fn splat(number: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(number) })
+        }
+
+        #[inline(always)]
+        fn plus(self, other: Self) -> Self {
+            Self(unsafe { _mm256_add_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn minus(self, other: Self) -> Self {
+            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn times(self, other: Self) -> Self {
+            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn larger(self, other: Self) -> Self {
+            Self(unsafe { _mm256_max_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn transposed(rows: [Self; 4]) -> [Self; 4] {
+            let [Self(a), Self(b), Self(c), Self(d)] = rows;
+            unsafe {
+                let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+                [
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                    Self(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+                ]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct AllOperations;
+
+    impl QuadWork for AllOperations {
+        type Output = [[f64; 4]; 9];
+
+        #[inline(always)]
+        fn run<Q: Quad>(self) -> Self::Output {
+            let (a, b) = (Q::load(&[0.1, 0.2, 0.3, 0.4]), Q::load(&[-0.7, 3.0, 1.0e-9, 7.0]));
+            let columns = Q::transposed([a, b, a.times(b), Q::splat(0.3)]);
+            let results = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
+            let mut numbers = [[0.0; 4]; 9];
+            for (quad, numbers) in results.into_iter().chain(columns).zip(&mut numbers) {
+                quad.store(numbers);
+            }
+            numbers
+        }
+    }
+
+    #[test]
+    fn all_kinds_of_quads_give_the_same_bits() {
+        let [a, sum, difference, product, larger, columns @ ..] = in_quads(AllOperations);
+        assert_eq!([a, sum, difference, product, larger], AllOperations.run::<Portable>()[..5]);
+        assert_eq!(columns, AllOperations.run::<Portable>()[5..]);
+        assert_eq!(a, [0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(sum, [0.1 - 0.7, 0.2 + 3.0, 0.3 + 1.0e-9, 0.4 + 7.0]);
+        assert_eq!(larger, [0.1, 3.0, 0.3, 7.0]);
+        assert_eq!(columns[1], [0.2, 3.0, 0.2 * 3.0, 0.3]);
+    }
+}
