@@ -26,6 +26,8 @@
 //! force on a particle, upwards: (V / phi) beta [(u_s - v) - (u_s - U_s) / (1 - phi)^2]
 //! ```
 //!
+//! * Gas in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid
+//!   ([`gas::volume_averaged`]).
 //! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
 //! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).
 //! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::CoarseGraining`]).
