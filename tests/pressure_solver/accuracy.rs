@@ -12,7 +12,8 @@ const AT_FACES: f64 = 0.0;
 /// Largest error of -div(a grad p) = b in the unit cube with p = cos(pi x) cos(2 pi y) sin(pi z / 2 + ...) and
 /// a = 1 + x/2 + y z: walls without flow at x and y, p given on top.
 fn error_on(n: usize, shift: f64) -> f64 {
-    let pressure = |[x, y, z]: [f64; 3]| (PI * x).cos() * (2.0 * PI * y).cos() * (0.5 * PI * z).cos();
+    let pressure =
+        |[x, y, z]: [f64; 3]| (PI * x).cos() * (2.0 * PI * y).cos() * (0.5 * PI * z).cos();
     let slope = |[x, y, z]: [f64; 3]| {
         let [a, b, c] = [PI * x, 2.0 * PI * y, 0.5 * PI * z];
         [

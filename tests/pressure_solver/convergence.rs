@@ -40,7 +40,9 @@ fn jumps_of_six_and_nine_orders_of_magnitude_do_no_harm() {
 #[test]
 fn cells_of_any_shape_need_as_many_iterations_as_cubes() {
     let n = [24, 24, 24];
-    for edges in [[1.0, 1.0, 1.0], [1.0, 1.0, 4.0], [1.0, 4.0, 4.0], [4.0, 1.0, 1.0], [1.0, 2.0, 4.0]] {
+    for edges in
+        [[1.0, 1.0, 1.0], [1.0, 1.0, 4.0], [1.0, 4.0, 4.0], [4.0, 1.0, 1.0], [1.0, 2.0, 4.0]]
+    {
         let lengths = [0, 1, 2].map(|a| n[a] as f64 * edges[a]);
         let count = iterations(&Equation::in_box(n, lengths, [false; 3]));
         assert!(count <= 9, "{edges:?}: {count}");

@@ -96,8 +96,9 @@ impl Equation {
 
     /// b - A p.
     pub fn residual(&self, p: &[f64]) -> Vec<f64> {
-        let mut residual: Vec<f64> =
-            (0..self.cells()).map(|cell| self.right[cell] - self.diagonal[cell] * p[cell]).collect();
+        let mut residual: Vec<f64> = (0..self.cells())
+            .map(|cell| self.right[cell] - self.diagonal[cell] * p[cell])
+            .collect();
         for axis in 0..3 {
             for cell in 0..self.cells() {
                 if let Some(below) = self.below(cell, axis) {
