@@ -46,7 +46,7 @@ struct Smoother {
 /// What is below a level.
 #[derive(Clone, Debug)]
 enum Below {
-    Coarser(Step),
+    Coarser(Box<Step>),
     Nothing(DirectSolver),
 }
 
@@ -142,7 +142,7 @@ impl Level {
             (Below::Nothing(DirectSolver::new(grid.cells())), None)
         } else {
             let (step, coarser) = Step::new(grid, place, whole);
-            (Below::Coarser(step), Some(coarser))
+            (Below::Coarser(Box::new(step)), Some(coarser))
         };
         let smoother = Smoother {
             whole,

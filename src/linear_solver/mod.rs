@@ -24,6 +24,7 @@
 //!   groundwater flow simulations", Nucl. Sci. Eng. 124 (1996) 145-159.
 
 mod coarsening;
+mod convergence;
 mod direct;
 mod gathering;
 mod hierarchy;
@@ -32,8 +33,10 @@ mod operator;
 mod pairs;
 mod place;
 mod pressure_solver;
+mod rows;
 mod smoothing;
 mod step;
 mod transfer;
 
-pub use pressure_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
+pub use convergence::{Convergence, LinearSolverError, Tolerance};
+pub use pressure_solver::PressureSolver;

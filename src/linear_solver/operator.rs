@@ -1,6 +1,7 @@
 //! The operator on the cells of a part, row by row.
 
 use super::lattice_sum::RunningDot;
+use super::rows::rows;
 use crate::grid::{Field, GridPart};
 use crate::numbers::{VectorWork, in_wide_vectors};
 
@@ -38,7 +39,7 @@ impl Coefficients {
     /// 1 / (sum of a_f + d_c); zero for a cell that nothing holds.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field) {
         let length = inverse.count()[0];
-        for (from, to) in self.diagonal.rows().zip(inverse.rows()) {
+        for [from, to] in rows([&self.diagonal, inverse]) {
             for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
                 let sum = self.sum(from + i);
                 *value = if sum > 0.0 { 1.0 / sum } else { 0.0 };
@@ -49,7 +50,7 @@ impl Coefficients {
     /// (sum of a_f + d_c) p_c.
     pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
         let length = p.count()[0];
-        for (from, to) in self.diagonal.rows().zip(p.rows()) {
+        for [from, to] in rows([&self.diagonal, p]) {
             for i in 0..length {
                 scaled.values_mut()[to + i] = self.sum(from + i) * p.values()[to + i];
             }
@@ -80,12 +81,12 @@ impl<'a> StencilRow<'a> {
         let beyond = coefficients.diagonal.strides();
         let (strides, p) = (numbers.strides(), numbers.values());
         Self {
-            lower_faces: faces.map(|faces| &faces[place..][..length]),
-            upper_faces: [0, 1, 2].map(|axis| &faces[axis][place + beyond[axis]..][..length]),
+            lower_faces: from_places(faces, [place; 3], length),
+            upper_faces: from_places(faces, beyond.map(|along| place + along), length),
             diagonal: &coefficients.diagonal.values()[place..][..length],
             centre: &p[row..][..length],
-            below: strides.map(|stride| &p[row - stride..][..length]),
-            above: strides.map(|stride| &p[row + stride..][..length]),
+            below: from_places([p; 3], strides.map(|along| row - along), length),
+            above: from_places([p; 3], strides.map(|along| row + along), length),
         }
     }
 
@@ -104,6 +105,11 @@ impl<'a> StencilRow<'a> {
     pub(super) fn centre(&self) -> &'a [f64] {
         self.centre
     }
+}
+
+#[inline(always)]
+fn from_places([x, y, z]: [&[f64]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[f64]; 3] {
+    [&x[i..][..length], &y[j..][..length], &z[k..][..length]]
 }
 
 /// q = A p, and p . q; both have halos of one width.
@@ -130,7 +136,7 @@ impl VectorWork for Apply<'_> {
     fn run(self) -> RunningDot {
         let Self { coefficients, p, q, mut dot } = self;
         let length = p.count()[0];
-        for (place, row) in coefficients.diagonal.rows().zip(p.rows()) {
+        for [place, row] in rows([&coefficients.diagonal, p]) {
             let stencil = StencilRow::new((coefficients, place), (p, row), length);
             let result = &mut q.values_mut()[row..][..length];
             for (i, value) in result.iter_mut().enumerate() {
@@ -161,8 +167,7 @@ impl VectorWork for Residual<'_> {
     fn run(self) {
         let Self { coefficients, p, b, r } = self;
         let length = p.count()[0];
-        let rows = coefficients.diagonal.rows().zip(p.rows()).zip(b.rows()).zip(r.rows());
-        for (((place, row), right), rest) in rows {
+        for [place, row, right, rest] in rows([&coefficients.diagonal, p, b, r]) {
             let stencil = StencilRow::new((coefficients, place), (p, row), length);
             let right = &b.values()[right..][..length];
             for (i, value) in r.values_mut()[rest..][..length].iter_mut().enumerate() {

@@ -6,7 +6,7 @@ use crate::numbers::{VectorWork, in_wide_vectors};
 use std::ops::Range;
 
 /// Which cells are paired. The pair of the cells 2m and 2m + 1 belongs to the owner of the first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pairs {
     pub(super) axis: usize,
     pub(super) fine: GridPart,
@@ -14,7 +14,46 @@ pub(super) struct Pairs {
     pub(super) periodic: bool,
 }
 
+/// Fine cells at equal distances along x.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// The first.
+    pub(super) place: [isize; 3],
+    /// Its number along the axis of the pairs, in the whole grid.
+    pub(super) number: usize,
+    distance: usize,
+    length: usize,
+}
+
+impl Run {
+    /// Places in memory, from that of the first cell.
+    #[inline(always)]
+    pub(super) fn cells(self, first: usize) -> impl Iterator<Item = usize> {
+        (0..self.length).map(move |i| first + i * self.distance)
+    }
+}
+
 impl Pairs {
+    /// Owned fine cells, in pieces of rows along x in which all numbers along the axis are even, or all odd.
+    pub(super) fn runs(&self) -> impl Iterator<Item = Run> + use<> {
+        let pairs = *self;
+        let [nx, ny, nz] = self.fine.count.map(|count| count as isize);
+        let (phases, distance) = if self.axis == 0 { (nx.min(2), 2) } else { (1, 1) };
+        starts([0..1, 0..ny, 0..nz]).flat_map(move |[_, j, k]| {
+            (0..phases).map(move |i| {
+                let place = [i, j, k];
+                let length = ((nx - i) as usize).div_ceil(distance);
+                Run { place, number: pairs.number(place), distance, length }
+            })
+        })
+    }
+
+    /// Places where the rows of owned pairs begin, in the order of [`Field::rows`].
+    pub(super) fn coarse_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+        let [_, ny, nz] = self.coarse.count.map(|count| count as isize);
+        starts([0..1, 0..ny, 0..nz])
+    }
+
     /// Number along the axis, in the whole grid, of a fine cell.
     pub(super) fn number(&self, place: [isize; 3]) -> usize {
         (self.fine.start[self.axis] as isize + place[self.axis]) as usize
@@ -67,19 +106,9 @@ impl Transfer {
     }
 }
 
-/// Calls `work` with each place of a block.
-pub(super) fn for_each_cell([x, y, z]: [Range<isize>; 3], mut work: impl FnMut([isize; 3])) {
-    for k in z {
-        for j in y.clone() {
-            for i in x.clone() {
-                work([i, j, k]);
-            }
-        }
-    }
-}
-
-/// Rows along x of two fields beside each other.
-fn rows([x, y, z]: [Range<isize>; 3]) -> impl Iterator<Item = [isize; 3]> {
+/// Cells at which rows along x begin.
+#[inline(always)]
+fn starts([x, y, z]: [Range<isize>; 3]) -> impl Iterator<Item = [isize; 3]> {
     let start = x.start;
     z.flat_map(move |k| y.clone().map(move |j| [start, j, k]))
 }
@@ -100,7 +129,7 @@ impl VectorWork for Restrict<'_> {
         let length = ranges[0].len();
         let along = fine.strides()[pairs.axis];
         let (lean, numbers) = (lean.values(), fine.values());
-        for place in rows(ranges) {
+        for place in starts(ranges) {
             let first = fine.index(pairs.first_of(place));
             let to = coarse.index(place);
             let sums = &mut coarse.values_mut()[to..][..length];
@@ -172,7 +201,7 @@ impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
         let ranges = pairs.prolonged(CORRECT);
         let length = ranges[0].len();
         let along = coarse.strides()[axis];
-        for place in rows(ranges) {
+        for place in starts(ranges) {
             let number = pairs.number(place);
             let mut own = place;
             own[axis] = (number / 2) as isize - pairs.coarse.start[axis] as isize;

@@ -5,6 +5,7 @@
 //! the coarse grid, so that the cycle is symmetric.
 
 use super::operator::{Coefficients, StencilRow};
+use super::rows::rows;
 use crate::grid::Field;
 use crate::numbers::{VectorWork, in_wide_vectors};
 
@@ -48,14 +49,6 @@ pub(super) struct System<'a> {
     pub(super) right: &'a Field,
 }
 
-impl System<'_> {
-    /// Where rows begin in the coefficients and in the right-hand side; the other fields share theirs.
-    #[inline(always)]
-    fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        self.coefficients.diagonal.rows().zip(self.right.rows())
-    }
-}
-
 /// Smooths from x_0 = 0, or from the x_0 in `solution`; its halo is current afterwards. Numbers of `middle` are lost.
 pub(super) fn smooth(
     system: System,
@@ -89,7 +82,7 @@ impl VectorWork for FirstFromZero<'_> {
     #[inline(always)]
     fn run(self) {
         let length = self.next.count()[0];
-        for (row, right) in self.next.rows().zip(self.system.right.rows()) {
+        for [row, right] in rows([&*self.next, self.system.right]) {
             let right = &self.system.right.values()[right..][..length];
             let inverse = &self.system.inverse_diagonal.values()[row..][..length];
             for (i, next) in self.next.values_mut()[row..][..length].iter_mut().enumerate() {
@@ -112,7 +105,7 @@ impl VectorWork for First<'_> {
     fn run(self) {
         let Self { system, solution, next } = self;
         let length = next.count()[0];
-        for (row, (place, right)) in next.rows().zip(system.rows()) {
+        for [row, place, right] in rows([&*next, &system.coefficients.diagonal, system.right]) {
             let stencil = StencilRow::new((system.coefficients, place), (solution, row), length);
             let right = &system.right.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];
@@ -139,7 +132,7 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
     fn run(self) {
         let Self { system, by: Momentum { memory, step }, present, last } = self;
         let length = last.count()[0];
-        for (row, (place, right)) in last.rows().zip(system.rows()) {
+        for [row, place, right] in rows([&*last, &system.coefficients.diagonal, system.right]) {
             let stencil = StencilRow::new((system.coefficients, place), (present, row), length);
             let right = &system.right.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];

@@ -19,7 +19,8 @@
 //! coarse grid would answer too strongly where coefficients jump.
 
 use super::operator::Coefficients;
-use super::pairs::{Pairs, for_each_cell};
+use super::pairs::Pairs;
+use super::rows::rows;
 use crate::grid::Field;
 
 /// The weights t of one axis, and what they are needed for.
@@ -43,15 +44,22 @@ impl Transfer {
         let Self { pairs, inside, .. } = self;
         let along = inside.strides()[pairs.axis];
         let faces = fine.faces[pairs.axis].values();
-        for_each_cell(pairs.fine.count.map(|count| 0..count as isize), |place| {
-            let cell = inside.index(place);
-            let number = pairs.number(place);
-            inside.values_mut()[cell] = match number % 2 {
-                1 => 0.5 / faces[cell],
-                _ if number + 1 < pairs.fine.counts[pairs.axis] => 0.5 / faces[cell + along],
-                _ => 0.0,
-            };
-        });
+        let last = pairs.fine.counts[pairs.axis] - 1;
+        for run in pairs.runs() {
+            let first = inside.index(run.place);
+            let cells = run.cells(first);
+            if run.number % 2 == 1 {
+                cells.for_each(|cell| inside.values_mut()[cell] = 0.5 / faces[cell]);
+            } else {
+                cells.for_each(|cell| inside.values_mut()[cell] = 0.5 / faces[cell + along]);
+            }
+        }
+        if last % 2 == 0 && pairs.fine.at_ends(pairs.axis)[1] {
+            // The last cell is left alone: it is the middle of its pair.
+            let layer = pairs.fine.count[pairs.axis] as isize - 1;
+            let rows: Vec<_> = inside.slab(pairs.axis, (layer, layer + 1)).collect();
+            rows.into_iter().for_each(|row| inside.values_mut()[row].fill(0.0));
+        }
     }
 
     /// Sets t of owned cells. Before: halos of the coefficients and of R are current.
@@ -60,16 +68,15 @@ impl Transfer {
         let along = inside.strides()[pairs.axis];
         let faces = fine.faces[pairs.axis].values();
         let inside = inside.values();
-        for_each_cell(pairs.fine.count.map(|count| 0..count as isize), |place| {
-            let cell = lean.index(place);
-            let upwards = pairs.number(place) % 2 == 1;
-            let (face, next) = if upwards {
-                (faces[cell + along], cell + along)
-            } else {
-                (faces[cell], cell - along)
-            };
-            lean.values_mut()[cell] = part_beyond(inside[cell], face, inside[next]);
-        });
+        for run in pairs.runs() {
+            let first = lean.index(run.place);
+            let upwards = run.number % 2 == 1;
+            for cell in run.cells(first) {
+                let (face, next) =
+                    if upwards { (cell + along, cell + along) } else { (cell, cell - along) };
+                lean.values_mut()[cell] = part_beyond(inside[cell], faces[face], inside[next]);
+            }
+        }
     }
 
     /// Sets the coefficients of owned cells of the coarse grid.
@@ -77,24 +84,29 @@ impl Transfer {
     /// Before: halos of coefficients, R and t are current. After: those of the coarse coefficients are not.
     pub(super) fn coarsen(&self, fine: &Coefficients, coarse: &mut Coefficients) {
         let pairs = &self.pairs;
-        for_each_cell(pairs.coarse.count.map(|count| 0..count as isize), |place| {
-            let cell = fine.diagonal.index(pairs.first_of(place));
-            let target = coarse.diagonal.index(place);
-            let beyond =
-                pairs.wraps_alone(pairs.coarse.start[pairs.axis] as isize + place[pairs.axis]);
-            for axis in 0..3 {
-                coarse.faces[axis].values_mut()[target] = if axis == pairs.axis {
-                    self.in_series(fine, cell)
-                } else {
-                    self.in_parallel(fine.faces[axis].values(), Some(axis), cell, beyond)
-                };
+        let distance = if pairs.axis == 0 { 2 } else { 1 };
+        let targets = rows([&coarse.diagonal]).zip(pairs.coarse_rows());
+        for ([target], place) in targets {
+            let first = fine.diagonal.index(pairs.first_of(place));
+            let number = pairs.coarse.start[pairs.axis] as isize + place[pairs.axis];
+            for i in 0..pairs.coarse.count[0] {
+                let number = if pairs.axis == 0 { number + i as isize } else { number };
+                let (cell, alone) = (first + distance * i, pairs.wraps_alone(number));
+                for axis in 0..3 {
+                    coarse.faces[axis].values_mut()[target + i] = if axis == pairs.axis {
+                        self.in_series(fine, cell)
+                    } else {
+                        self.in_parallel(fine.faces[axis].values(), Some(axis), cell, alone)
+                    };
+                }
+                let diagonal = self.in_parallel(fine.diagonal.values(), None, cell, alone);
+                coarse.diagonal.values_mut()[target + i] = diagonal;
             }
-            coarse.diagonal.values_mut()[target] =
-                self.in_parallel(fine.diagonal.values(), None, cell, beyond);
-        });
+        }
     }
 
     /// The coefficient between the pair of a first cell and the pair below.
+    #[inline(always)]
     fn in_series(&self, fine: &Coefficients, cell: usize) -> f64 {
         let axis = self.pairs.axis;
         let strides = self.lean.strides();
@@ -117,6 +129,7 @@ impl Transfer {
     }
 
     /// a_f (t_c - t_c')^2 of the lower face of a cell.
+    #[inline(always)]
     fn cost(&self, faces: &[f64], cell: usize, across: usize) -> f64 {
         let lean = self.lean.values();
         let difference = lean[cell] - lean[cell - across];
@@ -125,6 +138,7 @@ impl Transfer {
 
     /// The sum over fine cells of a number times its weight in the pair of a first cell: for faces across the axis
     /// the mean weight of their two cells.
+    #[inline(always)]
     fn in_parallel(
         &self,
         numbers: &[f64],
@@ -148,12 +162,10 @@ impl Transfer {
 }
 
 /// R / (R + 1/a + R'), 0 if nothing connects the two pairs; 1/2 if only what is inside the pairs keeps them apart.
+#[inline(always)]
 fn part_beyond(inside: f64, face: f64, next: f64) -> f64 {
-    if face == 0.0 {
-        return 0.0;
-    }
-    if inside.is_infinite() {
-        return if next.is_infinite() { 0.5 } else { 1.0 };
-    }
-    inside / (inside + 1.0 / face + next)
+    let part = inside / (inside + 1.0 / face + next);
+    let cut_off = if next == f64::INFINITY { 0.5 } else { 1.0 };
+    let part = if inside == f64::INFINITY { cut_off } else { part };
+    if face == 0.0 { 0.0 } else { part }
 }
