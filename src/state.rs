@@ -82,6 +82,7 @@ pub struct State {
 
 /// The gas as the case chose it.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one for each stage of a case")]
 pub enum GasModel {
     /// One-dimensional, without inertia.
     Column(ColumnGas),

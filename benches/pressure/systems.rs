@@ -17,15 +17,15 @@ const BED: f64 = 0.55;
 const BUBBLES: u64 = 40;
 
 /// Coefficients and right-hand side of the whole grid, x fastest.
-pub struct System {
+pub(crate) struct System {
     /// Cells along each axis.
-    pub counts: [usize; 3],
+    pub(crate) counts: [usize; 3],
     /// a_f on the lower faces for x, y, z.
-    pub faces: [Vec<f64>; 3],
+    pub(crate) faces: [Vec<f64>; 3],
     /// d_c.
-    pub diagonal: Vec<f64>,
+    pub(crate) diagonal: Vec<f64>,
     /// b.
-    pub right: Vec<f64>,
+    pub(crate) right: Vec<f64>,
 }
 
 /// A number in [0, 1) from two integers (SplitMix64).
@@ -58,7 +58,7 @@ fn is_empty([x, y, z]: [f64; 3], bubbles: &[([f64; 3], f64)], draw: f64) -> bool
 
 /// Solids fraction of n^3 cells: spheres jittered about a lattice, deposited by hat weights and smoothed, as the
 /// gas sees a bed on cells finer than three diameters.
-pub fn solids_fraction(n: usize) -> Vec<f64> {
+pub(crate) fn solids_fraction(n: usize) -> Vec<f64> {
     let bubbles: Vec<_> = (0..BUBBLES).map(bubble).collect();
     let box_length = n as f64 * CELL;
     let sphere = std::f64::consts::PI / 6.0;
@@ -119,7 +119,7 @@ fn mobility(solids: f64, contrast: f64) -> f64 {
 
 impl System {
     /// A bed in a box with walls, gas coming in through the floor, an outlet on top; contrast 1 is an empty box.
-    pub fn bed(n: usize, solids: &[f64], contrast: f64) -> Self {
+    pub(crate) fn bed(n: usize, solids: &[f64], contrast: f64) -> Self {
         let cells = n * n * n;
         let strides = [1, n, n * n];
         let solids: Vec<f64> = if contrast > 1.0 { solids.to_vec() } else { vec![0.0; cells] };
@@ -146,7 +146,7 @@ impl System {
     }
 
     /// Counts, faces, diagonal and right-hand side as doubles in the machine's order, for scripts/hypre.
-    pub fn write(&self, path: &Path) -> io::Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> io::Result<()> {
         let mut file = io::BufWriter::new(File::create(path)?);
         let counts = self.counts.map(|count| count as f64);
         let [x, y, z] = &self.faces;
@@ -159,13 +159,13 @@ impl System {
     }
 
     /// The box of the cells: walls all around.
-    pub fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         let lengths = self.counts.map(|count| count as f64);
         Bounds::new(Vector3::from(lengths), [[Face::Wall; 2]; 3])
     }
 
     /// The grid, and slabs along z for some ranks.
-    pub fn grid(&self, ranks: usize) -> (BoxGrid, Decomposition) {
+    pub(crate) fn grid(&self, ranks: usize) -> (BoxGrid, Decomposition) {
         let grid = BoxGrid::new(&self.bounds(), self.counts);
         let even = Decomposition::even(RankGrid::slabs(2, ranks), &self.bounds());
         let cut = grid.aligned(&even, 2).expect("there are enough cells");
@@ -174,7 +174,7 @@ impl System {
 }
 
 /// A rank's part of numbers of the whole grid.
-pub fn part_of(numbers: &[f64], part: &GridPart) -> Field {
+pub(crate) fn part_of(numbers: &[f64], part: &GridPart) -> Field {
     let mut field = Field::new(part, 1);
     let [nx, ny, _] = part.counts;
     let start = part.start;

@@ -340,8 +340,8 @@ fn contact_of<S: Sizes>(block: &Block, sizes: &S, lane: usize) -> Contact {
 
 #[inline(always)]
 fn note_touching(block: &Block, touching: &mut [bool; LANES]) {
-    for lane in 0..LANES {
-        touching[lane] = block.touching[lane] != 0;
+    for (touching, &flag) in touching.iter_mut().zip(&block.touching) {
+        *touching = flag != 0;
     }
 }
 

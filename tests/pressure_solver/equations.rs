@@ -8,17 +8,17 @@ use talcum::parallel::{Communicator, run_on_threads};
 
 /// An equation on the whole grid, x fastest.
 #[derive(Clone)]
-pub struct Equation {
-    pub counts: [usize; 3],
-    pub lengths: [f64; 3],
-    pub periodic: [bool; 3],
-    pub faces: [Vec<f64>; 3],
-    pub diagonal: Vec<f64>,
-    pub right: Vec<f64>,
+pub(crate) struct Equation {
+    pub(crate) counts: [usize; 3],
+    pub(crate) lengths: [f64; 3],
+    pub(crate) periodic: [bool; 3],
+    pub(crate) faces: [Vec<f64>; 3],
+    pub(crate) diagonal: Vec<f64>,
+    pub(crate) right: Vec<f64>,
 }
 
 /// A number in [0, 1) from two integers (SplitMix64).
-pub fn hashed(stream: u64, number: usize) -> f64 {
+pub(crate) fn hashed(stream: u64, number: usize) -> f64 {
     let mut z = (stream << 40).wrapping_add(number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -28,11 +28,11 @@ pub fn hashed(stream: u64, number: usize) -> f64 {
 impl Equation {
     /// Coefficients area / distance in cubes of edge 1, an outlet on the upper z face if z is not periodic, and a
     /// right-hand side that is different in each cell.
-    pub fn new(counts: [usize; 3], periodic: [bool; 3]) -> Self {
+    pub(crate) fn new(counts: [usize; 3], periodic: [bool; 3]) -> Self {
         Self::in_box(counts, counts.map(|count| count as f64), periodic)
     }
 
-    pub fn in_box(counts: [usize; 3], lengths: [f64; 3], periodic: [bool; 3]) -> Self {
+    pub(crate) fn in_box(counts: [usize; 3], lengths: [f64; 3], periodic: [bool; 3]) -> Self {
         let cells: usize = counts.iter().product();
         let spacing = [0, 1, 2].map(|axis| lengths[axis] / counts[axis] as f64);
         let volume: f64 = spacing.iter().product();
@@ -47,7 +47,7 @@ impl Equation {
     }
 
     /// No flow through faces of the box that are not periodic.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         for axis in 0..3 {
             for cell in 0..self.cells() {
                 if self.place(cell)[axis] == 0 && !self.periodic[axis] {
@@ -58,7 +58,7 @@ impl Equation {
     }
 
     /// Each coefficient times a factor that depends on the two cells of its face.
-    pub fn with_mobility(mut self, mobility: impl Fn([f64; 3]) -> f64) -> Self {
+    pub(crate) fn with_mobility(mut self, mobility: impl Fn([f64; 3]) -> f64) -> Self {
         let here = |place: [usize; 3]| {
             mobility([0, 1, 2].map(|a| (place[a] as f64 + 0.5) / self.counts[a] as f64))
         };
@@ -74,17 +74,17 @@ impl Equation {
         self
     }
 
-    pub fn cells(&self) -> usize {
+    pub(crate) fn cells(&self) -> usize {
         self.counts.iter().product()
     }
 
-    pub fn place(&self, cell: usize) -> [usize; 3] {
+    pub(crate) fn place(&self, cell: usize) -> [usize; 3] {
         let [nx, ny, _] = self.counts;
         [cell % nx, cell / nx % ny, cell / (nx * ny)]
     }
 
     /// The cell below along an axis.
-    pub fn below(&self, cell: usize, axis: usize) -> Option<usize> {
+    pub(crate) fn below(&self, cell: usize, axis: usize) -> Option<usize> {
         let [nx, ny, _] = self.counts;
         let stride = [1, nx, nx * ny][axis];
         match self.place(cell)[axis] {
@@ -95,7 +95,7 @@ impl Equation {
     }
 
     /// b - A p.
-    pub fn residual(&self, p: &[f64]) -> Vec<f64> {
+    pub(crate) fn residual(&self, p: &[f64]) -> Vec<f64> {
         let mut residual: Vec<f64> = (0..self.cells())
             .map(|cell| self.right[cell] - self.diagonal[cell] * p[cell])
             .collect();
@@ -112,7 +112,7 @@ impl Equation {
     }
 
     /// D p, D being the diagonal of A.
-    pub fn scaled_by_diagonal(&self, p: &[f64]) -> Vec<f64> {
+    pub(crate) fn scaled_by_diagonal(&self, p: &[f64]) -> Vec<f64> {
         let mut sums = self.diagonal.clone();
         for axis in 0..3 {
             for cell in 0..self.cells() {
@@ -125,23 +125,23 @@ impl Equation {
         sums.iter().zip(p).map(|(sum, p)| sum * p).collect()
     }
 
-    pub fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         let face = |periodic| if periodic { Face::Periodic } else { Face::Wall };
         Bounds::new(Vector3::from(self.lengths), self.periodic.map(|periodic| [face(periodic); 2]))
     }
 
-    pub fn grid(&self) -> BoxGrid {
+    pub(crate) fn grid(&self) -> BoxGrid {
         BoxGrid::new(&self.bounds(), self.counts)
     }
 
     /// Planes on cell faces, as near to equal blocks as they can be.
-    pub fn even_cut(&self, ranks: [usize; 3]) -> Decomposition {
+    pub(crate) fn even_cut(&self, ranks: [usize; 3]) -> Decomposition {
         let even = Decomposition::even(RankGrid(ranks), &self.bounds());
         self.grid().aligned(&even, 2).expect("there are enough cells")
     }
 
     /// Planes at given cell faces between the first and the last.
-    pub fn cut_at(&self, planes: [&[usize]; 3]) -> Decomposition {
+    pub(crate) fn cut_at(&self, planes: [&[usize]; 3]) -> Decomposition {
         let ranks = planes.map(|planes| planes.len() + 1);
         let grid = self.grid();
         let cuts = [0, 1, 2].map(|axis| {
@@ -152,11 +152,16 @@ impl Equation {
     }
 
     /// Solves on the ranks of a cut, from zero; the solution on the whole grid.
-    pub fn solve_on(&self, cut: &Decomposition, tolerance: Tolerance) -> Outcome {
+    pub(crate) fn solve_on(&self, cut: &Decomposition, tolerance: Tolerance) -> Outcome {
         self.solve_from(&vec![0.0; self.cells()], cut, tolerance)
     }
 
-    pub fn solve_from(&self, start: &[f64], cut: &Decomposition, tolerance: Tolerance) -> Outcome {
+    pub(crate) fn solve_from(
+        &self,
+        start: &[f64],
+        cut: &Decomposition,
+        tolerance: Tolerance,
+    ) -> Outcome {
         let solved = run_on_threads(cut.grid().size(), |ranks| {
             let part = self.grid().part_of(cut, ranks.rank());
             let mut solution = self.part(start, &part);
@@ -204,22 +209,22 @@ impl Equation {
 }
 
 /// What all ranks together found.
-pub struct Outcome {
-    pub result: Result<Convergence, LinearSolverError>,
-    pub solution: Vec<f64>,
+pub(crate) struct Outcome {
+    pub(crate) result: Result<Convergence, LinearSolverError>,
+    pub(crate) solution: Vec<f64>,
 }
 
 impl Outcome {
-    pub fn iterations(&self) -> usize {
+    pub(crate) fn iterations(&self) -> usize {
         self.result.expect("the equation has a solution").iterations
     }
 
-    pub fn bits(&self) -> Vec<u64> {
+    pub(crate) fn bits(&self) -> Vec<u64> {
         self.solution.iter().map(|value| value.to_bits()).collect()
     }
 }
 
 /// Euclidean norm.
-pub fn norm(values: &[f64]) -> f64 {
+pub(crate) fn norm(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>().sqrt()
 }

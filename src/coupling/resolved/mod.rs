@@ -165,10 +165,10 @@ impl CellCoupling {
     ) -> Result<(), GasForceOutOfRange> {
         let response = drag * dt / (particles.body[index].mass * voidage * voidage);
         let (particle, limit) = (particles.id[index], self.largest_drag);
-        if !(drag <= limit) {
+        if drag.is_nan() || drag > limit {
             return Err(GasForceOutOfRange::Drag { particle, drag, limit });
         }
-        if !(response <= LARGEST_RESPONSE) {
+        if response.is_nan() || response > LARGEST_RESPONSE {
             let limit = LARGEST_RESPONSE;
             return Err(GasForceOutOfRange::Response { particle, response, limit });
         }

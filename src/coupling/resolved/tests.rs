@@ -121,13 +121,13 @@ fn couple(
         found.raised += coupling.raised_cells();
         let BedOnGrid { voidage, momentum_transfer, transferred_velocity } = coupling.bed();
         let [x, y, z] = transferred_velocity;
-        let columns = [voidage, momentum_transfer, x, y, z].map(|f| f.owned().collect::<Vec<_>>());
+        let mut columns = [voidage, momentum_transfer, x, y, z].map(Field::owned);
         let [nx, ny, _] = part.count;
         for n in 0..part.cells() {
             let local = [n % nx, n / nx % ny, n / (nx * ny)];
             let [i, j, k] = [0, 1, 2].map(|a| local[a] + part.start[a]);
             found.cells[i + COUNTS[0] * (j + COUNTS[1] * k)] =
-                std::array::from_fn(|column| columns[column][n]);
+                columns.each_mut().map(|column| column.next().expect("a number for each cell"));
         }
         for i in 0..particles.owned_count() {
             found.forces[particles.id[i] as usize] = particles.gas_force[i].into();
@@ -183,7 +183,7 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
                     let inside = (0..3).all(|a| (0..COUNTS[a] as isize).contains(&cell[a]));
                     let number = cell[0] + 7 * (cell[1] + 5 * cell[2]);
                     let value = |c: &[f64; 5]| if column == 0 { 1.0 - c[0] } else { c[column] };
-                    inside.then(|| value(&found.cells[number as usize])).unwrap_or(0.0)
+                    if inside { value(&found.cells[number as usize]) } else { 0.0 }
                 };
                 0.5 * (value(below) + value(above))
             };
