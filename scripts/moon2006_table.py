@@ -3,9 +3,9 @@
 The first table has a row for each stage of each run, measured over the end of the stage: mean gas force over the
 bed's weight, largest stress on the plate over the weight per area, rms of plate stress + pressure drop - effective
 gravity (equation (17)), lift-off (largest less smallest height of the bed's bottom), mean contacts per particle,
-solids fraction of the bulk, rms of its fluctuation, and the waves that spacetime.py finds. A vibrated bed is seen
-from its centre of mass and averaged over a period of the plate first, so that waves are told from shaking. The
-second table has the minimum fluidisation velocity of each ramp.
+solids fraction of the bulk at the end, rms of its fluctuation, and the waves that spacetime.py finds. A vibrated bed is seen
+from its centre of mass and averaged over a period of the plate first, so that waves are told from shaking; waves
+of which less than two pass are marked as slow. The second table has the minimum fluidisation velocity of each ramp.
 """
 
 from __future__ import annotations
@@ -23,8 +23,12 @@ import numpy as np
 import minimum_fluidisation
 import spacetime
 
-LONGEST_WINDOW = 40.0  # time units at the end of a stage that are measured: two or three periods of slow waves
+LONGEST_WINDOW = 60.0  # time units at the end of a stage that are measured, several periods of the waves at Bo 0
+PART = 0.8  # of a stage that is measured, if that is less
+LEAST_RMS = 0.02  # of the solids fraction along the bed: less is no wave
+LARGEST_SPEED = 2.0  # of slow waves
 LEAST_ROWS = 8
+LEAST_NODES = 12
 HEADINGS = (
     "case", "stage", "times", "U_s", "gas force", "plate stress, largest", "(17), rms", "lift-off",
     "contacts per particle", "phi of the bulk", "rms of phi", "waves: speed, wavelength, period",
@@ -52,7 +56,7 @@ def stages_of(case: dict[str, Any], last: float) -> list[Stage]:
         end = begin + float(entry["duration"])
         reached = min(end, last)
         if reached > begin:
-            window = min(LONGEST_WINDOW, 0.5 * (reached - begin))
+            window = min(LONGEST_WINDOW, PART * (reached - begin))
             stages.append(Stage(str(entry.get("name", "")), reached - window, reached, vibrated))
         begin = end
     return stages
@@ -88,21 +92,50 @@ def waves_in(profiles: Profiles, series: Series, period: float | None) -> tuple[
     try:
         profiles = spacetime.even_times(profiles)
         profiles = without_shaking(profiles, series, period) if period else profiles
-        nodes = spacetime.bed_rows(profiles)
+        nodes = wavy_nodes(profiles)
         rms = f"{float(np.sqrt(np.mean(spacetime.fluctuation(profiles, nodes) ** 2))):.3f}"
     except (ResultsError, spacetime.NoWave) as reason:
         return "", f"not measured: {reason}"
     try:
         waves = spacetime.measure_waves(profiles, nodes)
     except spacetime.NoWave as reason:
-        return rms, f"none: {reason}"
+        return rms, slow_waves(profiles, nodes) or f"none: {reason}"
     return rms, f"{waves.speed:.3g}, {abs(waves.wavelength):.3g}, {waves.period:.3g}"
 
 
-def bulk(profiles: Profiles, stage: Stage) -> str:
-    """The solids fraction of the bulk, if there is a bulk."""
+def wavy_nodes(profiles: Profiles) -> Array:
+    """The nodes of the bed from the lowest to the highest that fluctuates: waves may not have reached the rest."""
+    nodes = spacetime.bed_rows(profiles)
+    moving = np.flatnonzero(spacetime.fluctuation(profiles, nodes).std(axis=0) > LEAST_RMS)
+    span = nodes[moving[0] : moving[-1] + 1] if len(moving) else nodes
+    return span if len(span) >= LEAST_NODES else nodes
+
+
+def slow_waves(profiles: Profiles, nodes: Array) -> str:
+    """Speed and wavelength of waves that pass a height less than twice while they are watched; empty if none travel."""
+    values = profiles.solids_fraction[:, nodes]
+    values = values - values.mean(axis=1, keepdims=True)
+    if np.mean(values**2) < LEAST_RMS**2:
+        return ""
+    interval = float(np.median(np.diff(profiles.time)))
+    spacing = float(np.median(np.diff(profiles.height)))
+    table = spacetime.correlation(values)
     try:
-        return f"{minimum_fluidisation.bulk_solids_fraction(profiles, stage.start, stage.end):.3f}"
+        wavelength = spacetime.find_period(table[len(values) - 1, len(nodes) - 1 :], spacing)
+        # With height and time exchanged the ray's slowness is the speed, and the record of time may be short.
+        speed = spacetime.find_slowness(table.T, 4.0 * LARGEST_SPEED * interval, spacing, interval)
+    except spacetime.NoWave:
+        return ""
+    if abs(speed) * len(values) * interval < 0.25 * wavelength:
+        return ""  # less than a quarter of a wave has passed
+    return f"{speed:.2g}, {wavelength:.2g}, {wavelength / abs(speed):.2g} (slow)"
+
+
+def bulk(profiles: Profiles, stage: Stage) -> str:
+    """The solids fraction of the bulk at the end, if there is a bulk."""
+    start = stage.end - 0.1 * (stage.end - stage.start)
+    try:
+        return f"{minimum_fluidisation.bulk_solids_fraction(profiles, start, stage.end):.3f}"
     except ResultsError:
         return ""
 
@@ -149,7 +182,8 @@ def minimum_fluidisation_of(series: Series, profiles: Profiles, case: dict[str, 
 def is_ramp(case: dict[str, Any]) -> bool:
     """Whether some stage changes the superficial velocity gradually from or to zero."""
     gases = [stage.get("gas") for stage in case.get("stage", [])]
-    return any(isinstance(gas, dict) and isinstance(gas.get("superficial_velocity"), dict) for gas in gases)
+    velocities = [gas.get("superficial_velocity") for gas in gases if isinstance(gas, dict)]
+    return any(isinstance(ramp, dict) and 0.0 in (ramp.get("from"), ramp.get("to")) for ramp in velocities)
 
 
 def line(cells: list[str] | tuple[str, ...]) -> str:

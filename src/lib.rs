@@ -13,6 +13,9 @@
 //!
 //! * Contact \[Moon2006 (1)-(3); Cundall1979\]: F_n = k_n delta - gamma_n v_n, and a tangential spring k_t
 //!   with a slider at mu times the normal force ([`contact::LinearSpringDashpot`]).
+//! * or, instead, adhesive elastic-plastic \[Liu2016\] ([`contact::AdhesiveElasticPlastic`]), linear hysteretic
+//!   \[Luding2008\] ([`contact::LinearHysteretic`]), Hertz-Mindlin ([`contact::HertzMindlin`]), or JKR
+//!   \[Johnson1971\] ([`contact::Jkr`]); with each, rolling friction \[Ai2011\] ([`contact::RollingFriction`]).
 //! * Cohesion \[Moon2006 (4); Hamaker1937\]: A r / (12 s^2) at a separation s of surfaces above a cut-off,
 //!   constant below it and in contact ([`contact::VanDerWaals`]).
 //! * Gas \[Moon2006 (6)-(12)\], one-dimensional and without inertia, from continuity of the mixture and
@@ -23,6 +26,8 @@
 //! force on a particle, upwards: (V / phi) beta [(u_s - v) - (u_s - U_s) / (1 - phi)^2]
 //! ```
 //!
+//! * Gas in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid
+//!   ([`gas::volume_averaged`]).
 //! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
 //! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).
 //! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::CoarseGraining`]).
@@ -61,6 +66,14 @@
 //!   (1937) 1058-1072.
 //! * WenYu1966: C. Y. Wen, Y. H. Yu, "Mechanics of fluidization", Chem. Eng. Prog. Symp. Ser. 62 (1966)
 //!   100-111.
+//! * Liu2016: D. Liu, B. G. M. van Wachem, R. F. Mudde, X. Chen, J. R. van Ommen, "An adhesive CFD-DEM model for
+//!   simulating nanoparticle agglomerate fluidization", AIChE J. 62 (2016) 2259-2270.
+//! * Luding2008: S. Luding, "Cohesive, frictional powders: contact models for tension", Granular Matter 10 (2008)
+//!   235-246.
+//! * Johnson1971: K. L. Johnson, K. Kendall, A. D. Roberts, "Surface energy and the contact of elastic solids",
+//!   Proc. R. Soc. Lond. A 324 (1971) 301-313.
+//! * Ai2011: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, "Assessment of rolling resistance models in discrete
+//!   element simulations", Powder Technol. 206 (2011) 269-282.
 //! * Demmel2015: J. Demmel, H. D. Nguyen, "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015)
 //!   2060-2070.
 //! * Neal2015: R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571

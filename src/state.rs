@@ -2,12 +2,13 @@
 //! made anew at any time.
 
 use crate::contact::{ContactLaw, Interface, VanDerWaals};
-use crate::coupling::FluidForce;
+pub use crate::coupling::FlowReport;
+use crate::coupling::{Flow, FlowModel, FlowSolver, FluidForce};
 use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, WallShape};
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Bodies, Contacts, Neighbours, Particles, Reach};
+use crate::particles::{Contacts, Neighbours, Particles, Reach};
 use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
@@ -75,6 +76,18 @@ pub struct State {
     pub departed: Departed,
     /// Sizes of the particles that the run began with: limits and lattices follow from them.
     pub sizes: SizeRange,
+    /// A gas in three dimensions, on this rank's cells.
+    pub flow: Option<Flow>,
+}
+
+/// The gas as the case chose it.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one for each stage of a case")]
+pub enum GasModel {
+    /// One-dimensional, without inertia.
+    Column(ColumnGas),
+    /// In three dimensions.
+    VolumeAveraged(FlowModel),
 }
 
 /// The smallest and largest particles of a run at its begin.
@@ -118,7 +131,7 @@ pub struct Models {
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
-    pub gas: Option<ColumnGas>,
+    pub gas: Option<GasModel>,
     /// Gravity in the frame of the plate.
     pub gravity: EffectiveGravity,
     /// Length of a step.
@@ -132,6 +145,22 @@ pub struct Models {
 }
 
 impl Models {
+    /// The column of gas, if that is the gas.
+    pub fn column(&self) -> Option<&ColumnGas> {
+        match &self.gas {
+            Some(GasModel::Column(gas)) => Some(gas),
+            _ => None,
+        }
+    }
+
+    /// The gas in three dimensions, if that is the gas.
+    pub fn flow(&self) -> Option<&FlowModel> {
+        match &self.gas {
+            Some(GasModel::VolumeAveraged(model)) => Some(model),
+            _ => None,
+        }
+    }
+
     /// Separation of surfaces up to which particles of these sizes, or they and walls, act on each other.
     pub fn range(&self, sizes: &SizeRange) -> f64 {
         let interfaces = std::iter::once(&self.contact).chain(&self.at_walls);
@@ -208,10 +237,10 @@ pub struct Workspace {
     pub balance: Option<Balance>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
-    /// Particles as loops over pairs want them.
-    pub bodies: Bodies,
     /// The gas on its grid.
     pub fluid: Option<FluidForce>,
+    /// Gas in three dimensions at work on this rank's cells.
+    pub flow: Option<FlowSolver>,
     /// Sums of the last force evaluation.
     pub tallies: Tallies,
     /// Time spent.
@@ -262,8 +291,8 @@ impl Workspace {
             reach: Reach { range: 0.0, skin },
             balance,
             wall_poses: Vec::new(),
-            bodies: Bodies::default(),
             fluid: None,
+            flow: None,
             tallies: Tallies::default(),
             timers: Timers::default(),
             fault: None,
@@ -282,7 +311,8 @@ impl Workspace {
         self.reach.range = models.range(sizes);
         self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
         self.tallies.by_gas = [0; 3];
-        self.fluid = models.gas.as_ref().map(|gas| {
+        self.flow = None;
+        self.fluid = models.column().map(|gas| {
             let Limits { force, speed } = models.limits;
             let diameters = [sizes.smallest_diameter, sizes.largest_diameter];
             FluidForce::new(gas, &domain.bounds, models.force_lattice, (force, speed), diameters)

@@ -12,6 +12,8 @@ use crate::timers::Stage;
 use std::collections::HashSet;
 use thiserror::Error;
 
+mod flow;
+
 /// Why a run cannot go on. The same on all ranks.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StepError {
@@ -78,7 +80,7 @@ pub fn begin(
 ) -> Result<(), StepError> {
     let (pairs, walls) = remembered;
     work.move_walls(domain, state.clock.time(), 0.0);
-    arrange(state, domain, work, (pairs, walls), ranks)?;
+    arrange(state, domain, models, work, (pairs, walls), ranks)?;
     if new_bed {
         evaluate_forces(state, domain, models, work, 0.0, ranks);
     }
@@ -154,7 +156,7 @@ fn first_beyond(particles: &Particles, domain: &Domain, kind: Face) -> Option<St
         return None;
     }
     (0..particles.owned_count()).find_map(|i| {
-        let (axis, side) = bounds.passed(kind, &particles.position[i])?;
+        let (axis, side) = bounds.passed(kind, &particles.body[i].position)?;
         let face = [["lower", "upper"][side], ["x", "y", "z"][axis]].join(" ");
         Some(format!("particle {} passed the {face} face of the box", particles.id[i]))
     })
@@ -177,12 +179,13 @@ pub fn rebuild(
     let step = state.clock.step;
     check_speeds(&state.particles, models.limits.speed, ranks)
         .map_err(|error| StepError::Unstable { step, words: error.0 })?;
-    arrange(state, domain, work, (pairs, walls), ranks)
+    arrange(state, domain, models, work, (pairs, walls), ranks)
 }
 
 fn arrange(
     state: &mut State,
     domain: &Domain,
+    models: &Models,
     work: &mut Workspace,
     remembered: (Vec<PairMemory>, Vec<WallMemory>),
     ranks: &dyn Communicator,
@@ -191,23 +194,31 @@ fn arrange(
     let (mut pairs, mut walls) = remembered;
     let bounds = &domain.bounds;
     let width = work.reach.ghost_width(state.sizes.largest_diameter);
+    let old_cut = work.cut.clone();
     depart(state, domain, &mut pairs, &mut walls, ranks);
+    let unstable =
+        |step: u64| move |error: CollectiveError| StepError::Unstable { step, words: error.0 };
+    let unstable = unstable(state.clock.step);
     let State { particles, contacts, clock, .. } = state;
-    for position in &mut particles.position {
-        *position = bounds.wrap(*position);
+    for body in &mut particles.body {
+        body.position = bounds.wrap(body.position);
     }
     let due = work.balance.filter(|balance| clock.step.is_multiple_of(balance.every));
     if due.is_some_and(|due| imbalance(particles.owned_count(), ranks) > due.threshold) {
-        work.cut = balanced(&work.cut, &particles.position, bounds, width, ranks);
+        let positions = particles.body.iter().map(|body| body.position);
+        work.cut = balanced(&work.cut, positions, bounds, width, ranks);
     }
+    work.cut = flow::aligned(work.cut.clone(), models, width).map_err(unstable)?;
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
     let walls_now = (&domain.walls[..], &work.wall_poses[..]);
     let rebuilt =
         work.neighbours.rebuild(particles, contacts, walls_now, work.reach, (&pairs, &walls));
+    agree(rebuilt, ranks).map_err(unstable)?;
+    let settled = flow::settle(state, domain, models, work, &old_cut, ranks);
     work.timers.add(Stage::Rebuild, begin.elapsed());
-    agree(rebuilt, ranks).map_err(|error| StepError::Unstable { step: clock.step, words: error.0 })
+    settled.map_err(unstable)
 }
 
 /// Takes particles beyond open faces out of the run, with all that remembers them. Collective.
@@ -219,7 +230,8 @@ fn depart(
     ranks: &dyn Communicator,
 ) {
     let particles = &mut state.particles;
-    let gone = |i: u32| domain.bounds.passed(Face::Open, &particles.position[i as usize]).is_some();
+    let gone =
+        |i: u32| domain.bounds.passed(Face::Open, &particles.body[i as usize].position).is_some();
     let (leaving, staying): (Vec<u32>, Vec<u32>) =
         (0..particles.owned_count() as u32).partition(|&i| gone(i));
     if !ranks.any(!leaving.is_empty()) {
@@ -244,7 +256,7 @@ fn check_speeds(
     limit: f64,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    let allowed = |i: usize| particles.velocity[i].norm() <= limit; // an undefined one is not
+    let allowed = |i: usize| particles.body[i].velocity.norm() <= limit; // an undefined one is not
     let too_fast = (0..particles.owned_count()).find(|&i| !allowed(i));
     let result = match too_fast {
         None => Ok(()),
@@ -252,7 +264,7 @@ fn check_speeds(
             "particle {} moves at {:.3e} (limit {limit:.3e}: a tenth of the smallest diameter per step): \
              shorten time.step",
             particles.id[i],
-            particles.velocity[i].norm()
+            particles.body[i].velocity.norm()
         )),
     };
     agree(result, ranks)
@@ -271,9 +283,8 @@ fn evaluate_forces(
     dt: f64,
     ranks: &dyn Communicator,
 ) {
-    let State { particles, contacts, clock, .. } = state;
-    let Workspace { fluid, tallies, timers, bodies, fault, reach, wall_poses, .. } = work;
-    let time = clock.time();
+    let Workspace { fluid, flow, tallies, timers, fault, reach, wall_poses, .. } = work;
+    let time = state.clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
         contact: &models.contact,
@@ -285,31 +296,34 @@ fn evaluate_forces(
         force_lattice: models.force_lattice,
         torque_lattice: models.torque_lattice,
     };
-    let gas = models.gas.as_ref().zip(fluid.as_mut());
-    let driven = timers.time(Stage::Gas, || match gas {
-        None => Ok(()),
-        Some((gas, fluid)) => {
-            fluid.coarse_grain(particles, ranks);
-            fluid.set_superficial_velocity(gas, particles, (time, gravity), ranks)
+    let driven = timers.time(Stage::Gas, || {
+        if let Some((model, solver)) = models.flow().zip(flow.as_mut()) {
+            return flow::advance(state, model, models, solver, ranks);
         }
+        let Some((gas, fluid)) = models.column().zip(fluid.as_mut()) else { return Ok(()) };
+        let particles = &state.particles;
+        fluid.coarse_grain(particles, ranks);
+        let set = fluid.set_superficial_velocity(gas, particles, (time, gravity), ranks);
+        set.map_err(|error| error.to_string())
     });
+    let State { particles, contacts, .. } = state;
     particles.clear_forces();
-    let pairs =
-        timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws, bodies));
+    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
     let bodies = timers.time(Stage::BodyForces, || {
         tallies.weight = add_weight(particles, models, gravity);
-        match models.gas.as_ref().zip(fluid.as_mut()) {
+        match models.column().zip(fluid.as_mut()) {
+            None if models.flow().is_some() => Ok(flow::add_held_forces(particles, models)),
             None => Ok([0; 3]),
             Some((gas, fluid)) => fluid.add_to(gas, particles),
         }
     });
     tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
     let words = [
-        driven.err().map(|error| error.to_string()),
+        driven.err(),
         pairs.err().map(|error| error.to_string()),
         walls.err().map(|error| error.to_string()),
         bodies.err().map(|error| error.to_string()),
@@ -322,8 +336,8 @@ fn add_weight(particles: &mut Particles, models: &Models, gravity: f64) -> i64 {
     let lattice = models.force_lattice;
     let mut total = 0;
     for i in 0..particles.owned_count() {
-        let weight = lattice.round(particles.mass[i] * gravity);
-        particles.force[i].z -= weight;
+        let weight = lattice.round(particles.body[i].mass * gravity);
+        particles.load[i].force.z -= weight;
         total += lattice.count(weight);
     }
     total

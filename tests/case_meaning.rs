@@ -27,7 +27,7 @@ fn groups_become_quantities() {
     // Bo = F / (m g) with m = pi/6, g = 1, for both.
     assert!(close(now.between_particles(0.5, 0.5, 0.0), 20.0 * PI / 6.0));
     assert!(close(now.to_wall(0.5, 0.0), 40.0 * PI / 6.0));
-    let gas = stage.gas.as_ref().unwrap();
+    let gas = stage.column().unwrap();
     assert!(close(gas.viscosity, 1.0 / 55.0));
     assert_eq!(gas.spacing, 1.5);
     let vibration = stage.gravity.vibration.unwrap();
@@ -45,7 +45,7 @@ fn groups_become_quantities_in_si_too() {
     let weight = rho * PI / 6.0 * d.powi(3) * g;
     // The full expression tends to the near-contact one as s/r falls, here 2e-5.
     assert!((now.between_particles(0.5 * d, 0.5 * d, 0.0) / weight / 20.0 - 1.0).abs() < 1.0e-4);
-    let viscosity = case.stages[0].gas.as_ref().unwrap().viscosity;
+    let viscosity = case.stages[0].column().unwrap().viscosity;
     assert!(close(rho * g.sqrt() * d.powf(1.5) / viscosity, 55.0));
     assert_eq!(case.domain.walls.len(), 6);
     let WallShape::Plane { normal, .. } = case.domain.walls[5].shape else { panic!("a plane") };
@@ -61,7 +61,7 @@ fn stages_change_what_they_name_and_keep_the_rest() {
     assert!(ramp.cohesion.is_none());
     let ramped = Schedule::Ramp { from: 0.0, to: 0.04, start: 1.0, end: 3.0 };
     for stage in [ramp, cohesive] {
-        assert_eq!(stage.gas.as_ref().unwrap().drive, Drive::Velocity(ramped.clone()));
+        assert_eq!(stage.column().unwrap().drive, Drive::Velocity(ramped.clone()));
     }
     let cohesion = cohesive.cohesion.as_ref().unwrap();
     let steps = Schedule::Steps { values: vec![1.0e-10, 2.0e-10], start: 3.0, every: 1.5 };
@@ -78,7 +78,7 @@ fn stages_change_what_they_name_and_keep_the_rest() {
 #[test]
 fn the_grid_of_a_periodic_box_divides_it() {
     let case = read("periodic-box.toml", &[]).unwrap();
-    assert!(close(case.stages[0].gas.as_ref().unwrap().spacing, 18.0 / 13.0));
+    assert!(close(case.stages[0].column().unwrap().spacing, 18.0 / 13.0));
     assert!(case.notes.iter().any(|note| note.contains("gas.spacing = 1.4 becomes 1.38")));
     assert!(case.notes.iter().any(|note| note.contains("gas.lateral_drag is not given: false")));
 }

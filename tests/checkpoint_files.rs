@@ -8,9 +8,10 @@ use bytemuck::Zeroable;
 use talcum::output::Provenance;
 use talcum::output::checkpoint::{Checkpoint, file_name, newest_good, prune, read, write};
 use talcum::parallel::{
-    Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord, run_on_threads,
+    CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
+    run_on_threads,
 };
-use talcum::state::{Clock, Departed, SizeRange};
+use talcum::state::{Clock, Departed, FlowReport, SizeRange};
 
 /// A state of so many particles, of which this rank has every n-th.
 fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
@@ -36,6 +37,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         largest_overlap: 0.1,
         rolling_angle: [0.0, 0.01, 0.0],
     };
+    let cell = |cell: u64| CellRecord { cell, numbers: std::array::from_fn(|k| (k as f64) / 3.0) };
     Checkpoint {
         clock: Clock { step, origin_time: 0.1, origin_step: 1, time_step: 2.5e-4 },
         departed: Departed { count: 2, volume: 1.04 },
@@ -45,6 +47,13 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         particles: (0..count).map(|k| k * 10).filter(mine).map(particle).collect(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: (0..count / 4).filter(mine).map(wall_contact).collect(),
+        cells: (0..count / 3).filter(mine).map(cell).collect(),
+        flow_report: FlowReport {
+            iterations: 7,
+            raised_cells: 1,
+            courant: 0.2,
+            momentum_error: 1.0e-12,
+        },
     }
 }
 
@@ -65,10 +74,12 @@ fn whole(shares: Vec<Checkpoint>) -> Checkpoint {
         whole.particles.extend(share.particles);
         whole.contacts.extend(share.contacts);
         whole.wall_contacts.extend(share.wall_contacts);
+        whole.cells.extend(share.cells);
     }
     whole.particles.sort_by_key(|particle| particle.id);
     whole.contacts.sort_by_key(|contact| (contact.lower, contact.higher));
     whole.wall_contacts.sort_by_key(|contact| (contact.particle, contact.wall));
+    whole.cells.sort_by_key(|cell| cell.cell);
     whole
 }
 
@@ -228,19 +239,23 @@ fn whole_files_with_another_content_are_refused() {
 }
 
 #[test]
-fn files_from_before_rolling_springs_are_read() {
+fn files_from_before_rolling_springs_and_gas_in_three_dimensions_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     let mut state = share(20, 12, &OneRank);
     state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
     state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
+    state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
+    (state.cells, state.flow_report) = (Vec::new(), FlowReport::default());
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
     let without_angles = |file: &hdf5::File| {
+        file.unlink("gas").unwrap();
+        file.unlink("particles/gas_force").unwrap();
         file.unlink("contacts/rolling_angle").unwrap();
         file.unlink("wall_contacts/rolling_angle").unwrap();
     };
     forge(&path, without_angles);
-    assert!(refusal(&path).contains("rolling_angle")); // a control: the file is one of today's
+    assert!(refusal(&path).contains("gas")); // a control: the file is one of today's
     forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&1_u64).unwrap());
     let (found, _, found_digest) = read(&path, &OneRank).unwrap();
     assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));

@@ -179,7 +179,7 @@ fn an_attractive_pair_that_does_not_touch_survives_borders() {
 fn total_force(run: &Run) -> Vector3<f64> {
     let particles = &run.state.particles;
     let here: Vec<[f64; 3]> =
-        particles.force[..particles.owned_count()].iter().map(|&force| force.into()).collect();
+        particles.load[..particles.owned_count()].iter().map(|load| load.force.into()).collect();
     share_with_all(&here, run.ranks).into_iter().map(Vector3::from).sum()
 }
 

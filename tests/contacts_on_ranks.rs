@@ -16,7 +16,7 @@ use talcum::parallel::run_on_threads;
 use talcum::state::Balance;
 
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [1, 1, 3], [2, 2, 1], [3, 1, 2]];
-const STEPS: u64 = 1600;
+const STEPS: u64 = 3000;
 
 fn laws() -> Vec<ContactModel> {
     let parameters = HystereticParameters {
@@ -55,9 +55,9 @@ fn bed_between_walls(law: ContactModel, kind: RollingKind) -> Bench {
     bench.domain.walls[2].motion = WallMotion { velocity, start: 0.1, ..WallMotion::REST };
     let mut piston = Wall::plane("piston", Vector3::new(0.0, 0.0, 0.0), Vector3::z());
     piston.motion =
-        WallMotion { amplitude: Vector3::z() * 0.2, frequency: 2.0, ..WallMotion::REST };
+        WallMotion { amplitude: Vector3::z() * 0.05, frequency: 2.0, ..WallMotion::REST };
     bench.domain.walls.push(piston);
-    bench.gravity = EffectiveGravity { magnitude: 1.0, vibration: None };
+    bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
     bench.skin = 0.04;
     bench.balance = Some(Balance { every: 200, threshold: 1.05 });
@@ -74,10 +74,10 @@ fn bed_in_column(law: ContactModel) -> Bench {
     let amplitude = Vector3::new(0.1, 0.05, 0.2);
     column.motion = WallMotion { amplitude, frequency: 1.0, ..WallMotion::REST };
     bench.domain.walls.push(column);
-    bench.gravity = EffectiveGravity { magnitude: 1.0, vibration: None };
+    bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
     bench.skin = 0.04;
-    bench.add_layers(200, (1.22, 0.8), &[1.0, 0.9], (0.05, 2.0));
+    bench.add_layers(396, (1.15, 0.8), &[1.0, 0.9], (0.05, 2.0));
     bench.particles.retain(|particle| {
         let [x, y, _] = particle.position;
         (x - 3.5).hypot(y - 3.5) < 2.7
@@ -100,8 +100,9 @@ fn the_same_bits_on_any_ranks() {
     for bench in beds() {
         let reference = bench.on_ranks([1, 1, 1], |run| run.steps(STEPS).snapshot());
         let touching = reference.pairs.len();
-        println!("{touching} contacts, {} at walls", reference.walls.len());
-        assert!(touching > 60 && !reference.walls.is_empty(), "the bed is dense: {touching}");
+        println!("{touching} contacts, {} at walls, {:?}", reference.walls.len(), bench.interface);
+        // Shaken, a bed of 128 jumps; it has met in all its parts many times over.
+        assert!(touching > 40 && !reference.walls.is_empty(), "the bed is dense: {touching}");
         for grid in GRIDS {
             let found = bench.on_ranks(grid, |run| run.steps(STEPS).snapshot());
             assert!(found.bits() == reference.bits(), "{grid:?}, {:?}", bench.interface);

@@ -34,7 +34,7 @@ fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
 }
 
 fn profile_of(run: &Run) -> BedProfile {
-    let spacing = run.models.gas.as_ref().map_or(1.5, |gas| gas.spacing);
+    let spacing = run.models.column().map_or(1.5, |gas| gas.spacing);
     let grid = ColumnGrid::new(&run.domain.bounds, spacing, 1.0);
     BedProfile::new(grid, run.models.limits.speed, [1.0; 2], 0.3)
 }
@@ -59,7 +59,7 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
             let gradient = momentum_transfer(drag, phi, d, velocity) * u_g / (1.0 - phi);
             let expected = gradient * 12.5;
             let fluid = run.work.fluid.as_mut().unwrap();
-            let gas = run.models.gas.as_ref().unwrap();
+            let gas = run.models.column().unwrap();
             let found = fluid.pressure_drop(gas);
             // Sums of 160 numbers on lattices of 1e-15 of the cell, and a power: round-off.
             assert!(
@@ -104,7 +104,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
             }
         }
         let fluid = run.work.fluid.as_mut().unwrap();
-        let gas = run.models.gas.as_ref().unwrap();
+        let gas = run.models.column().unwrap();
         let found = fluid.pressure_drop(gas);
         assert!((found / expected - 1.0).abs() < 1.0e-12, "{found} for {expected}"); // round-off
     }

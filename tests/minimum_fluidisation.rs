@@ -37,17 +37,17 @@ fn poured_bed() -> (Bench, Snapshot) {
 /// the ends, where phi is averaged with what is beyond them, are not the bulk.
 fn bulk(run: &mut Run) -> (f64, f64) {
     let Run { state, models, work, .. } = run;
-    let (gas, fluid) = (models.gas.as_ref().unwrap(), work.fluid.as_mut().unwrap());
+    let (gas, fluid) = (models.column().unwrap(), work.fluid.as_mut().unwrap());
     let mut probe = state.particles.clone();
     probe.clear_forces();
     fluid.add_to(gas, &mut probe).expect("forces have a meaning");
     let owned = probe.owned_count();
-    let top = probe.position[..owned].iter().fold(0.0, |top: f64, x| top.max(x.z));
+    let top = probe.body[..owned].iter().fold(0.0, |top: f64, body| top.max(body.position.z));
     let inside = |height: f64| (0.25 * top..0.75 * top).contains(&height);
     let (mut force, mut weight) = (0.0, 0.0);
-    for i in (0..owned).filter(|&i| inside(probe.position[i].z)) {
-        force += probe.force[i].z;
-        weight += probe.mass[i];
+    for i in (0..owned).filter(|&i| inside(probe.body[i].position.z)) {
+        force += probe.load[i].force.z;
+        weight += probe.body[i].mass;
     }
     let nodes = fluid.grid().nodes();
     let in_bulk = (0..nodes).filter(|&node| inside(fluid.grid().height_of(node)));

@@ -14,7 +14,7 @@ use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
-use talcum::state::{Clock, Departed, SizeRange};
+use talcum::state::{Clock, Departed, FlowReport, SizeRange};
 
 /// Environment variable that names what a rank is to do.
 const ROLE: &str = "TALCUM_TEST_ROLE";
@@ -204,6 +204,8 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         particles: (0..count).filter(mine).map(particle).collect(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: Vec::new(),
+        cells: Vec::new(),
+        flow_report: FlowReport::default(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use bytemuck::Pod;
 
-use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and what their contacts remember.
@@ -19,8 +19,8 @@ use crate::state::Clock;
 /// hashed together with the number of records, the step and the time.
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
-/// spring that is not bent is left out: the digest of a state without such springs is that of the time before
-/// there were any.
+/// spring that is not bent is left out, and what only a gas in three dimensions has, its cells and its force on
+/// particles, where there is none: the digest of a state without them is that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -34,13 +34,16 @@ impl Digest {
         clock: &Clock,
         particles: &[ParticleRecord],
         contacts: &[ContactRecord],
-        wall_contacts: &[WallContactRecord],
+        (wall_contacts, cells): (&[WallContactRecord], &[CellRecord]),
         ranks: &dyn Communicator,
     ) -> Self {
         let [a, b, c] =
-            [sum(b'p', 1, 0, particles), sum(b'c', 2, 3, contacts), sum(b'w', 2, 3, wall_contacts)];
-        let mut sums = [a, b, c].concat();
+            [sum(b'p', 1, 3, particles), sum(b'c', 2, 3, contacts), sum(b'w', 2, 3, wall_contacts)];
+        let mut sums = [a, b, c, sum(b'g', 1, 0, cells)].concat();
         ranks.sum_integers(&mut sums);
+        if sums[9] == 0 {
+            sums.truncate(9); // without cells of a gas
+        }
         let mut hasher = blake3::Hasher::new();
         hasher.update(b"talcum state 1");
         hasher.update(&clock.step.to_le_bytes());
@@ -113,12 +116,16 @@ mod tests {
         }
     }
 
+    fn cell(cell: u64) -> CellRecord {
+        CellRecord { cell, numbers: [0.3; CellRecord::NUMBERS] }
+    }
+
     fn wall_contact(particle: u64) -> WallContactRecord {
         WallContactRecord { particle, ..Zeroable::zeroed() }
     }
 
     fn digest(particles: &[ParticleRecord], contacts: &[ContactRecord]) -> String {
-        Digest::of(&Clock::new(0.1), particles, contacts, &[], &OneRank).to_string()
+        Digest::of(&Clock::new(0.1), particles, contacts, (&[], &[]), &OneRank).to_string()
     }
 
     #[test]
@@ -127,7 +134,8 @@ mod tests {
         let particles: Vec<_> = (0..20).map(particle).collect();
         let contacts: Vec<_> = (0..9).map(contact).collect();
         let walls: Vec<_> = (0..3).map(wall_contact).collect();
-        let alone = Digest::of(&clock, &particles, &contacts, &walls, &OneRank);
+        let cells: Vec<_> = (0..5).map(cell).collect();
+        let alone = Digest::of(&clock, &particles, &contacts, (&walls, &cells), &OneRank);
         assert_eq!(alone.to_string().len(), 32);
         for n in 1..=3 {
             let digests = run_on_threads(n, |ranks| {
@@ -136,7 +144,13 @@ mod tests {
                 }
                 let particles = share(&particles, ranks);
                 let contacts = share(&contacts, ranks);
-                Digest::of(&clock, &particles, &contacts, &share(&walls, ranks), ranks)
+                Digest::of(
+                    &clock,
+                    &particles,
+                    &contacts,
+                    (&share(&walls, ranks), &share(&cells, ranks)),
+                    ranks,
+                )
             });
             assert!(digests.iter().all(|&digest| digest == alone));
         }
@@ -160,7 +174,10 @@ mod tests {
         assert_ne!(digest(&particles[1..], &contacts), original);
         assert_ne!(digest(&particles, &[contacts[0], contacts[0], contacts[0]]), original);
         let later = Clock { step: 1, ..Clock::new(0.1) };
-        assert_ne!(Digest::of(&later, &particles, &contacts, &[], &OneRank).to_string(), original);
+        assert_ne!(
+            Digest::of(&later, &particles, &contacts, (&[], &[]), &OneRank).to_string(),
+            original
+        );
     }
 
     #[test]
@@ -169,6 +186,9 @@ mod tests {
         let mut minus = plus;
         minus.velocity[1] = -0.0;
         assert_eq!(digest(&[plus], &[]), digest(&[minus], &[]));
+        let mut without_force = plus;
+        without_force.gas_force = [0.0, -0.0, 0.0];
+        assert_eq!(digest(&[plus], &[]), digest(&[without_force], &[]));
         // An id of the same bits is not a zero.
         let strange = ParticleRecord { id: NEGATIVE_ZERO, ..plus };
         assert_ne!(digest(&[plus], &[]), digest(&[strange], &[]));

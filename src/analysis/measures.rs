@@ -2,6 +2,7 @@
 
 use super::BedProfile;
 use crate::domain::BASE_PLATE;
+use crate::grid::Field;
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
@@ -12,9 +13,10 @@ use crate::state::{Domain, Models, State, Tallies, Workspace};
 pub struct Measures {
     /// Time.
     pub time: f64,
-    /// U_s; 0 without gas.
+    /// U_s, for a gas in three dimensions its mean over the bottom; 0 without gas.
     pub superficial_velocity: f64,
-    /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight.
+    /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight; for a gas in three
+    /// dimensions its mean pressure at the bottom less that at the top, hydrostatic head left out.
     pub grid_pressure_drop: f64,
     /// Vertical gas force on all particles, over weight.
     pub gas_force: f64,
@@ -44,6 +46,14 @@ pub struct Measures {
     pub particles: f64,
     /// Number of particles that have left.
     pub departed: f64,
+    /// Iterations of the pressure equation in the last step of a gas in three dimensions.
+    pub gas_iterations: f64,
+    /// Its Courant number.
+    pub gas_courant: f64,
+    /// Cells whose voidage was below the least one in that step and was raised to it.
+    pub raised_cells: f64,
+    /// Largest component of what particles gained in that step less what the gas lost, over weight.
+    pub exchange_error: f64,
 }
 
 /// Momentum and total force before a step, to be held against those after it.
@@ -75,7 +85,8 @@ impl MomentumProbe {
     /// Momentum and total force now. Collective.
     pub fn take(particles: &Particles, ranks: &dyn Communicator) -> Self {
         let [px, py, pz, fx, fy, fz] = sums(particles, ranks, |i| {
-            let (p, f) = (particles.velocity[i] * particles.mass[i], particles.force[i]);
+            let (p, f) =
+                (particles.body[i].velocity * particles.body[i].mass, particles.load[i].force);
             [p.x, p.y, p.z, f.x, f.y, f.z]
         });
         Self { momentum: [px, py, pz], force: [fx, fy, fz] }
@@ -110,6 +121,42 @@ fn external_forces(
     ([force(0), force(1), force(2)], force(3), force(4))
 }
 
+/// Superficial velocity through the bottom and pressure drop of a gas in three dimensions; 0 without one. In a
+/// periodic box both faces are one, and the drop is what the driving force makes up for.
+fn flow_through(
+    state: &State,
+    models: &Models,
+    work: &Workspace,
+    ranks: &dyn Communicator,
+) -> (f64, f64) {
+    let Some((model, flow)) = models.flow().zip(state.flow.as_ref()) else { return (0.0, 0.0) };
+    let part = model.grid.part_of(&work.cut, ranks.rank());
+    let [nx, ny, nz] = part.count.map(|count| count as isize);
+    let [at_bottom, at_top] = part.at_ends(2);
+    let columns = || (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j)));
+    let mut sums = [(); 2].map(|()| ExactSum::default());
+    let fields = &flow.fields;
+    let mean = |field: &Field, [i, j, k]: [isize; 3]| {
+        0.5 * (field.at([i, j, k - 1]) + field.at([i, j, k]))
+    };
+    for (i, j) in columns().filter(|_| at_bottom) {
+        let face = [i, j, 0];
+        sums[0].add(mean(&fields.voidage, face) * fields.velocity[2].at(face));
+        sums[1].add(mean(&fields.pressure, face));
+    }
+    for (i, j) in columns().filter(|_| at_top) {
+        sums[1].add(-mean(&fields.pressure, [i, j, nz]));
+    }
+    let mut integers: Vec<i64> = sums.iter().flat_map(ExactSum::to_integers).collect();
+    ranks.sum_integers(&mut integers);
+    let mut totals = integers.chunks(ExactSum::INTEGERS).map(ExactSum::from_integers);
+    let faces = (part.counts[0] * part.counts[1]) as f64;
+    let mut total = || totals.next().map_or(0.0, |sum| sum.value()) / faces;
+    let (velocity, drop) = (total(), total());
+    let driven = model.driving.z * model.grid.spacing().z * part.counts[2] as f64;
+    (velocity, drop + driven)
+}
+
 /// Reads off everything. Collective.
 ///
 /// Before: `state` is at the end of a step; `probe` was taken before that step, if there was one.
@@ -124,9 +171,9 @@ pub fn measure(
 ) -> Measures {
     let particles = &state.particles;
     profile.update(particles, ranks);
-    let wrapped = |i: usize| domain.bounds.wrap_coordinate(2, particles.position[i].z);
+    let wrapped = |i: usize| domain.bounds.wrap_coordinate(2, particles.body[i].position.z);
     let [count, mass, moment, momentum, energy, volume, neighbours] = sums(particles, ranks, |i| {
-        let (m, v) = (particles.mass[i], particles.velocity[i]);
+        let (m, v) = (particles.body[i].mass, particles.body[i].velocity);
         let contacts = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
         let energy = 0.5 * m * v.norm_squared();
         [1.0, m, m * wrapped(i), m * v.z, energy, particles.volume(i), contacts as f64]
@@ -146,17 +193,16 @@ pub fn measure(
     };
     let per = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
     let (bed_bottom, bed_top) = profile.bottom_and_top();
-    let (superficial_velocity, pressure_drop) = match (&models.gas, &work.fluid) {
-        (Some(gas), Some(fluid)) => {
-            let drop = fluid.pressure_drop(gas);
-            (fluid.superficial_velocity(), drop * domain.bounds.cross_section())
-        }
-        _ => (0.0, 0.0),
+    let (superficial_velocity, pressure_drop) = match (models.column(), &work.fluid) {
+        (Some(gas), Some(fluid)) => (fluid.superficial_velocity(), fluid.pressure_drop(gas)),
+        _ => flow_through(state, models, work, ranks),
     };
+    let pressure_force = pressure_drop * domain.bounds.cross_section();
+    let report = state.flow.as_ref().map(|flow| flow.report).unwrap_or_default();
     Measures {
         time: state.clock.time(),
         superficial_velocity,
-        grid_pressure_drop: over_weight(pressure_drop),
+        grid_pressure_drop: over_weight(pressure_force),
         gas_force: over_weight(gas_force),
         plate_stress: over_weight(plate_force),
         effective_gravity: per(models.gravity.at(state.clock.time()), models.gravity.magnitude),
@@ -171,5 +217,9 @@ pub fn measure(
         mass_error: if volume > 0.0 { profile.solids_volume() / volume - 1.0 } else { 0.0 },
         particles: count,
         departed: state.departed.count as f64,
+        gas_iterations: report.iterations as f64,
+        gas_courant: report.courant,
+        raised_cells: report.raised_cells as f64,
+        exchange_error: over_weight(report.momentum_error),
     }
 }

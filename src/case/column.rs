@@ -1,4 +1,4 @@
-//! The section of the gas.
+//! The keys of a column of gas.
 
 use super::allowed::{Allowed, rounded};
 use super::drag::read_drag;
@@ -17,12 +17,6 @@ const FEWEST_PERIODIC_NODES: f64 = 3.0;
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
-    Column,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
 enum Weight {
     ParticleForce,
     GridIntegral,
@@ -35,15 +29,14 @@ enum Base {
     HalfCell,
 }
 
-/// `[gas]`.
-pub(super) fn read_gas(
+/// `[gas]` of kind "column".
+pub(super) fn read_column(
     section: Section<'_>,
     scales: Scales,
     gravity: Option<f64>,
     bounds: Option<&Bounds>,
     stages: &[Range<f64>],
 ) -> Option<ColumnGas> {
-    let kind: Option<Kind> = section.value("kind");
     if let Some(bounds) = bounds
         && matches!(bounds.faces(2)[0], Face::Open | Face::Stop)
     {
@@ -62,22 +55,24 @@ pub(super) fn read_gas(
     };
     section.finish();
     let (drag, drag_factor, density) = drag?;
-    match kind? {
-        Kind::Column => Some(ColumnGas {
-            spacing: spacing?,
-            drag,
-            drag_factor,
-            viscosity: viscosity?,
-            density,
-            drive: drive?,
-            lateral_drag,
-            base_node,
-        }),
-    }
+    Some(ColumnGas {
+        spacing: spacing?,
+        drag,
+        drag_factor,
+        viscosity: viscosity?,
+        density,
+        drive: drive?,
+        lateral_drag,
+        base_node,
+    })
 }
 
 /// mu, or from St = rho_s g^1/2 d^3/2 / mu.
-fn read_viscosity(section: &Section<'_>, scales: Scales, gravity: Option<f64>) -> Option<f64> {
+pub(super) fn read_viscosity(
+    section: &Section<'_>,
+    scales: Scales,
+    gravity: Option<f64>,
+) -> Option<f64> {
     let key = section.exactly_one(&["viscosity", "stokes_number"])?;
     let number = section.optional_number(key, Allowed::POSITIVE)?;
     if key == "viscosity" {

@@ -10,6 +10,7 @@ mod contact_laws;
 mod drag;
 mod errors;
 mod forces;
+mod gas;
 mod leaf;
 mod overrides;
 mod particles;
@@ -20,6 +21,7 @@ mod space;
 mod stages;
 mod tree;
 mod units;
+mod volume_averaged;
 mod wall_time;
 mod walls;
 
@@ -32,6 +34,7 @@ pub use stages::Stage;
 pub use units::Units;
 
 use crate::contact::{ContactLaw, Interface};
+use crate::coupling::FlowModel;
 use crate::domain::Bounds;
 use crate::state::{Domain, SizeRange, range_of};
 use allowed::rounded;
@@ -123,6 +126,11 @@ impl Case {
         self.particles.size_range()
     }
 
+    /// The gas in three dimensions of the first stage that has one; its cells are those of all stages.
+    pub fn flow(&self) -> Option<&FlowModel> {
+        self.stages.iter().find_map(Stage::flow)
+    }
+
     /// The particles at the start: all of them, in the order of their ids, and what they remember.
     ///
     /// # Errors
@@ -155,6 +163,7 @@ impl Case {
                 );
                 wrong.push(("time.step", words));
             }
+            wrong.extend(check_flow(self, stage, sizes));
             let limits = stage.limits(sizes);
             let torque = limits.force * sizes.largest_diameter;
             if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
@@ -164,6 +173,32 @@ impl Case {
         }
         wrong
     }
+}
+
+/// The gas in three dimensions moves at whole multiples of its step, on cells that are the same for all stages
+/// and not too small for the particles.
+fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static str, String)> {
+    let (model, first) = (stage.flow()?, case.flow()?);
+    let (name, step) = (&stage.name, (stage.start / stage.time_step).round() as u64);
+    if !step.is_multiple_of(model.substeps) {
+        let words = format!(
+            "must divide the number of steps before stage {name:?}, {step}: the gas begins there"
+        );
+        return Some(("gas.substeps", words));
+    }
+    if model.grid != first.grid {
+        let words = format!("must be {:?} in all stages", first.grid.counts());
+        return Some(("gas.cells", words));
+    }
+    let stray = 0.5 * case.parallel.skin * sizes.largest_diameter;
+    let smallest = model.grid.spacing().min();
+    (stray > smallest).then(|| {
+        let words = format!(
+            "are {:.3} of the largest diameter wide: must be at least half of parallel.skin",
+            smallest / sizes.largest_diameter
+        );
+        ("gas.cells", words)
+    })
 }
 
 /// The box must hold a particle, and be wide enough for its ghosts where it is periodic.

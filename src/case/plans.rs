@@ -17,6 +17,8 @@ pub struct OutputPlan {
     pub profiles: Option<f64>,
     /// Interval of snapshots of all particles.
     pub particles: Option<f64>,
+    /// Interval of snapshots of a gas in three dimensions.
+    pub gas: Option<f64>,
     /// Solids fraction that bounds the bed's bottom and top.
     pub bed_threshold: f64,
 }
@@ -87,11 +89,12 @@ pub(super) fn read_output(section: Section<'_>, step: Option<f64>) -> Option<Out
     let series = interval("series");
     let profiles = interval("profiles");
     let particles = interval("particles");
+    let gas = interval("gas");
     let fraction = Allowed::positive_up_to(0.74);
     let bed_threshold = section.number_or("bed_threshold", fraction, 0.3);
     section.note_default("bed_threshold", "0.3, the solids fraction that bounds the bed");
     section.finish();
-    Some(OutputPlan { series: series?, profiles, particles, bed_threshold })
+    Some(OutputPlan { series: series?, profiles, particles, gas, bed_threshold })
 }
 
 /// `[checkpoint]`.

@@ -148,7 +148,7 @@ impl<'a> Section<'a> {
     }
 
     /// A number that may change with time: constant, a ramp `{ from, to }` over the stage that sets it, or
-    /// steps `{ values, every }` from the begin of that stage.
+    /// steps `{ values, every }` or a sine `{ mean, amplitude, frequency }` from the begin of that stage.
     pub(super) fn schedule(
         &self,
         key: &'static str,
@@ -168,6 +168,13 @@ impl<'a> Section<'a> {
                 values,
                 start: stage.start,
                 every,
+            })
+        } else if ["mean", "amplitude", "frequency"].into_iter().any(|key| section.has(key)) {
+            let mean = section.number("mean", allowed);
+            let amplitude = section.number("amplitude", Allowed::FINITE);
+            let frequency = section.number("frequency", Allowed::POSITIVE);
+            mean.zip(amplitude).zip(frequency).map(|((mean, amplitude), frequency)| {
+                Schedule::Sine { mean, amplitude, frequency, start: stage.start }
             })
         } else {
             let from = section.number("from", allowed);

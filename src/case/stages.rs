@@ -1,10 +1,10 @@
 //! Stages: the base of the file, changed by one stage after another.
 
 use super::allowed::Allowed;
-use super::column::read_gas;
 use super::contact::{Adhering, read_contact};
 use super::errors::Problems;
 use super::forces::{read_cohesion, read_gravity, read_vibration};
+use super::gas::read_gas;
 use super::overrides::is_partner;
 use super::particles::Scales;
 use super::section::Section;
@@ -12,9 +12,10 @@ use super::tree::{Node, Value};
 use super::units::Units;
 use super::walls::contacts_of;
 use crate::contact::{Interface, VanDerWaals};
+use crate::coupling::FlowModel;
 use crate::domain::EffectiveGravity;
 use crate::gas::ColumnGas;
-use crate::state::{Domain, Limits, Models, SizeRange};
+use crate::state::{Domain, GasModel, Limits, Models, SizeRange};
 use std::ops::Range;
 
 /// Sections that a stage may change.
@@ -42,7 +43,7 @@ pub struct Stage {
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
-    pub gas: Option<ColumnGas>,
+    pub gas: Option<GasModel>,
     /// Gravity in the frame of the plate.
     pub gravity: EffectiveGravity,
 }
@@ -69,6 +70,22 @@ impl Stage {
     /// All ways in which bodies touch.
     pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
         std::iter::once(&self.contact).chain(&self.at_walls)
+    }
+
+    /// The column of gas, if that is the gas.
+    pub fn column(&self) -> Option<&ColumnGas> {
+        match &self.gas {
+            Some(GasModel::Column(gas)) => Some(gas),
+            _ => None,
+        }
+    }
+
+    /// The gas in three dimensions, if that is the gas.
+    pub fn flow(&self) -> Option<&FlowModel> {
+        match &self.gas {
+            Some(GasModel::VolumeAveraged(model)) => Some(model),
+            _ => None,
+        }
     }
 
     /// What particles of these sizes may not exceed.
@@ -203,7 +220,7 @@ fn timetable(
 }
 
 type Forces =
-    ((Interface, Vec<Interface>), Option<VanDerWaals>, Option<ColumnGas>, EffectiveGravity);
+    ((Interface, Vec<Interface>), Option<VanDerWaals>, Option<GasModel>, EffectiveGravity);
 
 fn read_forces(
     current: &[Current; SECTIONS.len()],

@@ -233,12 +233,16 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
         }
         let is_round = matches!(wall.shape, WallShape::Cylinder { .. });
         if with_gas && is_round {
-            let words = "the column of gas fills the box: it cannot flow in a round column";
+            let words = "the gas fills the box: it cannot flow in a round column";
             wrong.push(("gas", words.to_owned()));
         }
-        if with_gas && wall.name == BASE_PLATE && speed > 0.0 {
-            let words = "the gas comes through the base plate, which cannot move in the box: use [vibration]";
-            wrong.push(("gas", words.to_owned()));
+        let is_face = FACES.iter().any(|face| name_of_face(face) == name);
+        if with_gas && is_face && speed > 0.0 {
+            let words = format!(
+                "the gas reaches from face to face of the box: {name:?} cannot move inwards, only in its \
+                 plane (a plate that vibrates: use [vibration])"
+            );
+            wrong.push(("gas", words));
         }
     }
     wrong

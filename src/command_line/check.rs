@@ -3,14 +3,17 @@
 use super::Changes;
 use super::progress::in_words;
 use super::reading::read_case;
+use super::report::six_digits;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, Interface};
+use crate::coupling::FlowModel;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
-use crate::gas::{ColumnGas, Drive};
+use crate::gas::volume_averaged::Boundary;
+use crate::gas::{ColumnGas, Drive, ParticleDrag};
 use crate::parallel::Communicator;
 use crate::simulation::{Beginning, begin_from_case};
-use crate::state::{SizeRange, State};
+use crate::state::{GasModel, SizeRange, State};
 use crate::time_step;
 use std::fmt::Write;
 use std::path::Path;
@@ -63,7 +66,12 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
     let _ = writeln!(
         words,
         "box: {} x {} x {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
-        lengths.x, lengths.y, lengths.z, in_diameters.x, in_diameters.y, in_diameters.z
+        six_digits(lengths.x),
+        six_digits(lengths.y),
+        six_digits(lengths.z),
+        in_diameters.x,
+        in_diameters.y,
+        in_diameters.z
     );
     for axis in 0..3 {
         let face = |kind| match kind {
@@ -86,7 +94,12 @@ fn describe_wall(wall: &Wall) -> String {
     let mut words = match wall.shape {
         WallShape::Plane { point: p, normal: n } => format!(
             "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
-            p.x, p.y, p.z, n.x, n.y, n.z
+            six_digits(p.x),
+            six_digits(p.y),
+            six_digits(p.z),
+            n.x,
+            n.y,
+            n.z
         ),
         WallShape::Cylinder { centre, radius } => {
             format!("round about ({}, {}), radius {radius}, particles inside", centre.x, centre.y)
@@ -130,13 +143,39 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
         let gamma = vibration.relative_acceleration;
         line("Gamma, frequency", format!("{gamma:.4}, {:.4}", vibration.frequency));
     }
-    if let Some(gas) = &stage.gas {
-        describe_gas(&mut line, gas, diameter, density, g);
+    match &stage.gas {
+        None => {}
+        Some(GasModel::Column(gas)) => describe_column(&mut line, gas, diameter, density, g),
+        Some(GasModel::VolumeAveraged(model)) => {
+            let particle = (diameter, mass, mass * g);
+            describe_flow(&mut line, model, particle, stage.time_step);
+        }
     }
-    let duration = case.shortest_contact(stage, sizes);
-    let per_contact = duration / stage.time_step;
-    line("duration of a contact", format!("{duration:.4e}, {per_contact:.1} time steps"));
-    if per_contact < LEAST_STEPS_PER_CONTACT {
+    describe_contacts(&mut line, case, stage, sizes);
+}
+
+/// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
+fn describe_contacts(
+    line: &mut impl FnMut(&str, String),
+    case: &Case,
+    stage: &Stage,
+    sizes: &SizeRange,
+) {
+    let mass = case.particles.mass_of(sizes.smallest_diameter);
+    let radius = 0.5 * sizes.smallest_diameter;
+    let mut tell = |name: &str, interface: &Interface, mass: f64, radius: f64| {
+        let duration = interface.law.contact_duration(mass, radius);
+        let steps = duration / stage.time_step;
+        let law = interface.law.name();
+        line(name, format!("{duration:.4e}, {steps:.1} time steps ({law})"));
+    };
+    tell("duration of a contact", &stage.contact, 0.5 * mass, 0.5 * radius);
+    for (wall, interface) in case.domain.walls.iter().zip(&stage.at_walls) {
+        if *interface != stage.contact {
+            tell(&format!("with wall \"{}\"", wall.name), interface, mass, radius);
+        }
+    }
+    if case.shortest_contact(stage, sizes) / stage.time_step < LEAST_STEPS_PER_CONTACT {
         line(
             "warning",
             format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),
@@ -144,7 +183,51 @@ fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRa
     }
 }
 
-fn describe_gas(
+/// Voidage of a loose bed, at which the response of particles to the gas is told.
+const LOOSE: f64 = 0.45;
+
+/// Cells, and how the gas step compares with what limits it.
+fn describe_flow(
+    line: &mut impl FnMut(&str, String),
+    model: &FlowModel,
+    (diameter, mass, weight): (f64, f64, f64),
+    time_step: f64,
+) {
+    let (gas, spacing) = (&model.gas, model.grid.spacing());
+    let [nx, ny, nz] = model.grid.counts();
+    let in_diameters = spacing / diameter;
+    line(
+        "gas, cells",
+        format!(
+            "{nx} x {ny} x {nz} of {:.3} x {:.3} x {:.3} of the diameter",
+            in_diameters.x, in_diameters.y, in_diameters.z
+        ),
+    );
+    if in_diameters.min() < 2.999 && model.coupling.filter_width < 3.0 * diameter {
+        let words = "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised";
+        line("warning", words.to_owned());
+    }
+    let step = time_step * model.substeps as f64;
+    line("gas step", format!("{step:.4e}, {} time steps", model.substeps));
+    let inflow = gas.boundaries.iter().flatten().filter_map(|boundary| match boundary {
+        Boundary::Inlet(inlet) => Some(inlet.velocity.largest().abs()),
+        _ => None,
+    });
+    let speed = inflow.fold(0.0, f64::max) / LOOSE;
+    let courant = step * speed / spacing.min();
+    line("Courant number of the inflow", format!("{courant:.4} (gas in a bed of voidage {LOOSE})"));
+    let rates = spacing.map(|dx| 1.0 / (dx * dx));
+    let viscous = 4.0 * step * gas.viscosity / gas.density * rates.sum();
+    line("viscous number", format!("{viscous:.4}; 2 Courant + viscous / 2 may not exceed 1"));
+    let drag = model.coupling.drag.per_velocity(diameter, 1.0 - LOOSE, speed * LOOSE);
+    let response = drag * step / (mass * LOOSE * LOOSE);
+    line("b dt / (m eps^2)", format!("{response:.4} at a voidage of {LOOSE}; may not exceed 1"));
+    if weight > 0.0 {
+        expect_fluidisation(line, &model.coupling.drag, diameter, weight);
+    }
+}
+
+fn describe_column(
     line: &mut impl FnMut(&str, String),
     gas: &ColumnGas,
     diameter: f64,
@@ -165,18 +248,26 @@ fn describe_gas(
     let stokes = density * g.sqrt() * diameter.powf(1.5) / gas.viscosity;
     line("Stokes number", format!("{stokes:.4}"));
     let weight = density * std::f64::consts::PI / 6.0 * diameter.powi(3) * g;
+    expect_fluidisation(line, &gas.particle_drag(), diameter, weight);
+}
+
+fn expect_fluidisation(
+    line: &mut impl FnMut(&str, String),
+    drag: &ParticleDrag,
+    diameter: f64,
+    weight: f64,
+) {
     let expected: Vec<String> = [0.60, 0.62, 0.64]
         .map(|phi| {
-            format!("{:.4e} at phi {phi:.2}", minimum_fluidisation(gas, diameter, weight, phi))
+            format!("{:.4e} at phi {phi:.2}", minimum_fluidisation(drag, diameter, weight, phi))
         })
         .to_vec();
     line("U_mf of the force balance", expected.join(", "));
 }
 
 /// The superficial velocity at which the gas carries particles at rest: (V / phi) beta U / (1 - phi)^2 = m g.
-fn minimum_fluidisation(gas: &ColumnGas, diameter: f64, weight: f64, phi: f64) -> f64 {
-    let force =
-        |u: f64| gas.particle_drag().per_velocity(diameter, phi, u) * u / (1.0 - phi).powi(2);
+fn minimum_fluidisation(drag: &ParticleDrag, diameter: f64, weight: f64, phi: f64) -> f64 {
+    let force = |u: f64| drag.per_velocity(diameter, phi, u) * u / (1.0 - phi).powi(2);
     let (mut low, mut high) = (0.0, 1.0e-12);
     while force(high) < weight {
         high *= 2.0;
@@ -192,11 +283,12 @@ fn describe_ranks(words: &mut String, beginning: &Beginning, ranks: &dyn Communi
     let here = beginning.state.particles.owned_count() as u64;
     let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
     for (rank, bytes) in counts.iter().enumerate() {
-        let [lower, upper] = beginning.work.cut.block_bounds(rank);
+        let corners = beginning.work.cut.block_bounds(rank).map(|corner| corner.map(six_digits));
+        let [lower, upper] = corners;
         let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
         let _ = writeln!(
             words,
-            "rank {rank}: x {:.3} to {:.3}, y {:.3} to {:.3}, z {:.3} to {:.3}, {count} particles",
+            "rank {rank}: x {} to {}, y {} to {}, z {} to {}, {count} particles",
             lower.x, upper.x, lower.y, upper.y, lower.z, upper.z
         );
     }

@@ -1,6 +1,7 @@
 //! What the user types, and what the program answers.
 
 mod check;
+mod contact;
 mod info;
 mod progress;
 mod reading;
@@ -53,6 +54,8 @@ enum Command {
         #[command(flatten)]
         options: RunOptions,
     },
+    /// Print the normal force over the overlap, of two bodies slowly pressed together and parted, as CSV.
+    Contact(contact::ContactOptions),
     /// Say in words what is in a checkpoint.
     Info {
         /// The checkpoint.
@@ -140,6 +143,7 @@ fn obey(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
             run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
         }
         Command::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
+        Command::Contact(options) => contact::contact(&options, ranks),
         Command::Info { file } => info::info(&file, ranks),
     }
 }

@@ -24,6 +24,11 @@ pub(super) fn count_of(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
+/// A number to be read, to six digits: lengths of a box are rounded to a lattice, 0.002 to 0.0020000000000000018.
+pub(super) fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
 /// The end of a run: rates, the share of each stage of the step, and what has left.
 pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     let seconds = outcome.elapsed.as_secs_f64();
@@ -54,4 +59,17 @@ pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
         let _ = writeln!(words, "{} particles have left through open faces", outcome.departed);
     }
     words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::six_digits;
+
+    #[test]
+    fn numbers_are_told_to_six_digits_whatever_their_size() {
+        let told =
+            [0.0020000000000000018, 123456.789, -1.0, 0.0].map(|x| six_digits(x).to_string());
+        assert_eq!(told, ["0.002", "123457", "-1", "0"]);
+        assert!(six_digits(f64::NAN).is_nan());
+    }
 }

@@ -24,7 +24,7 @@ use crate::particles::ContactMemory;
 ///
 /// so a contact is on the higher of unloading line and this one. A contact that is pressed again from it climbs
 /// the unloading line through the present point: delta_max is lowered to suit. With d_NP <= F0 / k_unload the line
-/// is never reached, and the force falls along the unloading line until the spheres part.
+/// is never reached, and the force falls along the unloading line until the spheres part. Without F0 nothing pulls.
 ///
 /// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with
 /// eta_n = 2 sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, eta_t of the same form in k_t
@@ -82,7 +82,13 @@ impl AdhesiveElasticPlastic {
         let d = primary_diameter;
         require(d >= 0.0, "primary_diameter", d, "zero or positive")?;
         let room = d - attraction / parameters.unloading_stiffness;
-        let adhesion_stiffness = if room > 0.0 { attraction / room } else { f64::INFINITY };
+        let adhesion_stiffness = if attraction == 0.0 {
+            0.0
+        } else if room > 0.0 {
+            attraction / room
+        } else {
+            f64::INFINITY
+        };
         let hysteresis = Hysteresis::new(&parameters, adhesion_stiffness)?;
         Ok(Self { hysteresis, attraction })
     }

@@ -3,7 +3,7 @@
 use super::lanes::PairWork;
 use super::{Contact, ContactForce, Interface, VanDerWaalsNow};
 use crate::numbers::{Quantum, in_quads};
-use crate::particles::{Bodies, ContactMemory, Contacts, Particles};
+use crate::particles::{ContactMemory, Contacts, Particles};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -55,7 +55,7 @@ pub struct ForceLaws<'a> {
 /// neither the order of pairs nor evaluating a pair on two ranks changes a bit.
 ///
 /// Before: forces are those of nothing else but lattice numbers; ghosts are current. After: forces of
-/// owned particles are complete. `bodies` is room to work in.
+/// owned particles are complete.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined; the first such pair of this rank.
@@ -63,13 +63,11 @@ pub fn add_pair_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
-    bodies: &mut Bodies,
 ) -> Result<(), ForceOutOfRange> {
-    bodies.take(particles);
     contacts.near.hold_rolling_angles(laws.contact.rolling.is_some());
-    contacts.find_near(bodies, laws.range);
-    in_quads(PairWork { bodies, near: &mut contacts.near, laws, id: &particles.id })?;
-    bodies.give(particles);
+    contacts.find_near(particles, laws.range);
+    in_quads(PairWork { particles, near: &mut contacts.near, laws })?;
+    particles.fold_image_loads();
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
 use crate::numbers::{Quad, QuadWork, within};
 use crate::particles::{
-    AngleLanes, Bodies, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs,
+    AngleLanes, Body, ContactMemory, LANES, Load, MEMORY_FIELDS, MemoryLanes, NearPairs, Particles,
 };
 use nalgebra::Vector3;
 
@@ -18,10 +18,9 @@ type Lanes = [f64; LANES];
 
 /// Bodies and pairs, and what acts between them.
 pub(super) struct PairWork<'a> {
-    pub(super) bodies: &'a mut Bodies,
+    pub(super) particles: &'a mut Particles,
     pub(super) near: &'a mut NearPairs,
     pub(super) laws: &'a ForceLaws<'a>,
-    pub(super) id: &'a [u64],
 }
 
 impl QuadWork for PairWork<'_> {
@@ -59,23 +58,25 @@ impl PairWork<'_> {
         law: (&L, R),
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { bodies, near, laws, id } = self;
+        let Self { particles, near, laws } = self;
         let mut block = Block::default();
         let mut no_angles = [[0.0; LANES]; 3];
         for index in 0..near.first.len() {
             let pairs = [&near.first[index], &near.second[index]];
-            gather::<Q, R, S>(&mut block, &mut sizes, pairs, &bodies.body);
+            gather::<Q, R, S>(&mut block, &mut sizes, pairs, &particles.body);
+            approach(&mut block, &sizes);
             attract(&mut block, &sizes, laws);
             let angles = near.rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             run(law, &sizes, laws, &mut block, (&mut near.memory[index], angles));
-            near.touching[index] = block.touching.map(|touching| touching != 0.0);
-            if let Some(lane) = (0..LANES).find(|&lane| block.out_of_range[lane] != 0.0) {
+            note_touching(&block, &mut near.touching[index]);
+            if let Some(lane) = out_of_range_lane(&block) {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
-                let [i, j] = pairs.map(|of| id[of[lane] as usize]);
+                let [i, j] = pairs.map(|of| particles.id[of[lane] as usize]);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
                 return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            scatter::<Q, S>(&block, pairs, &mut bodies.load);
+            let used = (near.count() - index * LANES).min(LANES);
+            scatter::<Q, S>(&block, pairs, used, &mut particles.load);
         }
         Ok(())
     }
@@ -128,8 +129,8 @@ impl Sizes for ManySizes {
     #[inline(always)]
     fn gather(&mut self, lane: usize, pair: [&Body; 2]) {
         for (side, body) in pair.into_iter().enumerate() {
-            self.radii[side][lane] = body.place[3];
-            self.masses[side][lane] = body.motion[3];
+            self.radii[side][lane] = body.radius;
+            self.masses[side][lane] = body.mass;
         }
     }
 
@@ -148,21 +149,23 @@ impl Sizes for ManySizes {
 #[derive(Default)]
 struct Block {
     branch: [Lanes; 3],
+    /// Of the centres; then of the surfaces where they meet.
     relative_velocity: [Lanes; 3],
     /// omega_i r_i + omega_j r_j.
     surface_spin: [Lanes; 3],
     /// Only if rolling is resisted.
     relative_spin: [Lanes; 3],
-    cohesion: Lanes,
     overlap: Lanes,
+    normal: [Lanes; 3],
+    cohesion: Lanes,
     force_on_j: [Lanes; 3],
     /// Less the torques.
     torque_off_i: [Lanes; 3],
     torque_off_j: [Lanes; 3],
     /// 1 where the bodies touch.
-    touching: Lanes,
+    touching: [u64; LANES],
     /// 1 where the force exceeds the limit or is undefined.
-    out_of_range: Lanes,
+    out_of_range: [u64; LANES],
 }
 
 #[inline(always)]
@@ -180,9 +183,10 @@ fn gather<Q: Quad, R: Rolling, S: Sizes>(
             let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
             sizes.gather(lane, [i, j]);
             let [radius_i, radius_j] = sizes.radii(lane);
-            branch[row] = Q::load(&j.place).minus(Q::load(&i.place));
-            velocity[row] = Q::load(&j.motion).minus(Q::load(&i.motion));
-            let (spin_i, spin_j) = (Q::load(&i.spin), Q::load(&j.spin));
+            let ([place_i, motion_i, spin_i], [place_j, motion_j, spin_j]) = (i.quads(), j.quads());
+            branch[row] = Q::load(place_j).minus(Q::load(place_i));
+            velocity[row] = Q::load(motion_j).minus(Q::load(motion_i));
+            let (spin_i, spin_j) = (Q::load(spin_i), Q::load(spin_j));
             let surface_i = spin_i.times(Q::splat(radius_i));
             spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
             relative_spin[row] = spin_j.minus(spin_i);
@@ -227,6 +231,25 @@ fn quad_mut(lanes: &mut Lanes, from: usize) -> &mut [f64; 4] {
     lanes[from..].first_chunk_mut().expect("lanes are whole quads")
 }
 
+/// How the surfaces of the pairs meet. A loop of its own: a processor sees only so far ahead, and here it sees
+/// several square roots at once.
+#[inline(always)]
+fn approach<S: Sizes>(block: &mut Block, sizes: &S) {
+    for lane in 0..LANES {
+        let branch = vector(&block.branch, lane);
+        let distance = branch.dot(&branch).sqrt();
+        let [radius_i, radius_j] = sizes.radii(lane);
+        let normal = branch * (1.0 / distance);
+        let velocity = vector(&block.relative_velocity, lane)
+            - vector(&block.surface_spin, lane).cross(&normal);
+        block.overlap[lane] = radius_i + radius_j - distance;
+        for axis in 0..3 {
+            block.normal[axis][lane] = normal[axis];
+            block.relative_velocity[axis][lane] = velocity[axis];
+        }
+    }
+}
+
 /// Attraction of the pairs, if there is any.
 #[inline(always)]
 fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
@@ -240,9 +263,8 @@ fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
 #[inline(always)]
 fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut Block, sizes: &S) {
     for lane in 0..LANES {
-        let ([radius_i, radius_j], branch) = (sizes.radii(lane), vector(&block.branch, lane));
-        let separation = -(radius_i + radius_j - branch.dot(&branch).sqrt());
-        block.cohesion[lane] = attraction.between(radius_i, radius_j, separation);
+        let [radius_i, radius_j] = sizes.radii(lane);
+        block.cohesion[lane] = attraction.between(radius_i, radius_j, -block.overlap[lane]);
     }
 }
 
@@ -251,7 +273,7 @@ fn vector(components: &[Lanes; 3], lane: usize) -> Vector3<f64> {
     Vector3::new(components[0][lane], components[1][lane], components[2][lane])
 }
 
-/// All lanes, those that only fill up the last block too: nothing acts between their bodies.
+/// All lanes, those that only fill up the last block too: what they give is not used.
 #[inline(always)]
 fn run<L: ContactLaw, R: Rolling, S: Sizes>(
     (law, rolling): (&L, R),
@@ -296,29 +318,44 @@ fn run<L: ContactLaw, R: Rolling, S: Sizes>(
         for (number, field) in numbers.into_iter().zip(&mut *memories) {
             field[lane] = if_touching(number);
         }
-        block.overlap[lane] = contact.overlap;
-        block.touching[lane] = if_touching(1.0);
-        block.out_of_range[lane] = if within(&on_j, laws.limit) { 0.0 } else { 1.0 };
+        block.touching[lane] = u64::from(touches);
+        block.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));
     }
 }
 
 #[inline(always)]
 fn contact_of<S: Sizes>(block: &Block, sizes: &S, lane: usize) -> Contact {
-    let branch = vector(&block.branch, lane);
-    let distance = branch.dot(&branch).sqrt();
     let ([radius_i, radius_j], [mass_i, mass_j]) = (sizes.radii(lane), sizes.masses(lane));
-    let normal = branch * (1.0 / distance);
-    let surface_velocity = vector(&block.surface_spin, lane).cross(&normal);
     Contact {
-        overlap: radius_i + radius_j - distance,
-        normal,
-        relative_velocity: vector(&block.relative_velocity, lane) - surface_velocity,
+        overlap: block.overlap[lane],
+        normal: vector(&block.normal, lane),
+        relative_velocity: vector(&block.relative_velocity, lane),
         relative_spin: vector(&block.relative_spin, lane),
         reduced_mass: mass_i * mass_j / (mass_i + mass_j),
         reduced_radius: radius_i * radius_j / (radius_i + radius_j),
         reduced_inertia: reduced_inertia([radius_i, radius_j], [mass_i, mass_j]),
         cohesion: block.cohesion[lane],
     }
+}
+
+#[inline(always)]
+fn note_touching(block: &Block, touching: &mut [bool; LANES]) {
+    for (touching, &flag) in touching.iter_mut().zip(&block.touching) {
+        *touching = flag != 0;
+    }
+}
+
+/// The first pair with a force that has no meaning.
+#[inline(always)]
+fn out_of_range_lane(block: &Block) -> Option<usize> {
+    let mut any = 0;
+    for lane in 0..LANES {
+        any |= block.out_of_range[lane];
+    }
+    if any == 0 {
+        return None;
+    }
+    block.out_of_range.iter().position(|&flag| flag != 0)
 }
 
 /// I* of two solid spheres.
@@ -329,23 +366,28 @@ fn reduced_inertia(radius: [f64; 2], mass: [f64; 2]) -> f64 {
     one * other / (one + other)
 }
 
+/// Puts forces and torques of the first `used` pairs on their bodies.
 #[inline(always)]
 fn scatter<Q: Quad, S: Sizes>(
     block: &Block,
     [first, second]: [&[u32; LANES]; 2],
+    used: usize,
     loads: &mut [Load],
 ) {
-    for from in (0..LANES).step_by(4) {
+    for from in (0..used).step_by(4) {
         let force = load::<Q>(&block.force_on_j, from);
         let torque_off_i = load::<Q>(&block.torque_off_i, from);
         let torque_off_j = if S::EQUAL { torque_off_i } else { load(&block.torque_off_j, from) };
         for row in 0..4 {
-            let on_i = &mut loads[first[from + row] as usize];
-            Q::load(&on_i.force).minus(force[row]).store(&mut on_i.force);
-            Q::load(&on_i.torque).minus(torque_off_i[row]).store(&mut on_i.torque);
-            let on_j = &mut loads[second[from + row] as usize];
-            Q::load(&on_j.force).plus(force[row]).store(&mut on_j.force);
-            Q::load(&on_j.torque).minus(torque_off_j[row]).store(&mut on_j.torque);
+            if from + row >= used {
+                break;
+            }
+            let [force_i, torque_i] = loads[first[from + row] as usize].quads_mut();
+            Q::load(force_i).minus(force[row]).store(force_i);
+            Q::load(torque_i).minus(torque_off_i[row]).store(torque_i);
+            let [force_j, torque_j] = loads[second[from + row] as usize].quads_mut();
+            Q::load(force_j).plus(force[row]).store(force_j);
+            Q::load(torque_j).minus(torque_off_j[row]).store(torque_j);
         }
     }
 }

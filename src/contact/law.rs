@@ -70,6 +70,19 @@ pub struct Interface {
     pub rolling: Option<RollingFriction>,
 }
 
+impl ContactModel {
+    /// What the case file calls it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::LinearSpringDashpot(_) => "linear_spring_dashpot",
+            Self::AdhesiveElasticPlastic(_) => "adhesive_elastic_plastic",
+            Self::HertzMindlin(_) => "hertz_mindlin",
+            Self::Jkr(_) => "jkr",
+            Self::LinearHysteretic(_) => "linear_hysteretic",
+        }
+    }
+}
+
 /// Calls a function of whichever law it is.
 macro_rules! each_law {
     ($model:expr, $law:ident => $call:expr) => {

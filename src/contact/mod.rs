@@ -2,6 +2,7 @@
 
 mod adhesive_elastic_plastic;
 mod elastic;
+mod force_loop;
 mod forces;
 mod geometry;
 mod hertz_mindlin;
@@ -18,6 +19,7 @@ mod wall_forces;
 
 pub use adhesive_elastic_plastic::AdhesiveElasticPlastic;
 pub use elastic::{ContactModuli, Elasticity};
+pub use force_loop::{LoopPoint, force_loop};
 pub use forces::{ForceLaws, ForceOutOfRange, add_pair_forces};
 pub use geometry::{Contact, ContactForce};
 pub use hertz_mindlin::HertzMindlin;

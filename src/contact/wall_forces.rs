@@ -36,9 +36,9 @@ pub fn add_wall_forces(
             let overlap = contact.overlap;
             return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
         }
-        particles.force[i] -= on_wall;
-        let twist = contact.normal.cross(&force.tangential) * particles.radius[i] + rolling;
-        particles.torque[i] -= laws.torque_lattice.round_vector(twist);
+        particles.load[i].force -= on_wall;
+        let twist = contact.normal.cross(&force.tangential) * particles.body[i].radius + rolling;
+        particles.load[i].torque -= laws.torque_lattice.round_vector(twist);
         for axis in 0..3 {
             on_walls[number][axis] += laws.force_lattice.count(on_wall[axis]);
         }
@@ -53,17 +53,19 @@ fn contact_with(
     i: usize,
     laws: &ForceLaws,
 ) -> Contact {
-    let radius = particles.radius[i];
-    let position = &particles.position[i];
+    let radius = particles.body[i].radius;
+    let position = &particles.body[i].position;
     let overlap = radius - wall.height_at(position, pose);
-    let spin = particles.angular_velocity[i];
+    let spin = particles.body[i].angular_velocity;
     let normal = -wall.normal_at(position, pose);
     Contact {
         overlap,
         normal,
-        relative_velocity: pose.velocity - particles.velocity[i] - (spin * radius).cross(&normal),
+        relative_velocity: pose.velocity
+            - particles.body[i].velocity
+            - (spin * radius).cross(&normal),
         relative_spin: -spin,
-        reduced_mass: particles.mass[i],
+        reduced_mass: particles.body[i].mass,
         reduced_radius: radius,
         reduced_inertia: particles.inertia(i),
         cohesion: laws.cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap)),

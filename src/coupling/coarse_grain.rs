@@ -95,9 +95,9 @@ impl CoarseGraining {
     fn add_all<const N: usize>(&mut self, particles: &Particles, grid: &ColumnGrid) {
         let nodes = grid.nodes();
         for i in 0..particles.owned_count() {
-            let weights = grid.weights(particles.position[i].z);
-            let (volume, velocity) = (particles.volume(i), particles.velocity[i].z);
-            let diameter = 2.0 * particles.radius[i];
+            let weights = grid.weights(particles.body[i].position.z);
+            let (volume, velocity) = (particles.volume(i), particles.body[i].velocity.z);
+            let diameter = 2.0 * particles.body[i].radius;
             let amounts = [volume, volume * velocity, diameter, diameter * velocity];
             for (field, &amount) in amounts[..N].iter().enumerate() {
                 let (lattice, upper) = (self.lattices[field], amount * weights.of_upper);

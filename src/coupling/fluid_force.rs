@@ -8,7 +8,7 @@ use crate::gas::{
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
 use crate::parallel::Communicator;
-use crate::particles::Particles;
+use crate::particles::{Body, Particles};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -140,11 +140,11 @@ impl FluidForce {
             solids_fraction, solids_velocity, diameter_density, drag_velocity, ..
         } = &mut self.local;
         let Bed { solids_fraction: phi, solids_velocity: u_s, .. } = &self.bed;
-        let positions = &particles.position[..particles.owned_count()];
-        interpolate(&self.grid, positions, [phi, u_s], [solids_fraction, solids_velocity]);
+        let bodies = &particles.body[..particles.owned_count()];
+        interpolate(&self.grid, bodies, [phi, u_s], [solids_fraction, solids_velocity]);
         if self.coarse_graining.sizes_differ() {
             let Bed { diameter_density: density, drag_velocity: u_d, .. } = &self.bed;
-            interpolate(&self.grid, positions, [density, u_d], [diameter_density, drag_velocity]);
+            interpolate(&self.grid, bodies, [density, u_d], [diameter_density, drag_velocity]);
         }
     }
 
@@ -193,7 +193,7 @@ impl FluidForce {
         let local = &self.local;
         let mut total = [0; 3];
         for i in 0..particles.owned_count() {
-            let (drag, velocity) = (local.drag[i], particles.velocity[i]);
+            let (drag, velocity) = (local.drag[i], particles.body[i].velocity);
             let gas_velocity = local.gas_velocity(i, self.superficial_velocity);
             let pressure = local.gradient[i] * (gas_velocity - local.drag_velocity(i));
             let lateral = if gas.lateral_drag { drag } else { 0.0 };
@@ -210,7 +210,7 @@ impl FluidForce {
                     solids_fraction: local.solids_fraction[i],
                 });
             }
-            particles.force[i] += force;
+            particles.load[i].force += force;
             for axis in 0..3 {
                 total[axis] += self.lattice.count(force[axis]);
             }
@@ -239,7 +239,7 @@ impl FluidForce {
         local.gradient.resize(local.solids_fraction.len(), 0.0);
         in_wide_vectors(DragWork {
             drag_law: gas.particle_drag(),
-            radii: &particles.radius[..particles.owned_count()],
+            bodies: &particles.body[..particles.owned_count()],
             local,
             velocity,
         });
@@ -248,7 +248,7 @@ impl FluidForce {
     /// Weight of all particles, as the sum of their rounded weights: exact.
     fn weight_of(&self, particles: &Particles, gravity: f64, ranks: &dyn Communicator) -> f64 {
         let counts = (0..particles.owned_count())
-            .map(|i| self.lattice.count(self.lattice.round(particles.mass[i] * gravity)));
+            .map(|i| self.lattice.count(self.lattice.round(particles.body[i].mass * gravity)));
         let mut sum = [counts.sum()];
         ranks.sum_integers(&mut sum);
         sum[0] as f64 * self.lattice.spacing()
@@ -274,7 +274,7 @@ impl FluidForce {
                 // F = c (u_g - v) + G (u_g - u_d) at U_s = 0, and its slope.
                 let (drag, gradient) = (local.drag[i], local.gradient[i]);
                 let at_rest = local.gas_velocity(i, 0.0);
-                let constant = drag * (at_rest - particles.velocity[i].z)
+                let constant = drag * (at_rest - particles.body[i].velocity.z)
                     + gradient * (at_rest - local.drag_velocity(i));
                 let slope = (drag + gradient) / (1.0 - local.solids_fraction[i]);
                 sums[0] += self.lattice.count(self.lattice.round(constant));
@@ -347,15 +347,15 @@ impl AtParticles {
 /// Linear interpolation of two fields to particles, with the weights of coarse graining.
 fn interpolate(
     grid: &ColumnGrid,
-    positions: &[Vector3<f64>],
+    bodies: &[Body],
     fields: [&[f64]; 2],
     at_particles: [&mut Vec<f64>; 2],
 ) {
     let [first, second] = at_particles;
     first.clear();
     second.clear();
-    for position in positions {
-        let weights = grid.weights(position.z);
+    for body in bodies {
+        let weights = grid.weights(body.position.z);
         let value = |field: &[f64]| {
             let (lower, upper) = (field[weights.lower], field[weights.upper]);
             lower + weights.of_upper * (upper - lower)
@@ -365,10 +365,10 @@ fn interpolate(
     }
 }
 
-/// Drag and pressure gradient per velocity on particles of these radii.
+/// Drag and pressure gradient per velocity on these particles.
 struct DragWork<'a> {
     drag_law: ParticleDrag,
-    radii: &'a [f64],
+    bodies: &'a [Body],
     local: &'a mut AtParticles,
     velocity: f64,
 }
@@ -396,17 +396,18 @@ impl DragWork<'_> {
     fn fill<L: ScaledDrag>(self, law: L) {
         let ParticleDrag { factor, viscosity, density, .. } = self.drag_law;
         let drag_law = ParticleDrag { law, factor, viscosity, density };
-        let n = self.radii.len();
+        let n = self.bodies.len();
         let local = self.local;
         let (phi, u) = (&local.solids_fraction[..n], &local.solids_velocity[..n]);
         let (drag, gradient) = (&mut local.drag[..n], &mut local.gradient[..n]);
         for i in 0..n {
-            drag[i] = drag_law.per_velocity(2.0 * self.radii[i], phi[i], self.velocity - u[i]);
+            drag[i] =
+                drag_law.per_velocity(2.0 * self.bodies[i].radius, phi[i], self.velocity - u[i]);
             gradient[i] = drag[i] * phi[i] / (1.0 - phi[i]); // V beta / (1 - phi)
         }
         // Of other sizes: V B in the place of V beta, B = c / d times the sum of diameters per volume.
         for (i, density) in local.diameter_density.iter().enumerate() {
-            let of_one_size = phi[i] * 6.0 / (PI * 4.0 * self.radii[i].powi(2));
+            let of_one_size = phi[i] * 6.0 / (PI * 4.0 * self.bodies[i].radius.powi(2));
             gradient[i] *= density / of_one_size;
         }
     }

@@ -6,4 +6,7 @@ mod resolved;
 
 pub use coarse_grain::{Bed, CoarseGraining};
 pub use fluid_force::{FluidForce, GasForceOutOfRange};
-pub use resolved::{CellCoupling, CouplingModel, Filter, ParticleLimits};
+pub use resolved::{
+    CellCoupling, CouplingModel, Filter, Flow, FlowModel, FlowReport, FlowSolver, FlowStep,
+    ParticleLimits,
+};

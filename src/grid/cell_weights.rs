@@ -83,9 +83,9 @@ impl CellWeights {
         std::array::from_fn(|corner| {
             let mut cell = [0; 3];
             let mut weight = 1.0;
-            for axis in 0..3 {
+            for (axis, cell) in cell.iter_mut().enumerate() {
                 let above = corner >> axis & 1 == 1;
-                cell[axis] = if above { self.upper[axis] } else { self.lower[axis] };
+                *cell = if above { self.upper[axis] } else { self.lower[axis] };
                 let of_upper = self.of_upper[axis];
                 weight *= if above { of_upper } else { 1.0 - of_upper };
             }
@@ -123,8 +123,8 @@ mod tests {
             let mut mean = Vector3::zeros();
             for (cell, weight) in weights.corners() {
                 prop_assert!((0.0..=1.0).contains(&weight));
-                for axis in 0..3 {
-                    prop_assert!(cell[axis] >= -2 && cell[axis] <= part.count[axis] as isize + 1);
+                for (cell, count) in cell.into_iter().zip(part.count) {
+                    prop_assert!(cell >= -2 && cell <= count as isize + 1);
                 }
                 sum += weight;
                 let centre = Vector3::from_fn(|axis, _| {

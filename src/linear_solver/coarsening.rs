@@ -7,6 +7,12 @@ use crate::grid::{BoxGrid, GridPart};
 /// coupling along them, which goes with the inverse square, is below half of the strongest.
 const EQUALLY_WIDE: f64 = 1.5;
 
+/// Levels up to this many cells are held whole by every rank: messages would take longer than the work.
+const HELD_WHOLE: usize = 1024;
+
+/// Halos on levels that are cut are two cells wide.
+const NARROWEST: usize = 2;
+
 /// The whole grid of a level, and how it is cut.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LevelGrid {
@@ -61,14 +67,12 @@ impl LevelGrid {
         Self { blocks, ..self.clone() }
     }
 
-    /// Cells of the narrowest block along an axis.
-    pub(super) fn narrowest(&self, axis: usize) -> usize {
-        self.blocks[axis].windows(2).map(|pair| pair[1] - pair[0]).min().unwrap_or(0)
-    }
-
-    /// Whether an axis is cut.
-    pub(super) fn is_cut(&self, axis: usize) -> bool {
-        self.blocks[axis].len() > 2
+    /// Whether every rank holds the whole level: it is small, or too narrow on some rank.
+    pub(super) fn is_held_whole(&self) -> bool {
+        let narrow = |blocks: &Vec<usize>| {
+            blocks.len() > 2 && blocks.windows(2).any(|pair| pair[1] - pair[0] < NARROWEST)
+        };
+        self.cells() <= HELD_WHOLE || self.blocks.iter().any(narrow)
     }
 
     /// The cells of a block.

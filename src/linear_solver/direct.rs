@@ -28,10 +28,11 @@ impl DirectSolver {
     pub(super) fn factorise(&mut self, coefficients: &Coefficients) {
         self.assemble(coefficients);
         let n = self.size;
-        let diagonal: Vec<f64> = (0..n).map(|row| self.lower[row * n + row]).collect();
+        let (lower, diagonal) = (&self.lower, &mut self.numbers);
+        diagonal.iter_mut().enumerate().for_each(|(row, d)| *d = lower[row * n + row]);
         for column in 0..n {
             let pivot = self.lower[column * n + column];
-            let inverse = if pivot > NOTHING * diagonal[column] { 1.0 / pivot } else { 0.0 };
+            let inverse = if pivot > NOTHING * self.numbers[column] { 1.0 / pivot } else { 0.0 };
             self.inverse_pivots[column] = inverse;
             for row in column + 1..n {
                 let factor = self.lower[row * n + column] * inverse;

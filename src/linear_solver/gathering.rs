@@ -1,5 +1,6 @@
 //! Fields of which every rank holds the whole.
 
+use super::operator::Coefficients;
 use crate::grid::{Field, GridPart};
 use crate::parallel::Communicator;
 
@@ -31,6 +32,19 @@ impl Gathering {
         // Each cell has one owner, so that every sum has one addend.
         ranks.sum_exact(&mut self.buffer);
         whole.set_owned(self.buffer.iter().copied());
+    }
+
+    /// Coefficients of all parts; their halos are not filled. Collective.
+    pub(super) fn gather_coefficients(
+        &mut self,
+        parts: &Coefficients,
+        whole: &mut Coefficients,
+        ranks: &dyn Communicator,
+    ) {
+        for axis in 0..3 {
+            self.gather(&parts.faces[axis], &mut whole.faces[axis], ranks);
+        }
+        self.gather(&parts.diagonal, &mut whole.diagonal, ranks);
     }
 
     /// A rank's part with its halo, out of the whole.

@@ -1,99 +1,69 @@
-//! The levels, and one V-cycle over them.
+//! The levels, and one cycle over them.
 
 use super::coarsening::LevelGrid;
 use super::direct::DirectSolver;
 use super::gathering::Gathering;
-use super::operator::{Coefficients, copy, residual};
-use super::smoothing::{
-    System, first_step, first_step_from_zero, second_step, second_step_from_zero,
-};
-use super::transfer::Transfer;
-use crate::domain::{Bounds, Decomposition, RankGrid};
-use crate::grid::{Field, GridPart};
+use super::operator::{Coefficients, residual};
+use super::place::Place;
+use super::smoothing::{System, smooth};
+use super::step::Step;
+use crate::domain::{Bounds, Decomposition};
+use crate::grid::Field;
 use crate::parallel::{Communicator, FieldHalo, OneRank};
-
-/// Levels up to this many cells are held whole by every rank: messages would take longer than the work.
-const HELD_WHOLE: usize = 1024;
 
 /// Levels up to this many cells are factorised.
 const FACTORISED: usize = 64;
 
-/// A grid of the hierarchy, as one rank has it.
+/// How often a level is visited on the way through the one above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cycle {
+    /// Once. Positive definite whatever the coarse grids say.
+    V,
+    /// Twice, but the coarsest: for the price of a sixth more, fewer iterations, and as many on fine grids as on
+    /// coarse ones. Positive definite as long as no coarse grid answers more than twice too strongly.
+    W,
+}
+
+/// A grid of the hierarchy, as one rank has it, and what is below.
 #[derive(Clone, Debug)]
 struct Level {
+    smoother: Smoother,
+    below: Below,
+}
+
+/// What a level needs for itself.
+#[derive(Clone, Debug)]
+struct Smoother {
     whole: bool,
     halo: FieldHalo,
-    coefficients: Coefficients,
     inverse_diagonal: Field,
     /// The solution between two steps of smoothing.
     middle: Field,
+    /// With a halo of two cells, which restriction needs.
     residual: Field,
-    below: Below,
 }
 
 /// What is below a level.
 #[derive(Clone, Debug)]
 enum Below {
-    Coarser(Step),
+    Coarser(Box<Step>),
     Nothing(DirectSolver),
 }
 
-/// The way from a level to the next coarser one: axis by axis, the last first.
+/// The equation of the first level, if that is small and held whole by every rank.
 #[derive(Clone, Debug)]
-struct Step {
-    stages: Vec<Stage>,
-    /// Between parts and the whole, if the next level is the first that is held whole.
-    gathering: Option<Gathering>,
+struct Whole {
+    gathering: Gathering,
+    coefficients: Coefficients,
     right: Field,
     solution: Field,
 }
 
-/// The way along one axis.
-#[derive(Clone, Debug)]
-struct Stage {
-    transfer: Transfer,
-    coefficients: Coefficients,
-    /// Residual on the way down, correction on the way up.
-    numbers: Field,
-}
-
-/// All levels. The first is that of the equation to be solved, in the same parts, or whole if it is small.
+/// All levels. The first is that of the equation to be solved.
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy {
-    gathering: Option<Gathering>,
-    right: Field,
-    solution: Field,
+    whole: Option<Whole>,
     levels: Vec<Level>,
-}
-
-/// Where a rank is, for building levels.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    cut: &'a Decomposition,
-    bounds: &'a Bounds,
-    rank: usize,
-}
-
-impl Place<'_> {
-    fn halo(self, whole: bool) -> FieldHalo {
-        if whole {
-            let uncut = Decomposition::even(RankGrid([1; 3]), self.bounds);
-            FieldHalo::new(&uncut, self.bounds, 0)
-        } else {
-            FieldHalo::new(self.cut, self.bounds, self.rank)
-        }
-    }
-
-    fn part(self, grid: &LevelGrid, whole: bool) -> GridPart {
-        let block = if whole { [0; 3] } else { self.cut.grid().block_of(self.rank) };
-        grid.part(block)
-    }
-}
-
-/// Whether a level is held whole: it is small, or too narrow on some rank to be coarsened.
-fn is_held_whole(grid: &LevelGrid) -> bool {
-    let narrow = |axis: usize| grid.is_cut(axis) && grid.narrowest(axis) < 2;
-    grid.cells() <= HELD_WHOLE || (0..3).any(narrow)
 }
 
 impl Hierarchy {
@@ -104,54 +74,63 @@ impl Hierarchy {
         rank: usize,
     ) -> Self {
         let place = Place { cut, bounds, rank };
-        let part = place.part(finest, false);
-        let whole = is_held_whole(finest);
-        let mut grid = if whole { finest.whole() } else { finest.clone() };
-        let first = place.part(&grid, whole);
-        let mut levels: Vec<Level> = Vec::new();
-        loop {
-            let whole = levels.last().is_some_and(|level| level.whole) || is_held_whole(&grid);
-            let (level, coarser) = Level::new(&grid, place, whole);
-            levels.push(level);
-            match coarser {
-                Some(coarser) => grid = coarser,
-                None => break,
+        let whole = finest.is_held_whole().then(|| {
+            let part = place.part(&finest.whole(), true);
+            Whole {
+                gathering: Gathering::new(place.part(finest, false), finest.periodic()),
+                coefficients: Coefficients::new(&part),
+                right: Field::new(&part, 1),
+                solution: Field::new(&part, 1),
             }
+        });
+        let mut levels: Vec<Level> = Vec::new();
+        let mut held_whole = whole.is_some();
+        let mut next = Some(if held_whole { finest.whole() } else { finest.clone() });
+        while let Some(grid) = next {
+            held_whole |= grid.is_held_whole();
+            let (level, coarser) = Level::new(&grid, place, held_whole);
+            levels.push(level);
+            next = coarser;
         }
-        Self {
-            gathering: whole.then(|| Gathering::new(part, finest.periodic())),
-            right: Field::new(&first, 1),
-            solution: Field::new(&first, 1),
-            levels,
-        }
+        Self { whole, levels }
     }
 
     /// Sets the coefficients of all levels from those of the first, whose halos are current. Collective.
     pub(super) fn set_coefficients(&mut self, finest: &Coefficients, ranks: &dyn Communicator) {
-        let mut above = finest;
-        let mut gathering = self.gathering.as_mut();
+        let mut coefficients = finest;
+        if let Some(whole) = &mut self.whole {
+            whole.gathering.gather_coefficients(finest, &mut whole.coefficients, ranks);
+            self.levels[0].smoother.halo.refresh(&mut whole.coefficients.fields(), &OneRank);
+            coefficients = &whole.coefficients;
+        }
         for level in &mut self.levels {
-            level.take_coefficients(above, gathering.as_deref_mut(), ranks);
-            level.coarsen(ranks);
-            let Below::Coarser(step) = &mut level.below else { break };
-            gathering = step.gathering.as_mut();
-            above = &step.stages.last().expect("a step coarsens along an axis").coefficients;
+            let Level { smoother, below } = level;
+            coefficients.inverse_diagonal_into(&mut smoother.inverse_diagonal);
+            let ranks = smoother.ranks(ranks);
+            coefficients = match below {
+                Below::Nothing(direct) => return direct.factorise(coefficients),
+                Below::Coarser(step) => step.coarsen(coefficients, &mut smoother.halo, ranks),
+            };
         }
     }
 
-    /// z = M r, M being symmetric and positive definite. Collective; halos are neither needed nor filled.
-    pub(super) fn cycle(&mut self, right: &Field, solution: &mut Field, ranks: &dyn Communicator) {
-        let Some(gathering) = &mut self.gathering else {
-            return cycle(&mut self.levels, right, solution, ranks);
+    /// z = M r, M being symmetric. Collective; halos are neither needed nor filled.
+    pub(super) fn cycle(
+        &mut self,
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        kind: Cycle,
+        ranks: &dyn Communicator,
+    ) {
+        let Some(whole) = &mut self.whole else {
+            let way = Way { kind, ranks };
+            return way.through(&mut self.levels, coefficients, (right, solution), true);
         };
-        gathering.gather(right, &mut self.right, ranks);
-        cycle(&mut self.levels, &self.right, &mut self.solution, ranks);
-        gathering.take_part(&self.solution, solution);
-    }
-
-    #[cfg(test)]
-    pub(super) fn depth(&self) -> usize {
-        self.levels.len()
+        whole.gathering.gather(right, &mut whole.right, ranks);
+        let way = Way { kind, ranks: &OneRank };
+        let equation = (&whole.right, &mut whole.solution);
+        way.through(&mut self.levels, &whole.coefficients, equation, true);
+        whole.gathering.take_part(&whole.solution, solution);
     }
 }
 
@@ -163,142 +142,181 @@ impl Level {
             (Below::Nothing(DirectSolver::new(grid.cells())), None)
         } else {
             let (step, coarser) = Step::new(grid, place, whole);
-            (Below::Coarser(step), Some(coarser))
+            (Below::Coarser(Box::new(step)), Some(coarser))
         };
-        let zero = || Field::new(&part, 1);
-        let level = Self {
+        let smoother = Smoother {
             whole,
             halo: place.halo(whole),
-            coefficients: Coefficients::new(&part),
-            inverse_diagonal: zero(),
-            middle: zero(),
-            residual: zero(),
-            below,
+            inverse_diagonal: Field::new(&part, 1),
+            middle: Field::new(&part, 1),
+            residual: Field::new(&part, 2),
         };
-        (level, coarser)
+        (Self { smoother, below }, coarser)
+    }
+}
+
+impl Smoother {
+    /// Those that share the level.
+    fn ranks<'a>(&self, ranks: &'a dyn Communicator) -> &'a dyn Communicator {
+        if self.whole { &OneRank } else { ranks }
     }
 
-    fn take_coefficients(
+    /// Smooths from zero, or from what `solution` holds, its halo being current; it is so afterwards too.
+    fn smooth(
         &mut self,
-        above: &Coefficients,
-        gathering: Option<&mut Gathering>,
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        from_zero: bool,
         ranks: &dyn Communicator,
     ) {
-        match gathering {
-            None => self.coefficients.copy_from(above),
-            Some(gathering) => {
-                let [x, y, z] = &above.faces;
-                for (own, above) in
-                    self.coefficients.fields().into_iter().zip([x, y, z, &above.diagonal])
-                {
-                    gathering.gather(above, own, ranks);
-                }
-                self.halo.refresh(&mut self.coefficients.fields(), &OneRank);
-            }
-        }
-        self.coefficients.inverse_diagonal_into(&mut self.inverse_diagonal);
+        let Self { halo, inverse_diagonal, middle, .. } = self;
+        let system = System { coefficients, inverse_diagonal, right };
+        smooth(system, [solution, middle], from_zero, |field| halo.refresh(&mut [field], ranks));
+    }
+}
+
+/// How levels are gone through.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    kind: Cycle,
+    ranks: &'a dyn Communicator,
+}
+
+impl Way<'_> {
+    /// One cycle on the first of the levels, from zero or from what `solution` holds.
+    fn through(
+        self,
+        levels: &mut [Level],
+        coefficients: &Coefficients,
+        (right, solution): (&Field, &mut Field),
+        from_zero: bool,
+    ) {
+        let Some((level, coarser)) = levels.split_first_mut() else { return };
+        let Level { smoother, below } = level;
+        let step = match below {
+            Below::Nothing(direct) => return direct.solve(right, solution),
+            Below::Coarser(step) => step,
+        };
+        let ranks = smoother.ranks(self.ranks);
+        smoother.smooth(coefficients, (right, solution), from_zero, ranks);
+        residual(coefficients, solution, right, &mut smoother.residual);
+        smoother.halo.refresh(&mut [&mut smoother.residual], ranks);
+        self.below(step, coarser, &smoother.residual);
+        step.correct(solution);
+        smoother.halo.refresh(&mut [&mut *solution], ranks);
+        smoother.smooth(coefficients, (right, solution), false, ranks);
     }
 
-    /// Sets weights and coefficients on the way to the next level, or factorises.
-    fn coarsen(&mut self, ranks: &dyn Communicator) {
-        let ranks: &dyn Communicator = if self.whole { &OneRank } else { ranks };
-        match &mut self.below {
-            Below::Nothing(direct) => direct.factorise(&self.coefficients),
-            Below::Coarser(step) => {
-                let mut fine = &self.coefficients;
-                for stage in &mut step.stages {
-                    stage.transfer.set_weights(fine);
-                    let [lower, upper] = &mut stage.transfer.weights;
-                    self.halo.refresh(&mut [lower, upper], ranks);
-                    stage.transfer.coarsen(fine, &mut stage.coefficients);
-                    self.halo.refresh(&mut stage.coefficients.fields(), ranks);
-                    fine = &stage.coefficients;
-                }
-            }
+    /// Brings the residual down, solves there, with current halo, as often as the cycle says.
+    fn below(self, step: &mut Step, coarser: &mut [Level], residual: &Field) {
+        step.restrict(residual, self.ranks);
+        let last = coarser.len() == 1;
+        let visits = if self.kind == Cycle::W && !last { 2 } else { 1 };
+        for visit in 0..visits {
+            let (coefficients, equation) = step.equation();
+            self.through(coarser, coefficients, equation, visit == 0);
+        }
+        if last {
+            let (_, (_, solution)) = step.equation();
+            coarser[0].smoother.halo.refresh(&mut [solution], &OneRank);
         }
     }
 }
 
-impl Step {
-    fn new(grid: &LevelGrid, place: Place, whole: bool) -> (Self, LevelGrid) {
-        let mut stages = Vec::new();
-        let mut fine = grid.clone();
-        for axis in grid.axes_to_coarsen().into_iter().rev() {
-            let coarse = fine.coarsened(axis);
-            let part = place.part(&coarse, whole);
-            let periodic = grid.periodic()[axis];
-            stages.push(Stage {
-                transfer: Transfer::new(axis, place.part(&fine, whole), part, periodic),
-                coefficients: Coefficients::new(&part),
-                numbers: Field::new(&part, 1),
-            });
-            fine = coarse;
-        }
-        let part = place.part(&fine, whole);
-        let gathering =
-            (!whole && is_held_whole(&fine)).then(|| Gathering::new(part, grid.periodic()));
-        let next = if gathering.is_some() { fine.whole() } else { fine };
-        let next_part = place.part(&next, whole || gathering.is_some());
-        let (right, solution) = (Field::new(&next_part, 1), Field::new(&next_part, 1));
-        (Self { stages, gathering, right, solution }, next)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::{Face, RankGrid};
+    use crate::grid::{BoxGrid, GridPart};
+    use nalgebra::Vector3;
+
+    const COUNTS: [usize; 3] = [19, 16, 23];
+
+    fn drawn(stream: f64, number: usize) -> f64 {
+        let x = (number as f64 + 1.0) * 0.754_877_666 + stream;
+        x - x.floor()
     }
 
-    /// Restricts the residual, whose halo is current, to the right-hand side of the next level.
-    fn restrict(&mut self, residual: &Field, ranks: &dyn Communicator) {
-        let mut fine = residual;
-        for stage in &mut self.stages {
-            stage.transfer.restrict(fine, &mut stage.numbers);
-            fine = &stage.numbers;
+    /// A closed or open box, coefficients between 10^-6 and 1 at random.
+    fn hierarchy(outlet: f64) -> (Hierarchy, Coefficients, GridPart) {
+        let periodic = [Face::Periodic; 2];
+        let lengths = Vector3::new(19.0, 16.0, 23.0);
+        let bounds = Bounds::new(lengths, [[Face::Wall; 2], periodic, [Face::Wall; 2]]);
+        let grid = BoxGrid::new(&bounds, COUNTS);
+        let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
+        let part = grid.part_of(&cut, 0);
+        let mut coefficients = Coefficients::new(&part);
+        for (axis, face) in coefficients.faces.iter_mut().enumerate() {
+            let number = |cell: usize| 10.0_f64.powf(-6.0 * drawn(0.1 * axis as f64, cell));
+            face.set_owned((0..).map(number));
+            if axis != 1 {
+                let rows: Vec<_> = face.slab(axis, (0, 1)).collect();
+                rows.into_iter().for_each(|row| face.values_mut()[row].fill(0.0));
+            }
         }
-        match &mut self.gathering {
-            Some(gathering) => gathering.gather(fine, &mut self.right, ranks),
-            None => copy(fine, &mut self.right),
+        *coefficients.diagonal.at_mut([3, 3, 22]) = outlet;
+        let mut halo = FieldHalo::new(&cut, &bounds, 0);
+        halo.refresh(&mut coefficients.fields(), &OneRank);
+        let finest = LevelGrid::finest(&grid, &cut);
+        let mut hierarchy = Hierarchy::new(&finest, &cut, &bounds, 0);
+        hierarchy.set_coefficients(&coefficients, &OneRank);
+        (hierarchy, coefficients, part)
+    }
+
+    fn dot(a: &Field, b: &Field) -> f64 {
+        a.owned().zip(b.owned()).map(|(a, b)| a * b).sum()
+    }
+
+    #[test]
+    fn the_cycle_is_symmetric_and_positive_definite() {
+        for (outlet, kind) in [(0.5, Cycle::V), (0.5, Cycle::W), (0.0, Cycle::V)] {
+            let (mut hierarchy, coefficients, part) = hierarchy(outlet);
+            assert!(hierarchy.levels.len() >= 4);
+            let mut images = Vec::new();
+            for stream in [0.3, 0.7] {
+                let mut field = Field::new(&part, 1);
+                field.set_owned((0..).map(|cell| drawn(stream, cell * cell) - 0.5));
+                // A closed box answers only to sources of mean zero.
+                let mean = field.owned().sum::<f64>() / part.cells() as f64;
+                let balanced: Vec<f64> = field.owned().map(|value| value - mean).collect();
+                field.set_owned(balanced.into_iter());
+                let mut image = Field::new(&part, 1);
+                hierarchy.cycle(&coefficients, (&field, &mut image), kind, &OneRank);
+                images.push((field, image));
+            }
+            let [(x, mx), (y, my)] = &images[..] else { unreachable!("two fields were made") };
+            let size = (dot(x, mx) * dot(y, my)).sqrt();
+            // Rounding of 2^-53 in some hundred operations per cell, on levels whose coefficients differ by 10^6.
+            let asymmetry = (dot(x, my) - dot(y, mx)).abs() / size;
+            assert!(asymmetry < 1.0e-10, "{asymmetry}");
+            assert!(dot(x, mx) > 0.0 && dot(y, my) > 0.0);
         }
     }
 
-    /// Adds to `solution` what the next level's solution, whose halo is current, says.
-    fn correct(&mut self, solution: &mut Field) {
-        let last = self.stages.len() - 1;
-        match &self.gathering {
-            Some(gathering) => gathering.take_part(&self.solution, &mut self.stages[last].numbers),
-            None => copy(&self.solution, &mut self.stages[last].numbers),
+    #[test]
+    fn smoothing_after_the_coarse_grid_only_would_not_be_symmetric() {
+        // Control: a cycle without its first smoothing.
+        let (mut hierarchy, coefficients, part) = hierarchy(0.5);
+        let mut fields = [0.3, 0.7].map(|stream| {
+            let mut field = Field::new(&part, 1);
+            field.set_owned((0..).map(|cell| drawn(stream, cell * cell) - 0.5));
+            field
+        });
+        let mut images = fields.clone();
+        let (finest, coarser) = hierarchy.levels.split_at_mut(1);
+        let Level { smoother, below } = &mut finest[0];
+        let Below::Coarser(step) = below else { unreachable!("the grid has several levels") };
+        for (field, image) in fields.iter_mut().zip(&mut images) {
+            smoother.residual.set_owned(field.owned());
+            smoother.halo.refresh(&mut [&mut smoother.residual], &OneRank);
+            Way { kind: Cycle::V, ranks: &OneRank }.below(step, coarser, &smoother.residual);
+            image.values_mut().fill(0.0);
+            step.correct(image);
+            smoother.halo.refresh(&mut [&mut *image], &OneRank);
+            smoother.smooth(&coefficients, (field, image), false, &OneRank);
         }
-        for number in (1..=last).rev() {
-            let (finer, coarser) = self.stages.split_at_mut(number);
-            coarser[0].transfer.prolong(&coarser[0].numbers, &mut finer[number - 1].numbers);
-        }
-        self.stages[0].transfer.correct(&self.stages[0].numbers, solution);
+        let size = (dot(&fields[0], &images[0]) * dot(&fields[1], &images[1])).abs().sqrt();
+        let asymmetry = (dot(&fields[0], &images[1]) - dot(&fields[1], &images[0])).abs() / size;
+        assert!(asymmetry > 1.0e-6, "{asymmetry}");
     }
-}
-
-/// One V-cycle from zero on the first of the levels.
-fn cycle(levels: &mut [Level], right: &Field, solution: &mut Field, ranks: &dyn Communicator) {
-    let Some((level, coarser)) = levels.split_first_mut() else { return };
-    let Level { whole, halo, coefficients, inverse_diagonal, middle, residual: rest, below } =
-        level;
-    let step = match below {
-        Below::Nothing(direct) => return direct.solve(right, solution),
-        Below::Coarser(step) => step,
-    };
-    let own: &dyn Communicator = if *whole { &OneRank } else { ranks };
-    let system = System { coefficients, inverse_diagonal, right };
-
-    first_step_from_zero(system, middle);
-    halo.refresh(&mut [middle], own);
-    second_step_from_zero(system, middle, solution);
-    halo.refresh(&mut [solution], own);
-    residual(coefficients, solution, right, rest);
-    halo.refresh(&mut [rest], own);
-
-    step.restrict(rest, ranks);
-    cycle(coarser, &step.right, &mut step.solution, ranks);
-    let next = coarser.first_mut().expect("a step leads to a level");
-    let next_ranks: &dyn Communicator = if next.whole { &OneRank } else { ranks };
-    next.halo.refresh(&mut [&mut step.solution], next_ranks);
-    step.correct(solution);
-
-    halo.refresh(&mut [solution], own);
-    first_step(system, solution, middle);
-    halo.refresh(&mut [middle], own);
-    second_step(system, middle, solution);
 }

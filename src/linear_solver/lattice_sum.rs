@@ -3,6 +3,7 @@
 //! Each product is split into a multiple of a coarse and a multiple of a fine spacing, and the multiples are added as
 //! integers, which the compiler does side by side. Method: Demmel & Nguyen (2015) with two bins.
 
+use super::rows::rows;
 use crate::grid::Field;
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
@@ -202,7 +203,7 @@ impl VectorWork for AddRows<'_> {
     #[inline(always)]
     fn run(mut self) -> RunningDot {
         let along_x = self.a.count()[0];
-        for (a, b) in self.a.rows().zip(self.b.rows()) {
+        for [a, b] in rows([self.a, self.b]) {
             let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
             self.running.add_row(a, b);
         }
@@ -222,7 +223,7 @@ impl VectorWork for LargestTerm<'_> {
     fn run(self) -> f64 {
         let along_x = self.a.count()[0];
         let mut largest = 0_u64;
-        for (a, b) in self.a.rows().zip(self.b.rows()) {
+        for [a, b] in rows([self.a, self.b]) {
             let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
             for (a, b) in a.iter().zip(b) {
                 // Bits of magnitudes are ordered like magnitudes, undefined numbers being the largest.

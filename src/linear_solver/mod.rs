@@ -24,13 +24,19 @@
 //!   groundwater flow simulations", Nucl. Sci. Eng. 124 (1996) 145-159.
 
 mod coarsening;
+mod convergence;
 mod direct;
 mod gathering;
 mod hierarchy;
 mod lattice_sum;
 mod operator;
+mod pairs;
+mod place;
 mod pressure_solver;
+mod rows;
 mod smoothing;
+mod step;
 mod transfer;
 
-pub use pressure_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
+pub use convergence::{Convergence, LinearSolverError, Tolerance};
+pub use pressure_solver::PressureSolver;

@@ -1,10 +1,11 @@
 //! The operator on the cells of a part, row by row.
 
 use super::lattice_sum::RunningDot;
+use super::rows::rows;
 use crate::grid::{Field, GridPart};
 use crate::numbers::{VectorWork, in_wide_vectors};
 
-/// a_f on the lower faces of cells, axis by axis, and d_c. Halo: one cell; faces on the box's own faces are zero, but
+/// a_f on the lower faces of cells, axis by axis, and d_c. Halo: two cells; faces on the box's own faces are zero, but
 /// through periodic ones.
 #[derive(Clone, Debug)]
 pub(super) struct Coefficients {
@@ -14,7 +15,7 @@ pub(super) struct Coefficients {
 
 impl Coefficients {
     pub(super) fn new(part: &GridPart) -> Self {
-        let zero = || Field::new(part, 1);
+        let zero = || Field::new(part, 2);
         Self { faces: [zero(), zero(), zero()], diagonal: zero() }
     }
 
@@ -24,32 +25,37 @@ impl Coefficients {
         [x, y, z, &mut self.diagonal]
     }
 
-    /// Takes over all numbers of others for the same part.
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        let [x, y, z] = &other.faces;
-        let others = [x, y, z, &other.diagonal];
-        self.fields().into_iter().zip(others).for_each(|(own, other)| copy(other, own));
+    /// Sum of a_f + d_c of a cell, by its place.
+    #[inline(always)]
+    fn sum(&self, cell: usize) -> f64 {
+        let strides = self.diagonal.strides();
+        let along = |axis: usize| {
+            let faces = self.faces[axis].values();
+            faces[cell] + faces[cell + strides[axis]]
+        };
+        (along(0) + along(1)) + (along(2) + self.diagonal.values()[cell])
     }
 
     /// 1 / (sum of a_f + d_c); zero for a cell that nothing holds.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field) {
-        let along_x = inverse.count()[0];
-        let strides = inverse.strides();
-        for row in inverse.rows() {
-            for cell in row..row + along_x {
-                let mut sum = self.diagonal.values()[cell];
-                for (face, stride) in self.faces.iter().zip(strides) {
-                    sum += face.values()[cell] + face.values()[cell + stride];
-                }
-                inverse.values_mut()[cell] = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let length = inverse.count()[0];
+        for [from, to] in rows([&self.diagonal, inverse]) {
+            for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
+                let sum = self.sum(from + i);
+                *value = if sum > 0.0 { 1.0 / sum } else { 0.0 };
             }
         }
     }
-}
 
-/// Takes over all numbers, halo included, of a field on the same part.
-pub(super) fn copy(from: &Field, to: &mut Field) {
-    to.values_mut().copy_from_slice(from.values());
+    /// (sum of a_f + d_c) p_c.
+    pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
+        let length = p.count()[0];
+        for [from, to] in rows([&self.diagonal, p]) {
+            for i in 0..length {
+                scaled.values_mut()[to + i] = self.sum(from + i) * p.values()[to + i];
+            }
+        }
+    }
 }
 
 /// A row of cells along x with its coefficients, and the numbers of the cells and of their neighbours.
@@ -64,24 +70,23 @@ pub(super) struct StencilRow<'a> {
 }
 
 impl<'a> StencilRow<'a> {
-    /// The `length` cells that begin at `row`.
+    /// The `length` cells that begin in these places of the coefficients and of the numbers.
     #[inline(always)]
     pub(super) fn new(
-        coefficients: &'a Coefficients,
-        numbers: &'a Field,
-        row: usize,
+        (coefficients, place): (&'a Coefficients, usize),
+        (numbers, row): (&'a Field, usize),
         length: usize,
     ) -> Self {
-        let strides = numbers.strides();
-        let faces = &coefficients.faces;
-        let p = numbers.values();
+        let faces = coefficients.faces.each_ref().map(Field::values);
+        let beyond = coefficients.diagonal.strides();
+        let (strides, p) = (numbers.strides(), numbers.values());
         Self {
-            lower_faces: [0, 1, 2].map(|axis| &faces[axis].values()[row..][..length]),
-            upper_faces: [0, 1, 2].map(|a| &faces[a].values()[row + strides[a]..][..length]),
-            diagonal: &coefficients.diagonal.values()[row..][..length],
+            lower_faces: from_places(faces, [place; 3], length),
+            upper_faces: from_places(faces, beyond.map(|along| place + along), length),
+            diagonal: &coefficients.diagonal.values()[place..][..length],
             centre: &p[row..][..length],
-            below: strides.map(|stride| &p[row - stride..][..length]),
-            above: strides.map(|stride| &p[row + stride..][..length]),
+            below: from_places([p; 3], strides.map(|along| row - along), length),
+            above: from_places([p; 3], strides.map(|along| row + along), length),
         }
     }
 
@@ -102,7 +107,12 @@ impl<'a> StencilRow<'a> {
     }
 }
 
-/// q = A p, and p . q.
+#[inline(always)]
+fn from_places([x, y, z]: [&[f64]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[f64]; 3] {
+    [&x[i..][..length], &y[j..][..length], &z[k..][..length]]
+}
+
+/// q = A p, and p . q; both have halos of one width.
 pub(super) fn apply(
     coefficients: &Coefficients,
     p: &Field,
@@ -126,8 +136,8 @@ impl VectorWork for Apply<'_> {
     fn run(self) -> RunningDot {
         let Self { coefficients, p, q, mut dot } = self;
         let length = p.count()[0];
-        for row in p.rows() {
-            let stencil = StencilRow::new(coefficients, p, row, length);
+        for [place, row] in rows([&coefficients.diagonal, p]) {
+            let stencil = StencilRow::new((coefficients, place), (p, row), length);
             let result = &mut q.values_mut()[row..][..length];
             for (i, value) in result.iter_mut().enumerate() {
                 *value = stencil.apply(i);
@@ -157,10 +167,10 @@ impl VectorWork for Residual<'_> {
     fn run(self) {
         let Self { coefficients, p, b, r } = self;
         let length = p.count()[0];
-        for row in p.rows() {
-            let stencil = StencilRow::new(coefficients, p, row, length);
-            let right = &b.values()[row..][..length];
-            for (i, value) in r.values_mut()[row..][..length].iter_mut().enumerate() {
+        for [place, row, right, rest] in rows([&coefficients.diagonal, p, b, r]) {
+            let stencil = StencilRow::new((coefficients, place), (p, row), length);
+            let right = &b.values()[right..][..length];
+            for (i, value) in r.values_mut()[rest..][..length].iter_mut().enumerate() {
                 *value = right[i] - stencil.apply(i);
             }
         }

@@ -1,9 +1,11 @@
 //! Preconditioned conjugate gradients.
 
 use super::coarsening::LevelGrid;
-use super::hierarchy::Hierarchy;
+use super::convergence::{Convergence, LinearSolverError, Tolerance};
+use super::hierarchy::{Cycle, Hierarchy};
 use super::lattice_sum::{DotProduct, RunningDot};
 use super::operator::{Coefficients, apply, residual};
+use super::rows::rows;
 use crate::domain::{Bounds, Decomposition};
 use crate::grid::{BoxGrid, Field, GridPart};
 use crate::numbers::{VectorWork, in_wide_vectors};
@@ -11,64 +13,6 @@ use crate::parallel::{Communicator, FieldHalo};
 
 /// Iterations after which a solve is given up.
 const ITERATION_LIMIT: usize = 200;
-
-/// When a solution is good enough: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all
-/// cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
-    /// Part of the norm of the right-hand side; of what is left of it if a mean is taken away.
-    pub relative: f64,
-    /// In the unit of the right-hand side; 0 for none.
-    pub absolute: f64,
-}
-
-impl Tolerance {
-    /// Relative to the right-hand side alone.
-    pub fn relative(relative: f64) -> Self {
-        Self { relative, absolute: 0.0 }
-    }
-}
-
-/// How a solve went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Convergence {
-    /// Iterations, 0 if the start value was good enough.
-    pub iterations: usize,
-    /// |b - A p| at the end, as conjugate gradients carry it along.
-    pub residual: f64,
-    /// |b|.
-    pub right_hand_side: f64,
-    /// The mean that was taken from the right-hand side of a closed box: 0 unless what flows in there does not
-    /// flow out.
-    pub removed_mean: f64,
-}
-
-/// Why there is no solution: the same on all ranks.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum LinearSolverError {
-    /// A coefficient is negative, infinite or undefined.
-    #[error(
-        "the pressure equation has {0} coefficients that are negative, infinite or not a number; all must be at least 0"
-    )]
-    Coefficients(usize),
-    /// The right-hand side or the start value is infinite or undefined.
-    #[error("the pressure equation's right-hand side or start value is infinite or not a number")]
-    NotFinite,
-    /// The limit of iterations was reached.
-    #[error(
-        "the pressure equation did not converge: residual {residual:.3e} after {iterations} iterations, allowed is \
-         {allowed:.3e}; either the equation has no solution (a part of the box without outlet takes in more than it \
-         gives) or its coefficients differ too much"
-    )]
-    NotConverged {
-        /// Iterations done.
-        iterations: usize,
-        /// Norm of the residual.
-        residual: f64,
-        /// Norm that was asked for.
-        allowed: f64,
-    },
-}
 
 /// Solves A p = b on the cells of the box; holds all that it needs between two solves.
 ///
@@ -109,6 +53,7 @@ pub struct PressureSolver {
     /// Nothing holds the mean of the solution: no cell has a diagonal.
     closed: bool,
     hierarchy: Hierarchy,
+    right: Field,
     solution: Field,
     residual: Field,
     preconditioned: Field,
@@ -130,6 +75,7 @@ impl PressureSolver {
             coefficients: Coefficients::new(&part),
             closed: true,
             hierarchy: Hierarchy::new(&LevelGrid::finest(grid, cut), cut, bounds, rank),
+            right: zero(),
             solution: zero(),
             residual: zero(),
             preconditioned: zero(),
@@ -151,19 +97,18 @@ impl PressureSolver {
         diagonal: Option<&Field>,
         ranks: &dyn Communicator,
     ) -> Result<(), LinearSolverError> {
-        for axis in 0..3 {
-            self.coefficients.faces[axis].set_owned(faces[axis].owned());
+        for (axis, faces) in faces.into_iter().enumerate() {
+            copy_owned(faces, &mut self.coefficients.faces[axis]);
             self.close_lower_face(axis);
         }
         match diagonal {
-            Some(diagonal) => self.coefficients.diagonal.set_owned(diagonal.owned()),
-            None => self.coefficients.diagonal.set_owned(std::iter::repeat(0.0)),
+            Some(diagonal) => copy_owned(diagonal, &mut self.coefficients.diagonal),
+            None => self.coefficients.diagonal.values_mut().fill(0.0),
         }
-        let allowed = |value: &f64| (0.0..=f64::MAX).contains(value);
+        let allowed = |value: f64| (0.0..=f64::MAX).contains(&value);
         let fields = self.coefficients.fields();
-        let wrong: usize =
-            fields.iter().map(|field| field.owned().filter(|value| !allowed(value)).count()).sum();
-        let holding = self.coefficients.diagonal.owned().filter(|&value| value > 0.0).count();
+        let wrong: usize = fields.iter().map(|field| count(field, |a| !allowed(a))).sum();
+        let holding = count(&self.coefficients.diagonal, |d| d > 0.0);
         let mut counts = [wrong as i64, holding as i64];
         ranks.sum_integers(&mut counts);
         if counts[0] != 0 {
@@ -200,91 +145,161 @@ impl PressureSolver {
         tolerance: Tolerance,
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
-        self.solution.set_owned(solution.owned());
-        // Kept where conjugate gradients keep their direction later.
-        self.direction.set_owned(right_hand_side.owned());
+        copy_owned(solution, &mut self.solution);
+        copy_owned(right_hand_side, &mut self.right);
         let removed_mean =
             if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
-        let size = DotProduct::default().of(&self.direction, &self.direction, ranks).sqrt();
+        let size = DotProduct::default().of(&self.right, &self.right, ranks).sqrt();
         if size == 0.0 {
-            solution.set_owned(std::iter::repeat(0.0));
+            self.solution.values_mut().fill(0.0);
+            copy_owned(&self.solution, solution);
             return Ok(Convergence { removed_mean, ..Convergence::default() });
         }
-        self.halo.refresh(&mut [&mut self.solution], ranks);
-        residual(&self.coefficients, &self.solution, &self.direction, &mut self.residual);
         let allowed = (tolerance.relative * size).max(tolerance.absolute);
         let (iterations, residual) = self.iterate(allowed, ranks)?;
         if self.closed {
             self.remove_mean(Of::Solution, ranks);
         }
-        solution.set_owned(self.solution.owned());
+        copy_owned(&self.solution, solution);
         Ok(Convergence { iterations, residual, right_hand_side: size, removed_mean })
     }
 
-    /// Conjugate gradients from the residual at hand; number of iterations, and norm of the residual.
+    /// Runs of conjugate gradients, until b - A p, formed anew, is as small as allowed or as rounding lets it be; number of iterations, and
+    /// norm of the residual.
     fn iterate(
         &mut self,
         allowed: f64,
         ranks: &dyn Communicator,
     ) -> Result<(usize, f64), LinearSolverError> {
-        let mut products = [DotProduct::default(); 3];
-        let [squares, energies, curvatures] = &mut products;
-        let mut square = squares.of(&self.residual, &self.residual, ranks);
-        let mut last_energy = f64::INFINITY;
-        for iterations in 0..=ITERATION_LIMIT {
-            let residual = square.sqrt();
-            if !(residual + allowed).is_finite() {
+        let mut run = Run::default();
+        let mut done = 0;
+        loop {
+            self.halo.refresh(&mut [&mut self.solution], ranks);
+            residual(&self.coefficients, &self.solution, &self.right, &mut self.residual);
+            let size = run.squares.of(&self.residual, &self.residual, ranks).sqrt();
+            if !(size + allowed).is_finite() {
                 return Err(LinearSolverError::NotFinite);
             }
-            if residual <= allowed {
-                return Ok((iterations, residual));
+            if size <= allowed || (done > 0 && size <= self.rounding(ranks)) {
+                return Ok((done, size));
             }
-            if iterations == ITERATION_LIMIT {
-                return Err(LinearSolverError::NotConverged { iterations, residual, allowed });
+            self.run(&mut run, &mut done, (size, allowed), ranks)?;
+        }
+    }
+
+    /// What rounding makes of b - A p: 2^-52 |D p|, D being the diagonal of A. No solution in doubles is better than
+    /// about that. Collective.
+    fn rounding(&mut self, ranks: &dyn Communicator) -> f64 {
+        self.coefficients.scale_by_diagonal(&self.solution, &mut self.image);
+        DotProduct::default().of(&self.image, &self.image, ranks).sqrt() * f64::EPSILON
+    }
+
+    /// Conjugate gradients from the residual at hand, of a norm above what is allowed, until the residual that they
+    /// carry along is as small.
+    fn run(
+        &mut self,
+        run: &mut Run,
+        done: &mut usize,
+        (mut size, allowed): (f64, f64),
+        ranks: &dyn Communicator,
+    ) -> Result<(), LinearSolverError> {
+        let mut last_energy = f64::INFINITY;
+        while size > allowed {
+            let failed =
+                LinearSolverError::NotConverged { iterations: *done, residual: size, allowed };
+            if *done == ITERATION_LIMIT {
+                return Err(failed);
             }
-            self.hierarchy.cycle(&self.residual, &mut self.preconditioned, ranks);
-            let energy = energies.of(&self.residual, &self.preconditioned, ranks);
+            let mut energy = self.precondition(run, ranks);
+            if energy <= 0.0 {
+                run.cycle = Cycle::V;
+                last_energy = f64::INFINITY;
+                energy = self.precondition(run, ranks);
+            }
             let beta = energy / last_energy;
             last_energy = energy;
-            in_wide_vectors(Turn {
-                beta,
-                towards: &self.preconditioned,
-                direction: &mut self.direction,
-                first: iterations == 0,
-            });
+            let towards = &self.preconditioned;
+            in_wide_vectors(Turn { beta, towards, direction: &mut self.direction });
             self.halo.refresh(&mut [&mut self.direction], ranks);
-            let dot =
-                apply(&self.coefficients, &self.direction, &mut self.image, curvatures.begin());
-            let curvature = curvatures.finish(dot, [&self.direction, &self.image], ranks);
+            let dot = run.curvatures.begin();
+            let dot = apply(&self.coefficients, &self.direction, &mut self.image, dot);
+            let curvature = run.curvatures.finish(dot, [&self.direction, &self.image], ranks);
             let running = in_wide_vectors(Advance {
                 length: energy / curvature,
                 direction: &self.direction,
                 image: &self.image,
                 solution: &mut self.solution,
                 residual: &mut self.residual,
-                squares: squares.begin(),
+                squares: run.squares.begin(),
             });
-            square = squares.finish(running, [&self.residual, &self.residual], ranks);
+            let square = run.squares.finish(running, [&self.residual, &self.residual], ranks);
+            if !square.is_finite() {
+                return Err(failed);
+            }
+            size = square.sqrt();
+            *done += 1;
         }
-        unreachable!("the last iteration returns")
+        Ok(())
+    }
+
+    /// z = M r, and r . z. Collective.
+    fn precondition(&mut self, run: &mut Run, ranks: &dyn Communicator) -> f64 {
+        let equation = (&self.residual, &mut self.preconditioned);
+        self.hierarchy.cycle(&self.coefficients, equation, run.cycle, ranks);
+        run.energies.of(&self.residual, &self.preconditioned, ranks)
     }
 
     /// Subtracts the mean over all cells, summed exactly; returns it.
     fn remove_mean(&mut self, of: Of, ranks: &dyn Communicator) -> f64 {
-        let Self { solution, direction, image, part, .. } = self;
+        let Self { solution, right, image, part, .. } = self;
         let field = match of {
-            Of::RightHandSide => direction,
+            Of::RightHandSide => right,
             Of::Solution => solution,
         };
         image.values_mut().fill(1.0);
         let sum = DotProduct::default().of(field, image, ranks);
         let mean = sum / part.counts.iter().product::<usize>() as f64;
-        for row in field.rows() {
+        for [row] in rows([field]) {
             let row = row..row + part.count[0];
             field.values_mut()[row].iter_mut().for_each(|value| *value -= mean);
         }
         image.values_mut().fill(0.0);
         mean
+    }
+}
+
+/// The owned numbers of another field, whose halo may have another width.
+fn copy_owned(from: &Field, to: &mut Field) {
+    let length = from.count()[0];
+    for [source, target] in rows([from, &*to]) {
+        to.values_mut()[target..][..length].copy_from_slice(&from.values()[source..][..length]);
+    }
+}
+
+/// How many owned numbers are of a kind.
+fn count(field: &Field, is: impl Fn(f64) -> bool) -> usize {
+    let length = field.count()[0];
+    let row = |[row]: [usize; 1]| &field.values()[row..][..length];
+    rows([field]).map(|place| row(place).iter().filter(|&&value| is(value)).count()).sum()
+}
+
+/// What is kept from run to run of a solve: the magnitudes of dot products, and the kind of cycle.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    /// r . r
+    squares: DotProduct,
+    /// r . M r
+    energies: DotProduct,
+    /// p . A p
+    curvatures: DotProduct,
+    /// V once W was found not to be positive definite.
+    cycle: Cycle,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        let [squares, energies, curvatures] = [DotProduct::default(); 3];
+        Self { squares, energies, curvatures, cycle: Cycle::W }
     }
 }
 
@@ -300,7 +315,6 @@ struct Turn<'a> {
     beta: f64,
     towards: &'a Field,
     direction: &'a mut Field,
-    first: bool,
 }
 
 impl VectorWork for Turn<'_> {
@@ -309,11 +323,10 @@ impl VectorWork for Turn<'_> {
     #[inline(always)]
     fn run(self) {
         let length = self.direction.count()[0];
-        let beta = if self.first { 0.0 } else { self.beta };
-        for row in self.direction.rows() {
+        for [row] in rows([self.direction]) {
             let towards = &self.towards.values()[row..][..length];
             for (p, z) in self.direction.values_mut()[row..][..length].iter_mut().zip(towards) {
-                *p = z + beta * *p;
+                *p = z + self.beta * *p;
             }
         }
     }
@@ -335,7 +348,7 @@ impl VectorWork for Advance<'_> {
     #[inline(always)]
     fn run(mut self) -> RunningDot {
         let length = self.direction.count()[0];
-        for row in self.direction.rows() {
+        for [row] in rows([self.direction]) {
             let p = &self.direction.values()[row..][..length];
             for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {
                 *x += self.length * p;

@@ -1,263 +1,171 @@
-//! Between a grid and the one without every other cell along one axis.
+//! Between a grid and the one with half as many cells along one axis.
 //!
-//! A cell with an odd number F is left out; along the axis it stands between two that stay, L below and U above:
+//! Cells 2m and 2m + 1 become one, whose number stands for the middle between them (for the cell itself where the
+//! last is left alone). Between two middles M and N, of the pair of a cell c and of the next pair, three resistances
+//! lie in series, half of what is inside each pair and the one in between; the cell lies behind the first of them:
 //!
 //! ```text
-//! p_F = w_L p_L + w_U p_U,    w_L = a_L / (a_L + a_U + d_F),  w_U = a_U / (a_L + a_U + d_F)
+//! p_c = (1 - t) p_M + t p_N,   t = R / (R + 1/a + R'),   R = 1 / (2 a_inside)
 //! ```
 //!
-//! which is what the equation of F says without sources and without flow across the axis. What is left out is shared
-//! out to L and U by the same weights.
+//! 1/4 if all coefficients are equal. Restriction is the transpose. Coefficients of the coarse grid:
+//!
+//! ```text
+//! along the axis:  1 / (R + 1/a + R') + sum over faces f across the axis of a_f (t_c - t_c')^2 / 2
+//! across it:       sum over faces f of the mean weight of their two cells times a_f
+//! ```
+//!
+//! The last term of the first row is what it costs that cells side by side lean on different pairs; without it the
+//! coarse grid would answer too strongly where coefficients jump.
 
 use super::operator::Coefficients;
-use crate::grid::{Field, GridPart};
-use crate::numbers::{VectorWork, in_wide_vectors};
-use std::ops::Range;
+use super::pairs::Pairs;
+use super::rows::rows;
+use crate::grid::Field;
 
-/// The weights along one axis, in the places of the cells that are left out; zero in those that stay.
+/// The weights t of one axis, and what they are needed for.
 #[derive(Clone, Debug)]
 pub(super) struct Transfer {
-    axis: usize,
-    fine: GridPart,
-    coarse: GridPart,
-    periodic: bool,
-    pub(super) weights: [Field; 2],
+    pub(super) pairs: Pairs,
+    /// t of each fine cell: its part in the next pair. Halo: two cells.
+    pub(super) lean: Field,
+    /// R of each fine cell: between it and the middle of its pair.
+    pub(super) inside: Field,
 }
 
 impl Transfer {
-    pub(super) fn new(axis: usize, fine: GridPart, coarse: GridPart, periodic: bool) -> Self {
-        let weights = [Field::new(&fine, 1), Field::new(&fine, 1)];
-        Self { axis, fine, coarse, periodic, weights }
+    pub(super) fn new(pairs: Pairs) -> Self {
+        let (lean, inside) = (Field::new(&pairs.fine, 2), Field::new(&pairs.fine, 2));
+        Self { pairs, lean, inside }
     }
 
-    /// Place along the axis, in the fine part, of the coarse part's first cell.
-    fn offset(&self) -> usize {
-        2 * self.coarse.start[self.axis] - self.fine.start[self.axis]
-    }
-
-    /// Sets the weights of owned cells. Before: halos of the coefficients are current. After: those of the weights
-    /// are not.
-    pub(super) fn set_weights(&mut self, fine: &Coefficients) {
-        let axis = self.axis;
-        let along = fine.diagonal.strides()[axis];
-        let faces = fine.faces[axis].values();
-        let [lower, upper] = &mut self.weights;
-        for_each_cell(self.fine.count.map(|count| 0..count as isize), |place| {
-            if (self.fine.start[axis] as isize + place[axis]) % 2 == 0 {
-                return;
+    /// Sets R of owned cells. Before: halos of the coefficients are current.
+    pub(super) fn set_inside(&mut self, fine: &Coefficients) {
+        let Self { pairs, inside, .. } = self;
+        let along = inside.strides()[pairs.axis];
+        let faces = fine.faces[pairs.axis].values();
+        let last = pairs.fine.counts[pairs.axis] - 1;
+        for run in pairs.runs() {
+            let first = inside.index(run.place);
+            let cells = run.cells(first);
+            if run.number % 2 == 1 {
+                cells.for_each(|cell| inside.values_mut()[cell] = 0.5 / faces[cell]);
+            } else {
+                cells.for_each(|cell| inside.values_mut()[cell] = 0.5 / faces[cell + along]);
             }
-            let cell = lower.index(place);
-            let (below, above) = (faces[cell], faces[cell + along]);
-            let sum = below + above + fine.diagonal.values()[cell];
-            let inverse = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-            lower.values_mut()[cell] = below * inverse;
-            upper.values_mut()[cell] = above * inverse;
-        });
+        }
+        if last % 2 == 0 && pairs.fine.at_ends(pairs.axis)[1] {
+            // The last cell is left alone: it is the middle of its pair.
+            let layer = pairs.fine.count[pairs.axis] as isize - 1;
+            let rows: Vec<_> = inside.slab(pairs.axis, (layer, layer + 1)).collect();
+            rows.into_iter().for_each(|row| inside.values_mut()[row].fill(0.0));
+        }
     }
 
-    /// Sets the coefficients of owned cells of the coarse grid: in series along the axis, in parallel across it.
+    /// Sets t of owned cells. Before: halos of the coefficients and of R are current.
+    pub(super) fn set_lean(&mut self, fine: &Coefficients) {
+        let Self { pairs, inside, lean } = self;
+        let along = inside.strides()[pairs.axis];
+        let faces = fine.faces[pairs.axis].values();
+        let inside = inside.values();
+        for run in pairs.runs() {
+            let first = lean.index(run.place);
+            let upwards = run.number % 2 == 1;
+            for cell in run.cells(first) {
+                let (face, next) =
+                    if upwards { (cell + along, cell + along) } else { (cell, cell - along) };
+                lean.values_mut()[cell] = part_beyond(inside[cell], faces[face], inside[next]);
+            }
+        }
+    }
+
+    /// Sets the coefficients of owned cells of the coarse grid.
     ///
-    /// Before: halos of coefficients and weights are current. After: those of the coarse coefficients are not.
+    /// Before: halos of coefficients, R and t are current. After: those of the coarse coefficients are not.
     pub(super) fn coarsen(&self, fine: &Coefficients, coarse: &mut Coefficients) {
-        let offset = self.offset() as isize;
-        for_each_cell(self.coarse.count.map(|count| 0..count as isize), |place| {
-            let mut kept = place;
-            kept[self.axis] = 2 * place[self.axis] + offset;
-            let cell = fine.diagonal.index(kept);
-            let target = coarse.diagonal.index(place);
-            for axis in 0..3 {
-                let value = if axis == self.axis {
-                    let first = self.coarse.start[axis] as isize + place[axis] == 0;
-                    self.in_series(fine, cell, first)
-                } else {
-                    self.in_parallel(fine, axis, cell)
-                };
-                coarse.faces[axis].values_mut()[target] = value;
+        let pairs = &self.pairs;
+        let distance = if pairs.axis == 0 { 2 } else { 1 };
+        let targets = rows([&coarse.diagonal]).zip(pairs.coarse_rows());
+        for ([target], place) in targets {
+            let first = fine.diagonal.index(pairs.first_of(place));
+            let number = pairs.coarse.start[pairs.axis] as isize + place[pairs.axis];
+            for i in 0..pairs.coarse.count[0] {
+                let number = if pairs.axis == 0 { number + i as isize } else { number };
+                let (cell, alone) = (first + distance * i, pairs.wraps_alone(number));
+                for axis in 0..3 {
+                    coarse.faces[axis].values_mut()[target + i] = if axis == pairs.axis {
+                        self.in_series(fine, cell)
+                    } else {
+                        self.in_parallel(fine.faces[axis].values(), Some(axis), cell, alone)
+                    };
+                }
+                let diagonal = self.in_parallel(fine.diagonal.values(), None, cell, alone);
+                coarse.diagonal.values_mut()[target + i] = diagonal;
             }
-            let diagonal = self.shared_out(fine.diagonal.values(), cell);
-            coarse.diagonal.values_mut()[target] = diagonal;
-        });
+        }
     }
 
-    /// a_L a_U / (a_L + a_U + d_F) across the cell that is left out below a cell.
-    fn in_series(&self, fine: &Coefficients, cell: usize, first: bool) -> f64 {
-        let along = fine.diagonal.strides()[self.axis];
-        let face = fine.faces[self.axis].values()[cell];
-        if self.coarse.counts[self.axis] == 1 {
-            return 0.0; // its own neighbour
+    /// The coefficient between the pair of a first cell and the pair below.
+    #[inline(always)]
+    fn in_series(&self, fine: &Coefficients, cell: usize) -> f64 {
+        let axis = self.pairs.axis;
+        let strides = self.lean.strides();
+        let (along, inside) = (strides[axis], self.inside.values());
+        let face = fine.faces[axis].values()[cell];
+        if face == 0.0 || self.pairs.coarse.counts[axis] == 1 {
+            return 0.0; // the end of the grid, or its own neighbour
         }
-        if first && self.periodic && self.fine.counts[self.axis] % 2 == 1 {
-            return face; // none is left out between the last cell and the first
+        let series = 1.0 / (inside[cell - along] + 1.0 / face + inside[cell]);
+        let mut leaning = 0.0;
+        for across in (0..3).filter(|&across| across != axis) {
+            let faces = fine.faces[across].values();
+            for cell in [cell - along, cell] {
+                let above = cell + strides[across];
+                leaning += self.cost(faces, cell, strides[across])
+                    + self.cost(faces, above, strides[across]);
+            }
         }
-        self.weights[0].values()[cell - along] * face
+        series + 0.5 * leaning
     }
 
-    /// The coefficient of a face across `axis`, and the shares of those beside it.
-    fn in_parallel(&self, fine: &Coefficients, axis: usize, cell: usize) -> f64 {
-        let strides = fine.diagonal.strides();
-        let (along, across) = (strides[self.axis], strides[axis]);
-        let face = fine.faces[axis].values();
-        let [lower, upper] = &self.weights;
-        let share = |weights: &Field, left_out: usize| {
-            let weights = weights.values();
-            0.5 * (weights[left_out] + weights[left_out - across]) * face[left_out]
+    /// a_f (t_c - t_c')^2 of the lower face of a cell.
+    #[inline(always)]
+    fn cost(&self, faces: &[f64], cell: usize, across: usize) -> f64 {
+        let lean = self.lean.values();
+        let difference = lean[cell] - lean[cell - across];
+        faces[cell] * (difference * difference)
+    }
+
+    /// The sum over fine cells of a number times its weight in the pair of a first cell: for faces across the axis
+    /// the mean weight of their two cells.
+    #[inline(always)]
+    fn in_parallel(
+        &self,
+        numbers: &[f64],
+        across: Option<usize>,
+        cell: usize,
+        beyond: bool,
+    ) -> f64 {
+        let (lean, strides) = (self.lean.values(), self.lean.strides());
+        let along = strides[self.pairs.axis];
+        let mean = |cell: usize| match across {
+            Some(axis) => 0.5 * (lean[cell] + lean[cell - strides[axis]]),
+            None => lean[cell],
         };
-        face[cell] + (share(upper, cell - along) + share(lower, cell + along))
-    }
-
-    /// The number of a cell that stays, and the shares of those left out beside it.
-    #[inline(always)]
-    fn shared_out(&self, numbers: &[f64], cell: usize) -> f64 {
-        let along = self.weights[0].strides()[self.axis];
-        let [lower, upper] = &self.weights;
-        let below = upper.values()[cell - along] * numbers[cell - along];
-        let above = lower.values()[cell + along] * numbers[cell + along];
-        numbers[cell] + (below + above)
-    }
-
-    /// Owned cells along this axis and those after it, owned and halo cells along those before it: what is needed
-    /// to go on along those.
-    fn restricted_cells(&self) -> [Range<isize>; 3] {
-        [0, 1, 2].map(|axis| {
-            let count = self.coarse.count[axis] as isize;
-            if axis < self.axis { -1..count + 1 } else { 0..count }
-        })
-    }
-
-    /// Owned cells along this axis and those before it; halo cells too along those after it, unless this is the
-    /// last axis.
-    fn prolonged_cells(&self, last: bool) -> [Range<isize>; 3] {
-        [0, 1, 2].map(|axis| {
-            let count = self.fine.count[axis] as isize;
-            if axis > self.axis && !last { -1..count + 1 } else { 0..count }
-        })
-    }
-
-    /// Shares out what is left out. Before: the halo of `fine` is current, along axes before this one too.
-    pub(super) fn restrict(&self, fine: &Field, coarse: &mut Field) {
-        in_wide_vectors(Restrict { transfer: self, fine, coarse });
-    }
-
-    /// Interpolates what was left out. Before: the halo of `coarse` is current, along axes after this one too.
-    pub(super) fn prolong(&self, coarse: &Field, fine: &mut Field) {
-        in_wide_vectors(Prolong::<false> { transfer: self, coarse, fine });
-    }
-
-    /// Adds what is interpolated to owned cells.
-    pub(super) fn correct(&self, coarse: &Field, fine: &mut Field) {
-        in_wide_vectors(Prolong::<true> { transfer: self, coarse, fine });
-    }
-}
-
-fn for_each_cell([x, y, z]: [Range<isize>; 3], mut work: impl FnMut([isize; 3])) {
-    for k in z {
-        for j in y.clone() {
-            for i in x.clone() {
-                work([i, j, k]);
-            }
+        let own = |cell: usize| (1.0 - mean(cell)) * numbers[cell];
+        let next = |cell: usize| mean(cell) * numbers[cell];
+        if beyond {
+            return own(cell) + (next(cell - along) + next(cell + along));
         }
+        (own(cell) + own(cell + along)) + (next(cell - along) + next(cell + 2 * along))
     }
 }
 
-struct Restrict<'a> {
-    transfer: &'a Transfer,
-    fine: &'a Field,
-    coarse: &'a mut Field,
-}
-
-impl VectorWork for Restrict<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { transfer, fine, coarse } = self;
-        let (axis, offset) = (transfer.axis, transfer.offset() as isize);
-        let along = fine.strides()[axis];
-        let [x, y, z] = transfer.restricted_cells();
-        let length = x.len();
-        let [lower, upper] = transfer.weights.each_ref().map(Field::values);
-        let numbers = fine.values();
-        for k in z {
-            for j in y.clone() {
-                let mut kept = [x.start, j, k];
-                kept[axis] = 2 * kept[axis] + offset;
-                let from = fine.index(kept);
-                let to = coarse.index([x.start, j, k]);
-                let row = &mut coarse.values_mut()[to..][..length];
-                if axis == 0 {
-                    for (m, value) in row.iter_mut().enumerate() {
-                        let cell = from + 2 * m;
-                        let below = upper[cell - 1] * numbers[cell - 1];
-                        let above = lower[cell + 1] * numbers[cell + 1];
-                        *value = numbers[cell] + (below + above);
-                    }
-                } else {
-                    let kept = &numbers[from..][..length];
-                    let below =
-                        [&upper[from - along..][..length], &numbers[from - along..][..length]];
-                    let above =
-                        [&lower[from + along..][..length], &numbers[from + along..][..length]];
-                    for (i, value) in row.iter_mut().enumerate() {
-                        *value = kept[i] + (below[0][i] * below[1][i] + above[0][i] * above[1][i]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-struct Prolong<'a, const CORRECT: bool> {
-    transfer: &'a Transfer,
-    coarse: &'a Field,
-    fine: &'a mut Field,
-}
-
-impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { transfer, coarse, fine } = self;
-        let axis = transfer.axis;
-        let along = coarse.strides()[axis];
-        let [x, y, z] = transfer.prolonged_cells(CORRECT);
-        let length = x.len();
-        let [lower, upper] = transfer.weights.each_ref().map(Field::values);
-        let numbers = coarse.values();
-        let (fine_start, coarse_start) = (transfer.fine.start[axis], transfer.coarse.start[axis]);
-        for k in z {
-            for j in y.clone() {
-                let place = [x.start, j, k];
-                let to = fine.index(place);
-                let number = (fine_start as isize + place[axis]) as usize;
-                let mut from = place;
-                from[axis] = (number / 2) as isize - coarse_start as isize;
-                let from = coarse.index(from);
-                let row = &mut fine.values_mut()[to..][..length];
-                if axis == 0 {
-                    for (i, value) in row.iter_mut().enumerate() {
-                        let place = (number + i) / 2 - number / 2 + from;
-                        let interpolated = if (number + i) % 2 == 0 {
-                            numbers[place]
-                        } else {
-                            lower[to + i] * numbers[place] + upper[to + i] * numbers[place + 1]
-                        };
-                        *value = if CORRECT { *value + interpolated } else { interpolated };
-                    }
-                } else if number % 2 == 0 {
-                    let kept = &numbers[from..][..length];
-                    for (value, kept) in row.iter_mut().zip(kept) {
-                        *value = if CORRECT { *value + kept } else { *kept };
-                    }
-                } else {
-                    let below = [&lower[to..][..length], &numbers[from..][..length]];
-                    let above = [&upper[to..][..length], &numbers[from + along..][..length]];
-                    for (i, value) in row.iter_mut().enumerate() {
-                        let interpolated = below[0][i] * below[1][i] + above[0][i] * above[1][i];
-                        *value = if CORRECT { *value + interpolated } else { interpolated };
-                    }
-                }
-            }
-        }
-    }
+/// R / (R + 1/a + R'), 0 if nothing connects the two pairs; 1/2 if only what is inside the pairs keeps them apart.
+#[inline(always)]
+fn part_beyond(inside: f64, face: f64, next: f64) -> f64 {
+    let part = inside / (inside + 1.0 / face + next);
+    let cut_off = if next == f64::INFINITY { 0.5 } else { 1.0 };
+    let part = if inside == f64::INFINITY { cut_off } else { part };
+    if face == 0.0 { 0.0 } else { part }
 }

@@ -1,5 +1,6 @@
 //! Rounding to a lattice: what makes floating-point sums exact, and so independent of their order.
 
+use super::Quad;
 use nalgebra::Vector3;
 
 /// A lattice of numbers `k * spacing`, k an integer, with `spacing` a power of two.
@@ -60,6 +61,13 @@ impl Quantum {
     #[inline(always)]
     pub fn round(self, value: f64) -> f64 {
         (value + self.shift) - self.shift
+    }
+
+    /// Number by number.
+    #[inline(always)]
+    pub fn round_quad<Q: Quad>(self, values: Q) -> Q {
+        let shift = Q::splat(self.shift);
+        values.plus(shift).minus(shift)
     }
 
     /// Component by component.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::parallel::{Communicator, agree};
 
 pub mod checkpoint;
+mod gas_snapshots;
 mod hdf5_file;
 mod metadata_copy;
 mod particle_snapshots;
@@ -17,6 +18,7 @@ mod series;
 mod table;
 mod units;
 
+pub use gas_snapshots::GasSnapshots;
 pub use particle_snapshots::ParticleSnapshots;
 pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;

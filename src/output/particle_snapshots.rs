@@ -155,7 +155,7 @@ fn make(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
         file.make_group(group)?;
     }
     file.set_numbers("/VTKHDF", "Version", &[2_i64, 0])?;
-    file.set_format_name("/VTKHDF", "Type", "PolyData")?;
+    file.set_format_name("/VTKHDF", "Type", b"PolyData")?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
     for (name, words) in provenance.entries() {

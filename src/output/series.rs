@@ -11,7 +11,7 @@ use crate::analysis::Measures;
 use crate::parallel::Communicator;
 
 /// Name, unit and value of every column, in the order of the file.
-fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 17] {
+fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 21] {
     let ColumnUnits { time, length, speed, energy, .. } = *units;
     [
         ("time", time, row.time),
@@ -31,6 +31,10 @@ fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str,
         ("mass_error", "1", row.mass_error),
         ("particles", "1", row.particles),
         ("departed", "1", row.departed),
+        ("gas_iterations", "1", row.gas_iterations),
+        ("gas_courant", "1", row.gas_courant),
+        ("raised_cells", "1", row.raised_cells),
+        ("exchange_error", "1", row.exchange_error),
     ]
 }
 

@@ -17,12 +17,16 @@ pub struct ColumnUnits {
     pub force: &'static str,
     /// Of torque.
     pub torque: &'static str,
+    /// Of pressure.
+    pub pressure: &'static str,
     /// Of mass.
     pub mass: &'static str,
     /// Of energy.
     pub energy: &'static str,
     /// Of volume.
     pub volume: &'static str,
+    /// Of what has none.
+    pub number: &'static str,
 }
 
 impl ColumnUnits {
@@ -35,9 +39,11 @@ impl ColumnUnits {
         angular_speed: "1/s",
         force: "N",
         torque: "N m",
+        pressure: "Pa",
         mass: "kg",
         energy: "J",
         volume: "m^3",
+        number: "1",
     };
 
     /// Particle density, reference diameter and gravity are 1.
@@ -49,9 +55,11 @@ impl ColumnUnits {
         angular_speed: "sqrt(g/d)",
         force: "rho_s g d^3",
         torque: "rho_s g d^4",
+        pressure: "rho_s g d",
         mass: "rho_s d^3",
         energy: "rho_s g d^4",
         volume: "d^3",
+        number: "1",
     };
 
     /// The units of a system as the case names it: `"si"`, or otherwise the dimensionless one.

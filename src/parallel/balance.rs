@@ -21,7 +21,7 @@ pub fn imbalance(owned: usize, ranks: &dyn Communicator) -> f64 {
 /// The planes change who works on what, never a result.
 pub fn balanced(
     cut: &Decomposition,
-    positions: &[Vector3<f64>],
+    positions: impl Iterator<Item = Vector3<f64>> + Clone,
     bounds: &Bounds,
     least_width: f64,
     ranks: &dyn Communicator,
@@ -33,7 +33,7 @@ pub fn balanced(
         }
         let length = bounds.lengths()[axis];
         let mut histogram = vec![0_i64; BINS];
-        for position in positions {
+        for position in positions.clone() {
             let bin = (position[axis] / length * BINS as f64) as usize; // negative: bin 0
             histogram[bin.min(BINS - 1)] += 1;
         }

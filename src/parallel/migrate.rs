@@ -24,7 +24,8 @@ pub fn migrate(
         return;
     }
     let here = ranks.rank();
-    let owner: Vec<usize> = particles.position.iter().map(|x| cut.owner_of(x)).collect();
+    let owner: Vec<usize> =
+        particles.body.iter().map(|body| cut.owner_of(&body.position)).collect();
     let leaves = owner.iter().any(|&rank| rank != here);
     if !ranks.any(leaves) {
         return;
@@ -104,7 +105,7 @@ impl Outgoing {
     }
 }
 
-fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
+pub(super) fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
     let bytes: Vec<Vec<u8>> =
         outgoing.iter().map(|records| bytemuck::cast_slice(records).to_vec()).collect();
     let incoming = ranks.all_to_all(&bytes);

@@ -5,6 +5,7 @@
 use std::fmt;
 
 mod balance;
+mod cells;
 mod field_halo;
 mod migrate;
 mod mpi_ranks;
@@ -15,12 +16,13 @@ mod sort_by_id;
 mod thread_ranks;
 
 pub use balance::{balanced, imbalance};
+pub use cells::send_cells_to_owners;
 pub use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
-pub use records::{ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
+pub use records::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
 pub use sort_by_id::{SortedBlock, sort_by_id};
 pub use thread_ranks::run_on_threads;
 

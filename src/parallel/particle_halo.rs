@@ -87,7 +87,7 @@ impl ParticleHalo {
                     _ => upper[axis] - position[axis] <= width,
                 };
                 let chosen =
-                    (0..particles.count()).filter(|&i| near_border(&particles.position[i]));
+                    (0..particles.count()).filter(|&i| near_border(&particles.body[i].position));
                 shipment.indices.extend(chosen.map(|i| i as u32));
             }
             self.send_new_ghosts(axis, particles, ranks);
@@ -141,8 +141,8 @@ impl ParticleHalo {
                 let index = index as usize;
                 let ghost = NewGhost {
                     id: particles.id[index],
-                    radius: particles.radius[index],
-                    mass: particles.mass[index],
+                    radius: particles.body[index].radius,
+                    mass: particles.body[index].mass,
                     motion: motion_of(particles, index, axis, shipment.shift),
                 };
                 buffer.extend_from_slice(bytemuck::bytes_of(&ghost));
@@ -174,27 +174,25 @@ fn refresh_images(plan: &AxisPlan, axis: usize, particles: &mut Particles) {
         let shipment = &plan.shipments[1 - side];
         for (row, &source) in shipment.indices.iter().enumerate() {
             let (source, ghost) = (source as usize, first + row);
-            let mut position = particles.position[source];
-            position[axis] += shipment.shift;
-            particles.position[ghost] = position;
-            particles.velocity[ghost] = particles.velocity[source];
-            particles.angular_velocity[ghost] = particles.angular_velocity[source];
+            let mut body = particles.body[source];
+            body.position[axis] += shipment.shift;
+            particles.body[ghost] = body;
         }
     }
 }
 
 fn motion_of(particles: &Particles, index: usize, axis: usize, shift: f64) -> GhostMotion {
-    let mut position: [f64; 3] = particles.position[index].into();
+    let mut position: [f64; 3] = particles.body[index].position.into();
     position[axis] += shift; // exact: both are lattice numbers
     GhostMotion {
         position,
-        velocity: particles.velocity[index].into(),
-        angular_velocity: particles.angular_velocity[index].into(),
+        velocity: particles.body[index].velocity.into(),
+        angular_velocity: particles.body[index].angular_velocity.into(),
     }
 }
 
 fn set_motion(particles: &mut Particles, index: usize, motion: &GhostMotion) {
-    particles.position[index] = motion.position.into();
-    particles.velocity[index] = motion.velocity.into();
-    particles.angular_velocity[index] = motion.angular_velocity.into();
+    particles.body[index].position = motion.position.into();
+    particles.body[index].velocity = motion.velocity.into();
+    particles.body[index].angular_velocity = motion.angular_velocity.into();
 }

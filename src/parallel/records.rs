@@ -59,18 +59,33 @@ pub struct WallContactRecord {
     pub rolling_angle: [f64; 3],
 }
 
+/// What a gas in three dimensions is in one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellRecord {
+    /// Number of the cell in the whole grid, x fastest, then y, then z.
+    pub cell: u64,
+    /// Velocities at the lower faces along x, y, z, at the upper faces, pressure, voidage.
+    pub numbers: [f64; CellRecord::NUMBERS],
+}
+
+impl CellRecord {
+    /// Numbers in a record.
+    pub const NUMBERS: usize = 8;
+}
+
 impl ParticleRecord {
     /// The record of one owned particle.
     pub fn of(particles: &Particles, index: usize) -> Self {
         Self {
             id: particles.id[index],
-            position: particles.position[index].into(),
-            velocity: particles.velocity[index].into(),
-            angular_velocity: particles.angular_velocity[index].into(),
-            force: particles.force[index].into(),
-            torque: particles.torque[index].into(),
-            radius: particles.radius[index],
-            mass: particles.mass[index],
+            position: particles.body[index].position.into(),
+            velocity: particles.body[index].velocity.into(),
+            angular_velocity: particles.body[index].angular_velocity.into(),
+            force: particles.load[index].force.into(),
+            torque: particles.load[index].torque.into(),
+            radius: particles.body[index].radius,
+            mass: particles.body[index].mass,
             gas_force: particles.gas_force[index].into(),
         }
     }
@@ -80,9 +95,9 @@ impl ParticleRecord {
         let index = particles.count();
         let (position, velocity) = (self.position.into(), self.velocity.into());
         particles.push(self.id, position, velocity, self.radius, self.mass);
-        particles.angular_velocity[index] = self.angular_velocity.into();
-        particles.force[index] = self.force.into();
-        particles.torque[index] = self.torque.into();
+        particles.body[index].angular_velocity = self.angular_velocity.into();
+        particles.load[index].force = self.force.into();
+        particles.load[index].torque = self.torque.into();
         particles.gas_force[index] = self.gas_force.into();
     }
 }

@@ -1,5 +1,6 @@
 //! Cells that particles are sorted into, to find those near each other.
 
+use super::Body;
 use nalgebra::Vector3;
 
 /// A grid of cells over the particles' bounding box, each at least as wide as the reach of the list.
@@ -20,13 +21,14 @@ pub struct CellGrid {
 const CELLS_PER_PARTICLE: f64 = 4.0;
 
 impl CellGrid {
-    /// Sorts positions into cells at least `width` wide.
-    pub fn fill(&mut self, positions: &[Vector3<f64>], width: f64) {
-        self.lay_out(positions, width);
+    /// Sorts bodies into cells at least `width` wide.
+    pub fn fill(&mut self, bodies: &[Body], width: f64) {
+        self.lay_out(bodies, width);
         let cells = self.counts.iter().product::<usize>();
         self.cell_of.clear();
-        self.cell_of.extend(positions.iter().map(|position| {
-            let [i, j, k] = cell_index(position, self.origin, self.inverse_width, self.counts);
+        self.cell_of.extend(bodies.iter().map(|body| {
+            let [i, j, k] =
+                cell_index(&body.position, self.origin, self.inverse_width, self.counts);
             (i + self.counts[0] * (j + self.counts[1] * k)) as u32
         }));
         self.start.clear();
@@ -38,7 +40,7 @@ impl CellGrid {
             self.start[cell + 1] += self.start[cell];
         }
         self.members.clear();
-        self.members.resize(positions.len(), 0);
+        self.members.resize(bodies.len(), 0);
         // Filled from the back, so that `start` ends up where it began.
         let mut next = self.start.clone();
         for (index, &cell) in self.cell_of.iter().enumerate() {
@@ -70,14 +72,14 @@ impl CellGrid {
         }
     }
 
-    fn lay_out(&mut self, positions: &[Vector3<f64>], width: f64) {
+    fn lay_out(&mut self, bodies: &[Body], width: f64) {
         let infinite = Vector3::repeat(f64::INFINITY);
-        let lower = positions.iter().fold(infinite, |lower, position| lower.inf(position));
-        let upper = positions.iter().fold(-infinite, |upper, position| upper.sup(position));
-        let extent = if positions.is_empty() { Vector3::zeros() } else { upper - lower };
-        self.origin = if positions.is_empty() { Vector3::zeros() } else { lower };
+        let lower = bodies.iter().fold(infinite, |lower, body| lower.inf(&body.position));
+        let upper = bodies.iter().fold(-infinite, |upper, body| upper.sup(&body.position));
+        let extent = if bodies.is_empty() { Vector3::zeros() } else { upper - lower };
+        self.origin = if bodies.is_empty() { Vector3::zeros() } else { lower };
         let mut width = width;
-        let most = CELLS_PER_PARTICLE * positions.len() as f64 + 27.0;
+        let most = CELLS_PER_PARTICLE * bodies.len() as f64 + 27.0;
         let cells = |width: f64| extent.map(|length| (length / width).floor().max(1.0));
         while cells(width).product() > most {
             width *= 1.25;

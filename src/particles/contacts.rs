@@ -7,7 +7,7 @@
 //! carry it over a rebuild, to another rank, and through a checkpoint.
 
 use super::near_pairs::Remembered;
-use super::{Bodies, NearPairs, Particles, Reach};
+use super::{NearPairs, Particles, Reach};
 use crate::domain::{Wall, WallPose};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -137,11 +137,9 @@ impl Contacts {
     }
 
     /// Makes sure that all pairs whose surfaces are closer than `range` are among the near ones.
-    pub fn find_near(&mut self, bodies: &Bodies, range: f64) {
+    pub fn find_near(&mut self, particles: &Particles, range: f64) {
         let list = (&self.row_start[..], &self.partner[..]);
-        if self.near.update(&bodies.body, list, range, &mut self.carried) {
-            self.near.one_size = bodies.one_size();
-        }
+        self.near.update(particles, list, range, &mut self.carried);
     }
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
@@ -185,8 +183,8 @@ impl Contacts {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
             for (number, (wall, pose)) in walls.iter().zip(poses).enumerate() {
-                let gap = wall.height_at(&particles.position[particle], pose)
-                    - particles.radius[particle];
+                let gap = wall.height_at(&particles.body[particle].position, pose)
+                    - particles.body[particle].radius;
                 if gap < reach.range + reach.skin {
                     self.wall_pairs
                         .push(WallPair { particle: particle as u32, wall: number as u32 });

@@ -1,16 +1,13 @@
 //! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half.
 
-use super::Particles;
-use crate::numbers::Quantum;
+use super::{Body, Load, Particles};
+use crate::numbers::{Quad, QuadWork, Quantum, in_quads};
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
 pub fn kick(particles: &mut Particles, dt: f64) {
-    let half = 0.5 * dt;
-    for i in 0..particles.owned_count() {
-        let inertia = particles.inertia(i);
-        particles.velocity[i] += particles.force[i] * (half / particles.mass[i]);
-        particles.angular_velocity[i] += particles.torque[i] * (half / inertia);
-    }
+    let owned = particles.owned_count();
+    let (bodies, loads) = (&mut particles.body[..owned], &particles.load[..owned]);
+    in_quads(Motion { bodies, loads, dt, drift: None });
 }
 
 /// Half a kick, then x += dt v, dt v being rounded to the lattice of positions. The velocities that remain
@@ -20,9 +17,42 @@ pub fn kick(particles: &mut Particles, dt: f64) {
 /// how far from the origin it is, so that a particle beyond a periodic face would move differently before
 /// and after it is wrapped.
 pub fn kick_and_drift(particles: &mut Particles, dt: f64, lattice: Quantum) {
-    kick(particles, dt);
-    for i in 0..particles.owned_count() {
-        particles.position[i] += lattice.round_vector(particles.velocity[i] * dt);
+    let owned = particles.owned_count();
+    let (bodies, loads) = (&mut particles.body[..owned], &particles.load[..owned]);
+    in_quads(Motion { bodies, loads, dt, drift: Some(lattice) });
+}
+
+/// Half a kick, and a drift on the lattice of positions, if there is one.
+struct Motion<'a> {
+    bodies: &'a mut [Body],
+    loads: &'a [Load],
+    dt: f64,
+    drift: Option<Quantum>,
+}
+
+impl QuadWork for Motion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) {
+        let half = 0.5 * self.dt;
+        let dt = Q::load(&[self.dt, self.dt, self.dt, 0.0]); // the radius stays
+        let mut size = [0.0; 2];
+        let (mut per_mass, mut per_inertia) = (0.0, 0.0);
+        for (body, load) in self.bodies.iter_mut().zip(self.loads) {
+            if size != [body.radius, body.mass] {
+                size = [body.radius, body.mass]; // often that of the last one: no division
+                (per_mass, per_inertia) = (half / body.mass, half / body.inertia());
+            }
+            let [place, motion, spin] = body.quads_mut();
+            let [force, torque] = load.quads();
+            let velocity = Q::load(motion).plus(Q::load(force).times(Q::splat(per_mass)));
+            velocity.store(motion); // the mass stays: zero is added
+            Q::load(spin).plus(Q::load(torque).times(Q::splat(per_inertia))).store(spin);
+            if let Some(lattice) = self.drift {
+                Q::load(place).plus(lattice.round_quad(velocity.times(dt))).store(place);
+            }
+        }
     }
 }
 
@@ -40,10 +70,10 @@ mod tests {
         let dt = std::f64::consts::PI / steps as f64;
         for _ in 0..steps {
             kick_and_drift(&mut particles, dt, lattice);
-            particles.force[0] = -particles.position[0];
+            particles.load[0].force = -particles.body[0].position;
             kick(&mut particles, dt);
         }
-        particles.position[0].z.abs()
+        particles.body[0].position.z.abs()
     }
 
     #[test]
@@ -68,9 +98,10 @@ mod tests {
             }
         }
         kick_and_drift(&mut particles, 2.5e-4, lattice);
-        for images in particles.position.chunks(3) {
-            assert_eq!(images[1].x, images[0].x - length);
-            assert_eq!(images[2].x, images[0].x + length);
+        for images in particles.body.chunks(3) {
+            let [inside, below, above] = [0, 1, 2].map(|image| images[image].position.x);
+            assert_eq!(below, inside - length);
+            assert_eq!(above, inside + length);
         }
     }
 

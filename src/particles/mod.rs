@@ -1,14 +1,15 @@
 //! Particles: their columns, who is near whom, what touching pairs remember, and how they move.
 
-mod bodies;
+mod body;
 mod cell_grid;
 mod contacts;
+mod displacement;
 mod integrate;
 mod near_pairs;
 mod neighbours;
 mod store;
 
-pub use bodies::{Bodies, Body, Load};
+pub use body::{Body, Load};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
 pub use integrate::{kick, kick_and_drift};

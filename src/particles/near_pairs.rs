@@ -4,9 +4,8 @@
 //! moved more than half the margin. Which pairs beyond reach are among them changes no result, so every rank
 //! chooses its own margin and its own time to find them anew.
 
-use super::bodies::FILLERS;
-use super::{Body, ContactMemory};
-use crate::numbers::{Quad, QuadWork, in_quads};
+use super::displacement::{Reference, largest_move_squared, take_reference};
+use super::{Body, ContactMemory, Particles};
 use nalgebra::Vector3;
 
 /// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
@@ -31,7 +30,7 @@ pub(super) struct Remembered {
     pub(super) rolling_angle: Vector3<f64>,
 }
 
-/// Near pairs in the order of their slots, by blocks; the last block is filled up with pairs that never touch.
+/// Near pairs in the order of their slots, by blocks. The last block is filled up with a pair that nobody reads.
 #[derive(Clone, Debug, Default)]
 pub struct NearPairs {
     /// Row particle of each pair.
@@ -61,7 +60,7 @@ struct Validity {
     /// The range they were found for.
     range: f64,
     /// Where the bodies were.
-    reference: Vec<[f64; 4]>,
+    reference: Reference,
     /// Evaluations since.
     age: u32,
 }
@@ -73,78 +72,52 @@ const COST_RATIO: f64 = 0.15;
 const FIRST_MARGIN: f64 = 0.005;
 
 impl Validity {
-    /// Whether every pair within `range` is in the list. A bound: each component of every displacement is at most
-    /// the largest of its kind.
+    /// Whether every pair within `range` is in the list.
     fn holds(&self, bodies: &[Body], range: f64) -> bool {
         let limit = (0.499 * self.margin).powi(2);
         self.age > 0
             && range == self.range
             && self.reference.len() == bodies.len()
-            && in_quads(LargestMove { bodies, reference: &self.reference }) < limit
+            && largest_move_squared(bodies, &self.reference) < limit
     }
 
     /// With s the way of a step, a margin m lasts m / 2s steps: 2 s a / m + b m is least for m^2 = 2 s a / b.
     fn renew(&mut self, bodies: &[Body], range: f64) {
-        let diameter = bodies.first().map_or(1.0, |body| 2.0 * body.place[3]);
+        let diameter = bodies.first().map_or(1.0, |body| 2.0 * body.radius);
         if self.age > 0 && self.reference.len() == bodies.len() {
-            let moved = in_quads(LargestMove { bodies, reference: &self.reference }).sqrt();
+            let moved = largest_move_squared(bodies, &self.reference).sqrt();
             let margin = (2.0 * COST_RATIO * diameter * moved / f64::from(self.age)).sqrt();
             self.margin = margin.clamp(1.0e-5 * diameter, 0.05 * diameter);
         } else if self.margin == 0.0 {
             self.margin = FIRST_MARGIN * diameter;
         }
         self.range = range;
-        self.reference.clear();
-        self.reference.extend(bodies.iter().map(|body| body.place));
+        take_reference(&mut self.reference, bodies);
         self.age = 0;
-    }
-}
-
-/// Sum over axes of the largest squared displacement.
-struct LargestMove<'a> {
-    bodies: &'a [Body],
-    reference: &'a [[f64; 4]],
-}
-
-impl QuadWork for LargestMove<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<Q: Quad>(self) -> f64 {
-        let mut largest = Q::splat(0.0);
-        for (body, then) in self.bodies.iter().zip(self.reference) {
-            let moved = Q::load(&body.place).minus(Q::load(then));
-            largest = largest.larger(moved.times(moved));
-        }
-        let mut squares = [0.0; 4];
-        largest.store(&mut squares);
-        squares[0] + squares[1] + squares[2]
     }
 }
 
 impl NearPairs {
     /// Makes sure that all pairs of the list `rows` whose surfaces are closer than `range` are here. A touching pair
-    /// that no longer is near has parted, and forgets. Returns whether pairs were found anew.
+    /// that no longer is near has parted, and forgets.
     ///
     /// `carried` are memories that slots had before, in the order of slots; they are taken.
     pub(super) fn update(
         &mut self,
-        bodies: &[Body],
+        particles: &Particles,
         (row_start, partners): (&[u32], &[u32]),
         range: f64,
         carried: &mut Vec<Remembered>,
-    ) -> bool {
-        let particles = &bodies[..bodies.len() - FILLERS];
-        let outdated = !self.validity.holds(particles, range);
-        if outdated {
+    ) {
+        if !self.validity.holds(particles.moving(), range) {
             carried.extend(self.remembered());
-            self.validity.renew(particles, range);
+            self.validity.renew(particles.moving(), range);
             self.clear();
-            self.find(bodies, (row_start, partners), carried);
+            self.find(&particles.body, (row_start, partners), carried);
+            self.one_size = particles.one_size();
             carried.clear();
         }
         self.validity.age += 1;
-        outdated
     }
 
     /// What all touching pairs remember.
@@ -196,21 +169,20 @@ impl NearPairs {
         let margin = self.validity.range + self.validity.margin;
         let mut carried = carried.iter().copied().peekable();
         for (row, ends) in row_start.windows(2).enumerate() {
-            let centre = &bodies[row].place;
+            let body = &bodies[row];
             for slot in ends[0]..ends[1] {
                 let partner = partners[slot as usize];
                 let remembered = carried.next_if(|pair| pair.slot == slot);
-                if is_near(centre, &bodies[partner as usize].place, margin) {
+                if is_near(body, &bodies[partner as usize], margin) {
                     self.push([row as u32, partner], slot, remembered);
                 }
             }
         }
-        let fillers = bodies.len() - FILLERS;
-        let pairs = self.slot.len();
-        while !self.slot.len().is_multiple_of(LANES) {
-            self.push([fillers as u32, fillers as u32 + 1], 0, None);
-        }
-        self.slot.truncate(pairs);
+    }
+
+    /// Pairs in the blocks.
+    pub fn count(&self) -> usize {
+        self.slot.len()
     }
 
     fn push(&mut self, [first, second]: [u32; 2], slot: u32, remembered: Option<Remembered>) {
@@ -219,8 +191,9 @@ impl NearPairs {
             if self.rolling {
                 self.rolling_angle.push([[0.0; LANES]; 3]);
             }
-            self.first.push([0; LANES]);
-            self.second.push([0; LANES]);
+            // Should no more pairs come, this one fills up the block.
+            self.first.push([first; LANES]);
+            self.second.push([second; LANES]);
             self.touching.push([false; LANES]);
             self.memory.push([[0.0; LANES]; MEMORY_FIELDS]);
         }
@@ -243,8 +216,7 @@ impl NearPairs {
 
 /// Whether the surfaces of two bodies are closer than `margin`.
 #[inline(always)]
-fn is_near(one: &[f64; 4], other: &[f64; 4], margin: f64) -> bool {
-    let way: [f64; 3] = std::array::from_fn(|axis| other[axis] - one[axis]);
-    let reach = one[3] + other[3] + margin;
-    way[0] * way[0] + way[1] * way[1] + way[2] * way[2] < reach * reach
+fn is_near(one: &Body, other: &Body, margin: f64) -> bool {
+    let reach = one.radius + other.radius + margin;
+    (other.position - one.position).norm_squared() < reach * reach
 }

@@ -1,6 +1,7 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
 use super::contacts::{LostContact, PairMemory, WallMemory};
+use super::displacement::{Reference, largest_move_squared, take_reference};
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Wall, WallPose};
 use nalgebra::Vector3;
@@ -25,7 +26,7 @@ impl Reach {
 /// gives the same bits, because the pairs that act are the same and force sums are exact.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
-    reference_position: Vec<Vector3<f64>>,
+    reference: Reference,
     reference_poses: Vec<WallPose>,
     cells: CellGrid,
 }
@@ -34,8 +35,15 @@ impl Neighbours {
     /// Whether a particle has moved more than half the skin since the list was built.
     pub fn outdated(&self, particles: &Particles, reach: Reach) -> bool {
         let limit = (0.5 * reach.skin).powi(2);
-        let moved = particles.position.iter().zip(&self.reference_position);
-        !moved.map(|(now, then)| (now - then).norm_squared()).all(|squared| squared < limit)
+        let bodies = &particles.body[..particles.owned_count()];
+        if largest_move_squared(bodies, &self.reference) < limit {
+            return false;
+        }
+        let moved = bodies.iter().zip(&self.reference).map(|(body, &[x, y, z, _])| {
+            let then = Vector3::new(x, y, z);
+            (body.position - then).norm_squared()
+        });
+        !{ moved }.all(|squared| squared < limit)
     }
 
     /// Whether a wall has moved more than half the skin towards particles since the list was built.
@@ -49,7 +57,7 @@ impl Neighbours {
 
     /// Sorts the owned particles by cells, so that near particles are near in memory.
     pub fn sort_by_cells(&mut self, particles: &mut Particles, width: f64) {
-        self.cells.fill(&particles.position, width);
+        self.cells.fill(&particles.body, width);
         particles.select(self.cells.order());
     }
 
@@ -69,12 +77,11 @@ impl Neighbours {
         remembered: (&[PairMemory], &[WallMemory]),
     ) -> Result<(), LostContact> {
         let owned = particles.owned_count();
-        self.reference_position.clear();
-        self.reference_position.extend_from_slice(&particles.position[..owned]);
+        take_reference(&mut self.reference, &particles.body[..owned]);
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.1);
-        let largest = particles.radius.iter().copied().fold(0.0, f64::max);
-        self.cells.fill(&particles.position, reach.ghost_width(2.0 * largest));
+        let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);
+        self.cells.fill(&particles.body, reach.ghost_width(2.0 * largest));
         self.find_pairs(particles, contacts, reach);
         contacts.find_wall_pairs(particles, walls, reach);
         contacts.recall(particles, remembered.0, remembered.1)
@@ -85,7 +92,7 @@ impl Neighbours {
         let owned = particles.owned_count();
         contacts.clear_pairs();
         for i in 0..owned {
-            let (centre, radius) = (particles.position[i], particles.radius[i]);
+            let (centre, radius) = (particles.body[i].position, particles.body[i].radius);
             self.cells.for_each_neighbourhood(i, |members| {
                 for &member in members {
                     let j = member as usize;
@@ -93,8 +100,8 @@ impl Neighbours {
                     if particles.owned_original(j).is_some_and(|original| original <= i) {
                         continue;
                     }
-                    let near = radius + particles.radius[j] + margin;
-                    if (particles.position[j] - centre).norm_squared() < near * near {
+                    let near = radius + particles.body[j].radius + margin;
+                    if (particles.body[j].position - centre).norm_squared() < near * near {
                         contacts.partner.push(member);
                     }
                 }

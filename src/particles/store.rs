@@ -1,5 +1,7 @@
-//! Columns of particles: first the owned ones, then the ghosts.
+//! The particles of a rank: first the owned ones, then the ghosts.
 
+use super::{Body, Load};
+use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
 /// The particles that a rank knows. Index i < `owned_count()` is an owned particle, the others are
@@ -9,22 +11,14 @@ pub struct Particles {
     owned: usize,
     /// For each ghost the owned particle that it is a periodic image of, or [`REMOTE`].
     image_of: Vec<u32>,
+    /// Ghosts that other ranks own.
+    remote: usize,
     /// Global ids: unique, never reused.
     pub id: Vec<u64>,
-    /// Centres, on the position lattice of the box.
-    pub position: Vec<Vector3<f64>>,
-    /// Velocities of the centres.
-    pub velocity: Vec<Vector3<f64>>,
-    /// Angular velocities.
-    pub angular_velocity: Vec<Vector3<f64>>,
-    /// Radii.
-    pub radius: Vec<f64>,
-    /// Masses.
-    pub mass: Vec<f64>,
-    /// Total forces, on the force lattice. Those of ghosts are scratch.
-    pub force: Vec<Vector3<f64>>,
-    /// Total torques about the centres, on the force lattice. Those of ghosts are scratch.
-    pub torque: Vec<Vector3<f64>>,
+    /// Size and motion of each.
+    pub body: Vec<Body>,
+    /// What acts on each; on ghosts, scratch.
+    pub load: Vec<Load>,
     /// Of owned particles: force of a gas in three dimensions, on the force lattice, as of its last step; it is
     /// held until the next. Zero without such a gas.
     pub gas_force: Vec<Vector3<f64>>,
@@ -32,9 +26,6 @@ pub struct Particles {
 
 /// Marks a ghost whose owner is another rank.
 const REMOTE: u32 = u32::MAX;
-
-/// Solid sphere: I = (2/5) m r^2.
-const INERTIA_FACTOR: f64 = 0.4;
 
 impl Particles {
     /// Number of owned particles.
@@ -57,16 +48,40 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
+    /// Adds what pairs have put on images of owned particles to those particles.
+    pub fn fold_image_loads(&mut self) {
+        let (owned, ghosts) = self.load.split_at_mut(self.owned);
+        for (load, &original) in ghosts.iter().zip(&self.image_of).filter(|&(_, &of)| of != REMOTE)
+        {
+            let sums = owned[original as usize].quads_mut().as_flattened_mut();
+            for (sum, part) in sums.iter_mut().zip(load.quads().as_flattened()) {
+                *sum += part;
+            }
+        }
+    }
+
+    /// Particles such that all others move as one of them does: images move like their originals.
+    pub(super) fn moving(&self) -> &[Body] {
+        if self.remote == 0 { &self.body[..self.owned] } else { &self.body }
+    }
+
+    /// Radius and mass of the particles, if all have the same.
+    pub(super) fn one_size(&self) -> Option<[f64; 2]> {
+        let size = |body: &Body| [body.radius, body.mass];
+        let first = size(self.body.first()?);
+        self.body.iter().all(|body| size(body) == first).then_some(first)
+    }
+
     /// Moment of inertia of a solid sphere, (2/5) m r^2.
     #[inline(always)]
     pub fn inertia(&self, index: usize) -> f64 {
-        INERTIA_FACTOR * self.mass[index] * self.radius[index] * self.radius[index]
+        self.body[index].inertia()
     }
 
     /// Volume of a sphere, 4/3 pi r^3.
     #[inline(always)]
     pub fn volume(&self, index: usize) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius[index].powi(3)
+        4.0 / 3.0 * std::f64::consts::PI * self.body[index].radius.powi(3)
     }
 
     /// Adds an owned particle at rest spin, without force. There must be no ghosts.
@@ -79,7 +94,7 @@ impl Particles {
         mass: f64,
     ) {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
-        self.push_columns(id, position, velocity, (radius, mass));
+        self.push_body(id, Body::new(position, velocity, radius, mass));
         self.gas_force.push(Vector3::zeros());
         self.owned += 1;
     }
@@ -90,29 +105,19 @@ impl Particles {
         id: u64,
         position: Vector3<f64>,
         velocity: Vector3<f64>,
-        size: (f64, f64),
+        (radius, mass): (f64, f64),
         image_of: Option<usize>,
     ) {
         let original = image_of.and_then(|index| self.owned_original(index));
         self.image_of.push(original.map_or(REMOTE, |index| index as u32));
-        self.push_columns(id, position, velocity, size);
+        self.remote += usize::from(original.is_none());
+        self.push_body(id, Body::new(position, velocity, radius, mass));
     }
 
-    fn push_columns(
-        &mut self,
-        id: u64,
-        position: Vector3<f64>,
-        velocity: Vector3<f64>,
-        (radius, mass): (f64, f64),
-    ) {
+    fn push_body(&mut self, id: u64, body: Body) {
         self.id.push(id);
-        self.position.push(position);
-        self.velocity.push(velocity);
-        self.angular_velocity.push(Vector3::zeros());
-        self.radius.push(radius);
-        self.mass.push(mass);
-        self.force.push(Vector3::zeros());
-        self.torque.push(Vector3::zeros());
+        self.body.push(body);
+        self.load.push(Load::zeroed());
     }
 
     /// Forgets the ghosts.
@@ -134,32 +139,22 @@ impl Particles {
             *column = order.iter().map(|&index| column[index as usize]).collect();
         }
         reorder(&mut self.id, order);
-        reorder(&mut self.position, order);
-        reorder(&mut self.velocity, order);
-        reorder(&mut self.angular_velocity, order);
-        reorder(&mut self.radius, order);
-        reorder(&mut self.mass, order);
-        reorder(&mut self.force, order);
-        reorder(&mut self.torque, order);
+        reorder(&mut self.body, order);
+        reorder(&mut self.load, order);
         reorder(&mut self.gas_force, order);
         self.owned = order.len();
     }
 
     /// Sets forces and torques to zero, those of ghosts too.
     pub fn clear_forces(&mut self) {
-        self.force.fill(Vector3::zeros());
-        self.torque.fill(Vector3::zeros());
+        self.load.fill(Load::zeroed());
     }
 
     fn truncate(&mut self, count: usize) {
         self.image_of.clear();
+        self.remote = 0;
         self.id.truncate(count);
-        self.position.truncate(count);
-        self.velocity.truncate(count);
-        self.angular_velocity.truncate(count);
-        self.radius.truncate(count);
-        self.mass.truncate(count);
-        self.force.truncate(count);
-        self.torque.truncate(count);
+        self.body.truncate(count);
+        self.load.truncate(count);
     }
 }

@@ -34,6 +34,17 @@ pub enum LayoutError {
         /// How many ranks would do.
         most: usize,
     },
+    /// Blocks narrower than the cells that they need.
+    #[error(
+        "the rank grid {grid} needs more cells of the gas than {cells:?}: blocks are at least two cells and as wide as \
+         their ghosts"
+    )]
+    TooFewCells {
+        /// Ranks along x, y and z.
+        grid: RankGrid,
+        /// Cells along x, y and z.
+        cells: [usize; 3],
+    },
 }
 
 /// Blocks of equal size on the rank grid of the case, or on `grid` if given.
@@ -64,7 +75,22 @@ pub fn lay_out(
             return Err(LayoutError::TooNarrow { axis, ranks, width, needed, most });
         }
     }
-    Ok(Decomposition::even(grid, bounds))
+    let cut = Decomposition::even(grid, bounds);
+    aligned(case, cut, needed)
+}
+
+/// The cut with its planes on cell faces, if a gas in the case asks for that.
+///
+/// # Errors
+/// If there are too few cells.
+pub(super) fn aligned(
+    case: &Case,
+    cut: Decomposition,
+    width: f64,
+) -> Result<Decomposition, LayoutError> {
+    let Some(model) = case.flow() else { return Ok(cut) };
+    let too_few = || LayoutError::TooFewCells { grid: cut.grid(), cells: model.grid.counts() };
+    model.aligned(&cut, width).ok_or_else(too_few)
 }
 
 /// Width of the ghost layer in the stage that needs the widest.

@@ -13,7 +13,7 @@ use crate::case::Case;
 use crate::grid::ColumnGrid;
 use crate::output::OutputError;
 use crate::parallel::{Communicator, ParticleRecord};
-use crate::state::{Models, State, Workspace};
+use crate::state::{GasModel, Models, State, Workspace};
 use crate::time_step::{self, StepError};
 use crate::timers::{Stage as TimedStage, StageTime};
 use outputs::Outputs;
@@ -149,7 +149,10 @@ pub fn run(
 fn profile_grid(case: &Case, largest_diameter: f64) -> ColumnGrid {
     let bounds = &case.domain.bounds;
     match case.stages.iter().find_map(|stage| stage.gas.as_ref()) {
-        Some(gas) => gas.grid(bounds),
+        Some(GasModel::Column(gas)) => gas.grid(bounds),
+        Some(GasModel::VolumeAveraged(model)) => {
+            ColumnGrid::new(bounds, model.grid.spacing().z, 1.0)
+        }
         None => {
             let nodes = (bounds.lengths().z / (1.5 * largest_diameter)).round().max(2.0);
             ColumnGrid::new(bounds, bounds.lengths().z / nodes, 1.0)
@@ -286,6 +289,10 @@ impl<'a> Simulation<'a> {
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
         outputs.write(&state.clock, &measures, profile.bed(), || records(case, state), *ranks)?;
+        if let (Some(flow), Some(solver)) = (&state.flow, &mut work.flow) {
+            let picture = || solver.picture(&state.particles, flow, *ranks);
+            outputs.write_gas(&state.clock, picture, *ranks)?;
+        }
         let found = measures.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;
@@ -296,8 +303,12 @@ impl<'a> Simulation<'a> {
 
     fn write_checkpoint(&mut self) -> Result<(Digest, std::path::PathBuf), RunError> {
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
-        let Self { case, state, outputs, ranks, .. } = self;
-        Ok(outputs.write_checkpoint(case, state, records(case, state), *ranks)?)
+        let Self { case, state, work, models, outputs, ranks, .. } = self;
+        let cells = match models.flow().zip(state.flow.as_ref()) {
+            Some((model, flow)) => flow.records(model, &work.cut, ranks.rank()),
+            None => Vec::new(),
+        };
+        Ok(outputs.write_checkpoint(case, state, (records(case, state), cells), *ranks)?)
     }
 
     /// The last checkpoint, and the mark of a case that has come to its end.
@@ -324,7 +335,10 @@ fn records(case: &Case, state: &State) -> Vec<ParticleRecord> {
     (0..state.particles.owned_count())
         .map(|i| {
             let record = ParticleRecord::of(&state.particles, i);
-            ParticleRecord { position: bounds.wrap(state.particles.position[i]).into(), ..record }
+            ParticleRecord {
+                position: bounds.wrap(state.particles.body[i].position).into(),
+                ..record
+            }
         })
         .collect()
 }

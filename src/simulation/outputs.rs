@@ -2,12 +2,13 @@
 
 use crate::analysis::{BedProfile, Digest, Measures};
 use crate::case::Case;
-use crate::coupling::Bed;
+use crate::coupling::{Bed, FlowModel};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{
-    ColumnUnits, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, on_root,
+    ColumnUnits, GasSnapshots, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance,
+    Series, on_root,
 };
-use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::state::{Clock, State};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -53,7 +54,7 @@ impl OutputFolder {
 
 fn is_result(name: &str) -> bool {
     let checkpoint = name.starts_with("checkpoint-");
-    let growing = ["series.csv", "profiles.h5", "particles.vtkhdf"];
+    let growing = ["series.csv", "profiles.h5", "particles.vtkhdf", "gas.vtkhdf"];
     let of_growing = |suffix| name.strip_suffix(suffix).is_some_and(|file| growing.contains(&file));
     let fixed = ["case.toml", COMPLETE];
     checkpoint || fixed.contains(&name) || ["", ".metadata", ".partial"].into_iter().any(of_growing)
@@ -83,6 +84,8 @@ pub(super) struct Outputs {
     profile_interval: Interval,
     snapshots: Option<ParticleSnapshots>,
     snapshot_interval: Interval,
+    gas_snapshots: Option<GasSnapshots>,
+    gas_interval: Interval,
     checkpoint_interval: Interval,
     checkpoint_steps: Option<u64>,
     last_checkpoint: Instant,
@@ -127,6 +130,16 @@ impl Outputs {
             (_, true) => Some(ParticleSnapshots::resume(&path, time, text, &provenance, ranks)?),
             (_, false) => Some(ParticleSnapshots::create(&path, text, &provenance, ranks)?),
         };
+        let path = file("gas.vtkhdf");
+        let gas_snapshots = match (case.output.gas.and(case.flow()), continues) {
+            (None, _) => None,
+            (Some(FlowModel { grid, .. }), true) => {
+                Some(GasSnapshots::resume(&path, time, (grid, text), &provenance, ranks)?)
+            }
+            (Some(FlowModel { grid, .. }), false) => {
+                Some(GasSnapshots::create(&path, grid, text, &provenance, ranks)?)
+            }
+        };
         Ok(Self {
             folder: folder.clone(),
             provenance,
@@ -136,6 +149,8 @@ impl Outputs {
             profile_interval: Interval(case.output.profiles),
             snapshots,
             snapshot_interval: Interval(case.output.particles),
+            gas_snapshots,
+            gas_interval: Interval(case.output.gas),
             checkpoint_interval: Interval(case.checkpoint.every),
             checkpoint_steps: case.checkpoint.every_steps,
             last_checkpoint: Instant::now(),
@@ -151,7 +166,7 @@ impl Outputs {
 
     /// Whether anything but a checkpoint is due now.
     pub(super) fn anything_due(&self, clock: &Clock) -> bool {
-        [self.series_interval, self.profile_interval, self.snapshot_interval]
+        [self.series_interval, self.profile_interval, self.snapshot_interval, self.gas_interval]
             .iter()
             .any(|interval| interval.due(clock, clock.step))
     }
@@ -195,13 +210,28 @@ impl Outputs {
         Ok(())
     }
 
+    /// Writes the gas in three dimensions if that is due at a step. Collective.
+    pub(super) fn write_gas(
+        &self,
+        clock: &Clock,
+        picture: impl FnOnce() -> Vec<CellRecord>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        match &self.gas_snapshots {
+            Some(snapshots) if self.gas_interval.due(clock, clock.step) => {
+                snapshots.append(clock.time(), &picture(), ranks)
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes a checkpoint and removes the oldest ones beyond the number kept. The rows of results that it goes
     /// on from are made safe before: a run that is killed goes on from it with all of them. Collective.
     pub(super) fn write_checkpoint(
         &mut self,
         case: &Case,
         state: &State,
-        particles: Vec<ParticleRecord>,
+        (particles, cells): (Vec<ParticleRecord>, Vec<CellRecord>),
         ranks: &dyn Communicator,
     ) -> Result<(Digest, PathBuf), OutputError> {
         let pairs = state.contacts.records(&state.particles, true);
@@ -215,10 +245,13 @@ impl Outputs {
             particles,
             contacts: pairs.into_iter().map(ContactRecord::from).collect(),
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
+            cells,
+            flow_report: state.flow.as_ref().map(|flow| flow.report).unwrap_or_default(),
         };
         self.series.keep(ranks)?;
         self.profiles.as_ref().map_or(Ok(()), |profiles| profiles.keep(ranks))?;
         self.snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
+        self.gas_snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         let path = self.folder.path.join(checkpoint::file_name(state.clock.step));
         let digest = checkpoint::write(&path, &checkpoint, &self.provenance, ranks)?;
         checkpoint::prune(&self.folder.path, self.keep, ranks)?;

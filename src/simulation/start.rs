@@ -1,14 +1,16 @@
 //! Where a run begins: with a new bed, with the end of another run, or with its own checkpoint.
 
-use super::layout::{LayoutError, lay_out};
+use super::layout::{LayoutError, aligned, ghost_width, lay_out};
 use crate::case::{Case, InitialBed, Start as BedStart};
+use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
-    CollectiveError, Communicator, ParticleRecord, agree, balanced, send_to_owners, share_with_all,
+    CellRecord, CollectiveError, Communicator, ParticleRecord, agree, balanced,
+    send_cells_to_owners, send_to_owners, share_with_all,
 };
 use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
-use crate::state::{Clock, Departed, SizeRange, State, Workspace};
+use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -59,6 +61,8 @@ struct Share {
     particles: Vec<ParticleRecord>,
     pairs: Vec<PairMemory>,
     walls: Vec<WallMemory>,
+    cells: Vec<CellRecord>,
+    report: FlowReport,
 }
 
 /// The bed that the case describes, at time zero. Collective.
@@ -73,7 +77,9 @@ pub fn begin_from_case(
     let share = match &case.particles.start {
         BedStart::Run { path } => {
             let (end, _, _) = checkpoint::read(path, ranks)?;
-            share_of(end, ranks)
+            let mut share = share_of(end, ranks);
+            share.cells.clear(); // the gas begins anew
+            share
         }
         _ => {
             let bed = agree(case.initial_bed(), ranks).map_err(StartError::Bed)?;
@@ -118,9 +124,11 @@ fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> Share {
     let pairs = share_with_all(&checkpoint.contacts, ranks);
     let walls = share_with_all(&checkpoint.wall_contacts, ranks);
     Share {
+        report: checkpoint.flow_report,
         particles: checkpoint.particles,
         pairs: pairs.into_iter().map(PairMemory::from).collect(),
         walls: walls.into_iter().map(WallMemory::from).collect(),
+        cells: checkpoint.cells,
     }
 }
 
@@ -133,6 +141,8 @@ fn own_part(bed: InitialBed, ranks: &dyn Communicator) -> Share {
         particles: particles.filter(|&(index, _)| mine(index)).map(|(_, record)| record).collect(),
         pairs: bed.contacts.into_iter().map(PairMemory::from).collect(),
         walls: bed.wall_contacts.into_iter().map(WallMemory::from).collect(),
+        cells: Vec::new(),
+        report: FlowReport::default(),
     }
 }
 
@@ -164,17 +174,25 @@ fn spread(
     let skin = case.parallel.skin * sizes.largest_diameter;
     if case.parallel.balance.is_some() {
         cut = balanced_at_start(case, &cut, &share.particles, &sizes, ranks);
+        cut = aligned(case, cut, ghost_width(case, &sizes))?;
     }
     let mut particles = Particles::default();
     for record in send_to_owners(&share.particles, &cut, ranks) {
         record.push_to(&mut particles);
     }
     let owned: std::collections::HashSet<u64> = particles.id.iter().copied().collect();
-    let Share { mut pairs, mut walls, .. } = share;
+    let Share { mut pairs, mut walls, cells, report, .. } = share;
     pairs.retain(|pair| owned.contains(&pair.lower) || owned.contains(&pair.higher));
     walls.retain(|contact| owned.contains(&contact.particle));
     let contacts = Contacts::default();
-    let state = State { particles, contacts, clock, departed, sizes };
+    let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
+        let cells = send_cells_to_owners(&cells, &model.grid, &cut, ranks);
+        Flow::of_records(&model.grid.part_of(&cut, ranks.rank()), &cells, report)
+    });
+    if flow.is_none() {
+        particles.gas_force.fill(Vector3::zeros());
+    }
+    let state = State { particles, contacts, clock, departed, sizes, flow };
     Ok((state, Workspace::new(cut, skin, case.parallel.balance), (pairs, walls)))
 }
 
@@ -187,6 +205,6 @@ fn balanced_at_start(
 ) -> Decomposition {
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
-    let width = super::layout::ghost_width(case, sizes);
-    balanced(cut, &positions, &case.domain.bounds, width, ranks)
+    let width = ghost_width(case, sizes);
+    balanced(cut, positions.iter().copied(), &case.domain.bounds, width, ranks)
 }

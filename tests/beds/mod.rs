@@ -7,16 +7,17 @@ use std::f64::consts::PI;
 use talcum::contact::{
     CohesionExpression, ContactModel, FrictionCap, Interface, LinearSpringDashpot, VanDerWaals,
 };
+use talcum::coupling::{Flow, FlowModel, FlowReport};
 use talcum::domain::{Bounds, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall};
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{
-    Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord, run_on_threads,
-    send_to_owners, share_with_all,
+    CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
+    run_on_threads, send_cells_to_owners, send_to_owners, share_with_all,
 };
 use talcum::particles::{Contacts, PairMemory, Particles, WallMemory};
 use talcum::state::{
-    Balance, Clock, Departed, Domain, Limits, Models, SizeRange, State, Workspace,
+    Balance, Clock, Departed, Domain, GasModel, Limits, Models, SizeRange, State, Workspace,
 };
 use talcum::time_step::{StepError, advance, begin};
 
@@ -36,6 +37,8 @@ pub(crate) struct Bench {
     pub(crate) at_walls: Vec<Interface>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
+    /// A gas in three dimensions, in the place of the column.
+    pub(crate) flow: Option<FlowModel>,
     pub(crate) gravity: EffectiveGravity,
     pub(crate) time_step: f64,
     pub(crate) skin: f64,
@@ -133,6 +136,7 @@ impl Bench {
             at_walls: Vec::new(),
             cohesion: None,
             gas: None,
+            flow: None,
             gravity: EffectiveGravity { magnitude: 0.0, vibration: None },
             time_step: 2.5e-4,
             skin: 0.15,
@@ -223,7 +227,10 @@ impl Bench {
             contact,
             at_walls,
             cohesion,
-            gas: self.gas.clone(),
+            gas: match &self.flow {
+                Some(flow) => Some(GasModel::VolumeAveraged(flow.clone())),
+                None => self.gas.clone().map(GasModel::Column),
+            },
             gravity: self.gravity,
             time_step: dt,
             limits,
@@ -258,7 +265,11 @@ impl Bench {
     ) -> Run<'a> {
         let (here, size) = (ranks.rank(), ranks.size());
         assert_eq!(grid.size(), size, "the rank grid is of all ranks");
-        let cut = Decomposition::even(grid, &self.domain.bounds);
+        let mut cut = Decomposition::even(grid, &self.domain.bounds);
+        if let Some(flow) = &self.flow {
+            let width = self.sizes().largest_diameter + self.skin;
+            cut = flow.aligned(&cut, width).expect("the test's gas has enough cells");
+        }
         let share: Vec<ParticleRecord> =
             whole.particles.iter().copied().skip(here).step_by(size).collect();
         let mut particles = Particles::default();
@@ -273,7 +284,14 @@ impl Bench {
             walls.filter(|it| owned.contains(&it.particle)).collect(),
         );
         let (clock, departed, sizes) = (whole.clock, whole.departed, self.sizes());
-        let mut state = State { particles, contacts: Contacts::default(), clock, departed, sizes };
+        let contacts = Contacts::default();
+        let model = self.flow.as_ref().filter(|_| !whole.cells.is_empty());
+        let flow = model.map(|model| {
+            let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
+            let cells = send_cells_to_owners(&share, &model.grid, &cut, ranks);
+            Flow::of_records(&model.grid.part_of(&cut, here), &cells, FlowReport::default())
+        });
+        let mut state = State { particles, contacts, clock, departed, sizes, flow };
         let (domain, models) = (self.domain.clone(), self.models());
         let mut work = Workspace::new(cut, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
@@ -339,7 +357,7 @@ impl Run<'_> {
         let State { particles, contacts, clock, departed, .. } = &self.state;
         let here: Vec<ParticleRecord> = (0..particles.owned_count())
             .map(|index| {
-                let position = self.domain.bounds.wrap(particles.position[index]).into();
+                let position = self.domain.bounds.wrap(particles.body[index].position).into();
                 ParticleRecord { position, ..ParticleRecord::of(particles, index) }
             })
             .collect();
@@ -351,7 +369,13 @@ impl Run<'_> {
         particles.sort_by_key(|particle| particle.id);
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
-        Snapshot { particles, pairs, walls, clock: *clock, departed: *departed }
+        let cells = match self.models.flow().zip(self.state.flow.as_ref()) {
+            Some((model, flow)) => flow.records(model, &self.work.cut, self.ranks.rank()),
+            None => Vec::new(),
+        };
+        let mut cells = share_with_all(&cells, self.ranks);
+        cells.sort_by_key(|record| record.cell);
+        Snapshot { particles, pairs, walls, cells, clock: *clock, departed: *departed }
     }
 }
 
@@ -361,14 +385,15 @@ pub(crate) struct Snapshot {
     pub(crate) particles: Vec<ParticleRecord>,
     pub(crate) pairs: Vec<ContactRecord>,
     pub(crate) walls: Vec<WallContactRecord>,
+    pub(crate) cells: Vec<CellRecord>,
     pub(crate) clock: Clock,
     pub(crate) departed: Departed,
 }
 
 impl Snapshot {
     fn at(clock: Clock) -> Self {
-        let (pairs, walls) = (Vec::new(), Vec::new());
-        Self { particles: Vec::new(), pairs, walls, clock, departed: Departed::default() }
+        let (pairs, walls, cells) = (Vec::new(), Vec::new(), Vec::new());
+        Self { particles: Vec::new(), pairs, walls, cells, clock, departed: Departed::default() }
     }
 
     /// Every bit of it; equal only for equal states.
@@ -376,6 +401,7 @@ impl Snapshot {
         let mut bytes = bytemuck::cast_slice::<_, u8>(&self.particles).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&self.pairs));
         bytes.extend_from_slice(bytemuck::cast_slice(&self.walls));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
         bytes.extend_from_slice(&self.clock.step.to_le_bytes());
         bytes.extend_from_slice(&self.departed.count.to_le_bytes());
         bytes.extend_from_slice(&self.departed.volume.to_le_bytes());

@@ -112,11 +112,11 @@ impl Flow<'_> {
         })
     }
 
-    /// A field with the values of a function in cells, or in the lower faces along an axis; halo included.
+    /// A field with the values of a function in cells, or in the lower faces along an axis; in owned cells and those
+    /// above, whose lower faces may be the box's. The gas fills the rest of the halo.
     pub(crate) fn field(&self, face: Option<usize>, value: impl Fn([f64; 3]) -> f64) -> Field {
-        let halo = GAS_HALO as isize;
         let mut field = Field::new(&self.part, GAS_HALO);
-        let range = |axis: usize| -halo..self.part.count[axis] as isize + halo;
+        let range = |axis: usize| 0..self.part.count[axis] as isize + 1;
         for k in range(2) {
             for j in range(1) {
                 for i in range(0) {

@@ -187,9 +187,8 @@ fn change_of_uniform_flow(share: f64) -> f64 {
         flow.bed.momentum_transfer = flow.field(None, beta);
         flow.bed.transferred_velocity = [0, 1, 2].map(|a| flow.field(None, |x| beta(x) * u[a]));
         flow.step(dt).unwrap();
-        for axis in 0..3 {
-            let change = |velocity: f64| (velocity - u[axis]).abs();
-            largest = flow.state.velocity[axis].owned().map(change).fold(largest, f64::max);
+        for (velocity, u) in flow.state.velocity.iter().zip(u) {
+            largest = velocity.owned().map(|now| (now - u).abs()).fold(largest, f64::max);
         }
     }
     largest

@@ -4,22 +4,26 @@
 //! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
+mod exchange;
 mod filter;
+mod flow;
 mod transfer;
 
 pub use filter::Filter;
+pub use flow::{Flow, FlowModel, FlowReport, FlowSolver, FlowStep};
 
 use super::GasForceOutOfRange;
 use crate::domain::{Bounds, Decomposition};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{BedOnGrid, GAS_HALO, GasState};
-use crate::grid::{BoxGrid, CellLocator, CellWeights, Field, GridPart};
+use crate::grid::{BoxGrid, CellLocator, Field, GridPart};
 use crate::numbers::{Quantum, within};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
+use exchange::Exchanged;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use transfer::{deposit, interpolate, mean_gradient, mean_of_faces, within_reach};
+use transfer::{Corners, deposit, interpolate, mean_gradient, mean_of_faces, within_reach};
 
 /// How particles and gas see each other, as the case chose it.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,11 +68,14 @@ pub struct CellCoupling {
     lattices: [Quantum; 3],
     largest_drag: f64,
     bed: BedOnGrid,
+    /// Where each owned particle was at the last observation.
+    corners: Vec<Corners>,
     /// b of each owned particle, force per velocity.
     drag: Vec<f64>,
     /// Velocity of the gas and pressure gradient in cells.
     seen: [Field; 6],
     raised_cells: u64,
+    exchanged: Exchanged,
 }
 
 impl CellCoupling {
@@ -111,9 +118,11 @@ impl CellCoupling {
             lattices: ranges.map(Quantum::spanning),
             largest_drag,
             bed: BedOnGrid::empty(&part),
+            corners: Vec::new(),
             drag: Vec::new(),
             seen: std::array::from_fn(|_| zero.clone()),
             raised_cells: 0,
+            exchanged: Exchanged::default(),
         })
     }
 
@@ -125,6 +134,21 @@ impl CellCoupling {
     /// What the gas sees of the particles, as of the last [`CellCoupling::observe`].
     pub fn bed(&self) -> &BedOnGrid {
         &self.bed
+    }
+
+    /// The same for the gas, which fills its halos.
+    pub(super) fn bed_mut(&mut self) -> &mut BedOnGrid {
+        &mut self.bed
+    }
+
+    /// The voidage alone. Collective.
+    pub(super) fn observe_voidage(
+        &mut self,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> &Field {
+        self.observe_volume(particles, ranks);
+        &self.bed.voidage
     }
 
     /// Number of cells on this rank whose voidage was raised to the least one at the last observation.
@@ -139,12 +163,12 @@ impl CellCoupling {
         (index, drag, voidage): (usize, f64, f64),
         dt: f64,
     ) -> Result<(), GasForceOutOfRange> {
-        let response = drag * dt / (particles.mass[index] * voidage * voidage);
+        let response = drag * dt / (particles.body[index].mass * voidage * voidage);
         let (particle, limit) = (particles.id[index], self.largest_drag);
-        if !(drag <= limit) {
+        if drag.is_nan() || drag > limit {
             return Err(GasForceOutOfRange::Drag { particle, drag, limit });
         }
-        if !(response <= LARGEST_RESPONSE) {
+        if response.is_nan() || response > LARGEST_RESPONSE {
             let limit = LARGEST_RESPONSE;
             return Err(GasForceOutOfRange::Response { particle, response, limit });
         }
@@ -176,12 +200,13 @@ impl CellCoupling {
             field.values_mut().fill(0.0);
         }
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = self.corners[i];
             let [x, y, z, _, _, _] = &self.seen;
-            let [u, v, w, eps] = interpolate([x, y, z, &self.bed.voidage], &weights);
-            let velocity = particles.velocity[i];
+            let [u, v, w, eps] = interpolate([x, y, z, &self.bed.voidage], &corners);
+            let velocity = particles.body[i].velocity;
             let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
-            let drag = self.model.drag.per_velocity(2.0 * particles.radius[i], 1.0 - eps, slip);
+            let drag =
+                self.model.drag.per_velocity(2.0 * particles.body[i].radius, 1.0 - eps, slip);
             result = result.and(self.check_response(particles, (i, drag, eps), dt));
             self.drag.push(drag);
             let BedOnGrid { momentum_transfer, transferred_velocity: [x, y, z], .. } =
@@ -190,7 +215,7 @@ impl CellCoupling {
             deposit(
                 [momentum_transfer, x, y, z],
                 [of_drag, of_flux, of_flux, of_flux],
-                &weights,
+                &corners,
                 [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z],
             );
         }
@@ -210,8 +235,7 @@ impl CellCoupling {
     }
 
     /// Sets the force of the gas on each owned particle,
-    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the lattice of forces; returns their sum here, as counts
-    /// of the lattice. Collective.
+    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the lattice of forces. Collective.
     ///
     /// `gravity` is the downward acceleration: the pressure of the gas is less its hydrostatic head, which acts
     /// on particles as buoyancy rho_g V g. Before: the bed is that of [`CellCoupling::observe`] at the same
@@ -223,24 +247,23 @@ impl CellCoupling {
         &mut self,
         particles: &mut Particles,
         gas: &GasState,
-        gravity: f64,
-        lattice: Quantum,
+        (gravity, lattice): (f64, Quantum),
         ranks: &dyn Communicator,
-    ) -> Result<[i64; 3], GasForceOutOfRange> {
-        self.see_velocity_and_gradient(gas, ranks);
+    ) -> Result<(), GasForceOutOfRange> {
         let buoyancy = self.model.drag.density * gravity;
+        self.see_velocity_and_gradient(gas, buoyancy, ranks);
         let mut total = [0; 3];
         let mut result = Ok(());
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = &self.corners[i];
             let [x, y, z, gx, gy, gz] = &self.seen;
-            let [u, v, w, gx, gy, gz] = interpolate([x, y, z, gx, gy, gz], &weights);
-            let slip = Vector3::new(u, v, w) - particles.velocity[i];
+            let [u, v, w, gx, gy, gz] = interpolate([x, y, z, gx, gy, gz], corners);
+            let slip = Vector3::new(u, v, w) - particles.body[i].velocity;
             let gradient = Vector3::new(gx, gy, gz - buoyancy);
             let force = self.drag[i] * slip - particles.volume(i) * gradient;
             let force = lattice.round_vector(force);
             if !within(&force, self.limits.force) {
-                let [eps] = interpolate([&self.bed.voidage], &weights);
+                let [eps] = interpolate([&self.bed.voidage], corners);
                 result = result.and(Err(GasForceOutOfRange::Particle {
                     particle: particles.id[i],
                     force: force.amax(),
@@ -253,19 +276,48 @@ impl CellCoupling {
                 total[axis] += lattice.count(force[axis]);
             }
         }
-        result.map(|()| total)
+        self.exchanged.gained = total;
+        result
     }
 
-    fn weights(&self, position: &Vector3<f64>) -> CellWeights {
-        self.locator.weights(&self.bounds.wrap(*position))
+    /// Mean velocity of the solids in each owned cell, by volume; 0 where there are none. Collective.
+    pub(super) fn solids_velocity(
+        &self,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> [Field; 3] {
+        let zero = Field::new(self.part(), GAS_HALO);
+        let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
+        let of_flux = Quantum::spanning(self.lattices[0].range() * self.limits.speed);
+        for i in 0..particles.owned_count() {
+            let corners = self.corners_of(&particles.body[i].position);
+            let (amount, v) = (particles.volume(i), particles.body[i].velocity);
+            let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
+            let lattices = [self.lattices[0], of_flux, of_flux, of_flux];
+            deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &corners, amounts);
+        }
+        self.halo.clone().add_to_owners(&mut [&mut volume, &mut x, &mut y, &mut z], ranks);
+        [x, y, z].map(|mut flux| {
+            for (flux, &volume) in flux.values_mut().iter_mut().zip(volume.values()) {
+                *flux = if volume > 0.0 { *flux / volume } else { 0.0 };
+            }
+            flux
+        })
+    }
+
+    fn corners_of(&self, position: &Vector3<f64>) -> Corners {
+        let weights = self.locator.weights(&self.bounds.wrap(*position));
+        Corners::of(&weights, &self.bed.voidage)
     }
 
     fn observe_volume(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.bed.voidage.values_mut().fill(0.0);
+        self.corners.clear();
         for i in 0..particles.owned_count() {
-            let weights = self.weights(&particles.position[i]);
+            let corners = self.corners_of(&particles.body[i].position);
+            self.corners.push(corners);
             let (field, lattice) = (&mut self.bed.voidage, self.lattices[0]);
-            deposit([field], [lattice], &weights, [particles.volume(i)]);
+            deposit([field], [lattice], &corners, [particles.volume(i)]);
         }
         let voidage = &mut self.bed.voidage;
         self.halo.add_to_owners(&mut [voidage], ranks);
@@ -299,12 +351,19 @@ impl CellCoupling {
         self.halo.refresh(fields, ranks);
     }
 
-    /// Velocity of the gas and pressure gradient in cells.
-    fn see_velocity_and_gradient(&mut self, gas: &GasState, ranks: &dyn Communicator) {
+    /// Velocity of the gas and pressure gradient in cells; before they are filtered, what the gas loses:
+    /// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)), the sum over faces of what it solves for.
+    fn see_velocity_and_gradient(
+        &mut self,
+        gas: &GasState,
+        buoyancy: f64,
+        ranks: &dyn Communicator,
+    ) {
         for axis in 0..3 {
             mean_of_faces(&gas.velocity[axis], axis, &mut self.seen[axis]);
             let distance = self.spacing[axis];
             mean_gradient(&gas.pressure, axis, distance, &mut self.seen[3 + axis]);
+            self.exchanged.lost[axis] = self.lost(axis, if axis == 2 { buoyancy } else { 0.0 });
         }
         let fields = &mut self.seen.each_mut();
         if let Some(filter) = &mut self.filter {

@@ -3,30 +3,47 @@
 use crate::grid::{CellLocator, CellWeights, Field};
 use crate::numbers::Quantum;
 
+/// The eight cells around a point: places in the memory of fields of one shape, and weights.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corners {
+    places: [u32; 8],
+    weights: [f64; 8],
+}
+
+impl Corners {
+    /// For fields that are like `field`.
+    pub(super) fn of(weights: &CellWeights, field: &Field) -> Self {
+        let corners = weights.corners();
+        Self {
+            places: corners.map(|(cell, _)| field.index(cell) as u32),
+            weights: corners.map(|(_, weight)| weight),
+        }
+    }
+}
+
 /// Adds amounts to the cells around a point, each share rounded to the field's lattice: their sums are exact.
 #[inline(always)]
 pub(super) fn deposit<const N: usize>(
     fields: [&mut Field; N],
     lattices: [Quantum; N],
-    weights: &CellWeights,
+    corners: &Corners,
     amounts: [f64; N],
 ) {
-    let corners = weights.corners();
     for ((field, lattice), amount) in fields.into_iter().zip(lattices).zip(amounts) {
-        for (cell, weight) in corners {
-            *field.at_mut(cell) += lattice.round(amount * weight);
+        let values = field.values_mut();
+        for (place, weight) in corners.places.into_iter().zip(corners.weights) {
+            values[place as usize] += lattice.round(amount * weight);
         }
     }
 }
 
 /// The values of fields at a point, with the weights of [`deposit`]. Halos must be current.
 #[inline(always)]
-pub(super) fn interpolate<const N: usize>(fields: [&Field; N], weights: &CellWeights) -> [f64; N] {
-    let corners = weights.corners();
+pub(super) fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners) -> [f64; N] {
     fields.map(|field| {
         let mut sum = 0.0;
-        for (cell, weight) in corners {
-            sum += weight * field.at(cell);
+        for (place, weight) in corners.places.into_iter().zip(corners.weights) {
+            sum += weight * field.values()[place as usize];
         }
         sum
     })

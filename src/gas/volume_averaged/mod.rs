@@ -1,5 +1,42 @@
-//! Gas that flows in three dimensions between the particles: volume-averaged Navier-Stokes equations, model A,
+//! Gas that flows in three dimensions between the particles: volume-averaged Navier-Stokes equations of model A,
 //! constant density.
+//!
+//! ```text
+//! d(eps)/dt + div(eps u) = 0
+//! rho [d(eps u)/dt + div(eps u u)] = -eps grad p + div(eps tau) - beta u + (beta v) + eps (rho g + f)
+//! tau = mu [grad u + (grad u)^T - (2/3) div u]
+//! ```
+//!
+//! eps voidage, u velocity of the gas between the particles, p pressure, rho density, mu viscosity, beta drag
+//! coefficient per volume, (beta v) its product with the velocities of the particles, g effective gravity, f driving
+//! force. (Anderson & Jackson, Ind. Eng. Chem. Fundam. 6 (1967) 527-539; model A of Gidaspow, Multiphase Flow and
+//! Fluidization, Academic Press (1994).)
+//!
+//! # On the grid
+//!
+//! * Velocities live on the faces of cells along their axis (Harlow & Welch, Phys. Fluids 8 (1965) 2182-2189), all
+//!   else in cells. In a face eps, beta and (beta v) are the means of its two cells: so the mean of two faces, with
+//!   which particles see u and grad p, is the adjoint of how the gas feels them.
+//! * Second order in space: the limiter of Koren for advection, central differences for the rest. Voidage and
+//!   drag go on beyond the box as in a mirror.
+//! * The step is explicit for advection and viscosity, with a limit that is checked, and implicit for drag
+//!   ([`GasSolver::advance`]). Second order in time where the voidage is steady and drag is weak, otherwise
+//!   first: drag and d(eps)/dt are those of the end of the step.
+//! * The pressure is kept less the hydrostatic head rho g.x: gravity, whatever it does in time, is balanced to the
+//!   last bit, and does not appear here. A particle of volume V feels -V (grad p + rho g) of this pressure. Gas in a
+//!   periodic box is held by the mean gradient that balances its weight.
+//!
+//! # At the faces of the box
+//!
+//! | [`Boundary`] | velocity along the normal | across it | pressure |
+//! | --- | --- | --- | --- |
+//! | `NoSlip` | 0 | that of the wall | follows |
+//! | `FreeSlip` | 0 | no gradient | follows |
+//! | `Inlet` | given flux eps u | 0 | follows |
+//! | `Outlet` | from momentum; no gradient | no gradient; 0 where gas comes back | given in the face |
+//!
+//! In an outlet the normal stress is taken not to vary along the normal: where it does, errors are of first order.
+//! Gas that comes back brings no momentum.
 
 mod advection;
 mod boundaries;

@@ -5,8 +5,8 @@
 //! are sorted by id, so that the file does not depend on the number of ranks.
 
 use crate::analysis::Digest;
-use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
-use crate::state::{Clock, Departed, SizeRange};
+use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::state::{Clock, Departed, FlowReport, SizeRange};
 
 mod folder;
 mod read;
@@ -36,11 +36,16 @@ pub struct Checkpoint {
     pub contacts: Vec<ContactRecord>,
     /// What contacts with walls remember, each on one rank, in any order.
     pub wall_contacts: Vec<WallContactRecord>,
+    /// Cells of a gas in three dimensions, each on one rank, in any order; none without such a gas.
+    pub cells: Vec<CellRecord>,
+    /// How the last step of that gas went.
+    pub flow_report: FlowReport,
 }
 
 impl Checkpoint {
     /// Hash of the state over all ranks. Collective.
     pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
-        Digest::of(&self.clock, &self.particles, &self.contacts, &self.wall_contacts, ranks)
+        let rest = (&self.wall_contacts[..], &self.cells[..]);
+        Digest::of(&self.clock, &self.particles, &self.contacts, rest, ranks)
     }
 }

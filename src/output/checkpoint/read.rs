@@ -8,7 +8,7 @@ use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{InWords, OutputError, Provenance, agreed, seal};
 use crate::parallel::Communicator;
-use crate::state::{Clock, Departed, SizeRange};
+use crate::state::{Clock, Departed, FlowReport, SizeRange};
 
 /// What stands in a checkpoint beside its rows.
 struct Head {
@@ -16,10 +16,10 @@ struct Head {
     checkpoint: Checkpoint,
     provenance: Provenance,
     digest: String,
-    /// Version of the schema it was written by.
+    /// Version of the schema that it was written by.
     version: u64,
-    /// Of particles, contacts and wall contacts.
-    rows: [u64; 3],
+    /// Of particles, contacts, wall contacts, and cells of the gas.
+    rows: [u64; 4],
 }
 
 /// Reads a checkpoint, on each rank an even share of its rows; returns also who wrote it, and the
@@ -39,6 +39,9 @@ pub fn read(
     checkpoint.particles = read_rows(&file, version, rows[0], ranks)?;
     checkpoint.contacts = read_rows(&file, version, rows[1], ranks)?;
     checkpoint.wall_contacts = read_rows(&file, version, rows[2], ranks)?;
+    if rows[3] > 0 {
+        checkpoint.cells = read_rows(&file, version, rows[3], ranks)?;
+    }
     file.close()?;
     let digest = checkpoint.digest(ranks);
     let same = digest.to_string() == stored;
@@ -61,7 +64,7 @@ fn read_head(path: &Path) -> InWords<Head> {
         ));
     }
     let head = Head {
-        checkpoint: read_small(&file)?,
+        checkpoint: read_small(&file, version)?,
         provenance: read_provenance(&file)?,
         digest: file.text("/", "digest")?,
         version,
@@ -69,6 +72,7 @@ fn read_head(path: &Path) -> InWords<Head> {
             rows_of::<crate::parallel::ParticleRecord>(&file, version)?,
             rows_of::<crate::parallel::ContactRecord>(&file, version)?,
             rows_of::<crate::parallel::WallContactRecord>(&file, version)?,
+            if version < 2 { 0 } else { rows_of::<crate::parallel::CellRecord>(&file, version)? },
         ],
     };
     file.close()?;
@@ -76,7 +80,7 @@ fn read_head(path: &Path) -> InWords<Head> {
 }
 
 /// Everything but the rows.
-fn read_small(file: &SerialFile) -> InWords<Checkpoint> {
+fn read_small(file: &SerialFile, version: u64) -> InWords<Checkpoint> {
     let case_text = file.text("/", "case")?;
     if file.text("/", "case_blake3")? != blake3::hash(case_text.as_bytes()).to_hex().as_str() {
         return Err("the text of the case is damaged".to_owned());
@@ -106,6 +110,17 @@ fn read_small(file: &SerialFile) -> InWords<Checkpoint> {
         particles: Vec::new(),
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
+        cells: Vec::new(),
+        flow_report: if version < 2 { FlowReport::default() } else { read_report(file)? },
+    })
+}
+
+fn read_report(file: &SerialFile) -> InWords<FlowReport> {
+    Ok(FlowReport {
+        iterations: file.number("/gas", "iterations")?,
+        raised_cells: file.number("/gas", "raised_cells")?,
+        courant: file.number("/gas", "courant")?,
+        momentum_error: file.number("/gas", "momentum_error")?,
     })
 }
 

@@ -5,13 +5,13 @@ use std::slice::{from_mut, from_ref};
 use bytemuck::Pod;
 
 use crate::output::ColumnUnits;
-use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord};
 
 /// What the root's attribute `format` says.
 pub(super) const FORMAT: &str = "talcum checkpoint";
 /// Version of this schema. A change that older programs would misread raises it.
 ///
-/// 2: rolling angles of contacts; in files of version 1 they are zero.
+/// 2: rolling angles of contacts, and a gas in three dimensions; in files of version 1 there are none.
 pub(super) const VERSION: u64 = 2;
 
 /// A column of integers.
@@ -93,6 +93,13 @@ impl Table for ParticleRecord {
         vector!("/particles/torque", torque, torque, "total torque at the end of the last step"),
         number!("/particles/radius", radius, length, "radius"),
         number!("/particles/mass", mass, mass, "mass"),
+        vector!(
+            "/particles/gas_force",
+            gas_force,
+            force,
+            "force of a gas in three dimensions as of its last step, which holds until the next",
+            2
+        ),
     ];
 }
 
@@ -149,5 +156,30 @@ impl Table for WallContactRecord {
             "angle that the wall has rolled relative to the particle, if a rolling spring holds it",
             2
         ),
+    ];
+}
+
+macro_rules! numbers {
+    ($name:literal, $width:literal, $range:expr, $unit:ident, $description:literal) => {
+        NumberColumn {
+            name: $name,
+            width: $width,
+            unit: |units| units.$unit,
+            description: $description,
+            since: 2,
+            get: |record| &record.numbers[$range],
+            get_mut: |record| &mut record.numbers[$range],
+        }
+    };
+}
+
+impl Table for CellRecord {
+    const IDS: &'static [IdColumn<Self>] =
+        &[id!("/gas/cell", cell, "number of the cell, x fastest, then y, then z, ascending")];
+    const NUMBERS: &'static [NumberColumn<Self>] = &[
+        numbers!("/gas/lower_velocity", 3, 0..3, speed, "velocity at the lower face along x, y, z"),
+        numbers!("/gas/upper_velocity", 3, 3..6, speed, "velocity at the upper face along x, y, z"),
+        numbers!("/gas/pressure", 1, 6..7, pressure, "pressure less the hydrostatic head"),
+        numbers!("/gas/voidage", 1, 7..8, number, "volume of gas per volume"),
     ];
 }

@@ -28,6 +28,7 @@ pub fn write(
     let particles = sorted(&checkpoint.particles, ranks);
     let contacts = sorted(&checkpoint.contacts, ranks);
     let wall_contacts = sorted(&checkpoint.wall_contacts, ranks);
+    let cells = sorted(&checkpoint.cells, ranks);
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
@@ -36,12 +37,14 @@ pub fn write(
         make_datasets(&file, &particles, &units)?;
         make_datasets(&file, &contacts, &units)?;
         make_datasets(&file, &wall_contacts, &units)?;
+        make_datasets(&file, &cells, &units)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
     write_rows(&file, &particles)?;
     write_rows(&file, &contacts)?;
     write_rows(&file, &wall_contacts)?;
+    write_rows(&file, &cells)?;
     file.close()?;
     seal::seal(&partial, ranks)?;
     on_root(path, ranks, || {
@@ -91,6 +94,12 @@ fn write_head(
     file.set_number("/sizes", "smallest_diameter", sizes.smallest_diameter)?;
     file.set_number("/sizes", "largest_diameter", sizes.largest_diameter)?;
     file.set_number("/sizes", "largest_mass", sizes.largest_mass)?;
+    file.make_group("/gas")?;
+    let report = &checkpoint.flow_report;
+    file.set_number("/gas", "iterations", report.iterations)?;
+    file.set_number("/gas", "raised_cells", report.raised_cells)?;
+    file.set_number("/gas", "courant", report.courant)?;
+    file.set_number("/gas", "momentum_error", report.momentum_error)?;
     ["/particles", "/contacts", "/wall_contacts"].iter().try_for_each(|name| file.make_group(name))
 }
 

@@ -19,9 +19,6 @@ use super::table::{Rows, TableHead};
 use super::{InWords, OutputError, agreed};
 use crate::parallel::{Communicator, FileAccess, records_of_bytes};
 
-/// Longest text of a fixed length: names of formats.
-const FIXED_TEXT: usize = 8;
-
 /// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
 /// reads a table while it grows must not end the run.
 fn options() -> FileBuilder {
@@ -75,12 +72,16 @@ impl SerialFile {
     }
 
     /// A text attribute of a fixed length, as the VTKHDF format asks for.
-    pub(super) fn set_format_name(&self, group: &str, name: &str, text: &str) -> InWords<()> {
-        let text = FixedAscii::<FIXED_TEXT>::from_ascii(text.as_bytes());
-        let text = text.map_err(|error| error.to_string())?;
+    pub(super) fn set_format_name<const N: usize>(
+        &self,
+        group: &str,
+        name: &str,
+        text: &[u8; N],
+    ) -> InWords<()> {
+        let text = FixedAscii::<N>::from_ascii(text).map_err(|error| error.to_string())?;
         let set = || {
             let group = self.0.group(group)?;
-            group.new_attr::<FixedAscii<FIXED_TEXT>>().create(name)?.write_scalar(&text)
+            group.new_attr::<FixedAscii<N>>().create(name)?.write_scalar(&text)
         };
         in_words(set())
     }
@@ -119,8 +120,18 @@ impl SerialFile {
     /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
     /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> InWords<()> {
+        self.make::<T>(head, &[], rows)
+    }
+
+    /// A new dataset whose rows are blocks of this shape; stored by single rows.
+    pub(super) fn make_blocks<T: Element>(&self, head: &TableHead, shape: &[usize]) -> InWords<()> {
+        self.make::<T>(head, shape, Rows::Growing(1))
+    }
+
+    fn make<T: Element>(&self, head: &TableHead, shape: &[usize], rows: Rows) -> InWords<()> {
         let make = || {
             let width = if head.width == 1 { &[][..] } else { &[head.width] };
+            let width = &[shape, width].concat()[..];
             let builder = self.0.new_dataset::<T>();
             let (first, builder) = match rows {
                 Rows::Fixed(rows) => (Extent::fixed(rows as usize), builder.no_chunk()),
@@ -137,13 +148,12 @@ impl SerialFile {
         in_words(make())
     }
 
-    /// Rows and width of a dataset.
+    /// Rows of a dataset, and numbers in each.
     pub(super) fn shape(&self, name: &str) -> InWords<(u64, usize)> {
         let shape = in_words(self.0.dataset(name)).map_err(|words| format!("{name}: {words}"))?;
-        match shape.shape()[..] {
-            [rows] => Ok((rows as u64, 1)),
-            [rows, width] => Ok((rows as u64, width)),
-            _ => Err(format!("{name} is no table")),
+        match &shape.shape()[..] {
+            [rows, inner @ ..] => Ok((*rows as u64, inner.iter().product())),
+            [] => Err(format!("{name} is no table")),
         }
     }
 

@@ -18,7 +18,7 @@ use hdf5_sys::h5s::{
 use super::Element;
 
 fn width(dataset: &Dataset) -> usize {
-    dataset.shape().get(1).copied().unwrap_or(1).max(1)
+    dataset.shape().iter().skip(1).product::<usize>().max(1)
 }
 
 /// Makes a dataset so many rows long.

@@ -1,0 +1,145 @@
+"""Draws a bed in a gas of three dimensions: particles coloured by speed, and the velocity of the gas over its voidage.
+
+Both are cut in the middle along y: the particles whose centres are in the middle third of the box, and the middle
+layer of cells. The picture is of the last time in particles.vtkhdf and gas.vtkhdf, or of --to. The mean of the pressure
+drop and its standard deviation are said, of the rows of series.csv between --from and --to.
+"""
+
+from __future__ import annotations
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import (
+    RED,
+    ResultsError,
+    argument_parser,
+    axis_label,
+    new_figure,
+    picture_of,
+    read_series,
+    result_file,
+    run_script,
+    save_figure,
+)
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+
+Array = np.ndarray
+
+
+@dataclass
+class Bed:
+    """Particles and gas at one time, cut in the middle along y."""
+
+    time: float
+    lengths: Array
+    centres: Array
+    speeds: Array
+    diameters: Array
+    voidage: Array
+    velocity: Array
+    units: dict[str, str]
+
+
+def step_at(times: Array, time: float | None) -> int:
+    """The last step, or the last one not after a time."""
+    steps = np.flatnonzero(times <= time) if time is not None else np.arange(len(times))
+    if len(steps) == 0:
+        raise ResultsError("there is no snapshot until then" if len(times) else "there is no snapshot")
+    return int(steps[-1])
+
+
+def read_bed(folder: Path, time: float | None) -> Bed:
+    """The last snapshot in both files that is not after a time."""
+    with (
+        h5py.File(result_file(folder, "particles.vtkhdf")) as particles,
+        h5py.File(result_file(folder, "gas.vtkhdf")) as gas,
+    ):
+        particles, gas = particles["VTKHDF"], gas["VTKHDF"]
+        gas_step = step_at(gas["Steps/Values"][:], time)
+        step = step_at(particles["Steps/Values"][:], gas["Steps/Values"][gas_step])
+        first = particles["Steps/PointOffsets"][step]
+        rows = slice(first, first + particles["NumberOfPoints"][step])
+        data, cells = particles["PointData"], gas["CellData"]
+        shape = cells["voidage"].shape
+        middle = shape[2] // 2
+        return Bed(
+            particles["Steps/Values"][step],
+            np.array(shape[:0:-1]) * gas.attrs["Spacing"],
+            particles["Points"][rows],
+            np.linalg.norm(data["velocity"][rows], axis=1),
+            2.0 * data["radius"][rows],
+            cells["voidage"][gas_step, :, middle],
+            cells["velocity"][gas_step, :, middle],
+            {
+                "length": particles["Points"].attrs["unit"],
+                "speed": data["velocity"].attrs["unit"],
+                "time": particles["Steps/Values"].attrs["unit"],
+            },
+        )
+
+
+def draw_particles(figure: Figure, panel, bed: Bed) -> None:
+    inside = np.abs(bed.centres[:, 1] - 0.5 * bed.lengths[1]) < bed.lengths[1] / 6.0
+    size = bed.diameters[inside]
+    spheres = EllipseCollection(
+        size,
+        size,
+        np.zeros(len(size)),
+        units="xy",
+        offsets=bed.centres[inside][:, [0, 2]],
+        offset_transform=panel.transData,
+        cmap="viridis",
+    )
+    spheres.set_array(bed.speeds[inside])
+    if len(bed.speeds):
+        spheres.set_clim(0.0, np.percentile(bed.speeds, 99.0))
+    panel.add_collection(spheres)
+    panel.set_title(f"particles, {axis_label(f'time {bed.time:.4g}', bed.units['time'])}")
+    figure.colorbar(spheres, ax=panel, label=axis_label("speed", bed.units["speed"]))
+
+
+def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
+    nz, nx = bed.voidage.shape
+    extent = (0.0, bed.lengths[0], 0.0, bed.lengths[2])
+    field = panel.imshow(bed.voidage, origin="lower", extent=extent, cmap="gray", vmin=0.3, vmax=1.0)
+    x = (np.arange(nx) + 0.5) * bed.lengths[0] / nx
+    z = (np.arange(nz) + 0.5) * bed.lengths[2] / nz
+    shown = z < top
+    arrows = bed.velocity[shown]
+    panel.quiver(x, z[shown], arrows[..., 0], arrows[..., 2], color=RED, pivot="mid")
+    panel.set_title("velocity of the gas over voidage")
+    figure.colorbar(field, ax=panel, label="voidage")
+
+
+def draw(bed: Bed) -> Figure:
+    """Both panels side by side, up to a height above the bed."""
+    highest = bed.centres[:, 2].max() if len(bed.centres) else 0.0
+    top = min(bed.lengths[2], max(1.6 * highest, bed.lengths[0]))
+    figure, panels = new_figure(1, 2, (10.0, 1.0 + 3.4 * top / bed.lengths[0]))
+    draw_particles(figure, panels[0, 0], bed)
+    draw_gas(figure, panels[0, 1], bed, top)
+    for panel in panels[0]:
+        panel.set(xlim=(0.0, bed.lengths[0]), ylim=(0.0, top), aspect="equal")
+        panel.set_xlabel(axis_label("x", bed.units["length"]))
+        panel.grid(False)
+    panels[0, 0].set_ylabel(axis_label("z", bed.units["length"]))
+    return figure
+
+
+def main(words: list[str] | None = None) -> None:
+    arguments = argument_parser(__doc__, "bed.png").parse_args(words)
+    bed = read_bed(arguments.results, arguments.end)
+    rows = read_series(arguments.results).between(arguments.start, arguments.end)
+    drop = rows["grid_pressure_drop"]
+    print(f"pressure drop over weight: mean {drop.mean():.4f}, standard deviation {drop.std():.4f}")
+    save_figure(draw(bed), picture_of(arguments, "bed.png"))
+
+
+if __name__ == "__main__":
+    run_script(main)

@@ -1,0 +1,106 @@
+//! `talcum contact`: the force of a contact over its overlap, as a table.
+
+use super::reading::read_case;
+use super::run::say;
+use crate::case::{Case, Stage};
+use crate::contact::{ContactLaw, Interface, force_loop};
+use crate::output::ColumnUnits;
+use crate::parallel::Communicator;
+use anyhow::anyhow;
+use clap::Args;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Overlap over diameter, if none is asked for.
+const OVERLAP: f64 = 1.0e-3;
+
+#[derive(Debug, Args)]
+pub(super) struct ContactOptions {
+    /// The case file.
+    case: PathBuf,
+    /// Use another value for a key of the case; may be given several times.
+    #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
+    set: Vec<String>,
+    /// Of a particle and this wall, instead of two particles.
+    #[arg(long, value_name = "NAME")]
+    wall: Option<String>,
+    /// In this stage, instead of the first.
+    #[arg(long, value_name = "NAME")]
+    stage: Option<String>,
+    /// The largest overlap (default: a thousandth of the reference diameter, or twice the length of a neck).
+    #[arg(long, value_name = "LENGTH", value_parser = positive)]
+    overlap: Option<f64>,
+    /// Points on each of the four ways: pressed half, parted, pressed, parted.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    points: u32,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
+        _ => Err("must be a number above 0".to_owned()),
+    }
+}
+
+/// Prints the table. Collective.
+pub(super) fn contact(options: &ContactOptions, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    let case = read_case(&options.case, &options.set, ranks)?;
+    let stage = stage_of(&case, options.stage.as_deref())?;
+    let wall = options.wall.as_deref().map(|name| wall_of(&case, name)).transpose()?;
+    let interface = wall.map_or(&stage.contact, |number| &stage.at_walls[number]);
+    say(ranks, table(&case, stage, (interface, wall.is_some()), options).trim_end());
+    Ok(())
+}
+
+fn stage_of<'a>(case: &'a Case, name: Option<&str>) -> anyhow::Result<&'a Stage> {
+    let Some(name) = name else { return Ok(&case.stages[0]) };
+    case.stages.iter().find(|stage| stage.name == name).ok_or_else(|| {
+        let names: Vec<String> =
+            case.stages.iter().map(|stage| format!("{:?}", stage.name)).collect();
+        anyhow!("--stage {name}: there is no such stage; there are {}", names.join(", "))
+    })
+}
+
+fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
+    case.domain.walls.iter().position(|wall| wall.name == name).ok_or_else(|| {
+        let names: Vec<String> =
+            case.domain.walls.iter().map(|wall| format!("{:?}", wall.name)).collect();
+        let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        anyhow!("--wall {name}: there is no such wall; there are {names}")
+    })
+}
+
+/// Comments, a line of names with units, and a row for each point.
+fn table(
+    case: &Case,
+    stage: &Stage,
+    (interface, at_wall): (&Interface, bool),
+    options: &ContactOptions,
+) -> String {
+    let diameter = case.particles.reference_diameter;
+    let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
+    let pair = if at_wall { (mass, radius) } else { (0.5 * mass, 0.5 * radius) };
+    let cohesion = stage.cohesion.as_ref().map(|cohesion| cohesion.at(stage.start));
+    let attraction = |separation: f64| match &cohesion {
+        Some(cohesion) if at_wall => cohesion.to_wall(radius, separation),
+        Some(cohesion) => cohesion.between_particles(radius, radius, separation),
+        None => 0.0,
+    };
+    let range = cohesion.map_or(0.0, |cohesion| cohesion.range());
+    let default = (OVERLAP * diameter).max(2.0 * interface.law.reach(pair.1));
+    let overlap = options.overlap.unwrap_or(default);
+    let points = options.points as usize;
+    let points = force_loop(&interface.law, pair, overlap, points, (&attraction, range));
+    let other = options
+        .wall
+        .as_ref()
+        .map_or("two particles".to_owned(), |wall| format!("a particle and wall \"{wall}\""));
+    let mut words = format!("# talcum {}\n# title: {}\n", env!("CARGO_PKG_VERSION"), case.title);
+    let _ = writeln!(words, "# contact: {other} of diameter {diameter}, stage \"{}\"", stage.name);
+    let ColumnUnits { length, force, .. } = ColumnUnits::of_system(case.units.name());
+    let _ = writeln!(words, "overlap [{length}],force [{force}],part [1]");
+    for point in points {
+        let _ = writeln!(words, "{:?},{:?},{}", point.overlap, point.force, point.part);
+    }
+    words
+}

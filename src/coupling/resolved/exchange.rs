@@ -1,0 +1,49 @@
+//! What the gas loses against what particles gain.
+
+use super::CellCoupling;
+use crate::numbers::{ExactSum, Quantum};
+use crate::parallel::Communicator;
+
+/// What one step moves from the gas to the particles on this rank, by the sums of either.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Exchanged {
+    /// Force that the gas loses at its faces.
+    pub(super) lost: [ExactSum; 3],
+    /// Forces on particles, as counts of the lattice of forces.
+    pub(super) gained: [i64; 3],
+}
+
+impl CellCoupling {
+    /// Largest component of the force on all particles less what the gas loses, as of the last
+    /// [`CellCoupling::press`]. Collective.
+    pub(super) fn momentum_error(&self, lattice: Quantum, ranks: &dyn Communicator) -> f64 {
+        let Exchanged { lost, gained } = &self.exchanged;
+        let mut integers: Vec<i64> = (0..3)
+            .flat_map(|axis| {
+                let mut sum = ExactSum::default();
+                sum.add_count(-gained[axis], lattice);
+                [lost[axis].to_integers(), sum.to_integers()].concat()
+            })
+            .collect();
+        ranks.sum_integers(&mut integers);
+        let components = integers.chunks(2 * ExactSum::INTEGERS).map(|both| {
+            let (lost, gained) = both.split_at(ExactSum::INTEGERS);
+            let sum: Vec<i64> = lost.iter().zip(gained).map(|(a, b)| a + b).collect();
+            ExactSum::from_integers(&sum).value().abs()
+        });
+        components.fold(0.0, |largest, error| if error <= largest { largest } else { error })
+    }
+
+    /// Force along an axis that the gas loses on this rank.
+    pub(super) fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
+        let mut sum = ExactSum::default();
+        let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
+        let [velocity, gradient] = [&self.seen[axis], &self.seen[3 + axis]];
+        let drags = bed.momentum_transfer.owned().zip(bed.transferred_velocity[axis].owned());
+        let pressures = bed.voidage.owned().zip(gradient.owned());
+        for ((u, (beta, beta_v)), (eps, gradient)) in velocity.owned().zip(drags).zip(pressures) {
+            sum.add(volume * (beta * u - beta_v - (1.0 - eps) * (gradient - buoyancy)));
+        }
+        sum
+    }
+}

@@ -1,0 +1,187 @@
+//! The gas at chosen times for ParaView: `gas.vtkhdf`, temporal ImageData of VTKHDF 2.0.
+//!
+//! Cell data of shape (times, z, y, x), components last. Rank 0 writes what the others send: fields are small
+//! beside the particles. Data are written first, then what makes them a time step; the file is closed after
+//! each, so that a kill between two steps leaves a whole file.
+
+use std::path::{Path, PathBuf};
+
+use super::hdf5_file::SerialFile;
+use super::table::{Rows, TableHead};
+use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
+use crate::grid::BoxGrid;
+use crate::parallel::{CellRecord, Communicator, sort_by_id};
+
+/// Name, components, and first number of a record of each of the fields.
+const FIELDS: [(&str, usize, usize); 4] =
+    [("pressure", 1, 0), ("velocity", 3, 1), ("voidage", 1, 4), ("solids_velocity", 3, 5)];
+/// Rows of steps that are stored as one piece.
+const STEP_PIECE: usize = 256;
+
+/// The file of snapshots of the gas. Their records hold pressure, velocity of the gas, voidage and velocity of
+/// the solids.
+#[derive(Clone, Debug)]
+pub struct GasSnapshots {
+    path: PathBuf,
+}
+
+impl GasSnapshots {
+    /// Begins a file, in the place of one that is there. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(
+        path: &Path,
+        grid: &BoxGrid,
+        case_text: &str,
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || create(path, grid, case_text, provenance))?;
+        Ok(Self { path: path.to_owned() })
+    }
+
+    /// Continues a file as it was last kept, after the snapshots up to and including `time`; later ones are
+    /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn resume(
+        path: &Path,
+        time: f64,
+        (grid, case_text): (&BoxGrid, &str),
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || {
+            if path.exists() {
+                match cut_after(path, time) {
+                    Ok(()) => return metadata_copy::keep(path, &tables()),
+                    Err(reason) => set_aside(path, &reason)?,
+                }
+            }
+            create(path, grid, case_text, provenance)
+        })?;
+        Ok(Self { path: path.to_owned() })
+    }
+
+    /// Adds the gas at a time: all ranks' cells, in any order. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn append(
+        &self,
+        time: f64,
+        cells: &[CellRecord],
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        let sorted = sort_by_id(cells, |record| record.cell, ranks).rows;
+        let bytes =
+            ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
+        let all: Vec<CellRecord> = crate::parallel::records_of_bytes(&bytes).collect();
+        on_root(&self.path, ranks, || append(&self.path, time, &all))?;
+        Ok(())
+    }
+
+    /// Makes the snapshots so far safe: whenever the program is killed from now on, [`GasSnapshots::resume`]
+    /// finds them. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or its copy not be written.
+    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+    }
+}
+
+/// Paths of the datasets that grow.
+fn tables() -> Vec<String> {
+    let names = FIELDS.iter().map(|(name, _, _)| *name);
+    let all = names.clone().map(data).chain(names.map(offsets));
+    all.chain(std::iter::once("/VTKHDF/Steps/Values".to_owned())).collect()
+}
+
+fn data(name: &str) -> String {
+    format!("/VTKHDF/CellData/{name}")
+}
+
+fn offsets(name: &str) -> String {
+    format!("/VTKHDF/Steps/CellDataOffsets/{name}")
+}
+
+fn create(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -> InWords<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, grid, case_text, provenance))
+}
+
+fn make(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -> InWords<()> {
+    let file = SerialFile::create(path)?;
+    for group in ["/VTKHDF", "/VTKHDF/CellData", "/VTKHDF/Steps", "/VTKHDF/Steps/CellDataOffsets"] {
+        file.make_group(group)?;
+    }
+    let [nx, ny, nz] = grid.counts();
+    let extent = [0, nx as i64, 0, ny as i64, 0, nz as i64];
+    let spacing: [f64; 3] = grid.spacing().into();
+    file.set_numbers("/VTKHDF", "Version", &[2_i64, 0])?;
+    file.set_format_name("/VTKHDF", "Type", b"ImageData")?;
+    file.set_numbers("/VTKHDF", "WholeExtent", &extent)?;
+    file.set_numbers("/VTKHDF", "Origin", &[0.0_f64; 3])?;
+    file.set_numbers("/VTKHDF", "Spacing", &spacing)?;
+    file.set_numbers("/VTKHDF", "Direction", &[1.0_f64, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
+    file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
+    file.make_group("/talcum")?;
+    for (name, words) in provenance.entries() {
+        file.set_text("/talcum", name, &words)?;
+    }
+    file.set_text("/talcum", "case", case_text)?;
+    make_tables(&file, [nz, ny, nx], &ColumnUnits::of_system(&provenance.units))?;
+    file.close()
+}
+
+fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> InWords<()> {
+    let described = [
+        (units.pressure, "pressure of the gas less its hydrostatic head"),
+        (units.speed, "velocity of the gas between the particles, mean of a cell's faces"),
+        ("1", "volume of gas per volume"),
+        (units.speed, "mean velocity of the solids by volume; 0 where there are none"),
+    ];
+    for ((name, width, _), (unit, description)) in FIELDS.into_iter().zip(described) {
+        let path = data(name);
+        let head = TableHead { name: &path, width, unit, description };
+        file.make_blocks::<f64>(&head, &shape)?;
+        let path = offsets(name);
+        let description = "index of VTKHDF, one for each time";
+        let head = TableHead { name: &path, width: 1, unit: "1", description };
+        file.make_table::<i64>(&head, Rows::Growing(STEP_PIECE))?;
+    }
+    let (name, description) = ("/VTKHDF/Steps/Values", "times of the snapshots");
+    let head = TableHead { name, width: 1, unit: units.time, description };
+    file.make_table::<f64>(&head, Rows::Growing(STEP_PIECE))
+}
+
+fn append(path: &Path, time: f64, cells: &[CellRecord]) -> InWords<()> {
+    let file = SerialFile::open_to_change(path)?;
+    let step: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
+    for (name, width, first) in FIELDS {
+        let numbers = cells.iter().flat_map(|record| &record.numbers[first..first + width]);
+        file.append(&data(name), &numbers.copied().collect::<Vec<f64>>())?;
+        file.append(&offsets(name), &[step])?;
+    }
+    file.append("/VTKHDF/Steps/Values", &[time])?;
+    file.set_number("/VTKHDF/Steps", "NSteps", step + 1)?;
+    file.close()
+}
+
+/// Drops the snapshots after a time.
+fn cut_after(path: &Path, time: f64) -> InWords<()> {
+    let found_length = metadata_copy::bring_back(path)?;
+    let file = SerialFile::open_to_change(path)?;
+    let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
+    let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
+    let times = times.iter().take(listed.max(0) as usize);
+    let steps = times.take_while(|&&step_time| step_time <= time).count() as u64;
+    let tables = tables();
+    let require = |name: &String| metadata_copy::require_rows(&file, name, steps, found_length);
+    tables.iter().try_for_each(require)?;
+    tables.iter().try_for_each(|name| file.cut(name, steps))?;
+    file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
+    file.close()
+}

@@ -1,0 +1,114 @@
+//! The file of the gas is read by VTK's own reader, bit by bit, whatever the number of ranks.
+
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use nalgebra::Vector3;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::Command;
+use talcum::domain::{Bounds, Face};
+use talcum::grid::BoxGrid;
+use talcum::output::{GasSnapshots, Provenance};
+use talcum::parallel::{CellRecord, Communicator, run_on_threads};
+
+const COUNTS: [usize; 3] = [2, 3, 5];
+const STEPS: usize = 4;
+
+fn grid() -> BoxGrid {
+    let bounds = Bounds::new(Vector3::new(0.5, 1.5, 5.0), [[Face::Periodic; 2]; 3]);
+    BoxGrid::new(&bounds, COUNTS)
+}
+
+fn cells(step: usize) -> Vec<CellRecord> {
+    let number = |cell: u64, k: usize| ((cell as f64) + 0.1 * step as f64) / (k as f64 - 3.5);
+    let cell = |cell: u64| CellRecord { cell, numbers: std::array::from_fn(|k| number(cell, k)) };
+    (0..COUNTS.iter().product::<usize>() as u64).map(cell).collect()
+}
+
+fn time(step: usize) -> f64 {
+    0.1 * step as f64
+}
+
+fn provenance(ranks: &dyn Communicator) -> Provenance {
+    Provenance::here_and_now("A gas", "dimensionless", ranks)
+}
+
+fn append(snapshots: &GasSnapshots, step: usize, ranks: &dyn Communicator) {
+    let mine = cells(step).into_iter().rev().skip(ranks.rank()).step_by(ranks.size());
+    snapshots.append(time(step), &mine.collect::<Vec<_>>(), ranks).unwrap();
+}
+
+fn write_all(path: &Path, ranks: usize) {
+    run_on_threads(ranks, |ranks| {
+        let provenance = provenance(ranks);
+        let snapshots =
+            GasSnapshots::create(path, &grid(), "title = 1", &provenance, ranks).unwrap();
+        for step in 0..STEPS {
+            append(&snapshots, step, ranks);
+            if step == 2 {
+                snapshots.keep(ranks).unwrap();
+            }
+        }
+    });
+}
+
+/// Compares the file with what was written, by VTK's reader; says so if this machine does not have it.
+fn check_by_vtk(path: &Path) {
+    let mut expected = String::new();
+    for step in 0..STEPS {
+        for record in cells(step) {
+            write!(expected, "{},{}", time(step), record.cell).unwrap();
+            record.numbers.iter().for_each(|number| write!(expected, ",{number}").unwrap());
+            expected += "\n";
+        }
+    }
+    let expected_path = path.with_extension("csv");
+    std::fs::write(&expected_path, expected).unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/read_gas_vtkhdf.py");
+    let output = Command::new("python3").arg(script).arg(path).arg(expected_path).output();
+    let missing = match &output {
+        Err(error) => Some(format!("python3 cannot be started: {error}")),
+        Ok(output) if output.status.code() == Some(77) => {
+            Some(String::from_utf8_lossy(&output.stdout).into_owned())
+        }
+        Ok(_) => None,
+    };
+    if let Some(reason) = missing {
+        assert!(std::env::var_os("CI").is_none(), "VTK's reader is needed: {reason}");
+        eprintln!("not checked by VTK's reader: {reason}");
+        return;
+    }
+    let output = output.unwrap();
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && words.is_empty(), "{words}");
+    let read = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(read, "4 times, cells (3, 4, 6), spacing (0.25, 0.5, 1.0)\n");
+}
+
+#[test]
+fn vtk_reads_what_was_written_on_any_number_of_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    for ranks in 1..=3 {
+        let path = folder.path().join(format!("gas-{ranks}.vtkhdf"));
+        write_all(&path, ranks);
+        check_by_vtk(&path);
+    }
+}
+
+#[test]
+fn a_resumed_file_is_that_of_an_uninterrupted_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gas.vtkhdf");
+    write_all(&path, 2);
+    for (kept, ranks) in [(1, 3), (0, 1)] {
+        run_on_threads(ranks, |ranks| {
+            let (grid, provenance) = (grid(), provenance(ranks));
+            let words = (&grid, "title = 1");
+            let snapshots =
+                GasSnapshots::resume(&path, time(kept), words, &provenance, ranks).unwrap();
+            (kept + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
+            snapshots.keep(ranks).unwrap();
+        });
+        check_by_vtk(&path);
+    }
+}

@@ -1,0 +1,230 @@
+//! Pressure equations on the whole grid, their solution on any cut, and their residual by plain loops.
+
+use nalgebra::Vector3;
+use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
+use talcum::grid::{BoxGrid, Field, GridPart};
+use talcum::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
+use talcum::parallel::{Communicator, run_on_threads};
+
+/// An equation on the whole grid, x fastest.
+#[derive(Clone)]
+pub(crate) struct Equation {
+    pub(crate) counts: [usize; 3],
+    pub(crate) lengths: [f64; 3],
+    pub(crate) periodic: [bool; 3],
+    pub(crate) faces: [Vec<f64>; 3],
+    pub(crate) diagonal: Vec<f64>,
+    pub(crate) right: Vec<f64>,
+}
+
+/// A number in [0, 1) from two integers (SplitMix64).
+pub(crate) fn hashed(stream: u64, number: usize) -> f64 {
+    let mut z = (stream << 40).wrapping_add(number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 * 0.5_f64.powi(53)
+}
+
+impl Equation {
+    /// Coefficients area / distance in cubes of edge 1, an outlet on the upper z face if z is not periodic, and a
+    /// right-hand side that is different in each cell.
+    pub(crate) fn new(counts: [usize; 3], periodic: [bool; 3]) -> Self {
+        Self::in_box(counts, counts.map(|count| count as f64), periodic)
+    }
+
+    pub(crate) fn in_box(counts: [usize; 3], lengths: [f64; 3], periodic: [bool; 3]) -> Self {
+        let cells: usize = counts.iter().product();
+        let spacing = [0, 1, 2].map(|axis| lengths[axis] / counts[axis] as f64);
+        let volume: f64 = spacing.iter().product();
+        let faces = spacing.map(|h| vec![volume / (h * h); cells]);
+        let top = cells - counts[0] * counts[1];
+        let outlet = if periodic[2] { 0.0 } else { 2.0 * volume / spacing[2].powi(2) };
+        let diagonal = (0..cells).map(|cell| if cell >= top { outlet } else { 0.0 }).collect();
+        let right = (0..cells).map(|cell| hashed(1, cell) - 0.3).collect();
+        let mut equation = Self { counts, lengths, periodic, faces, diagonal, right };
+        equation.close();
+        equation
+    }
+
+    /// No flow through faces of the box that are not periodic.
+    pub(crate) fn close(&mut self) {
+        for axis in 0..3 {
+            for cell in 0..self.cells() {
+                if self.place(cell)[axis] == 0 && !self.periodic[axis] {
+                    self.faces[axis][cell] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Each coefficient times a factor that depends on the two cells of its face.
+    pub(crate) fn with_mobility(mut self, mobility: impl Fn([f64; 3]) -> f64) -> Self {
+        let here = |place: [usize; 3]| {
+            mobility([0, 1, 2].map(|a| (place[a] as f64 + 0.5) / self.counts[a] as f64))
+        };
+        let mobilities: Vec<f64> = (0..self.cells()).map(|cell| here(self.place(cell))).collect();
+        for axis in 0..3 {
+            for cell in 0..self.cells() {
+                let below = self.below(cell, axis).unwrap_or(cell);
+                let (a, b) = (mobilities[cell], mobilities[below]);
+                self.faces[axis][cell] *= 2.0 * a * b / (a + b);
+            }
+        }
+        self.diagonal.iter_mut().zip(&mobilities).for_each(|(d, m)| *d *= m);
+        self
+    }
+
+    pub(crate) fn cells(&self) -> usize {
+        self.counts.iter().product()
+    }
+
+    pub(crate) fn place(&self, cell: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.counts;
+        [cell % nx, cell / nx % ny, cell / (nx * ny)]
+    }
+
+    /// The cell below along an axis.
+    pub(crate) fn below(&self, cell: usize, axis: usize) -> Option<usize> {
+        let [nx, ny, _] = self.counts;
+        let stride = [1, nx, nx * ny][axis];
+        match self.place(cell)[axis] {
+            0 if self.periodic[axis] => Some(cell + stride * (self.counts[axis] - 1)),
+            0 => None,
+            _ => Some(cell - stride),
+        }
+    }
+
+    /// b - A p.
+    pub(crate) fn residual(&self, p: &[f64]) -> Vec<f64> {
+        let mut residual: Vec<f64> = (0..self.cells())
+            .map(|cell| self.right[cell] - self.diagonal[cell] * p[cell])
+            .collect();
+        for axis in 0..3 {
+            for cell in 0..self.cells() {
+                if let Some(below) = self.below(cell, axis) {
+                    let flow = self.faces[axis][cell] * (p[cell] - p[below]);
+                    residual[cell] -= flow;
+                    residual[below] += flow;
+                }
+            }
+        }
+        residual
+    }
+
+    /// D p, D being the diagonal of A.
+    pub(crate) fn scaled_by_diagonal(&self, p: &[f64]) -> Vec<f64> {
+        let mut sums = self.diagonal.clone();
+        for axis in 0..3 {
+            for cell in 0..self.cells() {
+                if let Some(below) = self.below(cell, axis) {
+                    sums[cell] += self.faces[axis][cell];
+                    sums[below] += self.faces[axis][cell];
+                }
+            }
+        }
+        sums.iter().zip(p).map(|(sum, p)| sum * p).collect()
+    }
+
+    pub(crate) fn bounds(&self) -> Bounds {
+        let face = |periodic| if periodic { Face::Periodic } else { Face::Wall };
+        Bounds::new(Vector3::from(self.lengths), self.periodic.map(|periodic| [face(periodic); 2]))
+    }
+
+    pub(crate) fn grid(&self) -> BoxGrid {
+        BoxGrid::new(&self.bounds(), self.counts)
+    }
+
+    /// Planes on cell faces, as near to equal blocks as they can be.
+    pub(crate) fn even_cut(&self, ranks: [usize; 3]) -> Decomposition {
+        let even = Decomposition::even(RankGrid(ranks), &self.bounds());
+        self.grid().aligned(&even, 2).expect("there are enough cells")
+    }
+
+    /// Planes at given cell faces between the first and the last.
+    pub(crate) fn cut_at(&self, planes: [&[usize]; 3]) -> Decomposition {
+        let ranks = planes.map(|planes| planes.len() + 1);
+        let grid = self.grid();
+        let cuts = [0, 1, 2].map(|axis| {
+            let faces = planes[axis].iter().map(|&face| face as f64 * grid.spacing()[axis]);
+            [0.0].into_iter().chain(faces).chain([self.bounds().lengths()[axis]]).collect()
+        });
+        Decomposition::even(RankGrid(ranks), &self.bounds()).with_cuts(cuts)
+    }
+
+    /// Solves on the ranks of a cut, from zero; the solution on the whole grid.
+    pub(crate) fn solve_on(&self, cut: &Decomposition, tolerance: Tolerance) -> Outcome {
+        self.solve_from(&vec![0.0; self.cells()], cut, tolerance)
+    }
+
+    pub(crate) fn solve_from(
+        &self,
+        start: &[f64],
+        cut: &Decomposition,
+        tolerance: Tolerance,
+    ) -> Outcome {
+        let solved = run_on_threads(cut.grid().size(), |ranks| {
+            let part = self.grid().part_of(cut, ranks.rank());
+            let mut solution = self.part(start, &part);
+            let result = self.solve_part(&mut solution, &part, cut, tolerance, ranks);
+            (part, result, solution)
+        });
+        let mut solution = vec![f64::NAN; self.cells()];
+        let first = solved[0].1;
+        for (part, result, field) in &solved {
+            assert_eq!(format!("{result:?}"), format!("{first:?}"), "ranks differ");
+            self.for_each_cell_of(part, |cell, place| solution[cell] = field.at(place));
+        }
+        Outcome { result: first, solution }
+    }
+
+    fn solve_part(
+        &self,
+        solution: &mut Field,
+        part: &GridPart,
+        cut: &Decomposition,
+        tolerance: Tolerance,
+        ranks: &dyn Communicator,
+    ) -> Result<Convergence, LinearSolverError> {
+        let mut solver = PressureSolver::new(&self.grid(), cut, &self.bounds(), ranks.rank());
+        let [x, y, z] = self.faces.each_ref().map(|face| self.part(face, part));
+        let diagonal = self.part(&self.diagonal, part);
+        solver.set_coefficients([&x, &y, &z], Some(&diagonal), ranks)?;
+        solver.solve(solution, &self.part(&self.right, part), tolerance, ranks)
+    }
+
+    fn part(&self, numbers: &[f64], part: &GridPart) -> Field {
+        let mut field = Field::new(part, 1);
+        self.for_each_cell_of(part, |cell, place| *field.at_mut(place) = numbers[cell]);
+        field
+    }
+
+    fn for_each_cell_of(&self, part: &GridPart, mut work: impl FnMut(usize, [isize; 3])) {
+        for cell in 0..self.cells() {
+            let place = self.place(cell);
+            if (0..3).all(|a| part.start[a] <= place[a] && place[a] < part.end(a)) {
+                work(cell, [0, 1, 2].map(|a| (place[a] - part.start[a]) as isize));
+            }
+        }
+    }
+}
+
+/// What all ranks together found.
+pub(crate) struct Outcome {
+    pub(crate) result: Result<Convergence, LinearSolverError>,
+    pub(crate) solution: Vec<f64>,
+}
+
+impl Outcome {
+    pub(crate) fn iterations(&self) -> usize {
+        self.result.expect("the equation has a solution").iterations
+    }
+
+    pub(crate) fn bits(&self) -> Vec<u64> {
+        self.solution.iter().map(|value| value.to_bits()).collect()
+    }
+}
+
+/// Euclidean norm.
+pub(crate) fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}

@@ -1,0 +1,69 @@
+//! The same bits on any cut.
+
+use crate::equations::{Equation, hashed};
+use talcum::domain::Decomposition;
+use talcum::linear_solver::Tolerance;
+
+const TOLERANCE: Tolerance = Tolerance { relative: 1.0e-8, absolute: 0.0 };
+
+/// Mobilities over six orders of magnitude, cell by cell at random within two layers of different magnitude.
+fn rough(counts: [usize; 3], periodic: [bool; 3]) -> Equation {
+    let number = move |at: [f64; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|a| (at[a] * counts[a] as f64) as usize);
+        x + counts[0] * (y + counts[1] * z)
+    };
+    Equation::new(counts, periodic).with_mobility(|at| {
+        let layer = if at[2] < 0.6 { 1.0e-4 } else { 1.0 };
+        layer * 10.0_f64.powf(-2.0 * hashed(7, number(at)))
+    })
+}
+
+fn cuts(equation: &Equation) -> Vec<Decomposition> {
+    let mut cuts: Vec<Decomposition> = [[1, 1, 2], [1, 1, 3], [2, 2, 1], [1, 2, 4], [2, 2, 2]]
+        .map(|ranks| equation.even_cut(ranks))
+        .to_vec();
+    let [nx, ny, nz] = equation.counts;
+    cuts.push(equation.cut_at([&[5], &[], &[3, nz - 3]]));
+    cuts.push(equation.cut_at([&[nx - 7], &[ny / 2 + 1], &[]]));
+    cuts.push(equation.cut_at([&[], &[], &[2, 5, 7]]));
+    cuts
+}
+
+#[test]
+fn solutions_are_the_same_bits_on_any_cut() {
+    let cases = [
+        ([33, 17, 11], [false; 3]),
+        ([21, 18, 13], [true, true, false]),
+        ([16, 15, 24], [true, false, true]),
+    ];
+    for (counts, periodic) in cases {
+        let mut equation = rough(counts, periodic);
+        for closed in [false, true] {
+            if closed {
+                equation.diagonal.fill(0.0);
+            } else if periodic[2] {
+                equation.diagonal[17] = 0.5;
+            }
+            let one = equation.solve_on(&equation.even_cut([1; 3]), TOLERANCE);
+            one.result.unwrap();
+            for cut in cuts(&equation) {
+                let several = equation.solve_on(&cut, TOLERANCE);
+                let words = format!("{counts:?}, closed: {closed}, {:?}", cut.grid());
+                assert_eq!(several.result, one.result, "{words}");
+                assert!(several.bits() == one.bits(), "{words}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_last_bit_of_one_coefficient_is_seen() {
+    // Control: bits differ as soon as anything does.
+    let equation = rough([33, 17, 11], [false; 3]);
+    let one = equation.solve_on(&equation.even_cut([1; 3]), TOLERANCE);
+    let mut changed = equation.clone();
+    let face = &mut changed.faces[1][1000];
+    *face = f64::from_bits(face.to_bits() + 1);
+    let other = changed.solve_on(&changed.even_cut([1; 3]), TOLERANCE);
+    assert_ne!(one.bits(), other.bits());
+}
