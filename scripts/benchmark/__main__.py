@@ -62,7 +62,7 @@ def measure_beds(wanted: argparse.Namespace) -> str:
     head = (
         f"Million particle-steps per second; medians of {wanted.rounds} interleaved runs on "
         f"{here['cores']} cores of {here['processor']} ({here['vectors']}), {here['rust']}, commit {here['commit']}. "
-        f"Each run had at least {100 * least:.0f} % of its cores."
+        f"Runs had at least {100 * least:.0f} % of their cores; a rate on one rank is per second of the core's time."
     )
     parts = [head, tables.rate_table(beds, results), "How Talcum's step divides, in per cent:",
              tables.stage_table(beds, results)]  # fmt: skip

@@ -16,8 +16,8 @@ from typing import Callable
 
 from .beds import ROOT
 
-# A run that got less of its cores than this shared them with others: it is measured again.
-LEAST_SHARE = 0.93
+# A run that got less than this of the time in which it could run has shared its cores.
+LEAST_SHARE = 0.97
 ATTEMPTS = 3
 # Seconds between looks at the memory of a process.
 POLL = 0.1
@@ -86,34 +86,70 @@ def on_cores(
 def execute(command: list[str], ranks: int = 1) -> Finished:
     """Runs a command to its end, and keeps what it says."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
-        begin = time.monotonic()
         streams = {"stdin": subprocess.DEVNULL, "stdout": said, "stderr": said}
         process = subprocess.Popen(command, **streams, cwd=ROOT, env=environment(ranks), start_new_session=True)
-        memory, status, used = watch(process.pid)
+        seen, status, used = watch(process.pid)
         process.returncode = os.waitstatus_to_exitcode(status)
-        elapsed = time.monotonic() - begin
         said.seek(0)
         words = said.read()
     if process.returncode != 0:
         raise BenchmarkError(f"{' '.join(command)}: ended with {process.returncode}\n{words[-2000:]}")
-    share = (used.ru_utime + used.ru_stime) / (elapsed * ranks)
-    return Finished(words, share, used.ru_maxrss * 1024.0, memory)
+    return Finished(words, seen.share_of_cores, used.ru_maxrss * 1024.0, seen.usual_memory)
 
 
-def watch(pid: int) -> tuple[float, int, resource.struct_rusage]:
-    """Waits for a process; its memory after the start and before the end, its status, and what it used."""
-    seen = []
+@dataclass
+class Watched:
+    """What is seen of a process and its descendants while they run."""
+
+    # Nanoseconds that each has run, and waited for a core.
+    ran: dict[int, tuple[int, int]] = field(default_factory=dict)
+    memory: list[float] = field(default_factory=list)
+
+    def look(self, pid: int) -> None:
+        """Once more."""
+        largest = 0.0
+        for each in (pid, *descendants(pid)):
+            try:
+                ran, waited, _ = Path(f"/proc/{each}/schedstat").read_text(encoding="ascii").split()
+                resident = Path(f"/proc/{each}/statm").read_text(encoding="ascii").split()[1]
+            except (OSError, ValueError, IndexError):
+                continue  # it has ended
+            self.ran[each] = (int(ran), int(waited))
+            largest = max(largest, float(resident) * resource.getpagesize())
+        self.memory.append(largest)
+
+    @property
+    def share_of_cores(self) -> float:
+        """The part of the time in which the processes could run that they ran."""
+        ran, waited = (sum(times) for times in zip(*self.ran.values())) if self.ran else (0, 0)
+        return ran / (ran + waited) if ran else 1.0
+
+    @property
+    def usual_memory(self) -> float:
+        """Bytes between the middle and the last tenth, where a program that is measured does its steps."""
+        count = len(self.memory)
+        steps = self.memory[count // 2 : max(count * 9 // 10, count // 2 + 1)]
+        return median(steps) if steps else 0.0
+
+
+def descendants(pid: int) -> list[int]:
+    """Children, their children and so on: launchers start ranks that way."""
+    try:
+        words = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii")
+    except OSError:
+        return []
+    children = [int(word) for word in words.split()]
+    return children + [each for child in children for each in descendants(child)]
+
+
+def watch(pid: int) -> tuple[Watched, int, resource.struct_rusage]:
+    """Waits for a process; what was seen meanwhile, its status, and what it used."""
+    seen = Watched()
     while True:
         done, status, used = os.wait4(pid, os.WNOHANG)
         if done:
-            # Between its middle and its last tenth a program that is measured does its steps.
-            steps = seen[len(seen) // 2 : max(len(seen) * 9 // 10, len(seen) // 2 + 1)]
-            return (median(steps) if steps else 0.0), status, used
-        try:
-            resident = Path(f"/proc/{pid}/statm").read_text(encoding="ascii").split()[1]
-            seen.append(float(resident) * resource.getpagesize())
-        except (OSError, IndexError):
-            pass
+            return seen, status, used
+        seen.look(pid)
         time.sleep(POLL)
 
 
@@ -151,18 +187,21 @@ def read_peer(words: str) -> Measured:
 def measured(
     read: Callable[[str], Measured], command: list[str], ranks: int, fresh: Path | None = None
 ) -> Measured:
-    """Runs and reads; again if others took the cores, at most three times; the attempt with most of them counts.
+    """Runs and reads. Where others share the core, the rate is that per second of its time: one rank never waits.
 
-    The folder `fresh` is removed before each attempt.
+    Several ranks do wait for each other, so a run of theirs that lacked cores is tried again; the best attempt counts.
+    The folder `fresh` is removed after each.
     """
     best: Measured | None = None
-    for _ in range(ATTEMPTS):
+    for _ in range(ATTEMPTS if ranks > 1 else 1):
+        finished = execute(command, ranks)
         if fresh:
             shutil.rmtree(fresh, ignore_errors=True)
-        finished = execute(command, ranks)
         result = read(finished.words)
         result.share_of_cores = finished.share_of_cores
         result.largest_memory, result.usual_memory = finished.largest_memory, finished.usual_memory
+        if ranks == 1 and result.share_of_cores < LEAST_SHARE:
+            result.rate /= result.share_of_cores
         if best is None or result.share_of_cores > best.share_of_cores:
             best = result
         if result.share_of_cores >= LEAST_SHARE:

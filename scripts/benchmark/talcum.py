@@ -12,7 +12,7 @@ from .runs import Measured, measured, on_cores, read_talcum
 
 # Another build of it, if the variable names one.
 PROGRAM = Path(os.environ.get("TALCUM", ROOT / "target" / "release" / "talcum"))
-OUTPUT = RESULTS / "again"
+OUTPUT = RESULTS / f"again-{os.getpid()}"
 # The stage of cases/benchmark that follows the settling, by number.
 STAGE = 2
 

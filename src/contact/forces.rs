@@ -66,9 +66,7 @@ pub fn add_pair_forces(
 ) -> Result<(), ForceOutOfRange> {
     contacts.near.hold_rolling_angles(laws.contact.rolling.is_some());
     contacts.find_near(particles, laws.range);
-    in_quads(PairWork { particles, near: &mut contacts.near, laws })?;
-    particles.fold_image_loads();
-    Ok(())
+    in_quads(PairWork { particles, near: &mut contacts.near, laws })
 }
 
 /// A contact that has ended leaves no memory.

@@ -174,9 +174,8 @@ fn refresh_images(plan: &AxisPlan, axis: usize, particles: &mut Particles) {
         let shipment = &plan.shipments[1 - side];
         for (row, &source) in shipment.indices.iter().enumerate() {
             let (source, ghost) = (source as usize, first + row);
-            let mut body = particles.body[source];
-            body.position[axis] += shipment.shift;
-            particles.body[ghost] = body;
+            particles.body[ghost] = particles.body[source];
+            particles.body[ghost].position[axis] += shipment.shift;
         }
     }
 }

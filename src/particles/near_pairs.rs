@@ -37,6 +37,8 @@ pub struct NearPairs {
     pub first: Vec<[u32; LANES]>,
     /// Its partner, an owned particle or a ghost.
     pub second: Vec<[u32; LANES]>,
+    /// Who feels the force on the partner: the owned particle that it is an image of, or itself.
+    pub target: Vec<[u32; LANES]>,
     /// Whether they touched when the force was last evaluated.
     pub touching: Vec<[bool; LANES]>,
     /// What they remember, seen from the first.
@@ -113,7 +115,7 @@ impl NearPairs {
             carried.extend(self.remembered());
             self.validity.renew(particles.moving(), range);
             self.clear();
-            self.find(&particles.body, (row_start, partners), carried);
+            self.find(particles, (row_start, partners), carried);
             self.one_size = particles.one_size();
             carried.clear();
         }
@@ -154,6 +156,7 @@ impl NearPairs {
     fn clear(&mut self) {
         self.first.clear();
         self.second.clear();
+        self.target.clear();
         self.touching.clear();
         self.memory.clear();
         self.rolling_angle.clear();
@@ -162,10 +165,11 @@ impl NearPairs {
 
     fn find(
         &mut self,
-        bodies: &[Body],
+        particles: &Particles,
         (row_start, partners): (&[u32], &[u32]),
         carried: &[Remembered],
     ) {
+        let bodies = &particles.body[..];
         let margin = self.validity.range + self.validity.margin;
         let mut carried = carried.iter().copied().peekable();
         for (row, ends) in row_start.windows(2).enumerate() {
@@ -174,7 +178,9 @@ impl NearPairs {
                 let partner = partners[slot as usize];
                 let remembered = carried.next_if(|pair| pair.slot == slot);
                 if is_near(body, &bodies[partner as usize], margin) {
-                    self.push([row as u32, partner], slot, remembered);
+                    let original = particles.owned_original(partner as usize);
+                    let target = original.map_or(partner, |index| index as u32);
+                    self.push([row as u32, partner, target], slot, remembered);
                 }
             }
         }
@@ -185,7 +191,12 @@ impl NearPairs {
         self.slot.len()
     }
 
-    fn push(&mut self, [first, second]: [u32; 2], slot: u32, remembered: Option<Remembered>) {
+    fn push(
+        &mut self,
+        [first, second, target]: [u32; 3],
+        slot: u32,
+        remembered: Option<Remembered>,
+    ) {
         let lane = self.slot.len() % LANES;
         if lane == 0 {
             if self.rolling {
@@ -194,12 +205,14 @@ impl NearPairs {
             // Should no more pairs come, this one fills up the block.
             self.first.push([first; LANES]);
             self.second.push([second; LANES]);
+            self.target.push([target; LANES]);
             self.touching.push([false; LANES]);
             self.memory.push([[0.0; LANES]; MEMORY_FIELDS]);
         }
         let block = self.first.len() - 1;
         self.first[block][lane] = first;
         self.second[block][lane] = second;
+        self.target[block][lane] = target;
         self.touching[block][lane] = remembered.is_some();
         if let Some(Remembered { memory, rolling_angle, .. }) = remembered {
             let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);

@@ -48,18 +48,6 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
-    /// Adds what pairs have put on images of owned particles to those particles.
-    pub fn fold_image_loads(&mut self) {
-        let (owned, ghosts) = self.load.split_at_mut(self.owned);
-        for (load, &original) in ghosts.iter().zip(&self.image_of).filter(|&(_, &of)| of != REMOTE)
-        {
-            let sums = owned[original as usize].quads_mut().as_flattened_mut();
-            for (sum, part) in sums.iter_mut().zip(load.quads().as_flattened()) {
-                *sum += part;
-            }
-        }
-    }
-
     /// Particles such that all others move as one of them does: images move like their originals.
     pub(super) fn moving(&self) -> &[Body] {
         if self.remote == 0 { &self.body[..self.owned] } else { &self.body }
@@ -145,9 +133,9 @@ impl Particles {
         self.owned = order.len();
     }
 
-    /// Sets forces and torques to zero, those of ghosts too.
+    /// Sets forces and torques to zero; those of other ranks' particles keep what they have.
     pub fn clear_forces(&mut self) {
-        self.load.fill(Load::zeroed());
+        self.load[..self.owned].fill(Load::zeroed());
     }
 
     fn truncate(&mut self, count: usize) {

@@ -112,7 +112,7 @@ impl Equation {
     }
 
     /// D p, D being the diagonal of A.
-    pub(crate) fn scaled_by_diagonal(&self, p: &[f64]) -> Vec<f64> {
+    fn scaled_by_diagonal(&self, p: &[f64]) -> Vec<f64> {
         let mut sums = self.diagonal.clone();
         for axis in 0..3 {
             for cell in 0..self.cells() {
@@ -123,6 +123,16 @@ impl Equation {
             }
         }
         sums.iter().zip(p).map(|(sum, p)| sum * p).collect()
+    }
+
+    /// Checks the residual of a solution by plain loops.
+    pub(crate) fn check(&self, outcome: &Outcome, relative: f64) {
+        outcome.result.unwrap();
+        let residual = norm(&self.residual(&outcome.solution));
+        // What is allowed, and the rounding of the loops here, which add in another order than the solver.
+        let rounding = 2.0 * f64::EPSILON * norm(&self.scaled_by_diagonal(&outcome.solution));
+        let allowed = relative * norm(&self.right) + rounding;
+        assert!(residual <= allowed, "{:?}: {residual} {allowed}", self.counts);
     }
 
     pub(crate) fn bounds(&self) -> Bounds {

@@ -1,0 +1,217 @@
+//! A block of near pairs, component by component: filled from records of bodies, emptied into loads.
+
+use crate::numbers::Quad;
+use crate::particles::{Body, LANES, Load};
+use nalgebra::Vector3;
+
+pub(super) type Lanes = [f64; LANES];
+
+/// Radii and masses of the pairs of a block.
+pub(super) trait Sizes: Copy {
+    /// Whether the two bodies of every pair are equal.
+    const EQUAL: bool;
+
+    fn gather(&mut self, lane: usize, pair: [&Body; 2]);
+    fn radii(&self, lane: usize) -> [f64; 2];
+    fn masses(&self, lane: usize) -> [f64; 2];
+}
+
+/// All particles are alike: what follows from sizes is found once, before the loop.
+#[derive(Clone, Copy)]
+pub(super) struct OneSize {
+    pub(super) radius: f64,
+    pub(super) mass: f64,
+}
+
+impl Sizes for OneSize {
+    const EQUAL: bool = true;
+
+    #[inline(always)]
+    fn gather(&mut self, _lane: usize, _pair: [&Body; 2]) {}
+
+    #[inline(always)]
+    fn radii(&self, _lane: usize) -> [f64; 2] {
+        [self.radius; 2]
+    }
+
+    #[inline(always)]
+    fn masses(&self, _lane: usize) -> [f64; 2] {
+        [self.mass; 2]
+    }
+}
+
+/// Sizes differ.
+#[derive(Clone, Copy, Default)]
+pub(super) struct ManySizes {
+    radii: [Lanes; 2],
+    masses: [Lanes; 2],
+}
+
+impl Sizes for ManySizes {
+    const EQUAL: bool = false;
+
+    #[inline(always)]
+    fn gather(&mut self, lane: usize, pair: [&Body; 2]) {
+        for (side, body) in pair.into_iter().enumerate() {
+            self.radii[side][lane] = body.radius;
+            self.masses[side][lane] = body.mass;
+        }
+    }
+
+    #[inline(always)]
+    fn radii(&self, lane: usize) -> [f64; 2] {
+        [self.radii[0][lane], self.radii[1][lane]]
+    }
+
+    #[inline(always)]
+    fn masses(&self, lane: usize) -> [f64; 2] {
+        [self.masses[0][lane], self.masses[1][lane]]
+    }
+}
+
+/// The pairs of a block, component by component.
+#[derive(Default)]
+pub(super) struct Block {
+    pub(super) branch: [Lanes; 3],
+    /// Of the centres; then of the surfaces where they meet.
+    pub(super) relative_velocity: [Lanes; 3],
+    /// omega_i r_i + omega_j r_j.
+    pub(super) surface_spin: [Lanes; 3],
+    /// Only if rolling is resisted.
+    pub(super) relative_spin: [Lanes; 3],
+    pub(super) overlap: Lanes,
+    pub(super) normal: [Lanes; 3],
+    pub(super) cohesion: Lanes,
+    pub(super) normal_force: Lanes,
+    pub(super) tangential_force: [Lanes; 3],
+    /// On j; only if rolling is resisted.
+    pub(super) rolling_torque: [Lanes; 3],
+    pub(super) force_on_j: [Lanes; 3],
+    /// Less the torques.
+    pub(super) torque_off_i: [Lanes; 3],
+    pub(super) torque_off_j: [Lanes; 3],
+    /// 1 where the bodies touch.
+    pub(super) touching: [u64; LANES],
+    /// 1 where the force exceeds the limit or is undefined.
+    pub(super) out_of_range: [u64; LANES],
+}
+
+impl Block {
+    /// Brings bodies into lanes; their relative spin only if it is asked for.
+    #[inline(always)]
+    pub(super) fn gather<Q: Quad, S: Sizes>(
+        &mut self,
+        sizes: &mut S,
+        [first, second]: [&[u32; LANES]; 2],
+        bodies: &[Body],
+        with_relative_spin: bool,
+    ) {
+        let zero = [Q::splat(0.0); 4];
+        let (mut branch, mut velocity, mut spin, mut relative_spin) = (zero, zero, zero, zero);
+        for from in (0..LANES).step_by(4) {
+            for row in 0..4 {
+                let lane = from + row;
+                let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
+                sizes.gather(lane, [i, j]);
+                let [radius_i, radius_j] = sizes.radii(lane);
+                let ([place_i, motion_i, spin_i], [place_j, motion_j, spin_j]) =
+                    (i.quads(), j.quads());
+                branch[row] = Q::load(place_j).minus(Q::load(place_i));
+                velocity[row] = Q::load(motion_j).minus(Q::load(motion_i));
+                let (spin_i, spin_j) = (Q::load(spin_i), Q::load(spin_j));
+                let surface_i = spin_i.times(Q::splat(radius_i));
+                spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
+                relative_spin[row] = spin_j.minus(spin_i);
+            }
+            store(&mut self.branch, from, branch);
+            store(&mut self.relative_velocity, from, velocity);
+            store(&mut self.surface_spin, from, spin);
+            if with_relative_spin {
+                store(&mut self.relative_spin, from, relative_spin);
+            }
+        }
+    }
+
+    /// Puts forces and torques of the first `used` pairs on their bodies.
+    #[inline(always)]
+    pub(super) fn scatter<Q: Quad, S: Sizes>(
+        &self,
+        [first, second]: [&[u32; LANES]; 2],
+        used: usize,
+        loads: &mut [Load],
+    ) {
+        for from in (0..used).step_by(4) {
+            let force = load::<Q>(&self.force_on_j, from);
+            let torque_off_i = load::<Q>(&self.torque_off_i, from);
+            let torque_off_j = if S::EQUAL { torque_off_i } else { load(&self.torque_off_j, from) };
+            for row in 0..4 {
+                if from + row >= used {
+                    break;
+                }
+                let [force_i, torque_i] = loads[first[from + row] as usize].quads_mut();
+                Q::load(force_i).minus(force[row]).store(force_i);
+                Q::load(torque_i).minus(torque_off_i[row]).store(torque_i);
+                let [force_j, torque_j] = loads[second[from + row] as usize].quads_mut();
+                Q::load(force_j).plus(force[row]).store(force_j);
+                Q::load(torque_j).minus(torque_off_j[row]).store(torque_j);
+            }
+        }
+    }
+
+    /// Which pairs touch.
+    #[inline(always)]
+    pub(super) fn note_touching(&self, touching: &mut [bool; LANES]) {
+        for (touching, &flag) in touching.iter_mut().zip(&self.touching) {
+            *touching = flag != 0;
+        }
+    }
+
+    /// The first pair with a force that has no meaning.
+    #[inline(always)]
+    pub(super) fn out_of_range_lane(&self) -> Option<usize> {
+        let mut any = 0;
+        for flag in self.out_of_range {
+            any |= flag;
+        }
+        if any == 0 {
+            return None;
+        }
+        self.out_of_range.iter().position(|&flag| flag != 0)
+    }
+}
+
+/// Vectors of four pairs to components in lanes.
+#[inline(always)]
+fn store<Q: Quad>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
+    let columns = Q::transposed(vectors);
+    for axis in 0..3 {
+        columns[axis].store(quad_mut(&mut components[axis], from));
+    }
+}
+
+/// Components in lanes to vectors of four pairs.
+#[inline(always)]
+fn load<Q: Quad>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
+    let [x, y, z] = components;
+    Q::transposed([
+        Q::load(quad(x, from)),
+        Q::load(quad(y, from)),
+        Q::load(quad(z, from)),
+        Q::splat(0.0),
+    ])
+}
+
+#[inline(always)]
+fn quad(lanes: &Lanes, from: usize) -> &[f64; 4] {
+    lanes[from..].first_chunk().expect("lanes are whole quads")
+}
+
+#[inline(always)]
+fn quad_mut(lanes: &mut Lanes, from: usize) -> &mut [f64; 4] {
+    lanes[from..].first_chunk_mut().expect("lanes are whole quads")
+}
+
+#[inline(always)]
+pub(super) fn vector(components: &[Lanes; 3], lane: usize) -> Vector3<f64> {
+    Vector3::new(components[0][lane], components[1][lane], components[2][lane])
+}
