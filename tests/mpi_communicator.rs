@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         }
     };
     for n in 1..=4 {
-        for role in ["methods", "methods_in_pieces", "write", "read"] {
+        for role in ["methods", "methods_in_pieces", "write", "read", "open"] {
             // What n ranks wrote is read by n, and later by others.
             judge(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
         }
@@ -65,6 +65,7 @@ fn expect(role: &str, n: usize, folder: &Path, code: i32) -> Option<String> {
     let mut command = Command::new("mpirun");
     command.args(["-n", &n.to_string()]).arg(std::env::current_exe().unwrap());
     command.env(ROLE, role).env(FOLDER, folder).stdin(Stdio::null());
+    command.env("TMPDIR", folder);
     command.stdout(output.try_clone().unwrap()).stderr(output);
     let mut child = match command.spawn() {
         Ok(child) => child,
@@ -99,6 +100,7 @@ fn act(role: &str, folder: &Path) {
         "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
         "write" => write(&ranks, folder),
         "read" => read(&ranks, folder),
+        "open" => open(&ranks, folder),
         "panic" => {
             assert!(!last, "on purpose");
             // Would wait for ever if nobody ended this rank.
@@ -251,4 +253,33 @@ fn read(ranks: &MpiRanks, folder: &Path) {
         let points = file.dataset("VTKHDF/Points").unwrap().read_raw::<f64>().unwrap();
         assert_eq!(points[9..], [2.0 / 7.0, 2.0 * (2.0 / 7.0), -2.0 / 7.0]);
     }
+}
+
+/// MPI keeps nothing else under the name of a file that all ranks have open: neither beside it nor among the temporary
+/// files nor a semaphore, which a killed run would leave behind for the next one to wait for.
+fn open(ranks: &MpiRanks, folder: &Path) {
+    let name = format!("open-by-{}.h5", ranks.size());
+    let mut options = hdf5::File::with_options();
+    if let FileAccess::Collective(communicator) = ranks.file_access() {
+        options.with_fapl(|properties| properties.mpio(communicator, None));
+    }
+    let file = options.create(folder.join(&name)).unwrap();
+    ranks.any(false);
+    let with_that_name =
+        names_below(folder).into_iter().filter(|path| path.contains(&name)).count();
+    assert_eq!(with_that_name, 1, "{:?}", names_below(folder));
+    ranks.any(false);
+    file.close().unwrap();
+}
+
+/// The paths of all files in a folder and in those inside it.
+fn names_below(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let paths = entries.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    paths
+        .flat_map(|path| match path.is_dir() {
+            true => names_below(&path),
+            false => vec![path.display().to_string()],
+        })
+        .collect()
 }

@@ -30,6 +30,12 @@ const PANIC_CODE: i32 = 101;
 /// Bytes that are sent at once: MPI counts in 32-bit integers.
 const LONGEST_MESSAGE: usize = 1 << 30;
 
+/// What Open MPI is told in its own way: to reach files through ROMIO, its other implementation of MPI-IO. Its first
+/// one, OMPIO, guards each opening by a semaphore named after the file alone, for all jobs on the machine; a run that
+/// is killed in that moment leaves it closed, and every later run that opens a file of this name waits for ever (seen
+/// with 4.1; the name is still the file's in 2026, <https://github.com/open-mpi/ompi/pull/14058>).
+const FILES_THROUGH_ROMIO: (&str, &str) = ("OMPI_MCA_io", "^ompio");
+
 /// Whether MPI may be called: from the start to the beginning of the end.
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
@@ -59,6 +65,7 @@ impl MpiRanks {
     /// # Errors
     /// If MPI was started before.
     pub fn start() -> Result<Self, AlreadyStarted> {
+        choose_file_access();
         let (universe, _) =
             mpi::initialize_with_threading(Threading::Funneled).ok_or(AlreadyStarted)?;
         let world = universe.world().duplicate();
@@ -109,6 +116,18 @@ impl MpiRanks {
             if length < self.longest_message {
                 return;
             }
+        }
+    }
+}
+
+/// Tells Open MPI how to reach files, unless the user has chosen; other MPIs do not read it.
+fn choose_file_access() {
+    let (variable, value) = FILES_THROUGH_ROMIO;
+    if !RUNNING.load(Ordering::SeqCst) && std::env::var_os(variable).is_none() {
+        #[expect(unsafe_code, reason = "MPI is told its options by the environment")]
+        // SAFETY: MPI starts at the begin of a program, before any thread reads the environment.
+        unsafe {
+            std::env::set_var(variable, value);
         }
     }
 }
