@@ -101,7 +101,7 @@ def draw_particles(figure: Figure, panel, bed: Bed) -> None:
         spheres.set_clim(0.0, np.percentile(bed.speeds, 99.0))
     panel.add_collection(spheres)
     panel.set_title(f"particles, {axis_label(f'time {bed.time:.4g}', bed.units['time'])}")
-    figure.colorbar(spheres, ax=panel, label=axis_label("speed", bed.units["speed"]))
+    figure.colorbar(spheres, ax=panel, location="bottom", label=axis_label("speed", bed.units["speed"]))
 
 
 def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
@@ -112,20 +112,35 @@ def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
     z = (np.arange(nz) + 0.5) * bed.lengths[2] / nz
     shown = z < top
     arrows = bed.velocity[shown]
-    panel.quiver(x, z[shown], arrows[..., 0], arrows[..., 2], color=RED, pivot="mid")
+    # The fastest gas has arrows two cells long.
+    fastest = np.percentile(np.linalg.norm(arrows, axis=-1), 99.0)
+    scale = fastest / (2.0 * bed.lengths[2] / nz) or 1.0
+    panel.quiver(
+        x,
+        z[shown],
+        arrows[..., 0],
+        arrows[..., 2],
+        color=RED,
+        pivot="mid",
+        angles="xy",
+        scale_units="xy",
+        scale=scale,
+    )
     panel.set_title("velocity of the gas over voidage")
-    figure.colorbar(field, ax=panel, label="voidage")
+    figure.colorbar(field, ax=panel, location="bottom", label="voidage")
 
 
 def draw(bed: Bed) -> Figure:
     """Both panels side by side, up to a height above the bed."""
-    highest = bed.centres[:, 2].max() if len(bed.centres) else 0.0
-    top = min(bed.lengths[2], max(1.6 * highest, bed.lengths[0]))
-    figure, panels = new_figure(1, 2, (10.0, 1.0 + 3.4 * top / bed.lengths[0]))
+    # A few particles that fly far above are left out.
+    highest = np.percentile(bed.centres[:, 2], 99.9) if len(bed.centres) else 0.0
+    top = min(bed.lengths[2], max(1.2 * highest, bed.lengths[0]))
+    figure, panels = new_figure(1, 2, (8.0, 2.2 + 3.4 * top / bed.lengths[0]))
     draw_particles(figure, panels[0, 0], bed)
     draw_gas(figure, panels[0, 1], bed, top)
     for panel in panels[0]:
         panel.set(xlim=(0.0, bed.lengths[0]), ylim=(0.0, top), aspect="equal")
+        panel.locator_params(axis="x", nbins=4)
         panel.set_xlabel(axis_label("x", bed.units["length"]))
         panel.grid(False)
     panels[0, 0].set_ylabel(axis_label("z", bed.units["length"]))
