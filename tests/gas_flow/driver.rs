@@ -3,11 +3,12 @@
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 use talcum::gas::volume_averaged::{
-    BedOnGrid, Boundary, GAS_HALO, GasError, GasReport, GasSolver, GasState, GasStep,
-    VolumeAveragedGas,
+    BedOnGrid, Boundary, GAS_HALO, GasError, GasReport, GasSolver, GasState, GasStep, Inlet,
+    Profile, VolumeAveragedGas,
 };
 use talcum::grid::{BoxGrid, Field, GridPart};
 use talcum::linear_solver::Tolerance;
+use talcum::numbers::Schedule;
 use talcum::parallel::{Communicator, OneRank};
 
 pub(crate) const PERIODIC: [Boundary; 2] = [Boundary::Periodic, Boundary::Periodic];
@@ -20,6 +21,13 @@ pub(crate) fn no_slip() -> [Boundary; 2] {
 pub(crate) fn wall(velocity: Vector3<f64>) -> Boundary {
     Boundary::NoSlip { velocity }
 }
+
+/// A superficial velocity into the box.
+pub(crate) fn inlet(velocity: f64, profile: Profile) -> Boundary {
+    Boundary::Inlet(Inlet { velocity: Schedule::Constant(velocity), profile })
+}
+
+pub(crate) const OUTLET: Boundary = Boundary::Outlet { pressure: 0.0 };
 
 /// A box of gas.
 #[derive(Clone)]

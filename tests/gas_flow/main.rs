@@ -5,6 +5,11 @@
 mod cavity;
 mod driver;
 mod exact;
+mod fixed_bed;
+mod jet;
 mod manufactured;
+mod manufactured_in_space;
+mod outlet;
 mod ranks;
+mod source;
 mod taylor_green;
