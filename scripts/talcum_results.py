@@ -246,7 +246,7 @@ def save_figure(figure: Figure, picture: Path) -> None:
     """Writes a figure to a file beside its name first, so that no half a picture is ever seen."""
     beside = picture.with_name(f".{os.getpid()}-{picture.name}")
     try:
-        figure.savefig(beside, dpi=150)
+        figure.savefig(beside, dpi=150, bbox_inches="tight")
         os.replace(beside, picture)
     except (OSError, ValueError) as reason:
         beside.unlink(missing_ok=True)
