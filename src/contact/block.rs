@@ -1,6 +1,6 @@
 //! A block of near pairs, component by component: filled from records of bodies, emptied into loads.
 
-use crate::numbers::Quad;
+use crate::numbers::{Quad, quad, quad_mut};
 use crate::particles::{Body, LANES, Load};
 use nalgebra::Vector3;
 
@@ -199,16 +199,6 @@ fn load<Q: Quad>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
         Q::load(quad(z, from)),
         Q::splat(0.0),
     ])
-}
-
-#[inline(always)]
-fn quad(lanes: &Lanes, from: usize) -> &[f64; 4] {
-    lanes[from..].first_chunk().expect("lanes are whole quads")
-}
-
-#[inline(always)]
-fn quad_mut(lanes: &mut Lanes, from: usize) -> &mut [f64; 4] {
-    lanes[from..].first_chunk_mut().expect("lanes are whole quads")
 }
 
 #[inline(always)]

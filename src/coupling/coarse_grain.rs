@@ -1,9 +1,10 @@
 //! Particles to grid: solids fraction and velocity by hat weights, Moon 2006 eqs (8)-(10).
 
+use super::column_block::{ColumnBlock, Lanes};
 use crate::grid::ColumnGrid;
-use crate::numbers::Quantum;
+use crate::numbers::{Quad, QuadWork, Quantum, in_quads, quad};
 use crate::parallel::Communicator;
-use crate::particles::Particles;
+use crate::particles::{Body, LANES, Particles, sphere_volume};
 use std::f64::consts::PI;
 
 /// The bed as the gas sees it: fields at the nodes of the column grid.
@@ -24,9 +25,17 @@ pub struct Bed {
 pub struct CoarseGraining {
     /// Smallest and largest diameter.
     diameters: [f64; 2],
-    lattices: [Quantum; 4],
-    sums: Vec<f64>,
+    /// Of volume and its flux; of diameter and its flux.
+    lattices: [[Quantum; 2]; 2],
+    /// Those of volume, then of diameter: the latter follow from the former if all are of one size.
+    in_intervals: [Vec<IntervalSums>; 2],
+    /// By fields and nodes.
+    at_nodes: Vec<f64>,
 }
+
+/// What the particles in one interval of the grid give to its ends: amount and flux to the lower, amount and flux
+/// to the upper. Every fourth particle has sums of its own, so that none waits for the last one's.
+type IntervalSums = [[f64; 4]; 4];
 
 impl CoarseGraining {
     /// Room for solids fractions up to 4 (they end the run at 1) and for speeds up to the limit.
@@ -34,21 +43,15 @@ impl CoarseGraining {
         let volume = grid.cell_volume();
         // No more spheres fit into a cell than its volume over twice that of the smallest, d^3 / 4.
         let length = 4.0 * volume / diameters[0].powi(2);
-        let ranges = [volume, volume * speed_limit, length, length * speed_limit];
-        let mut work =
-            Self { diameters, lattices: ranges.map(Quantum::spanning), sums: Vec::new() };
-        work.sums.resize(work.fields() * grid.nodes(), 0.0);
-        work
+        let lattices =
+            [volume, length].map(|most| [most, most * speed_limit].map(Quantum::spanning));
+        let (in_intervals, at_nodes) = Default::default();
+        Self { diameters, lattices, in_intervals, at_nodes }
     }
 
     /// Whether particles differ in size.
     pub fn sizes_differ(&self) -> bool {
         self.diameters[0] != self.diameters[1]
-    }
-
-    /// Sums that are formed: those by diameter follow from those by volume if all are of one size.
-    fn fields(&self) -> usize {
-        if self.sizes_differ() { 4 } else { 2 }
     }
 
     /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d in
@@ -62,13 +65,44 @@ impl CoarseGraining {
         bed: &mut Bed,
         ranks: &dyn Communicator,
     ) {
-        self.sums.fill(0.0);
-        if self.sizes_differ() {
-            self.add_all::<4>(particles, grid);
-        } else {
-            self.add_all::<2>(particles, grid);
+        let kinds = if self.sizes_differ() { 2 } else { 1 };
+        for sums in &mut self.in_intervals[..kinds] {
+            sums.clear();
+            sums.resize(grid.intervals(), [[0.0; 4]; 4]);
         }
-        ranks.sum_exact(&mut self.sums);
+        in_quads(Deposit {
+            bodies: &particles.body[..particles.owned_count()],
+            grid,
+            lattices: self.lattices,
+            sums: &mut self.in_intervals[..kinds],
+        });
+        self.add_up_nodes(kinds, grid);
+        ranks.sum_exact(&mut self.at_nodes);
+        self.fill(bed, grid);
+    }
+
+    /// Each node has a share of the interval below and one of that above.
+    fn add_up_nodes(&mut self, kinds: usize, grid: &ColumnGrid) {
+        let nodes = grid.nodes();
+        self.at_nodes.clear();
+        self.at_nodes.resize(2 * kinds * nodes, 0.0);
+        for (sums, fields) in
+            self.in_intervals[..kinds].iter().zip(self.at_nodes.chunks_mut(2 * nodes))
+        {
+            let (amounts, fluxes) = fields.split_at_mut(nodes);
+            for (interval, [a, b, c, d]) in sums.iter().enumerate() {
+                let [lower, upper] = grid.ends(interval);
+                let sum = |number: usize| (a[number] + b[number]) + (c[number] + d[number]);
+                amounts[lower] += sum(0);
+                fluxes[lower] += sum(1);
+                amounts[upper] += sum(2);
+                fluxes[upper] += sum(3);
+            }
+        }
+    }
+
+    /// Sums over all ranks to fields of the bed.
+    fn fill(&self, bed: &mut Bed, grid: &ColumnGrid) {
         let nodes = grid.nodes();
         bed.solids_fraction.resize(nodes, 0.0);
         bed.solids_velocity.resize(nodes, 0.0);
@@ -76,7 +110,7 @@ impl CoarseGraining {
         bed.drag_velocity.resize(nodes, 0.0);
         let velocity = |flux: f64, amount: f64| if amount > 0.0 { flux / amount } else { 0.0 };
         for node in 0..nodes {
-            let sum = |field: usize| self.sums[field * nodes + node];
+            let sum = |field: usize| self.at_nodes[field * nodes + node];
             bed.solids_fraction[node] = sum(0) / grid.volume_of(node);
             bed.solids_velocity[node] = velocity(sum(1), sum(0));
             if self.sizes_differ() {
@@ -89,22 +123,60 @@ impl CoarseGraining {
             }
         }
     }
+}
 
-    /// Adds the first N of volume, volume flux, diameter and diameter flux of all owned particles.
+/// The particles of a rank to the intervals of the grid.
+struct Deposit<'a> {
+    bodies: &'a [Body],
+    grid: &'a ColumnGrid,
+    lattices: [[Quantum; 2]; 2],
+    /// Of volume, perhaps of diameter.
+    sums: &'a mut [Vec<IntervalSums>],
+}
+
+impl QuadWork for Deposit<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn add_all<const N: usize>(&mut self, particles: &Particles, grid: &ColumnGrid) {
-        let nodes = grid.nodes();
-        for i in 0..particles.owned_count() {
-            let weights = grid.weights(particles.body[i].position.z);
-            let (volume, velocity) = (particles.volume(i), particles.body[i].velocity.z);
-            let diameter = 2.0 * particles.body[i].radius;
-            let amounts = [volume, volume * velocity, diameter, diameter * velocity];
-            for (field, &amount) in amounts[..N].iter().enumerate() {
-                let (lattice, upper) = (self.lattices[field], amount * weights.of_upper);
-                let sums = &mut self.sums[field * nodes..(field + 1) * nodes];
-                sums[weights.lower] += lattice.round(amount - upper);
-                sums[weights.upper] += lattice.round(upper);
+    fn run<Q: Quad>(self) {
+        let mut block = ColumnBlock::default();
+        for bodies in self.bodies.chunks(LANES) {
+            block.gather::<Q>(bodies, self.grid);
+            // What only fills up the last block carries nothing.
+            let mut amounts = [[0.0; LANES]; 2];
+            for (lane, &radius) in block.radius[..bodies.len()].iter().enumerate() {
+                amounts[0][lane] = sphere_volume(radius);
+                amounts[1][lane] = 2.0 * radius;
             }
+            for (kind, sums) in self.sums.iter_mut().enumerate() {
+                add::<Q>(&block, &amounts[kind], self.lattices[kind], sums);
+            }
+        }
+    }
+}
+
+/// Adds amounts and their fluxes, each rounded to its lattice.
+#[inline(always)]
+fn add<Q: Quad>(
+    block: &ColumnBlock,
+    amounts: &Lanes,
+    [of_amount, of_flux]: [Quantum; 2],
+    sums: &mut [IntervalSums],
+) {
+    for from in (0..LANES).step_by(4) {
+        let weight = Q::load(quad(&block.of_upper, from));
+        let amount = Q::load(quad(amounts, from));
+        let flux = amount.times(Q::load(quad(&block.velocity[2], from)));
+        let (upper, flux_upper) = (amount.times(weight), flux.times(weight));
+        let shares = Q::transposed([
+            of_amount.round_quad(amount.minus(upper)),
+            of_flux.round_quad(flux.minus(flux_upper)),
+            of_amount.round_quad(upper),
+            of_flux.round_quad(flux_upper),
+        ]);
+        for row in 0..4 {
+            let sum = &mut sums[block.interval[from + row] as usize][row];
+            Q::load(sum).plus(shares[row]).store(sum);
         }
     }
 }

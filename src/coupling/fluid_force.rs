@@ -1,16 +1,13 @@
 //! Grid to particles: the force of the one-dimensional gas, Moon 2006 eqs (11), (12) and (18).
 
+use super::gas_block::{AddForces, Column, SumSlopes, interval_fields};
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{
-    ColumnFields, ColumnGas, DragLaw, Drive, ParticleDrag, ScaledDrag, WeightBalance,
-};
+use crate::gas::{ColumnFields, ColumnGas, Drive, ScaledDrag, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, VectorWork, in_wide_vectors, within};
+use crate::numbers::{Quantum, in_quads};
 use crate::parallel::Communicator;
-use crate::particles::{Body, Particles};
-use nalgebra::Vector3;
-use std::f64::consts::PI;
+use crate::particles::Particles;
 use thiserror::Error;
 
 /// A gas force that has no meaning.
@@ -75,21 +72,8 @@ pub struct FluidForce {
     lattice: Quantum,
     slope_lattice: Quantum,
     limit: f64,
-    local: AtParticles,
-}
-
-/// The fields at each owned particle, and the drag on it per velocity.
-#[derive(Clone, Debug, Default)]
-struct AtParticles {
-    solids_fraction: Vec<f64>,
-    solids_velocity: Vec<f64>,
-    /// Only if sizes differ, like the next.
-    diameter_density: Vec<f64>,
-    drag_velocity: Vec<f64>,
-    /// (V / phi) beta.
-    drag: Vec<f64>,
-    /// V (-dp/dz) per velocity difference u_g - u_d: V B / (1 - phi), B the drag per volume.
-    gradient: Vec<f64>,
+    /// The bed between nodes: phi and u_s; then, only if sizes differ, diameters per volume and u_d.
+    between_nodes: [Vec<[f64; 4]>; 2],
 }
 
 impl FluidForce {
@@ -114,7 +98,7 @@ impl FluidForce {
             lattice,
             slope_lattice,
             limit: force_limit,
-            local: AtParticles::default(),
+            between_nodes: Default::default(),
         }
     }
 
@@ -133,18 +117,24 @@ impl FluidForce {
         self.superficial_velocity
     }
 
-    /// phi and u_s of the bed now, on the grid and at the particles. Collective.
+    /// phi and u_s of the bed now. Collective.
     pub fn coarse_grain(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
-        let AtParticles {
-            solids_fraction, solids_velocity, diameter_density, drag_velocity, ..
-        } = &mut self.local;
-        let Bed { solids_fraction: phi, solids_velocity: u_s, .. } = &self.bed;
-        let bodies = &particles.body[..particles.owned_count()];
-        interpolate(&self.grid, bodies, [phi, u_s], [solids_fraction, solids_velocity]);
+        let Bed { solids_fraction, solids_velocity, diameter_density, drag_velocity } = &self.bed;
+        let [of_volume, of_diameter] = &mut self.between_nodes;
+        interval_fields(&self.grid, [solids_fraction, solids_velocity], of_volume);
         if self.coarse_graining.sizes_differ() {
-            let Bed { diameter_density: density, drag_velocity: u_d, .. } = &self.bed;
-            interpolate(&self.grid, bodies, [density, u_d], [diameter_density, drag_velocity]);
+            interval_fields(&self.grid, [diameter_density, drag_velocity], of_diameter);
+        }
+    }
+
+    /// What the particles feel of the gas if it moves at this superficial velocity.
+    fn column(&self, gas: &ColumnGas, superficial_velocity: f64) -> Column<'_> {
+        Column {
+            grid: &self.grid,
+            between_nodes: &self.between_nodes,
+            drag: gas.particle_drag(),
+            superficial_velocity,
         }
     }
 
@@ -185,37 +175,26 @@ impl FluidForce {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_to(
-        &mut self,
+        &self,
         gas: &ColumnGas,
         particles: &mut Particles,
     ) -> Result<[i64; 3], GasForceOutOfRange> {
-        self.find_drag(gas, particles, self.superficial_velocity);
-        let local = &self.local;
-        let mut total = [0; 3];
-        for i in 0..particles.owned_count() {
-            let (drag, velocity) = (local.drag[i], particles.body[i].velocity);
-            let gas_velocity = local.gas_velocity(i, self.superficial_velocity);
-            let pressure = local.gradient[i] * (gas_velocity - local.drag_velocity(i));
-            let lateral = if gas.lateral_drag { drag } else { 0.0 };
-            let force = self.lattice.round_vector(Vector3::new(
-                -lateral * velocity.x,
-                -lateral * velocity.y,
-                drag * (gas_velocity - velocity.z) + pressure,
-            ));
-            if !within(&force, self.limit) {
-                return Err(GasForceOutOfRange::Particle {
-                    particle: particles.id[i],
-                    force: force.amax(),
-                    limit: self.limit,
-                    solids_fraction: local.solids_fraction[i],
-                });
-            }
-            particles.load[i].force += force;
-            for axis in 0..3 {
-                total[axis] += self.lattice.count(force[axis]);
-            }
-        }
-        Ok(total)
+        let column = self.column(gas, self.superficial_velocity);
+        let owned = particles.owned_count();
+        let work = AddForces {
+            column,
+            lateral: gas.lateral_drag,
+            lattice: self.lattice,
+            limit: self.limit,
+            bodies: &particles.body[..owned],
+            loads: &mut particles.load[..owned],
+        };
+        in_quads(work).map_err(|beyond| GasForceOutOfRange::Particle {
+            particle: particles.id[beyond.index],
+            force: beyond.force,
+            limit: self.limit,
+            solids_fraction: beyond.solids_fraction,
+        })
     }
 
     /// The pressure drop over the column by the grid integral, for results.
@@ -232,19 +211,6 @@ impl FluidForce {
         }
     }
 
-    /// Drag per velocity on each owned particle at a superficial velocity.
-    fn find_drag(&mut self, gas: &ColumnGas, particles: &Particles, velocity: f64) {
-        let local = &mut self.local;
-        local.drag.resize(local.solids_fraction.len(), 0.0);
-        local.gradient.resize(local.solids_fraction.len(), 0.0);
-        in_wide_vectors(DragWork {
-            drag_law: gas.particle_drag(),
-            bodies: &particles.body[..particles.owned_count()],
-            local,
-            velocity,
-        });
-    }
-
     /// Weight of all particles, as the sum of their rounded weights: exact.
     fn weight_of(&self, particles: &Particles, gravity: f64, ranks: &dyn Communicator) -> f64 {
         let counts = (0..particles.owned_count())
@@ -259,7 +225,7 @@ impl FluidForce {
     /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
     /// particles' forces: nearer than that the sums do not settle.
     fn velocity_by_particle_force(
-        &mut self,
+        &self,
         gas: &ColumnGas,
         particles: &Particles,
         weight: f64,
@@ -267,19 +233,12 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
-            self.find_drag(gas, particles, velocity);
-            let local = &self.local;
-            let mut sums = [0, 0, particles.owned_count() as i64];
-            for i in 0..particles.owned_count() {
-                // F = c (u_g - v) + G (u_g - u_d) at U_s = 0, and its slope.
-                let (drag, gradient) = (local.drag[i], local.gradient[i]);
-                let at_rest = local.gas_velocity(i, 0.0);
-                let constant = drag * (at_rest - particles.body[i].velocity.z)
-                    + gradient * (at_rest - local.drag_velocity(i));
-                let slope = (drag + gradient) / (1.0 - local.solids_fraction[i]);
-                sums[0] += self.lattice.count(self.lattice.round(constant));
-                sums[1] += self.slope_lattice.count(self.slope_lattice.round(slope));
-            }
+            let [constant, slope] = in_quads(SumSlopes {
+                column: self.column(gas, velocity),
+                lattices: [self.lattice, self.slope_lattice],
+                bodies: &particles.body[..particles.owned_count()],
+            });
+            let mut sums = [constant, slope, particles.owned_count() as i64];
             ranks.sum_integers(&mut sums);
             if sums[2] == 0 {
                 return Ok(0.0); // nothing to carry
@@ -324,91 +283,6 @@ impl FluidForce {
             Ok(velocity)
         } else {
             Err(GasForceOutOfRange::NoBalance(velocity))
-        }
-    }
-}
-
-impl AtParticles {
-    /// u_g = u_s + (U_s - u_s) / (1 - phi) at a particle.
-    #[inline(always)]
-    fn gas_velocity(&self, index: usize, superficial_velocity: f64) -> f64 {
-        let u = self.solids_velocity[index];
-        u + (superficial_velocity - u) / (1.0 - self.solids_fraction[index])
-    }
-
-    /// u_d at a particle; u_s if all are of one size.
-    #[inline(always)]
-    fn drag_velocity(&self, index: usize) -> f64 {
-        let different = self.drag_velocity.get(index);
-        different.copied().unwrap_or(self.solids_velocity[index])
-    }
-}
-
-/// Linear interpolation of two fields to particles, with the weights of coarse graining.
-fn interpolate(
-    grid: &ColumnGrid,
-    bodies: &[Body],
-    fields: [&[f64]; 2],
-    at_particles: [&mut Vec<f64>; 2],
-) {
-    let [first, second] = at_particles;
-    first.clear();
-    second.clear();
-    for body in bodies {
-        let weights = grid.weights(body.position.z);
-        let value = |field: &[f64]| {
-            let (lower, upper) = (field[weights.lower], field[weights.upper]);
-            lower + weights.of_upper * (upper - lower)
-        };
-        first.push(value(fields[0]));
-        second.push(value(fields[1]));
-    }
-}
-
-/// Drag and pressure gradient per velocity on these particles.
-struct DragWork<'a> {
-    drag_law: ParticleDrag,
-    bodies: &'a [Body],
-    local: &'a mut AtParticles,
-    velocity: f64,
-}
-
-impl VectorWork for DragWork<'_> {
-    type Output = ();
-
-    /// The law is chosen once, so that the loops hold no branch.
-    #[inline(always)]
-    fn run(self) {
-        match self.drag_law.law {
-            DragLaw::WenYu(law) => self.fill(law),
-            DragLaw::WenYuCreeping(law) => self.fill(law),
-            DragLaw::Ergun(law) => self.fill(law),
-            DragLaw::Gidaspow(law) => self.fill(law),
-            DragLaw::Beetstra(law) => self.fill(law),
-            DragLaw::Tenneti(law) => self.fill(law),
-            DragLaw::DiFelice(law) => self.fill(law),
-        }
-    }
-}
-
-impl DragWork<'_> {
-    #[inline(always)]
-    fn fill<L: ScaledDrag>(self, law: L) {
-        let ParticleDrag { factor, viscosity, density, .. } = self.drag_law;
-        let drag_law = ParticleDrag { law, factor, viscosity, density };
-        let n = self.bodies.len();
-        let local = self.local;
-        let (phi, u) = (&local.solids_fraction[..n], &local.solids_velocity[..n]);
-        let (drag, gradient) = (&mut local.drag[..n], &mut local.gradient[..n]);
-        for i in 0..n {
-            drag[i] =
-                drag_law.per_velocity(2.0 * self.bodies[i].radius, phi[i], self.velocity - u[i]);
-            gradient[i] = drag[i] * phi[i] / (1.0 - phi[i]); // V beta / (1 - phi)
-        }
-        // Of other sizes: V B in the place of V beta, B = c / d times the sum of diameters per volume.
-        for (i, density) in local.diameter_density.iter().enumerate() {
-            let of_one_size = phi[i] * 6.0 / (PI * 4.0 * self.bodies[i].radius.powi(2));
-            gradient[i] *= density / of_one_size;
         }
     }
 }

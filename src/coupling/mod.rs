@@ -1,7 +1,9 @@
 //! Particles to grid, grid to particles, and the force of the gas.
 
 mod coarse_grain;
+mod column_block;
 mod fluid_force;
+mod gas_block;
 mod resolved;
 
 pub use coarse_grain::{Bed, CoarseGraining};

@@ -1,6 +1,7 @@
 //! The vertical grid of the one-dimensional gas.
 
 use crate::domain::Bounds;
+use crate::numbers::whole;
 
 /// Nodes at heights k dz, node 0 on the plate, from the bottom of the box to its top; in a periodic box
 /// node `nodes` is node 0 again.
@@ -14,15 +15,12 @@ pub struct ColumnGrid {
     base_volume: f64,
 }
 
-/// The two nodes around a height, and the hat weight h = 1 - |z - z_node| / dz of the upper; that of the lower
-/// is the rest to 1.
+/// Where a height lies between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// Node below.
-    pub lower: usize,
-    /// Node above.
-    pub upper: usize,
-    /// Weight of the node above.
+pub struct Place {
+    /// Interval between two nodes, by the number of the lower.
+    pub interval: u32,
+    /// Hat weight h = 1 - |z - z_node| / dz of the upper node; that of the lower is the rest to 1.
     pub of_upper: f64,
 }
 
@@ -71,19 +69,31 @@ impl ColumnGrid {
         self.cross_section * self.spacing
     }
 
-    /// Nodes and weights of a height; below the lowest node and above the highest the nearest pair.
+    /// Number of intervals between nodes.
+    pub fn intervals(&self) -> usize {
+        if self.periodic { self.nodes } else { self.nodes - 1 }
+    }
+
+    /// The nodes at the lower and upper end of an interval.
+    pub fn ends(&self, interval: usize) -> [usize; 2] {
+        [interval, if interval + 1 == self.nodes { 0 } else { interval + 1 }]
+    }
+
+    /// The height within the box where that is periodic, and the height itself where not.
     #[inline(always)]
-    pub fn weights(&self, z: f64) -> Weights {
-        let z = if self.periodic { z - self.height * (z / self.height).floor() } else { z };
+    pub fn wrap(&self, z: f64) -> f64 {
+        if self.periodic { z - self.height * (z / self.height).floor() } else { z }
+    }
+
+    /// The place of a wrapped height; below the lowest node and above the highest that of the node. Without branches:
+    /// loops over it run in vector instructions.
+    #[inline(always)]
+    pub fn place(&self, z: f64) -> Place {
         let cells = z / self.spacing;
-        if self.periodic {
-            let lower = (cells as usize).min(self.nodes - 1);
-            let upper = if lower + 1 == self.nodes { 0 } else { lower + 1 };
-            Weights { lower, upper, of_upper: cells - lower as f64 }
-        } else {
-            let lower = (cells.max(0.0) as usize).min(self.nodes - 2);
-            Weights { lower, upper: lower + 1, of_upper: (cells - lower as f64).clamp(0.0, 1.0) }
-        }
+        let highest = (self.intervals() - 1) as f64;
+        let within = if cells > 0.0 { cells } else { 0.0 };
+        let lower = if within < highest { within.floor() } else { highest };
+        Place { interval: whole(lower), of_upper: (cells - lower).clamp(0.0, 1.0) }
     }
 }
 
@@ -103,9 +113,10 @@ mod tests {
         let grid = ColumnGrid::new(&bounds([Face::Wall, Face::Open]), 1.5, 0.5);
         assert_eq!(grid.nodes(), 7);
         assert_eq!((grid.volume_of(0), grid.volume_of(1)), (4.5, 9.0));
-        assert_eq!(grid.weights(2.25), Weights { lower: 1, upper: 2, of_upper: 0.5 });
-        assert_eq!(grid.weights(-0.1), Weights { lower: 0, upper: 1, of_upper: 0.0 });
-        assert_eq!(grid.weights(9.5), Weights { lower: 5, upper: 6, of_upper: 1.0 });
+        assert_eq!((grid.intervals(), grid.ends(5)), (6, [5, 6]));
+        assert_eq!(grid.place(2.25), Place { interval: 1, of_upper: 0.5 });
+        assert_eq!(grid.place(-0.1), Place { interval: 0, of_upper: 0.0 });
+        assert_eq!(grid.place(9.5), Place { interval: 5, of_upper: 1.0 });
     }
 
     #[test]
@@ -113,7 +124,8 @@ mod tests {
         let grid = ColumnGrid::new(&bounds([Face::Periodic; 2]), 1.5, 0.5);
         assert_eq!(grid.nodes(), 6);
         assert_eq!(grid.volume_of(0), 9.0);
-        assert_eq!(grid.weights(8.25), Weights { lower: 5, upper: 0, of_upper: 0.5 });
-        assert_eq!(grid.weights(8.25 - 9.0), grid.weights(8.25));
+        assert_eq!((grid.intervals(), grid.ends(5)), (6, [5, 0]));
+        assert_eq!(grid.place(8.25), Place { interval: 5, of_upper: 0.5 });
+        assert_eq!(grid.place(grid.wrap(8.25 - 9.0)), grid.place(8.25));
     }
 }

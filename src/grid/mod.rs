@@ -7,5 +7,5 @@ mod field;
 
 pub use box_grid::{BoxGrid, GridPart};
 pub use cell_weights::{CellLocator, CellWeights};
-pub use column_grid::{ColumnGrid, Weights};
+pub use column_grid::{ColumnGrid, Place};
 pub use field::Field;

@@ -26,6 +26,12 @@ const ONE: u64 = 1023 << 52;
 /// 2^52: numbers in [2^52, 2^53) hold an integer in their mantissa.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
+/// The integer x of 0 to 2^32 - 1, in vector instructions where a cast with its checks is not.
+#[inline(always)]
+pub fn whole(x: f64) -> u32 {
+    (x + TWO_TO_52).to_bits() as u32
+}
+
 #[inline(always)]
 fn log2(x: f64) -> f64 {
     let bits = x.to_bits();
@@ -58,7 +64,7 @@ fn exp2(t: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::power;
+    use super::{power, whole};
     use proptest::prelude::*;
 
     proptest! {
@@ -67,6 +73,13 @@ mod tests {
             let (ours, theirs) = (power(x, y), libm::pow(x, y));
             // The rounding of y log2 x, up to 17 in magnitude here, enters as 17 * 2^-53 * ln 2 per rounding.
             prop_assert!((ours / theirs - 1.0).abs() < 1.0e-14, "{ours} {theirs}");
+        }
+    }
+
+    #[test]
+    fn integers_are_themselves() {
+        for x in [0, 1, 77, u32::MAX] {
+            assert_eq!(whole(f64::from(x)), x);
         }
     }
 

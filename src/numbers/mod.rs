@@ -10,8 +10,8 @@ mod schedule;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
-pub use functions::{power, sine};
-pub use quads::{Quad, QuadWork, in_quads};
+pub use functions::{power, sine, whole};
+pub use quads::{Quad, QuadWork, in_quads, quad, quad_mut};
 pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;

@@ -30,6 +30,18 @@ pub trait Quad: Copy {
     fn transposed(rows: [Self; 4]) -> [Self; 4];
 }
 
+/// Four numbers of many.
+#[inline(always)]
+pub fn quad(numbers: &[f64], from: usize) -> &[f64; 4] {
+    numbers[from..].first_chunk().expect("as many numbers as quads are asked for")
+}
+
+/// The same, to be changed.
+#[inline(always)]
+pub fn quad_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
+    numbers[from..].first_chunk_mut().expect("as many numbers as quads are asked for")
+}
+
 /// Work on quads. `run`, and all it calls, must be `#[inline(always)]`, as for
 /// [`VectorWork`](super::VectorWork); quads in closures, so also in `map` of arrays, are an order of magnitude slower.
 pub trait QuadWork {

@@ -39,6 +39,12 @@ pub struct Load {
 /// Solid sphere: I = (2/5) m r^2.
 const INERTIA_FACTOR: f64 = 0.4;
 
+/// 4/3 pi r^3.
+#[inline(always)]
+pub fn sphere_volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
 impl Body {
     /// A body without spin.
     pub fn new(position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64) -> Self {

@@ -9,7 +9,7 @@ mod near_pairs;
 mod neighbours;
 mod store;
 
-pub use body::{Body, Load};
+pub use body::{Body, Load, sphere_volume};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
 pub use integrate::{kick, kick_and_drift};

@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, Load};
+use super::{Body, Load, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -69,7 +69,7 @@ impl Particles {
     /// Volume of a sphere, 4/3 pi r^3.
     #[inline(always)]
     pub fn volume(&self, index: usize) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.body[index].radius.powi(3)
+        sphere_volume(self.body[index].radius)
     }
 
     /// Adds an owned particle at rest spin, without force. There must be no ghosts.

@@ -1,0 +1,266 @@
+//! The column of gas at a block of particles: fields, drag, and force.
+
+use super::column_block::{ColumnBlock, Lanes};
+use crate::gas::{DragLaw, ParticleDrag, ScaledDrag};
+use crate::grid::ColumnGrid;
+use crate::numbers::{Quad, QuadWork, Quantum, quad, quad_mut};
+use crate::particles::{Body, LANES, Load};
+use std::f64::consts::PI;
+
+/// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its way to the
+/// upper end, then the second's.
+pub(super) fn interval_fields(
+    grid: &ColumnGrid,
+    [first, second]: [&[f64]; 2],
+    in_intervals: &mut Vec<[f64; 4]>,
+) {
+    in_intervals.clear();
+    in_intervals.extend((0..grid.intervals()).map(|interval| {
+        let [lower, upper] = grid.ends(interval);
+        [first[lower], first[upper] - first[lower], second[lower], second[upper] - second[lower]]
+    }));
+}
+
+/// The gas between the nodes of its grid.
+#[derive(Clone, Copy)]
+pub(super) struct Column<'a> {
+    pub(super) grid: &'a ColumnGrid,
+    /// phi and u_s as [`interval_fields`]; likewise diameters per volume and u_d, of no interval if all particles are
+    /// of one size.
+    pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
+    pub(super) drag: ParticleDrag,
+    /// U_s.
+    pub(super) superficial_velocity: f64,
+}
+
+/// Fields and drag at the particles of a block.
+#[derive(Default)]
+struct GasBlock {
+    particles: ColumnBlock,
+    solids_fraction: Lanes,
+    solids_velocity: Lanes,
+    diameter_density: Lanes,
+    /// u_d; u_s if all particles are of one size.
+    drag_velocity: Lanes,
+    /// (V / phi) beta.
+    drag: Lanes,
+    /// V (-dp/dz) per velocity difference u_g - u_d: V B / (1 - phi), B the drag per volume.
+    gradient: Lanes,
+}
+
+impl GasBlock {
+    /// All of it, for up to `LANES` particles, at least one.
+    #[inline(always)]
+    fn fill<Q: Quad>(&mut self, column: &Column, bodies: &[Body]) {
+        self.particles.gather::<Q>(bodies, column.grid);
+        let [of_volume, of_diameter] = column.between_nodes;
+        let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
+        interpolate::<Q>(&self.particles, of_volume, fields);
+        let sizes_differ = !of_diameter.is_empty();
+        if sizes_differ {
+            let fields = [&mut self.diameter_density, &mut self.drag_velocity];
+            interpolate::<Q>(&self.particles, of_diameter, fields);
+        } else {
+            self.drag_velocity = self.solids_velocity;
+        }
+        self.find_drag(&column.drag, column.superficial_velocity);
+        if sizes_differ {
+            self.share_gradient();
+        }
+    }
+
+    /// The law is chosen once per block, so that the loops hold no branch.
+    #[inline(always)]
+    fn find_drag(&mut self, drag: &ParticleDrag, superficial_velocity: f64) {
+        match drag.law {
+            DragLaw::WenYu(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::WenYuCreeping(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::Ergun(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::Gidaspow(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::Beetstra(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::Tenneti(law) => self.find_drag_by(law, drag, superficial_velocity),
+            DragLaw::DiFelice(law) => self.find_drag_by(law, drag, superficial_velocity),
+        }
+    }
+
+    #[inline(always)]
+    fn find_drag_by<L: ScaledDrag>(
+        &mut self,
+        law: L,
+        &ParticleDrag { factor, viscosity, density, .. }: &ParticleDrag,
+        superficial_velocity: f64,
+    ) {
+        let of_particle = ParticleDrag { law, factor, viscosity, density };
+        for lane in 0..LANES {
+            let phi = self.solids_fraction[lane];
+            let slip = superficial_velocity - self.solids_velocity[lane];
+            let diameter = 2.0 * self.particles.radius[lane];
+            self.drag[lane] = of_particle.per_velocity(diameter, phi, slip);
+        }
+        for lane in 0..LANES {
+            let phi = self.solids_fraction[lane];
+            self.gradient[lane] = self.drag[lane] * phi / (1.0 - phi); // V beta / (1 - phi)
+        }
+    }
+
+    /// Of sizes that differ: V B in the place of V beta, B = c / d times the sum of diameters per volume.
+    #[inline(always)]
+    fn share_gradient(&mut self) {
+        for lane in 0..LANES {
+            let (phi, radius) = (self.solids_fraction[lane], self.particles.radius[lane]);
+            let of_one_size = phi * 6.0 / (PI * 4.0 * radius.powi(2));
+            self.gradient[lane] *= self.diameter_density[lane] / of_one_size;
+        }
+    }
+
+    /// Vertical force at a superficial velocity.
+    #[inline(always)]
+    fn vertical_force(&self, lane: usize, superficial_velocity: f64) -> f64 {
+        let u = self.solids_velocity[lane];
+        let gas_velocity = u + (superficial_velocity - u) / (1.0 - self.solids_fraction[lane]);
+        let pressure = self.gradient[lane] * (gas_velocity - self.drag_velocity[lane]);
+        self.drag[lane] * (gas_velocity - self.particles.velocity[2][lane]) + pressure
+    }
+}
+
+/// Linear interpolation of two fields, with the weights of coarse graining.
+#[inline(always)]
+fn interpolate<Q: Quad>(
+    particles: &ColumnBlock,
+    in_intervals: &[[f64; 4]],
+    [first, second]: [&mut Lanes; 2],
+) {
+    for from in (0..LANES).step_by(4) {
+        let mut rows = [Q::splat(0.0); 4];
+        for row in 0..4 {
+            rows[row] = Q::load(&in_intervals[particles.interval[from + row] as usize]);
+        }
+        let weight = Q::load(quad(&particles.of_upper, from));
+        let [lower, way, second_lower, second_way] = Q::transposed(rows);
+        lower.plus(weight.times(way)).store(quad_mut(first, from));
+        second_lower.plus(weight.times(second_way)).store(quad_mut(second, from));
+    }
+}
+
+/// A force that has no meaning.
+pub(super) struct Beyond {
+    /// Of which particle.
+    pub(super) index: usize,
+    /// Its largest component.
+    pub(super) force: f64,
+    pub(super) solids_fraction: f64,
+}
+
+/// Adds the gas force to each particle; gives their sum, as counts of the lattice.
+pub(super) struct AddForces<'a> {
+    pub(super) column: Column<'a>,
+    /// Whether there is lateral drag.
+    pub(super) lateral: bool,
+    pub(super) lattice: Quantum,
+    /// Of a component of a force; the lattice has room for as many of them as there are lanes.
+    pub(super) limit: f64,
+    pub(super) bodies: &'a [Body],
+    pub(super) loads: &'a mut [Load],
+}
+
+impl QuadWork for AddForces<'_> {
+    type Output = Result<[i64; 3], Beyond>;
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) -> Self::Output {
+        let Self { column, lattice, .. } = self;
+        let mut block = GasBlock::default();
+        let mut force = [[0.0; LANES]; 3];
+        let mut total = [0; 3];
+        let chunks = self.bodies.chunks(LANES).zip(self.loads.chunks_mut(LANES));
+        for (number, (bodies, loads)) in chunks.enumerate() {
+            block.fill::<Q>(&column, bodies);
+            let mut beyond = [0; LANES];
+            for lane in 0..LANES {
+                let lateral = if self.lateral { block.drag[lane] } else { 0.0 };
+                let velocity = &block.particles.velocity;
+                let components = [
+                    -lateral * velocity[0][lane],
+                    -lateral * velocity[1][lane],
+                    block.vertical_force(lane, column.superficial_velocity),
+                ];
+                for axis in 0..3 {
+                    force[axis][lane] = lattice.round(components[axis]);
+                    let within = force[axis][lane].abs() <= self.limit;
+                    beyond[lane] |= u64::from(!within);
+                }
+            }
+            if beyond.iter().fold(0, |any, flag| any | flag) != 0 {
+                let lane = beyond.iter().position(|&flag| flag != 0).unwrap_or(0);
+                let largest = force.map(|component| component[lane].abs()).into_iter();
+                return Err(Beyond {
+                    index: number * LANES + lane,
+                    force: largest.fold(0.0, f64::max),
+                    solids_fraction: block.solids_fraction[lane],
+                });
+            }
+            let sum = scatter::<Q>(&force, loads);
+            for axis in 0..3 {
+                total[axis] += lattice.count(sum[axis]);
+            }
+        }
+        Ok(total)
+    }
+}
+
+/// Puts forces on the particles of a block; gives their sum.
+#[inline(always)]
+fn scatter<Q: Quad>(force: &[Lanes; 3], loads: &mut [Load]) -> [f64; 4] {
+    let mut sums = [Q::splat(0.0); 4];
+    for from in (0..loads.len()).step_by(4) {
+        let [x, y, z] = force;
+        let rows = Q::transposed([
+            Q::load(quad(x, from)),
+            Q::load(quad(y, from)),
+            Q::load(quad(z, from)),
+            Q::splat(0.0),
+        ]);
+        for row in 0..4 {
+            let Some(load) = loads.get_mut(from + row) else { break };
+            let [of_load, _torque] = load.quads_mut();
+            Q::load(of_load).plus(rows[row]).store(of_load);
+            sums[row] = sums[row].plus(rows[row]);
+        }
+    }
+    let mut sum = [0.0; 4];
+    sums[0].plus(sums[1]).plus(sums[2].plus(sums[3])).store(&mut sum);
+    sum
+}
+
+/// Sums the force at U_s = 0 and its slope dF/dU_s, with the drag of the column's U_s, as counts of their lattices.
+pub(super) struct SumSlopes<'a> {
+    pub(super) column: Column<'a>,
+    /// Of the force, of the slope.
+    pub(super) lattices: [Quantum; 2],
+    pub(super) bodies: &'a [Body],
+}
+
+impl QuadWork for SumSlopes<'_> {
+    type Output = [i64; 2];
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) -> [i64; 2] {
+        let [of_force, of_slope] = self.lattices;
+        let mut block = GasBlock::default();
+        let mut sums = [0; 2];
+        for bodies in self.bodies.chunks(LANES) {
+            block.fill::<Q>(&self.column, bodies);
+            let (mut forces, mut slopes) = ([0.0; LANES], [0.0; LANES]);
+            for lane in 0..LANES {
+                forces[lane] = of_force.round(block.vertical_force(lane, 0.0));
+                let slope = block.drag[lane] + block.gradient[lane];
+                slopes[lane] = of_slope.round(slope / (1.0 - block.solids_fraction[lane]));
+            }
+            for lane in 0..bodies.len() {
+                sums[0] += of_force.count(forces[lane]);
+                sums[1] += of_slope.count(slopes[lane]);
+            }
+        }
+        sums
+    }
+}
