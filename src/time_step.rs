@@ -2,13 +2,14 @@
 
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::Face;
-use crate::numbers::ExactSum;
+use crate::numbers::{ExactSum, Quantum};
 use crate::parallel::{
     CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
 };
-use crate::particles::{PairMemory, Particles, WallMemory, kick, kick_and_drift};
+use crate::particles::{Load, PairMemory, Particles, WallMemory, kick, kick_and_drift};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Stage;
+use nalgebra::Vector3;
 use std::collections::HashSet;
 use thiserror::Error;
 
@@ -272,9 +273,9 @@ fn check_speeds(
 
 /// All forces at the current positions and half-step velocities; tangential springs move on by `dt`.
 ///
-/// Contacts and walls first, then gas, then weight; the order is that of the method section and changes
-/// nothing, since every contribution lies on the lattice of forces. A force without meaning is kept as this
-/// rank's fault until the ranks agree at the next step.
+/// Forces begin with the weight; then come contacts, walls and gas. The order changes nothing, since every
+/// contribution lies on the lattice of forces. A force without meaning is kept as this rank's fault until the ranks
+/// agree at the next step.
 fn evaluate_forces(
     state: &mut State,
     domain: &Domain,
@@ -307,19 +308,17 @@ fn evaluate_forces(
         set.map_err(|error| error.to_string())
     });
     let State { particles, contacts, .. } = state;
-    particles.clear_forces();
+    tallies.weight =
+        timers.time(Stage::BodyForces, || set_to_weight(particles, models.force_lattice, gravity));
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
-    let bodies = timers.time(Stage::BodyForces, || {
-        tallies.weight = add_weight(particles, models, gravity);
-        match models.column().zip(fluid.as_mut()) {
-            None if models.flow().is_some() => Ok(flow::add_held_forces(particles, models)),
-            None => Ok([0; 3]),
-            Some((gas, fluid)) => fluid.add_to(gas, particles),
-        }
+    let bodies = timers.time(Stage::BodyForces, || match models.column().zip(fluid.as_mut()) {
+        None if models.flow().is_some() => Ok(flow::add_held_forces(particles, models)),
+        None => Ok([0; 3]),
+        Some((gas, fluid)) => fluid.add_to(gas, particles),
     });
     tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
     let words = [
@@ -331,13 +330,14 @@ fn evaluate_forces(
     *fault = words.into_iter().flatten().next();
 }
 
-/// Adds -m g_eff to each owned particle; returns the sum, as a count of the force lattice.
-fn add_weight(particles: &mut Particles, models: &Models, gravity: f64) -> i64 {
-    let lattice = models.force_lattice;
+/// Sets the force on each owned particle to -m g_eff and its torque to zero; returns the sum of the weights, as a
+/// count of the force lattice.
+fn set_to_weight(particles: &mut Particles, lattice: Quantum, gravity: f64) -> i64 {
+    let owned = particles.owned_count();
     let mut total = 0;
-    for i in 0..particles.owned_count() {
-        let weight = lattice.round(particles.body[i].mass * gravity);
-        particles.load[i].force.z -= weight;
+    for (body, load) in particles.body[..owned].iter().zip(&mut particles.load[..owned]) {
+        let weight = lattice.round(body.mass * gravity);
+        *load = Load::of(Vector3::new(0.0, 0.0, 0.0 - weight));
         total += lattice.count(weight);
     }
     total

@@ -5,10 +5,12 @@
 mod beds;
 
 use beds::{Bench, PERIODIC, PLATE, Run, Snapshot, gas};
+use nalgebra::Vector3;
 use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::gas::{BaseNode, Drive};
 use talcum::numbers::Schedule;
 use talcum::parallel::OneRank;
+use talcum::particles::Load;
 
 const STOKES: f64 = 55.0;
 /// The bed is poured until then; the gas rises from SLOWEST to FASTEST in RISE time units afterwards.
@@ -39,7 +41,7 @@ fn bulk(run: &mut Run) -> (f64, f64) {
     let Run { state, models, work, .. } = run;
     let (gas, fluid) = (models.column().unwrap(), work.fluid.as_mut().unwrap());
     let mut probe = state.particles.clone();
-    probe.clear_forces();
+    probe.load.fill(Load::of(Vector3::zeros()));
     fluid.add_to(gas, &mut probe).expect("forces have a meaning");
     let owned = probe.owned_count();
     let top = probe.body[..owned].iter().fold(0.0, |top: f64, body| top.max(body.position.z));

@@ -1,7 +1,7 @@
 //! The column of gas at a block of particles: fields, drag, and force.
 
 use super::column_block::{ColumnBlock, Lanes};
-use crate::gas::{DragLaw, ParticleDrag, ScaledDrag};
+use crate::gas::ParticleDrag;
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quad, QuadWork, Quantum, quad, quad_mut};
 use crate::particles::{Body, LANES, Load};
@@ -69,34 +69,14 @@ impl GasBlock {
         }
     }
 
-    /// The law is chosen once per block, so that the loops hold no branch.
     #[inline(always)]
     fn find_drag(&mut self, drag: &ParticleDrag, superficial_velocity: f64) {
-        match drag.law {
-            DragLaw::WenYu(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::WenYuCreeping(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::Ergun(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::Gidaspow(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::Beetstra(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::Tenneti(law) => self.find_drag_by(law, drag, superficial_velocity),
-            DragLaw::DiFelice(law) => self.find_drag_by(law, drag, superficial_velocity),
-        }
-    }
-
-    #[inline(always)]
-    fn find_drag_by<L: ScaledDrag>(
-        &mut self,
-        law: L,
-        &ParticleDrag { factor, viscosity, density, .. }: &ParticleDrag,
-        superficial_velocity: f64,
-    ) {
-        let of_particle = ParticleDrag { law, factor, viscosity, density };
+        let (mut diameter, mut slip) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
-            let phi = self.solids_fraction[lane];
-            let slip = superficial_velocity - self.solids_velocity[lane];
-            let diameter = 2.0 * self.particles.radius[lane];
-            self.drag[lane] = of_particle.per_velocity(diameter, phi, slip);
+            diameter[lane] = 2.0 * self.particles.radius[lane];
+            slip[lane] = superficial_velocity - self.solids_velocity[lane];
         }
+        self.drag = drag.per_velocities(&diameter, &self.solids_fraction, &slip);
         for lane in 0..LANES {
             let phi = self.solids_fraction[lane];
             self.gradient[lane] = self.drag[lane] * phi / (1.0 - phi); // V beta / (1 - phi)

@@ -21,6 +21,19 @@ pub fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
 }
 
+/// Powers of many numbers, in two short loops: a processor looks some 250 instructions ahead, and so works on several
+/// of these at once, which wait for little but themselves.
+#[inline(always)]
+pub fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
+    for number in &mut numbers {
+        *number = exponent * log2(*number);
+    }
+    for number in &mut numbers {
+        *number = exp2(*number);
+    }
+    numbers
+}
+
 const MANTISSA: u64 = (1 << 52) - 1;
 const ONE: u64 = 1023 << 52;
 /// 2^52: numbers in [2^52, 2^53) hold an integer in their mantissa.
@@ -64,7 +77,7 @@ fn exp2(t: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{power, whole};
+    use super::{power, powers, whole};
     use proptest::prelude::*;
 
     proptest! {
@@ -73,6 +86,7 @@ mod tests {
             let (ours, theirs) = (power(x, y), libm::pow(x, y));
             // The rounding of y log2 x, up to 17 in magnitude here, enters as 17 * 2^-53 * ln 2 per rounding.
             prop_assert!((ours / theirs - 1.0).abs() < 1.0e-14, "{ours} {theirs}");
+            prop_assert_eq!(powers([1.0, x], y), [1.0, ours]);
         }
     }
 

@@ -10,7 +10,7 @@ mod schedule;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
-pub use functions::{power, sine, whole};
+pub use functions::{power, powers, sine, whole};
 pub use quads::{Quad, QuadWork, in_quads, quad, quad_mut};
 pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};

@@ -71,6 +71,12 @@ impl Body {
 }
 
 impl Load {
+    /// A force without torque.
+    #[inline(always)]
+    pub fn of(force: Vector3<f64>) -> Self {
+        Self { force, ..Self::zeroed() }
+    }
+
     /// Force and zero, torque and zero.
     #[inline(always)]
     pub fn quads(&self) -> &[[f64; 4]; 2] {

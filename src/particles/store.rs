@@ -133,11 +133,6 @@ impl Particles {
         self.owned = order.len();
     }
 
-    /// Sets forces and torques to zero; those of other ranks' particles keep what they have.
-    pub fn clear_forces(&mut self) {
-        self.load[..self.owned].fill(Load::zeroed());
-    }
-
     fn truncate(&mut self, count: usize) {
         self.image_of.clear();
         self.remote = 0;

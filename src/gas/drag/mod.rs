@@ -23,6 +23,20 @@ pub trait ScaledDrag: Copy {
     /// eps F at a solids fraction in [0, 1) and a Reynolds number >= 0.
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64;
 
+    /// The same for many at once, in vector instructions.
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(
+        self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N] {
+        let mut scaled = [0.0; N];
+        for lane in 0..N {
+            scaled[lane] = self.scaled_drag(solids_fraction[lane], reynolds[lane]);
+        }
+        scaled
+    }
+
     /// Whether the drag depends on the Reynolds number: if not, gas forces are linear in the velocities.
     fn depends_on_reynolds(self) -> bool {
         true
@@ -55,18 +69,35 @@ impl DragLaw {
     pub const WEN_YU_CREEPING: Self = Self::WenYuCreeping(WenYuCreeping::USUAL);
 }
 
+/// Calls a function of whichever law it is.
+macro_rules! each_law {
+    ($drag:expr, $law:ident => $call:expr) => {
+        match $drag {
+            DragLaw::WenYu($law) => $call,
+            DragLaw::WenYuCreeping($law) => $call,
+            DragLaw::Ergun($law) => $call,
+            DragLaw::Gidaspow($law) => $call,
+            DragLaw::Beetstra($law) => $call,
+            DragLaw::Tenneti($law) => $call,
+            DragLaw::DiFelice($law) => $call,
+        }
+    };
+}
+
 impl ScaledDrag for DragLaw {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
-        match self {
-            Self::WenYu(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::WenYuCreeping(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::Ergun(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::Gidaspow(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::Beetstra(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::Tenneti(law) => law.scaled_drag(solids_fraction, reynolds),
-            Self::DiFelice(law) => law.scaled_drag(solids_fraction, reynolds),
-        }
+        each_law!(self, law => law.scaled_drag(solids_fraction, reynolds))
+    }
+
+    /// The law is chosen once, so that the loop holds no branch.
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(
+        self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N] {
+        each_law!(self, law => law.scaled_drags(solids_fraction, reynolds))
     }
 
     fn depends_on_reynolds(self) -> bool {
@@ -107,6 +138,17 @@ mod tests {
                 // The table has five decimals.
                 assert!((found - expected).abs() < 6.0e-6, "{law:?} at {phi}, {reynolds}: {found}");
             }
+        }
+    }
+
+    #[test]
+    fn many_at_once_are_as_one_by_one() {
+        let creeping = [DragLaw::WEN_YU_CREEPING];
+        for law in LAWS.into_iter().chain(creeping) {
+            let (phi, reynolds) = ([0.0, 0.1, 0.64, 0.3], [0.0, 100.0, 3.0e-4, 2000.0]);
+            let expected: [f64; 4] =
+                std::array::from_fn(|lane| law.scaled_drag(phi[lane], reynolds[lane]));
+            assert_eq!(law.scaled_drags(&phi, &reynolds), expected, "{law:?}");
         }
     }
 

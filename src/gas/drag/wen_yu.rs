@@ -1,7 +1,7 @@
 //! Wen & Yu.
 
 use super::ScaledDrag;
-use crate::numbers::power;
+use crate::numbers::{power, powers};
 
 /// Reynolds number above which a sphere's drag coefficient stays at 0.44.
 pub(super) const INERTIAL: f64 = 1000.0;
@@ -41,6 +41,22 @@ impl ScaledDrag for WenYu {
             crowding * 0.44 * reynolds / 24.0
         }
     }
+
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(
+        self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N] {
+        let mut scaled = crowding(solids_fraction, self.exponent);
+        let inertia = powers(*reynolds, 0.687);
+        for lane in 0..N {
+            let viscous = scaled[lane] * (1.0 + 0.15 * inertia[lane]);
+            let inertial = scaled[lane] * 0.44 * reynolds[lane] / 24.0;
+            scaled[lane] = if reynolds[lane] < INERTIAL { viscous } else { inertial };
+        }
+        scaled
+    }
 }
 
 /// Wen & Yu's limit Re << 1 (Moon 2006 eq. (16)): eps F = eps^-(n + 1), so that with n = 1.65
@@ -62,9 +78,24 @@ impl ScaledDrag for WenYuCreeping {
         power(1.0 - solids_fraction, -(self.exponent + 1.0))
     }
 
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(self, solids_fraction: &[f64; N], _: &[f64; N]) -> [f64; N] {
+        crowding(solids_fraction, self.exponent)
+    }
+
     fn depends_on_reynolds(self) -> bool {
         false
     }
+}
+
+/// eps^-(n + 1) of many.
+#[inline(always)]
+fn crowding<const N: usize>(solids_fraction: &[f64; N], exponent: f64) -> [f64; N] {
+    let mut voidage = *solids_fraction;
+    for number in &mut voidage {
+        *number = 1.0 - *number;
+    }
+    powers(voidage, -(exponent + 1.0))
 }
 
 #[cfg(test)]
