@@ -15,7 +15,8 @@ pub fn sine(x: f64) -> f64 {
 /// rounded once, so the bits do not depend on the machine.
 ///
 /// log2 by the series of artanh((m - 1)/(m + 1)), 2^f by its Taylor series; both are cut where the next term is
-/// below 2^-53 (Muller, "Elementary Functions", 3rd ed., chapters 3 and 11).
+/// below 2^-53, and summed in parts that do not wait for each other, after Estrin (Muller, "Elementary Functions",
+/// 3rd ed., chapters 3, 5 and 11).
 #[inline(always)]
 pub fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
@@ -55,10 +56,10 @@ fn log2(x: f64) -> f64 {
     let exponent = if upper { exponent + 1.0 } else { exponent };
     let s = (m - 1.0) / (m + 1.0); // |s| < 0.1716
     let q = s * s;
-    let mut series = 1.0 / 19.0;
-    for odd in [17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
-        series = series * q + 1.0 / odd;
-    }
+    let q4 = (q * q) * (q * q);
+    let [first, second] = [0, 4].map(|from| four_terms(&ARTANH, from, q));
+    let last = ARTANH[8] + ARTANH[9] * q;
+    let series = (first + second * q4) + last * (q4 * q4);
     exponent + 2.0 * LOG2_E * s * series
 }
 
@@ -66,13 +67,42 @@ fn log2(x: f64) -> f64 {
 fn exp2(t: f64) -> f64 {
     let shifted = t + 1.5 * TWO_TO_52;
     let whole = shifted - 1.5 * TWO_TO_52;
-    let f = (t - whole) * LN_2; // |f| < 0.3466
-    let mut series = 1.0;
-    for n in [13.0, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
-        series = 1.0 + series * f * (1.0 / n);
-    }
+    let f = t - whole; // |f| <= 0.5
+    let f4 = (f * f) * (f * f);
+    let [first, second, third] = [0, 4, 8].map(|from| four_terms(&EXP2, from, f));
+    let last = EXP2[12] + EXP2[13] * f;
+    let series = (first + second * f4) + (third + last * f4) * (f4 * f4);
     let scale = f64::from_bits((shifted.to_bits().wrapping_add(1023)) << 52);
     series * scale
+}
+
+/// Of artanh(s) / s = sum q^n / (2n + 1), q = s^2.
+const ARTANH: [f64; 10] = {
+    let mut coefficients = [1.0; 10];
+    let mut n = 1;
+    while n < 10 {
+        coefficients[n] = 1.0 / (2 * n + 1) as f64;
+        n += 1;
+    }
+    coefficients
+};
+
+/// Of 2^f = sum (f ln 2)^n / n!.
+const EXP2: [f64; 14] = {
+    let mut coefficients = [1.0; 14];
+    let mut n = 1;
+    while n < 14 {
+        coefficients[n] = coefficients[n - 1] * LN_2 / n as f64;
+        n += 1;
+    }
+    coefficients
+};
+
+/// c_n + c_n+1 x + c_n+2 x^2 + c_n+3 x^3, n = `from`.
+#[inline(always)]
+fn four_terms(coefficients: &[f64], from: usize, x: f64) -> f64 {
+    let c = &coefficients[from..from + 4];
+    (c[0] + c[1] * x) + (c[2] + c[3] * x) * (x * x)
 }
 
 #[cfg(test)]
