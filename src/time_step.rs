@@ -52,10 +52,11 @@ pub fn advance(
 ) -> Result<Requests, StepError> {
     let dt = models.time_step;
     let lattice = domain.bounds.lattice();
-    work.timers.time(Stage::Integrate, || kick_and_drift(&mut state.particles, dt, lattice));
+    let integrate = || kick_and_drift(&mut state.particles, dt, lattice);
+    let way = work.timers.time(Stage::Integrate, integrate);
     state.clock.tick();
     work.move_walls(domain, state.clock.time(), dt);
-    let verdict = decide(state, domain, work, ranks)?;
+    let verdict = decide(state, way, domain, work, ranks)?;
     if verdict.rebuild {
         rebuild(state, domain, models, work, ranks)?;
     } else {
@@ -110,10 +111,11 @@ struct Verdict {
     requests: Requests,
 }
 
-/// One reduction per step: is any list outdated, has any particle left, has anything gone wrong, was any
-/// rank asked to stop?
+/// One reduction per step: how far have particles moved, is any list outdated, has any particle left, has anything
+/// gone wrong, was any rank asked to stop? No particle of this rank has moved farther than `way`.
 fn decide(
-    state: &State,
+    state: &mut State,
+    way: f64,
     domain: &Domain,
     work: &mut Workspace,
     ranks: &dyn Communicator,
@@ -125,12 +127,17 @@ fn decide(
         let stopped = first_beyond(particles, domain, Face::Stop);
         let left = first_beyond(particles, domain, Face::Open).is_some();
         let by_walls = neighbours.outdated_by_walls((&domain.walls, wall_poses), *reach);
-        let outdated = left || by_walls || neighbours.outdated(particles, *reach);
         let faulty = fault.is_some();
         let Requests { stop, checkpoint } = *requests;
-        let mut flags = [outdated, faulty, stopped.is_some(), stop, checkpoint].map(i64::from);
-        ranks.sum_integers(&mut flags);
-        let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|count| count > 0);
+        let flags = [left || by_walls, faulty, stopped.is_some(), stop, checkpoint];
+        let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(f64::from);
+        let mut said = [way, outdated, faulty, any_stopped, stop, checkpoint];
+        ranks.maximum(&mut said);
+        let [way, flags @ ..] = said;
+        let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|flag| flag > 0.0);
+        state.contacts.moved(way);
+        neighbours.moved(way);
+        let outdated = outdated || neighbours.outdated(*reach);
         if faulty {
             let words = agreed_words(fault.take(), ranks);
             return Err(StepError::Unstable { step: step - 1, words });

@@ -64,7 +64,7 @@ pub fn add_pair_forces(
     contacts: &mut Contacts,
     laws: &ForceLaws,
 ) -> Result<(), ForceOutOfRange> {
-    contacts.near.hold_rolling_angles(laws.contact.rolling.is_some());
+    contacts.near.acting.hold_rolling_angles(laws.contact.rolling.is_some());
     contacts.find_near(particles, laws.range);
     in_quads(PairWork { particles, near: &mut contacts.near, laws })
 }

@@ -9,11 +9,15 @@ use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
-use crate::numbers::{Quad, QuadWork, within};
+use crate::numbers::{Quad, QuadWork, fetch_ahead, within};
 use crate::particles::{
-    AngleLanes, ContactMemory, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs, Particles,
+    AngleLanes, ContactMemory, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs, PairBlock, PairBlocks,
+    Particles,
 };
 use nalgebra::Vector3;
+
+/// With more bytes of pairs than this, little of them is in a cache of the processor's core from one step to the next.
+const CACHED: usize = 1 << 22;
 
 /// Bodies and pairs, and what acts between them.
 pub(super) struct PairWork<'a> {
@@ -60,26 +64,46 @@ impl PairWork<'_> {
         let Self { particles, near, laws } = self;
         let mut block = Block::default();
         let mut no_angles = [[0.0; LANES]; 3];
-        for index in 0..near.first.len() {
-            let pairs = [&near.first[index], &near.second[index]];
-            block.gather::<Q, S>(&mut sizes, pairs, &particles.body, R::ACTS);
+        let count = near.acting.count();
+        let from_memory = size_of_val(&near.acting.blocks[..]) > CACHED;
+        let PairBlocks { blocks, rolling_angle, .. } = &mut near.acting;
+        for index in 0..blocks.len() {
+            let (done, coming) = blocks.split_at_mut(index + 1);
+            let pairs = &mut done[index];
+            let ends = [&pairs.first, &pairs.second];
+            block.gather::<Q, S>(&mut sizes, ends, &particles.body, R::ACTS);
+            if from_memory {
+                fetch_particles(coming.first(), particles);
+                coming.get(1).into_iter().for_each(fetch_ahead);
+            }
             approach(&mut block, &sizes);
             attract(&mut block, &sizes, laws);
-            let angles = near.rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
-            run(law, &sizes, laws, &mut block, (&mut near.memory[index], angles));
+            let angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
+            run(law, &sizes, laws, &mut block, (&mut pairs.memory, angles));
             add_up::<R, S>(&mut block, &sizes, laws);
-            block.note_touching(&mut near.touching[index]);
+            block.note_touching(&mut pairs.touching);
             if let Some(lane) = block.out_of_range_lane() {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
-                let [i, j] = pairs.map(|of| particles.id[of[lane] as usize]);
+                let [i, j] = ends.map(|of| particles.id[of[lane] as usize]);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
                 return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            let used = (near.count() - index * LANES).min(LANES);
-            let targets = [pairs[0], &near.target[index]];
+            let used = PairBlock::used(index, count);
+            let targets = [ends[0], &pairs.target];
             block.scatter::<Q, S>(targets, used, &mut particles.load);
         }
         Ok(())
+    }
+}
+
+/// Asks for the particles of the block that comes next: while the processor computes, memory would else wait, and
+/// then the processor.
+#[inline(always)]
+fn fetch_particles(next: Option<&PairBlock>, particles: &Particles) {
+    let Some(pairs) = next else { return };
+    for index in pairs.first.into_iter().chain(pairs.second) {
+        fetch_ahead(&particles.body[index as usize]);
+        fetch_ahead(&particles.load[index as usize]);
     }
 }
 

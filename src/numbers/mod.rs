@@ -2,6 +2,7 @@
 //! elementary functions that are the same on every machine.
 
 mod exact_sum;
+mod fetch_ahead;
 mod functions;
 mod quads;
 mod quantum;
@@ -10,6 +11,7 @@ mod schedule;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
+pub use fetch_ahead::fetch_ahead;
 pub use functions::{power, powers, sine, whole};
 pub use quads::{Quad, QuadWork, in_quads, quad, quad_mut};
 pub use quantum::{Quantum, within};

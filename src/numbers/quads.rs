@@ -26,6 +26,9 @@ pub trait Quad: Copy {
     /// The larger of each two; either of them if one is undefined.
     fn larger(self, other: Self) -> Self;
 
+    /// Bit k says whether number k is less than that of the other; not so if either is undefined.
+    fn below(self, other: Self) -> u32;
+
     /// Rows to columns.
     fn transposed(rows: [Self; 4]) -> [Self; 4];
 }
@@ -117,6 +120,11 @@ impl Quad for Portable {
     }
 
     #[inline(always)]
+    fn below(self, other: Self) -> u32 {
+        (0..4).map(|k| u32::from(self.0[k] < other.0[k]) << k).sum()
+    }
+
+    #[inline(always)]
     fn transposed(rows: [Self; 4]) -> [Self; 4] {
         let [Self(a), Self(b), Self(c), Self(d)] = rows;
         [
@@ -184,6 +192,11 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn below(self, other: Self) -> u32 {
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+        }
+
+        #[inline(always)]
         fn transposed(rows: [Self; 4]) -> [Self; 4] {
             let [Self(a), Self(b), Self(c), Self(d)] = rows;
             unsafe {
@@ -231,5 +244,23 @@ mod tests {
         assert_eq!(sum, [0.1 - 0.7, 0.2 + 3.0, 0.3 + 1.0e-9, 0.4 + 7.0]);
         assert_eq!(larger, [0.1, 3.0, 0.3, 7.0]);
         assert_eq!(columns[1], [0.2, 3.0, 0.2 * 3.0, 0.3]);
+    }
+
+    struct Comparison;
+
+    impl QuadWork for Comparison {
+        type Output = u32;
+
+        #[inline(always)]
+        fn run<Q: Quad>(self) -> u32 {
+            let (a, b) = (Q::load(&[1.0, 2.0, f64::NAN, -4.0]), Q::load(&[2.0, 2.0, 3.0, 0.0]));
+            a.below(b) | b.below(a) << 4
+        }
+    }
+
+    #[test]
+    fn all_kinds_of_quads_compare_alike() {
+        assert_eq!(in_quads(Comparison), 0b1001);
+        assert_eq!(Comparison.run::<Portable>(), 0b1001);
     }
 }

@@ -6,7 +6,8 @@
 //! steps, and what those that touch remember, are [`NearPairs`]; [`Contacts::records`] and [`Contacts::recall`]
 //! carry it over a rebuild, to another rank, and through a checkpoint.
 
-use super::near_pairs::Remembered;
+use super::near_pairs::{Rows, pair_of};
+use super::pair_blocks::Remembered;
 use super::{NearPairs, Particles, Reach};
 use crate::domain::{Wall, WallPose};
 use bytemuck::{Pod, Zeroable};
@@ -71,8 +72,6 @@ pub struct Contacts {
     pub(crate) partner: Vec<u32>,
     /// The pairs that can feel each other.
     pub(crate) near: NearPairs,
-    /// What touching pairs remember that are not yet among the near ones, by slots.
-    carried: Vec<Remembered>,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_memory: Vec<ContactMemory>,
@@ -92,17 +91,24 @@ fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
 
 impl PairMemory {
     /// What the slot of particle `here` remembers of `there`, seen from the lower id.
-    fn of(
-        [here, there]: [u64; 2],
-        mut memory: ContactMemory,
-        mut rolling_angle: Vector3<f64>,
-    ) -> Self {
+    fn of([here, there]: [u64; 2], remembered: Remembered) -> Self {
+        let Remembered { mut memory, mut rolling_angle } = remembered;
         if here > there {
             (memory, rolling_angle) = (reversed(memory), -rolling_angle);
         }
         memory.tangential_spring = without_negative_zeros(memory.tangential_spring);
         rolling_angle = without_negative_zeros(rolling_angle);
         Self { lower: here.min(there), higher: here.max(there), memory, rolling_angle }
+    }
+
+    /// The same, seen from the particle `here`.
+    fn seen_from(&self, here: u64) -> Remembered {
+        let Self { memory, rolling_angle, .. } = *self;
+        if here == self.lower {
+            Remembered { memory, rolling_angle }
+        } else {
+            Remembered { memory: reversed(memory), rolling_angle: -rolling_angle }
+        }
     }
 }
 
@@ -115,16 +121,8 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let ends = |pair: Remembered| {
-            let partner = self.partner[pair.slot as usize] as usize;
-            if particles.owned_original(partner).is_some() { 2 } else { 1 }
-        };
-        self.remembered().map(ends).sum()
-    }
-
-    /// What every touching pair remembers, by slots.
-    fn remembered(&self) -> impl Iterator<Item = Remembered> + '_ {
-        self.near.remembered().chain(self.carried.iter().copied())
+        let partners = self.near.acting.touching().map(|([_, partner], _)| partner as usize);
+        partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
     }
 
     /// Begins a new list, without pairs and memories.
@@ -133,28 +131,29 @@ impl Contacts {
         self.row_start.push(0);
         self.partner.clear();
         self.near.forget();
-        self.carried.clear();
     }
 
-    /// Makes sure that all pairs whose surfaces are closer than `range` are among the near ones.
+    /// Takes note that no particle has moved farther than this since the last time.
+    pub fn moved(&mut self, way: f64) {
+        self.near.moved(way);
+    }
+
+    /// Makes sure that all pairs whose surfaces are closer than `range` are evaluated.
     pub fn find_near(&mut self, particles: &Particles, range: f64) {
-        let list = (&self.row_start[..], &self.partner[..]);
-        self.near.update(particles, list, range, &mut self.carried);
+        let rows = Rows { start: &self.row_start, partners: &self.partner };
+        self.near.update(particles, rows, range);
     }
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
     /// both, with the same contents; `once` leaves it to the owner of the lower id.
     pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
-        let mut row = 0; // slots ascend
-        self.remembered()
-            .filter_map(|pair| {
-                while self.row_start[row + 1] <= pair.slot {
-                    row += 1;
-                }
-                let partner = self.partner[pair.slot as usize] as usize;
-                let (here, there) = (particles.id[row], particles.id[partner]);
-                let leave = once && here > there && particles.owned_original(partner).is_none();
-                (!leave).then(|| PairMemory::of([here, there], pair.memory, pair.rolling_angle))
+        let touching = self.near.acting.touching();
+        touching
+            .filter_map(|(pair, remembered)| {
+                let [here, there] = pair.map(|index| particles.id[index as usize]);
+                let left_to_other = || particles.owned_original(pair[1] as usize).is_none();
+                let leave = once && here > there && left_to_other();
+                (!leave).then(|| PairMemory::of([here, there], remembered))
             })
             .collect()
     }
@@ -212,35 +211,29 @@ impl Contacts {
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
             particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();
-        for pair in pairs {
-            let ends = [(pair.lower, pair.higher), (pair.higher, pair.lower)];
-            let mut found = false;
-            for (side, (here, there)) in ends.into_iter().enumerate() {
+        // Row, slot, and place among the pairs.
+        let mut found = Vec::with_capacity(pairs.len());
+        for (place, pair) in pairs.iter().enumerate() {
+            let known = found.len();
+            for [here, there] in [[pair.lower, pair.higher], [pair.higher, pair.lower]] {
                 let Some(&row) = index_of.get(&here) else { continue };
-                let slots = self.row_start[row] as usize..self.row_start[row + 1] as usize;
-                for slot in slots {
-                    if particles.id[self.partner[slot] as usize] == there {
-                        self.remember(slot, pair, side == 0);
-                        found = true;
-                    }
-                }
+                let slots = self.row_start[row]..self.row_start[row + 1];
+                let is_there =
+                    |&slot: &u32| particles.id[self.partner[slot as usize] as usize] == there;
+                found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, place as u32)));
             }
-            if !found {
+            if found.len() == known {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
-        self.carried.sort_unstable_by_key(|pair| pair.slot);
-        self.carried.dedup_by_key(|pair| pair.slot); // known twice, with the same contents
+        found.sort_unstable();
+        found.dedup_by_key(|&mut (slot, ..)| slot); // known twice, with the same contents
+        for (slot, row, place) in found {
+            let pair = pair_of(particles, [row, self.partner[slot as usize]]);
+            let here = particles.id[row as usize];
+            self.near.recall(pair, pairs[place as usize].seen_from(here));
+        }
         self.recall_walls(&index_of, walls)
-    }
-
-    fn remember(&mut self, slot: usize, pair: &PairMemory, from_lower: bool) {
-        let (memory, rolling_angle) = if from_lower {
-            (pair.memory, pair.rolling_angle)
-        } else {
-            (reversed(pair.memory), -pair.rolling_angle)
-        };
-        self.carried.push(Remembered { slot: slot as u32, memory, rolling_angle });
     }
 
     fn recall_walls(

@@ -11,18 +11,19 @@ pub fn kick(particles: &mut Particles, dt: f64) {
 }
 
 /// Half a kick, then x += dt v, dt v being rounded to the lattice of positions. The velocities that remain
-/// are those of the half step, which dashpots, sliders and the gas see.
+/// are those of the half step, which dashpots, sliders and the gas see. Returns a length that no particle has moved
+/// farther than; infinite if a velocity is undefined.
 ///
 /// The way is rounded, not the sum: a sum in doubles is rounded once more before, to digits that depend on
 /// how far from the origin it is, so that a particle beyond a periodic face would move differently before
 /// and after it is wrapped.
-pub fn kick_and_drift(particles: &mut Particles, dt: f64, lattice: Quantum) {
+pub fn kick_and_drift(particles: &mut Particles, dt: f64, lattice: Quantum) -> f64 {
     let owned = particles.owned_count();
     let (bodies, loads) = (&mut particles.body[..owned], &particles.load[..owned]);
-    in_quads(Motion { bodies, loads, dt, drift: Some(lattice) });
+    in_quads(Motion { bodies, loads, dt, drift: Some(lattice) })
 }
 
-/// Half a kick, and a drift on the lattice of positions, if there is one.
+/// Half a kick, and a drift on the lattice of positions, if there is one. Gives a bound of the ways.
 struct Motion<'a> {
     bodies: &'a mut [Body],
     loads: &'a [Load],
@@ -31,28 +32,69 @@ struct Motion<'a> {
 }
 
 impl QuadWork for Motion<'_> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn run<Q: Quad>(self) {
+    fn run<Q: Quad>(self) -> f64 {
         let half = 0.5 * self.dt;
         let dt = Q::load(&[self.dt, self.dt, self.dt, 0.0]); // the radius stays
         let mut size = [0.0; 2];
         let (mut per_mass, mut per_inertia) = (0.0, 0.0);
-        for (body, load) in self.bodies.iter_mut().zip(self.loads) {
-            if size != [body.radius, body.mass] {
-                size = [body.radius, body.mass]; // often that of the last one: no division
-                (per_mass, per_inertia) = (half / body.mass, half / body.inertia());
+        let mut farthest = Farthest::new();
+        for (bodies, loads) in self.bodies.chunks_mut(4).zip(self.loads.chunks(4)) {
+            let mut ways = [Q::splat(0.0); 4];
+            for ((body, load), way) in bodies.iter_mut().zip(loads).zip(&mut ways) {
+                if size != [body.radius, body.mass] {
+                    size = [body.radius, body.mass]; // often that of the last one: no division
+                    (per_mass, per_inertia) = (half / body.mass, half / body.inertia());
+                }
+                let [place, motion, spin] = body.quads_mut();
+                let [force, torque] = load.quads();
+                let velocity = Q::load(motion).plus(Q::load(force).times(Q::splat(per_mass)));
+                velocity.store(motion); // the mass stays: zero is added
+                Q::load(spin).plus(Q::load(torque).times(Q::splat(per_inertia))).store(spin);
+                if let Some(lattice) = self.drift {
+                    *way = lattice.round_quad(velocity.times(dt));
+                    Q::load(place).plus(*way).store(place);
+                }
             }
-            let [place, motion, spin] = body.quads_mut();
-            let [force, torque] = load.quads();
-            let velocity = Q::load(motion).plus(Q::load(force).times(Q::splat(per_mass)));
-            velocity.store(motion); // the mass stays: zero is added
-            Q::load(spin).plus(Q::load(torque).times(Q::splat(per_inertia))).store(spin);
-            if let Some(lattice) = self.drift {
-                Q::load(place).plus(lattice.round_quad(velocity.times(dt))).store(place);
+            if self.drift.is_some() {
+                farthest.see(ways);
             }
         }
+        farthest.length()
+    }
+}
+
+/// The longest of many ways.
+struct Farthest<Q> {
+    /// The largest square so far, in each lane.
+    squared: Q,
+    /// Undefined if any way is.
+    flag: Q,
+}
+
+impl<Q: Quad> Farthest<Q> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { squared: Q::splat(0.0), flag: Q::splat(0.0) }
+    }
+
+    #[inline(always)]
+    fn see(&mut self, ways: [Q; 4]) {
+        let [x, y, z, _] = Q::transposed(ways);
+        let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
+        self.squared = self.squared.larger(squared);
+        self.flag = self.flag.plus(squared.times(Q::splat(0.0)));
+    }
+
+    #[inline(always)]
+    fn length(self) -> f64 {
+        let (mut squares, mut flags) = ([0.0; 4], [0.0; 4]);
+        self.squared.store(&mut squares);
+        self.flag.store(&mut flags);
+        let defined = flags == [0.0; 4];
+        if defined { squares.into_iter().fold(0.0, f64::max).sqrt() } else { f64::INFINITY }
     }
 }
 

@@ -3,16 +3,17 @@
 mod body;
 mod cell_grid;
 mod contacts;
-mod displacement;
 mod integrate;
 mod near_pairs;
 mod neighbours;
+mod pair_blocks;
 mod store;
 
 pub use body::{Body, Load, sphere_volume};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
 pub use integrate::{kick, kick_and_drift};
-pub use near_pairs::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs};
+pub use near_pairs::NearPairs;
 pub use neighbours::{Neighbours, Reach};
+pub use pair_blocks::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, PairBlock, PairBlocks};
 pub use store::Particles;

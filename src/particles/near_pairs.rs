@@ -1,56 +1,35 @@
-//! The pairs within reach of each other's force, or nearly so, and what the touching ones remember.
+//! The pairs within reach of each other's force, those that soon may be, and what the touching ones remember.
 //!
-//! They are found among the slots of the neighbour list, and hold for some steps: as long as no particle has
-//! moved more than half the margin. Which pairs beyond reach are among them changes no result, so every rank
-//! chooses its own margin and its own time to find them anew.
+//! They are found among the pairs of the neighbour list, and hold for some steps: as long as no two particles can
+//! have come nearer to each other by the margin. Pairs that act are evaluated at every step; the others wait, and
+//! only their distance is looked at. Which pairs beyond reach are among either changes no result, so every rank may
+//! choose its own margin and its own time to find them anew.
 
-use super::displacement::{Reference, largest_move_squared, take_reference};
-use super::{Body, ContactMemory, Particles};
-use nalgebra::Vector3;
+use super::pair_blocks::{Pair, PairBlocks, Remembered};
+use super::{Body, Particles};
+use crate::numbers::{Quad, QuadWork, in_quads};
 
-/// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
-/// over lanes before it has made vectors of them.
-pub const LANES: usize = 32;
-
-/// Numbers that a contact remembers.
-pub const MEMORY_FIELDS: usize = size_of::<ContactMemory>() / size_of::<f64>();
-
-/// What the pairs of one block remember, number by number.
-pub type MemoryLanes = [[f64; LANES]; MEMORY_FIELDS];
-
-/// Angles of rolling springs, axis by axis.
-pub type AngleLanes = [[f64; LANES]; 3];
-
-/// What the touching pair of a slot remembers, seen from the row's particle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Remembered {
-    pub(super) slot: u32,
-    pub(super) memory: ContactMemory,
-    /// Zero without a rolling spring.
-    pub(super) rolling_angle: Vector3<f64>,
+/// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) start: &'a [u32],
+    pub(super) partners: &'a [u32],
 }
 
-/// Near pairs in the order of their slots, by blocks. The last block is filled up with a pair that nobody reads.
+/// Near pairs.
 #[derive(Clone, Debug, Default)]
 pub struct NearPairs {
-    /// Row particle of each pair.
-    pub first: Vec<[u32; LANES]>,
-    /// Its partner, an owned particle or a ghost.
-    pub second: Vec<[u32; LANES]>,
-    /// Who feels the force on the partner: the owned particle that it is an image of, or itself.
-    pub target: Vec<[u32; LANES]>,
-    /// Whether they touched when the force was last evaluated.
-    pub touching: Vec<[bool; LANES]>,
-    /// What they remember, seen from the first.
-    pub memory: Vec<MemoryLanes>,
-    /// Angles of rolling springs, seen from the first; of no pair without such springs.
-    pub rolling_angle: Vec<AngleLanes>,
+    /// Those that act on each other, or did when they were last looked through; row by row, but for those that have
+    /// joined since.
+    pub acting: PairBlocks,
     /// Radius and mass, if all particles have the same.
     pub one_size: Option<[f64; 2]>,
-    /// Whether there are rolling springs.
-    rolling: bool,
-    /// Slot of each pair.
-    slot: Vec<u32>,
+    /// Those that do not: row particle and partner.
+    waiting: Vec<[u32; 2]>,
+    /// Of the waiting ones, which have come within reach.
+    arrived: Vec<u32>,
+    /// Slots of the list whose pairs act, bit by bit.
+    taken: Vec<u64>,
     validity: Validity,
 }
 
@@ -61,175 +40,211 @@ struct Validity {
     margin: f64,
     /// The range they were found for.
     range: f64,
-    /// Where the bodies were.
-    reference: Reference,
-    /// Evaluations since.
+    /// How far a particle may have moved since.
+    way: f64,
+    /// Evaluations since; none if the list is a new one.
     age: u32,
 }
 
-/// Cost of finding the pairs of a particle, over the cost of the pairs that a margin of one diameter would add.
-const COST_RATIO: f64 = 0.15;
+/// Cost of finding the pairs of a particle, over the cost of looking at the pairs that a margin of one diameter
+/// would add.
+const COST_RATIO: f64 = 0.04;
 
 /// The margin of a list of which nothing is known, in diameters.
 const FIRST_MARGIN: f64 = 0.005;
 
+/// Pairs act from a little before they can feel each other: distances are rounded. In diameters.
+const ALLOWANCE: f64 = 1.0e-9;
+
 impl Validity {
     /// Whether every pair within `range` is in the list.
-    fn holds(&self, bodies: &[Body], range: f64) -> bool {
-        let limit = (0.499 * self.margin).powi(2);
-        self.age > 0
-            && range == self.range
-            && self.reference.len() == bodies.len()
-            && largest_move_squared(bodies, &self.reference) < limit
+    fn holds(&self, range: f64) -> bool {
+        self.age > 0 && range == self.range && 2.0 * self.way < 0.999 * self.margin
     }
 
     /// With s the way of a step, a margin m lasts m / 2s steps: 2 s a / m + b m is least for m^2 = 2 s a / b.
-    fn renew(&mut self, bodies: &[Body], range: f64) {
-        let diameter = bodies.first().map_or(1.0, |body| 2.0 * body.radius);
-        if self.age > 0 && self.reference.len() == bodies.len() {
-            let moved = largest_move_squared(bodies, &self.reference).sqrt();
-            let margin = (2.0 * COST_RATIO * diameter * moved / f64::from(self.age)).sqrt();
+    fn renew(&mut self, diameter: f64, range: f64) {
+        if self.age > 0 {
+            let margin = (2.0 * COST_RATIO * diameter * self.way / f64::from(self.age)).sqrt();
             self.margin = margin.clamp(1.0e-5 * diameter, 0.05 * diameter);
         } else if self.margin == 0.0 {
             self.margin = FIRST_MARGIN * diameter;
         }
-        self.range = range;
-        take_reference(&mut self.reference, bodies);
-        self.age = 0;
+        (self.range, self.way, self.age) = (range, 0.0, 0);
     }
 }
 
 impl NearPairs {
-    /// Makes sure that all pairs of the list `rows` whose surfaces are closer than `range` are here. A touching pair
-    /// that no longer is near has parted, and forgets.
-    ///
-    /// `carried` are memories that slots had before, in the order of slots; they are taken.
-    pub(super) fn update(
-        &mut self,
-        particles: &Particles,
-        (row_start, partners): (&[u32], &[u32]),
-        range: f64,
-        carried: &mut Vec<Remembered>,
-    ) {
-        if !self.validity.holds(particles.moving(), range) {
-            carried.extend(self.remembered());
-            self.validity.renew(particles.moving(), range);
-            self.clear();
-            self.find(particles, (row_start, partners), carried);
-            self.one_size = particles.one_size();
-            carried.clear();
+    /// Takes note that no particle has moved farther than this since the last time.
+    pub(super) fn moved(&mut self, way: f64) {
+        self.validity.way += way;
+    }
+
+    /// Begins with a new list, of which no pair remembers anything.
+    pub(super) fn forget(&mut self) {
+        self.acting.clear();
+        self.waiting.clear();
+        self.validity.age = 0;
+    }
+
+    /// Gives a pair of the new list its memory back.
+    pub(super) fn recall(&mut self, pair: Pair, remembered: Remembered) {
+        self.acting.push(pair, Some(remembered));
+    }
+
+    /// Makes sure that all pairs of the list whose surfaces are closer than `range` act. A touching pair that no
+    /// longer is near has parted, and forgets.
+    pub(super) fn update(&mut self, particles: &Particles, rows: Rows, range: f64) {
+        let diameter = particles.body.first().map_or(1.0, |body| 2.0 * body.radius);
+        let reach = range + ALLOWANCE * diameter;
+        if self.validity.holds(range) {
+            self.let_in(particles, reach);
+        } else {
+            if self.validity.age == 0 {
+                self.one_size = particles.one_size();
+            }
+            self.validity.renew(diameter, range);
+            self.find(particles, rows, reach);
         }
         self.validity.age += 1;
     }
 
-    /// What all touching pairs remember.
-    pub(super) fn remembered(&self) -> impl Iterator<Item = Remembered> + '_ {
-        self.slot.iter().enumerate().filter_map(|(pair, &slot)| {
-            let (block, lane) = (pair / LANES, pair % LANES);
-            let memory = || bytemuck::cast(self.memory[block].map(|field| field[lane]));
-            let angle = || match self.rolling_angle.get(block) {
-                Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
-                None => Vector3::zeros(),
-            };
-            self.touching[block][lane].then(|| Remembered {
-                slot,
-                memory: memory(),
-                rolling_angle: angle(),
-            })
-        })
+    /// Waiting pairs that have come within reach act from now on.
+    fn let_in(&mut self, particles: &Particles, reach: f64) {
+        let Self { acting, waiting, arrived, .. } = self;
+        arrived.clear();
+        in_quads(Arrivals { bodies: &particles.body, waiting, reach, arrived });
+        for &place in &*arrived {
+            acting.push(pair_of(particles, waiting[place as usize]), None);
+        }
+        // From the back, so that those still to be removed stay where they are.
+        for &place in arrived.iter().rev() {
+            waiting.swap_remove(place as usize);
+        }
     }
 
-    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
-    /// does not come back bent.
-    pub fn hold_rolling_angles(&mut self, hold: bool) {
-        self.rolling = hold;
-        let blocks = if hold { self.first.len() } else { 0 };
-        self.rolling_angle.resize(blocks, [[0.0; LANES]; 3]);
-    }
-
-    /// Forgets all pairs, so that they are found anew.
-    pub(super) fn forget(&mut self) {
-        self.clear();
-        self.validity.reference.clear();
-    }
-
-    fn clear(&mut self) {
-        self.first.clear();
-        self.second.clear();
-        self.target.clear();
-        self.touching.clear();
-        self.memory.clear();
-        self.rolling_angle.clear();
-        self.slot.clear();
-    }
-
-    fn find(
-        &mut self,
-        particles: &Particles,
-        (row_start, partners): (&[u32], &[u32]),
-        carried: &[Remembered],
-    ) {
+    fn find(&mut self, particles: &Particles, rows: Rows, reach: f64) {
         let bodies = &particles.body[..];
-        let margin = self.validity.range + self.validity.margin;
-        let mut carried = carried.iter().copied().peekable();
-        for (row, ends) in row_start.windows(2).enumerate() {
-            let body = &bodies[row];
-            for slot in ends[0]..ends[1] {
-                let partner = partners[slot as usize];
-                let remembered = carried.next_if(|pair| pair.slot == slot);
-                if is_near(body, &bodies[partner as usize], margin) {
-                    let original = particles.owned_original(partner as usize);
-                    let target = original.map_or(partner, |index| index as u32);
-                    self.push([row as u32, partner, target], slot, remembered);
-                }
+        let is_within = |[one, other]: [u32; 2], reach: f64| {
+            is_near([one, other].map(|index| &bodies[index as usize]), reach)
+        };
+        self.acting.retain(|pair| is_within(pair, reach));
+        mark(&mut self.taken, rows, self.acting.pairs());
+        self.waiting.clear();
+        let Self { acting, waiting, taken, validity, .. } = self;
+        let take = |slot: usize, pair: [u32; 2]| {
+            if taken[slot / 64] >> (slot % 64) & 1 == 1 {
+            } else if is_within(pair, reach) {
+                acting.push(pair_of(particles, pair), None);
+            } else {
+                waiting.push(pair);
             }
-        }
+        };
+        let margin = validity.range + validity.margin;
+        in_quads(Candidates { bodies, rows, margin, take });
     }
+}
 
-    /// Pairs in the blocks.
-    pub fn count(&self) -> usize {
-        self.slot.len()
+/// Sets the bits of the slots in which these pairs are.
+fn mark(bits: &mut Vec<u64>, rows: Rows, pairs: impl Iterator<Item = [u32; 2]>) {
+    bits.clear();
+    bits.resize(rows.partners.len().div_ceil(64), 0);
+    for [first, second] in pairs {
+        let [begin, end] = [0, 1].map(|next| rows.start[first as usize + next] as usize);
+        let place = rows.partners[begin..end].iter().position(|&partner| partner == second);
+        let slot = begin + place.expect("pairs that act are in the list");
+        bits[slot / 64] |= 1 << (slot % 64);
     }
+}
 
-    fn push(
-        &mut self,
-        [first, second, target]: [u32; 3],
-        slot: u32,
-        remembered: Option<Remembered>,
-    ) {
-        let lane = self.slot.len() % LANES;
-        if lane == 0 {
-            if self.rolling {
-                self.rolling_angle.push([[0.0; LANES]; 3]);
-            }
-            // Should no more pairs come, this one fills up the block.
-            self.first.push([first; LANES]);
-            self.second.push([second; LANES]);
-            self.target.push([target; LANES]);
-            self.touching.push([false; LANES]);
-            self.memory.push([[0.0; LANES]; MEMORY_FIELDS]);
-        }
-        let block = self.first.len() - 1;
-        self.first[block][lane] = first;
-        self.second[block][lane] = second;
-        self.target[block][lane] = target;
-        self.touching[block][lane] = remembered.is_some();
-        if let Some(Remembered { memory, rolling_angle, .. }) = remembered {
-            let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
-            for (field, number) in self.memory[block].iter_mut().zip(numbers) {
-                field[lane] = number;
-            }
-            if let Some(angle) = self.rolling_angle.get_mut(block) {
-                (0..3).for_each(|axis| angle[axis][lane] = rolling_angle[axis]);
-            }
-        }
-        self.slot.push(slot);
-    }
+/// A pair, with who feels the force on the partner.
+pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair {
+    let original = particles.owned_original(second as usize);
+    [first, second, original.map_or(second, |index| index as u32)]
 }
 
 /// Whether the surfaces of two bodies are closer than `margin`.
 #[inline(always)]
-fn is_near(one: &Body, other: &Body, margin: f64) -> bool {
+fn is_near([one, other]: [&Body; 2], margin: f64) -> bool {
     let reach = one.radius + other.radius + margin;
     (other.position - one.position).norm_squared() < reach * reach
+}
+
+/// From one body to another, and the sum of their radii.
+#[inline(always)]
+fn branch<Q: Quad>(one: &Body, other: &Body) -> Q {
+    let but_the_last = Q::load(&[1.0, 1.0, 1.0, -1.0]);
+    Q::load(&other.quads()[0]).minus(Q::load(&one.quads()[0]).times(but_the_last))
+}
+
+/// Bits of those of four branches whose surfaces are closer than `margin`.
+#[inline(always)]
+fn near_ones<Q: Quad>(branches: [Q; 4], margin: Q) -> u32 {
+    let [x, y, z, radii] = Q::transposed(branches);
+    let reach = radii.plus(margin);
+    let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
+    squared.below(reach.times(reach))
+}
+
+/// Which waiting pairs have come within reach.
+struct Arrivals<'a> {
+    bodies: &'a [Body],
+    waiting: &'a [[u32; 2]],
+    reach: f64,
+    arrived: &'a mut Vec<u32>,
+}
+
+impl QuadWork for Arrivals<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) {
+        let Self { bodies, waiting, reach, arrived } = self;
+        let reach = Q::splat(reach);
+        for (quad, pairs) in waiting.chunks(4).enumerate() {
+            let mut branches = [Q::splat(0.0); 4];
+            for (branch_of_pair, &[one, other]) in branches.iter_mut().zip(pairs) {
+                *branch_of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
+            }
+            let mut near = near_ones(branches, reach) & ((1 << pairs.len()) - 1);
+            while near != 0 {
+                arrived.push(4 * quad as u32 + near.trailing_zeros());
+                near &= near - 1;
+            }
+        }
+    }
+}
+
+/// Calls `take` with the slot and the pair of every pair of the list that is closer than the margin.
+struct Candidates<'a, F> {
+    bodies: &'a [Body],
+    rows: Rows<'a>,
+    margin: f64,
+    take: F,
+}
+
+impl<F: FnMut(usize, [u32; 2])> QuadWork for Candidates<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Q: Quad>(mut self) {
+        let margin = Q::splat(self.margin);
+        for (row, ends) in self.rows.start.windows(2).enumerate() {
+            let body = &self.bodies[row];
+            let [begin, end] = [ends[0] as usize, ends[1] as usize];
+            for from in (begin..end).step_by(4) {
+                let partners = &self.rows.partners[from..end.min(from + 4)];
+                let mut branches = [Q::splat(0.0); 4];
+                for (branch_of_pair, &partner) in branches.iter_mut().zip(partners) {
+                    *branch_of_pair = branch(body, &self.bodies[partner as usize]);
+                }
+                let mut near = near_ones(branches, margin) & ((1 << partners.len()) - 1);
+                while near != 0 {
+                    let slot = from + near.trailing_zeros() as usize;
+                    (self.take)(slot, [row as u32, self.rows.partners[slot]]);
+                    near &= near - 1;
+                }
+            }
+        }
+    }
 }

@@ -1,10 +1,8 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
 use super::contacts::{LostContact, PairMemory, WallMemory};
-use super::displacement::{Reference, largest_move_squared, take_reference};
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Wall, WallPose};
-use nalgebra::Vector3;
 
 /// How far the list looks beyond touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,24 +24,21 @@ impl Reach {
 /// gives the same bits, because the pairs that act are the same and force sums are exact.
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
-    reference: Reference,
+    /// How far a particle may have moved since.
+    way: f64,
     reference_poses: Vec<WallPose>,
     cells: CellGrid,
 }
 
 impl Neighbours {
-    /// Whether a particle has moved more than half the skin since the list was built.
-    pub fn outdated(&self, particles: &Particles, reach: Reach) -> bool {
-        let limit = (0.5 * reach.skin).powi(2);
-        let bodies = &particles.body[..particles.owned_count()];
-        if largest_move_squared(bodies, &self.reference) < limit {
-            return false;
-        }
-        let moved = bodies.iter().zip(&self.reference).map(|(body, &[x, y, z, _])| {
-            let then = Vector3::new(x, y, z);
-            (body.position - then).norm_squared()
-        });
-        !{ moved }.all(|squared| squared < limit)
+    /// Takes note that no particle of any rank has moved farther than this since the last time.
+    pub fn moved(&mut self, way: f64) {
+        self.way += way;
+    }
+
+    /// Whether a particle may have moved more than half the skin since the list was built.
+    pub fn outdated(&self, reach: Reach) -> bool {
+        self.way >= 0.499 * reach.skin
     }
 
     /// Whether a wall has moved more than half the skin towards particles since the list was built.
@@ -76,8 +71,7 @@ impl Neighbours {
         reach: Reach,
         remembered: (&[PairMemory], &[WallMemory]),
     ) -> Result<(), LostContact> {
-        let owned = particles.owned_count();
-        take_reference(&mut self.reference, &particles.body[..owned]);
+        self.way = 0.0;
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.1);
         let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);

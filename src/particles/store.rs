@@ -11,8 +11,6 @@ pub struct Particles {
     owned: usize,
     /// For each ghost the owned particle that it is a periodic image of, or [`REMOTE`].
     image_of: Vec<u32>,
-    /// Ghosts that other ranks own.
-    remote: usize,
     /// Global ids: unique, never reused.
     pub id: Vec<u64>,
     /// Size and motion of each.
@@ -46,11 +44,6 @@ impl Particles {
         }
         let original = self.image_of[index - self.owned];
         (original != REMOTE).then_some(original as usize)
-    }
-
-    /// Particles such that all others move as one of them does: images move like their originals.
-    pub(super) fn moving(&self) -> &[Body] {
-        if self.remote == 0 { &self.body[..self.owned] } else { &self.body }
     }
 
     /// Radius and mass of the particles, if all have the same.
@@ -98,7 +91,6 @@ impl Particles {
     ) {
         let original = image_of.and_then(|index| self.owned_original(index));
         self.image_of.push(original.map_or(REMOTE, |index| index as u32));
-        self.remote += usize::from(original.is_none());
         self.push_body(id, Body::new(position, velocity, radius, mass));
     }
 
@@ -135,7 +127,6 @@ impl Particles {
 
     fn truncate(&mut self, count: usize) {
         self.image_of.clear();
-        self.remote = 0;
         self.id.truncate(count);
         self.body.truncate(count);
         self.load.truncate(count);

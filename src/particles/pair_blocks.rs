@@ -1,0 +1,239 @@
+//! Pairs side by side in blocks, with what they remember: what the loop over forces streams through.
+
+use super::ContactMemory;
+use nalgebra::Vector3;
+
+/// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
+/// over lanes before it has made vectors of them.
+pub const LANES: usize = 32;
+
+/// Numbers that a contact remembers.
+pub const MEMORY_FIELDS: usize = size_of::<ContactMemory>() / size_of::<f64>();
+
+/// What the pairs of one block remember, number by number.
+pub type MemoryLanes = [[f64; LANES]; MEMORY_FIELDS];
+
+/// Angles of rolling springs, axis by axis.
+pub type AngleLanes = [[f64; LANES]; 3];
+
+/// Pairs in one place of memory.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub struct PairBlock {
+    /// What they remember, seen from the first.
+    pub memory: MemoryLanes,
+    /// Row particle of each pair.
+    pub first: [u32; LANES],
+    /// Its partner, an owned particle or a ghost.
+    pub second: [u32; LANES],
+    /// Who feels the force on the partner: the owned particle that it is an image of, or itself.
+    pub target: [u32; LANES],
+    /// Whether they touched when the force was last evaluated.
+    pub touching: [bool; LANES],
+}
+
+/// A pair: its row particle, the partner, and who feels the force on the partner.
+pub(super) type Pair = [u32; 3];
+
+/// What a touching pair remembers, seen from the row's particle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Remembered {
+    pub(super) memory: ContactMemory,
+    /// Zero without a rolling spring.
+    pub(super) rolling_angle: Vector3<f64>,
+}
+
+/// Pairs by blocks. Lanes of the last block that no pair uses hold one that nobody reads.
+#[derive(Clone, Debug, Default)]
+pub struct PairBlocks {
+    /// The blocks.
+    pub blocks: Vec<PairBlock>,
+    /// Angles of rolling springs, seen from the first; of no pair without such springs.
+    pub rolling_angle: Vec<AngleLanes>,
+    /// Whether there are rolling springs.
+    rolling: bool,
+    count: usize,
+}
+
+impl PairBlock {
+    /// A block full of a pair that remembers nothing.
+    fn of([first, second, target]: Pair) -> Self {
+        Self {
+            memory: [[0.0; LANES]; MEMORY_FIELDS],
+            first: [first; LANES],
+            second: [second; LANES],
+            target: [target; LANES],
+            touching: [false; LANES],
+        }
+    }
+
+    /// Pairs in the block `index` of `count` pairs.
+    pub fn used(index: usize, count: usize) -> usize {
+        (count - index * LANES).min(LANES)
+    }
+}
+
+impl PairBlocks {
+    /// Number of pairs.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
+    /// does not come back bent.
+    pub fn hold_rolling_angles(&mut self, hold: bool) {
+        self.rolling = hold;
+        let blocks = if hold { self.blocks.len() } else { 0 };
+        self.rolling_angle.resize(blocks, [[0.0; LANES]; 3]);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.blocks.clear();
+        self.rolling_angle.clear();
+        self.count = 0;
+    }
+
+    /// First and second particle of each pair.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        (0..self.count).map(|pair| {
+            let (block, lane) = (&self.blocks[pair / LANES], pair % LANES);
+            [block.first[lane], block.second[lane]]
+        })
+    }
+
+    /// The touching pairs, first and second particle, and what they remember.
+    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
+        let pairs = self.pairs().enumerate();
+        pairs.filter_map(|(place, pair)| self.remembered(place).map(|memory| (pair, memory)))
+    }
+
+    /// What the pair at a place remembers, if it touches.
+    fn remembered(&self, place: usize) -> Option<Remembered> {
+        let (block, lane) = (&self.blocks[place / LANES], place % LANES);
+        block.touching[lane].then(|| Remembered {
+            memory: bytemuck::cast(block.memory.map(|field| field[lane])),
+            rolling_angle: match self.rolling_angle.get(place / LANES) {
+                Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
+                None => Vector3::zeros(),
+            },
+        })
+    }
+
+    pub(super) fn push(&mut self, pair: Pair, remembered: Option<Remembered>) {
+        if self.count.is_multiple_of(LANES) {
+            self.blocks.push(PairBlock::of(pair));
+            if self.rolling {
+                self.rolling_angle.push([[0.0; LANES]; 3]);
+            }
+        }
+        self.count += 1;
+        self.put(self.count - 1, pair, remembered);
+    }
+
+    fn put(&mut self, place: usize, pair: Pair, remembered: Option<Remembered>) {
+        let (index, lane) = (place / LANES, place % LANES);
+        let block = &mut self.blocks[index];
+        [block.first[lane], block.second[lane], block.target[lane]] = pair;
+        block.touching[lane] = remembered.is_some();
+        let Remembered { memory, rolling_angle } = remembered.unwrap_or(Remembered::NOTHING);
+        let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
+        for (field, number) in block.memory.iter_mut().zip(numbers) {
+            field[lane] = number;
+        }
+        if rolling_angle != Vector3::zeros() {
+            self.hold_rolling_angles(true);
+        }
+        if let Some(angles) = self.rolling_angle.get_mut(index) {
+            (0..3).for_each(|axis| angles[axis][lane] = rolling_angle[axis]);
+        }
+    }
+
+    /// Drops the pairs that do not touch and for which `keep` does not hold; the others stay in their order.
+    pub(super) fn retain(&mut self, keep: impl Fn([u32; 2]) -> bool) {
+        let mut kept = 0;
+        for place in 0..self.count {
+            let (block, lane) = (&self.blocks[place / LANES], place % LANES);
+            let pair = [block.first[lane], block.second[lane], block.target[lane]];
+            if block.touching[lane] || keep([pair[0], pair[1]]) {
+                if kept != place {
+                    self.put(kept, pair, self.remembered(place));
+                }
+                kept += 1;
+            }
+        }
+        self.truncate(kept);
+    }
+
+    /// Keeps the first pairs; the rest of their last block is filled up.
+    fn truncate(&mut self, count: usize) {
+        let blocks = count.div_ceil(LANES);
+        self.blocks.truncate(blocks);
+        self.rolling_angle.truncate(blocks);
+        self.count = count;
+        if let Some(block) = self.blocks.last() {
+            let filling = [block.first[0], block.second[0], block.target[0]];
+            (count..blocks * LANES).for_each(|place| self.put(place, filling, None));
+        }
+    }
+}
+
+impl Remembered {
+    const NOTHING: Self = Self {
+        memory: ContactMemory {
+            tangential_spring: Vector3::new(0.0, 0.0, 0.0),
+            largest_overlap: 0.0,
+        },
+        rolling_angle: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remembered(number: u32) -> Remembered {
+        let number = f64::from(number);
+        let memory = ContactMemory {
+            tangential_spring: Vector3::new(number, 2.0 * number, 0.0),
+            largest_overlap: 0.5 * number,
+        };
+        Remembered { memory, rolling_angle: Vector3::x() * number }
+    }
+
+    /// Pairs (k, k + 1000), each third of them touching.
+    fn blocks(count: u32) -> PairBlocks {
+        let mut pairs = PairBlocks::default();
+        for k in 0..count {
+            pairs.push([k, k + 1000, k + 2000], k.is_multiple_of(3).then(|| remembered(k)));
+        }
+        pairs
+    }
+
+    #[test]
+    fn what_is_pushed_is_found_again() {
+        let pairs = blocks(100);
+        assert_eq!((pairs.count(), pairs.blocks.len(), pairs.rolling_angle.len()), (100, 4, 4));
+        assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
+        for ([first, _], found) in pairs.touching() {
+            assert_eq!(found.memory, remembered(first).memory);
+            assert_eq!(found.rolling_angle, remembered(first).rolling_angle);
+        }
+        assert_eq!(pairs.touching().count(), 34);
+    }
+
+    #[test]
+    fn touching_pairs_and_those_wanted_are_retained_in_their_order() {
+        let mut pairs = blocks(100);
+        pairs.retain(|[first, second]| first.is_multiple_of(7) && second == first + 1000);
+        let expected = (0..100).filter(|k| k % 3 == 0 || k % 7 == 0);
+        assert!(pairs.pairs().map(|[first, _]| first).eq(expected));
+        assert!(pairs.touching().all(|([k, _], found)| found.memory == remembered(k).memory));
+        assert_eq!(pairs.touching().count(), 34);
+        let last = pairs.blocks.last().unwrap();
+        let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());
+        assert!(last.touching[used..].iter().all(|touching| !touching));
+        assert!(last.memory.iter().all(|field| field[used..] == [0.0; LANES][used..]));
+        pairs.retain(|_| false);
+        assert_eq!(pairs.count(), 34);
+    }
+}
