@@ -93,7 +93,7 @@ fn within_steps(criterion: &mut Criterion) {
         touching.gas = Some(gas(0.0));
         let stages = [
             ("coarse-graining and interpolation per particle", Stage::Gas),
-            ("gas force and weight per particle", Stage::BodyForces),
+            ("gas force per particle", Stage::GasForce),
         ];
         for (name, stage) in stages {
             time_stage(&mut group, name, (&touching, stage), particles);

@@ -8,7 +8,7 @@ use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, Wal
 use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Contacts, Neighbours, Particles, Reach};
+use crate::particles::{Contacts, Neighbours, Particles, Reach, Weight};
 use crate::timers::Timers;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
@@ -78,6 +78,8 @@ pub struct State {
     pub sizes: SizeRange,
     /// A gas in three dimensions, on this rank's cells.
     pub flow: Option<Flow>,
+    /// Length of the step whose second kick is still due. No checkpoint is written before it is done.
+    pub kick_due: Option<f64>,
 }
 
 /// The gas as the case chose it.
@@ -151,6 +153,11 @@ impl Models {
             Some(GasModel::Column(gas)) => Some(gas),
             _ => None,
         }
+    }
+
+    /// What particles weigh in the frame of the plate.
+    pub fn weight_at(&self, time: f64) -> Weight {
+        Weight { gravity: self.gravity.at(time), lattice: self.force_lattice }
     }
 
     /// The gas in three dimensions, if that is the gas.
@@ -277,8 +284,6 @@ pub struct Tallies {
     pub on_walls: Vec<[i64; 3]>,
     /// On the particles, by the gas.
     pub by_gas: [i64; 3],
-    /// Weight in the frame of the plate, downwards.
-    pub weight: i64,
 }
 
 impl Workspace {

@@ -2,14 +2,15 @@
 
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::Face;
-use crate::numbers::{ExactSum, Quantum};
+use crate::numbers::ExactSum;
 use crate::parallel::{
     CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
 };
-use crate::particles::{Load, PairMemory, Particles, WallMemory, kick, kick_and_drift};
+use crate::particles::{
+    PairMemory, Particles, Step, WallMemory, begin_with_weight, kick, kick_and_drift,
+};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Stage;
-use nalgebra::Vector3;
 use std::collections::HashSet;
 use thiserror::Error;
 
@@ -36,7 +37,8 @@ pub enum StepError {
     },
 }
 
-/// One step of length `models.time_step`.
+/// One step of length `models.time_step`, but for its second kick, which [`complete`] does, or the next step
+/// together with its first.
 ///
 /// Before: forces are those of the current positions. After: the same, one step later. Returns what any
 /// rank was asked for.
@@ -52,9 +54,11 @@ pub fn advance(
 ) -> Result<Requests, StepError> {
     let dt = models.time_step;
     let lattice = domain.bounds.lattice();
-    let integrate = || kick_and_drift(&mut state.particles, dt, lattice);
-    let way = work.timers.time(Stage::Integrate, integrate);
+    let late = state.kick_due.take();
     state.clock.tick();
+    let weight = models.weight_at(state.clock.time());
+    let integrate = || kick_and_drift(&mut state.particles, late, Step { dt, lattice, weight });
+    let way = work.timers.time(Stage::Integrate, integrate);
     work.move_walls(domain, state.clock.time(), dt);
     let verdict = decide(state, way, domain, work, ranks)?;
     if verdict.rebuild {
@@ -63,8 +67,16 @@ pub fn advance(
         work.timers.time(Stage::Halo, || work.halo.refresh(&mut state.particles, ranks));
     }
     evaluate_forces(state, domain, models, work, dt, ranks);
-    work.timers.time(Stage::Integrate, || kick(&mut state.particles, dt));
+    state.kick_due = Some(dt);
     Ok(verdict.requests)
+}
+
+/// Does the second kick of the last step if it is still due: velocities are then those of the clock's time. Before
+/// anybody looks at them.
+pub fn complete(state: &mut State, work: &mut Workspace) {
+    if let Some(dt) = state.kick_due.take() {
+        work.timers.time(Stage::Integrate, || kick(&mut state.particles, dt));
+    }
 }
 
 /// Makes lists and ghosts for the first step, and, for a new bed, the forces it begins with.
@@ -84,6 +96,7 @@ pub fn begin(
     work.move_walls(domain, state.clock.time(), 0.0);
     arrange(state, domain, models, work, (pairs, walls), ranks)?;
     if new_bed {
+        begin_with_weight(&mut state.particles, models.weight_at(state.clock.time()));
         evaluate_forces(state, domain, models, work, 0.0, ranks);
     }
     Ok(())
@@ -124,8 +137,9 @@ fn decide(
     let step = state.clock.step;
     timers.time(Stage::Decide, || {
         let particles = &state.particles;
-        let stopped = first_beyond(particles, domain, Face::Stop);
-        let left = first_beyond(particles, domain, Face::Open).is_some();
+        let near_faces = neighbours.may_have_passed(way);
+        let beyond = |kind| if near_faces { first_beyond(particles, domain, kind) } else { None };
+        let (stopped, left) = (beyond(Face::Stop), beyond(Face::Open).is_some());
         let by_walls = neighbours.outdated_by_walls((&domain.walls, wall_poses), *reach);
         let faulty = fault.is_some();
         let Requests { stop, checkpoint } = *requests;
@@ -181,6 +195,7 @@ pub fn rebuild(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
+    complete(state, work);
     let pairs = state.contacts.records(&state.particles, false);
     let walls = state.contacts.wall_records(&state.particles);
     state.particles.drop_ghosts();
@@ -219,6 +234,7 @@ fn arrange(
     work.cut = flow::aligned(work.cut.clone(), models, width).map_err(unstable)?;
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
     work.neighbours.sort_by_cells(particles, width);
+    work.neighbours.note_faces(particles, bounds);
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
     let walls_now = (&domain.walls[..], &work.wall_poses[..]);
     let rebuilt =
@@ -280,9 +296,9 @@ fn check_speeds(
 
 /// All forces at the current positions and half-step velocities; tangential springs move on by `dt`.
 ///
-/// Forces begin with the weight; then come contacts, walls and gas. The order changes nothing, since every
-/// contribution lies on the lattice of forces. A force without meaning is kept as this rank's fault until the ranks
-/// agree at the next step.
+/// Before: forces are those of the weight. Contacts and walls are added first, then gas; the order changes nothing,
+/// since every contribution lies on the lattice of forces. A force without meaning is kept as this
+/// rank's fault until the ranks agree at the next step.
 fn evaluate_forces(
     state: &mut State,
     domain: &Domain,
@@ -315,14 +331,12 @@ fn evaluate_forces(
         set.map_err(|error| error.to_string())
     });
     let State { particles, contacts, .. } = state;
-    tallies.weight =
-        timers.time(Stage::BodyForces, || set_to_weight(particles, models.force_lattice, gravity));
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
         let walls = (&domain.walls[..], &wall_poses[..]);
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
-    let bodies = timers.time(Stage::BodyForces, || match models.column().zip(fluid.as_mut()) {
+    let bodies = timers.time(Stage::GasForce, || match models.column().zip(fluid.as_mut()) {
         None if models.flow().is_some() => Ok(flow::add_held_forces(particles, models)),
         None => Ok([0; 3]),
         Some((gas, fluid)) => fluid.add_to(gas, particles),
@@ -335,17 +349,4 @@ fn evaluate_forces(
         bodies.err().map(|error| error.to_string()),
     ];
     *fault = words.into_iter().flatten().next();
-}
-
-/// Sets the force on each owned particle to -m g_eff and its torque to zero; returns the sum of the weights, as a
-/// count of the force lattice.
-fn set_to_weight(particles: &mut Particles, lattice: Quantum, gravity: f64) -> i64 {
-    let owned = particles.owned_count();
-    let mut total = 0;
-    for (body, load) in particles.body[..owned].iter().zip(&mut particles.load[..owned]) {
-        let weight = lattice.round(body.mass * gravity);
-        *load = Load::of(Vector3::new(0.0, 0.0, 0.0 - weight));
-        total += lattice.count(weight);
-    }
-    total
 }

@@ -20,8 +20,8 @@ pub enum Stage {
     Contacts,
     /// Particles and walls.
     Walls,
-    /// Gas force and weight.
-    BodyForces,
+    /// Gas force on the particles.
+    GasForce,
     /// Results and checkpoints.
     Output,
 }
@@ -36,7 +36,7 @@ impl Stage {
         Self::Gas,
         Self::Contacts,
         Self::Walls,
-        Self::BodyForces,
+        Self::GasForce,
         Self::Output,
     ];
 
@@ -50,7 +50,7 @@ impl Stage {
             Self::Gas => "coarse-grain, gas",
             Self::Contacts => "contact forces",
             Self::Walls => "wall forces",
-            Self::BodyForces => "gas force, weight",
+            Self::GasForce => "gas force",
             Self::Output => "output",
         }
     }

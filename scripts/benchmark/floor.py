@@ -38,13 +38,9 @@ class Pass:
 # for forces, torques and their rounding, of which a division or a root counts as one.
 CONTACT_FLOPS, CANDIDATE_FLOPS = 128.0, 9.0
 PASSES = (
-    Pass("half a kick, drift", 17, 9, 40.0),
-    Pass("list check", 6, 0, 8.0),
-    Pass("forces to zero", 0, 6, 0.0),
+    Pass("kicks, drift, weight", 17, 15, 71.0),
     Pass("pairs", 11 + 6 + (0.75 * LISTED + 0.5 * CONTACTS * CONTACT_MEMORY / NUMBER),
          6 + 0.5 * CONTACTS * CONTACT_MEMORY / NUMBER, CONTACTS * CONTACT_FLOPS + LISTED * CANDIDATE_FLOPS),
-    Pass("weight", 2, 1, 3.0),
-    Pass("half a kick", 14, 6, 20.0),
 )  # fmt: skip
 # All in one sweep: what is read and written at least once.
 FUSED = Pass("all in one sweep", 20 + 0.5 * LISTED + 0.5 * CONTACTS * CONTACT_MEMORY / NUMBER,

@@ -104,12 +104,17 @@ impl MomentumProbe {
 
 /// Forces of walls (on the particles), gas and weight over all ranks, and that on the base plate. Collective.
 fn external_forces(
+    state: &State,
     domain: &Domain,
     models: &Models,
     work: &Workspace,
     ranks: &dyn Communicator,
 ) -> ([f64; 3], f64, f64) {
-    let Tallies { on_walls, by_gas, weight } = &work.tallies;
+    let Tallies { on_walls, by_gas } = &work.tallies;
+    let particles = &state.particles;
+    let weight = models.weight_at(state.clock.time());
+    let owned = particles.body[..particles.owned_count()].iter();
+    let weight: i64 = owned.map(|body| weight.lattice.count(weight.of(body.mass))).sum();
     let on_all_walls = |axis: usize| on_walls.iter().map(|force| force[axis]).sum::<i64>();
     let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
     let on_plate = domain.walls.iter().zip(on_walls).filter(|(wall, _)| wall.name == BASE_PLATE);
@@ -178,7 +183,7 @@ pub fn measure(
         let energy = 0.5 * m * v.norm_squared();
         [1.0, m, m * wrapped(i), m * v.z, energy, particles.volume(i), contacts as f64]
     });
-    let (external, gas_force, plate_force) = external_forces(domain, models, work, ranks);
+    let (external, gas_force, plate_force) = external_forces(state, domain, models, work, ranks);
     let weight = mass * models.gravity.magnitude;
     let over_weight = |force: f64| if weight > 0.0 { force / weight } else { force };
     let after = MomentumProbe::take(particles, ranks);

@@ -88,6 +88,18 @@ impl Bounds {
         position
     }
 
+    /// How far a position may move without passing an open face or one that ends the run; not above zero beyond one.
+    #[inline]
+    pub fn clearance(&self, position: &Vector3<f64>) -> f64 {
+        let passable = |face: Face| matches!(face, Face::Open | Face::Stop);
+        let to_faces = (0..3).flat_map(|axis| {
+            let x = position[axis];
+            self.faces[axis].into_iter().zip([x, self.lengths[axis] - x])
+        });
+        let ways = to_faces.filter(|&(face, _)| passable(face)).map(|(_, way)| way);
+        ways.fold(f64::INFINITY, f64::min)
+    }
+
     /// The first face of this kind, as (axis, side), that a position lies beyond.
     #[inline]
     pub fn passed(&self, kind: Face, position: &Vector3<f64>) -> Option<(usize, usize)> {
@@ -125,6 +137,20 @@ mod tests {
             let turns = ((x - wrapped) / length).round();
             prop_assert_eq!(wrapped + turns * length, x);
         }
+    }
+
+    #[test]
+    fn only_open_faces_and_stops_are_kept_clear_of() {
+        let clearance = |bounds: &Bounds, z| bounds.clearance(&Vector3::new(0.1, 9.0, z));
+        assert_eq!(clearance(&column(), 30.0), 70.0);
+        assert_eq!(clearance(&column(), 100.5), -0.5);
+        let stop = Bounds::new(
+            column().lengths(),
+            [[Face::Periodic; 2], [Face::Stop; 2], [Face::Wall; 2]],
+        );
+        assert!((stop.clearance(&Vector3::new(1.0, 0.3, 0.1)) - 0.3).abs() < 1.0e-12);
+        let closed = Bounds::new(column().lengths(), [[Face::Wall; 2]; 3]);
+        assert_eq!(clearance(&closed, 0.1), f64::INFINITY);
     }
 
     #[test]

@@ -77,6 +77,12 @@ impl Load {
         Self { force, ..Self::zeroed() }
     }
 
+    /// A force along z, and no torque.
+    #[inline(always)]
+    pub fn along_z(force: f64) -> Self {
+        Self::of(Vector3::new(0.0, 0.0, force))
+    }
+
     /// Force and zero, torque and zero.
     #[inline(always)]
     pub fn quads(&self) -> &[[f64; 4]; 2] {

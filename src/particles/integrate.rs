@@ -2,63 +2,145 @@
 
 use super::{Body, Load, Particles};
 use crate::numbers::{Quad, QuadWork, Quantum, in_quads};
+use bytemuck::Zeroable;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
 pub fn kick(particles: &mut Particles, dt: f64) {
-    let owned = particles.owned_count();
-    let (bodies, loads) = (&mut particles.body[..owned], &particles.load[..owned]);
-    in_quads(Motion { bodies, loads, dt, drift: None });
+    move_on(particles, Motion { late: None, dt, drift: None });
 }
 
 /// Half a kick, then x += dt v, dt v being rounded to the lattice of positions. The velocities that remain
-/// are those of the half step, which dashpots, sliders and the gas see. Returns a length that no particle has moved
-/// farther than; infinite if a velocity is undefined.
+/// are those of the half step, which dashpots, sliders and the gas see. Forces are then those of the weight alone: all
+/// others are still to be added. Returns a length that no particle has moved farther than; infinite if a velocity is
+/// undefined. A kick of the step before, of length `late`, is done first if it is still due. These are the sums of
+/// several functions, with one way through memory.
 ///
 /// The way is rounded, not the sum: a sum in doubles is rounded once more before, to digits that depend on
 /// how far from the origin it is, so that a particle beyond a periodic face would move differently before
 /// and after it is wrapped.
-pub fn kick_and_drift(particles: &mut Particles, dt: f64, lattice: Quantum) -> f64 {
+pub fn kick_and_drift(particles: &mut Particles, late: Option<f64>, step: Step) -> f64 {
+    move_on(particles, Motion { late, dt: step.dt, drift: Some(step) })
+}
+
+/// Sets the force on each owned particle to its weight.
+pub fn begin_with_weight(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
-    let (bodies, loads) = (&mut particles.body[..owned], &particles.load[..owned]);
-    in_quads(Motion { bodies, loads, dt, drift: Some(lattice) })
+    for (body, load) in particles.body[..owned].iter().zip(&mut particles.load[..owned]) {
+        *load = Load::along_z(-weight.of(body.mass));
+    }
 }
 
-/// Half a kick, and a drift on the lattice of positions, if there is one. Gives a bound of the ways.
-struct Motion<'a> {
-    bodies: &'a mut [Body],
-    loads: &'a [Load],
+/// A step's length and what is known of its end.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Length.
+    pub dt: f64,
+    /// Lattice of positions.
+    pub lattice: Quantum,
+    /// Weight at its end.
+    pub weight: Weight,
+}
+
+/// m g, on the lattice of forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Weight {
+    /// g, downwards, in the frame of the plate.
+    pub gravity: f64,
+    /// Lattice of forces.
+    pub lattice: Quantum,
+}
+
+impl Weight {
+    /// Of a particle of this mass.
+    #[inline(always)]
+    pub fn of(&self, mass: f64) -> f64 {
+        self.lattice.round(mass * self.gravity)
+    }
+}
+
+fn move_on(particles: &mut Particles, motion: Motion) -> f64 {
+    let owned = particles.owned_count();
+    let (bodies, loads) = (&mut particles.body[..owned], &mut particles.load[..owned]);
+    in_quads(Moving { bodies, loads, motion })
+}
+
+/// The second half of a kick, if it is due; half of another; and a drift, if there is one.
+#[derive(Clone, Copy)]
+struct Motion {
+    late: Option<f64>,
     dt: f64,
-    drift: Option<Quantum>,
+    drift: Option<Step>,
 }
 
-impl QuadWork for Motion<'_> {
+struct Moving<'a> {
+    bodies: &'a mut [Body],
+    loads: &'a mut [Load],
+    motion: Motion,
+}
+
+/// Half a step over mass and over inertia of a body.
+struct HalfKick {
+    half: f64,
+    per_mass: f64,
+    per_inertia: f64,
+}
+
+impl HalfKick {
+    #[inline(always)]
+    fn new(dt: f64) -> Self {
+        Self { half: 0.5 * dt, per_mass: 0.0, per_inertia: 0.0 }
+    }
+
+    #[inline(always)]
+    fn of_size(&mut self, body: &Body) {
+        (self.per_mass, self.per_inertia) = (self.half / body.mass, self.half / body.inertia());
+    }
+
+    /// The mass, which stands behind the velocity, stays: zero is added.
+    #[inline(always)]
+    fn change<Q: Quad>(&self, [velocity, spin]: &mut [Q; 2], load: &Load) {
+        let [force, torque] = load.quads();
+        *velocity = velocity.plus(Q::load(force).times(Q::splat(self.per_mass)));
+        *spin = spin.plus(Q::load(torque).times(Q::splat(self.per_inertia)));
+    }
+}
+
+impl QuadWork for Moving<'_> {
+    /// A bound of the ways.
     type Output = f64;
 
     #[inline(always)]
     fn run<Q: Quad>(self) -> f64 {
-        let half = 0.5 * self.dt;
-        let dt = Q::load(&[self.dt, self.dt, self.dt, 0.0]); // the radius stays
+        let Motion { late, dt, drift } = self.motion;
+        let (mut last, mut kick) = (HalfKick::new(late.unwrap_or(0.0)), HalfKick::new(dt));
+        let mut weight = Load::zeroed();
+        let dt = Q::load(&[dt, dt, dt, 0.0]); // the radius stays
         let mut size = [0.0; 2];
-        let (mut per_mass, mut per_inertia) = (0.0, 0.0);
         let mut farthest = Farthest::new();
-        for (bodies, loads) in self.bodies.chunks_mut(4).zip(self.loads.chunks(4)) {
+        for (bodies, loads) in self.bodies.chunks_mut(4).zip(self.loads.chunks_mut(4)) {
             let mut ways = [Q::splat(0.0); 4];
             for ((body, load), way) in bodies.iter_mut().zip(loads).zip(&mut ways) {
                 if size != [body.radius, body.mass] {
                     size = [body.radius, body.mass]; // often that of the last one: no division
-                    (per_mass, per_inertia) = (half / body.mass, half / body.inertia());
+                    last.of_size(body);
+                    kick.of_size(body);
+                    weight = drift.map_or(weight, |step| Load::along_z(-step.weight.of(body.mass)));
                 }
-                let [place, motion, spin] = body.quads_mut();
-                let [force, torque] = load.quads();
-                let velocity = Q::load(motion).plus(Q::load(force).times(Q::splat(per_mass)));
-                velocity.store(motion); // the mass stays: zero is added
-                Q::load(spin).plus(Q::load(torque).times(Q::splat(per_inertia))).store(spin);
-                if let Some(lattice) = self.drift {
-                    *way = lattice.round_quad(velocity.times(dt));
+                let [place, velocity, spin] = body.quads_mut();
+                let mut motion = [Q::load(velocity), Q::load(spin)];
+                if late.is_some() {
+                    last.change(&mut motion, load);
+                }
+                kick.change(&mut motion, load);
+                motion[0].store(velocity);
+                motion[1].store(spin);
+                if let Some(step) = drift {
+                    *way = step.lattice.round_quad(motion[0].times(dt));
                     Q::load(place).plus(*way).store(place);
+                    *load = weight;
                 }
             }
-            if self.drift.is_some() {
+            if drift.is_some() {
                 farthest.see(ways);
             }
         }
@@ -104,6 +186,10 @@ mod tests {
     use crate::numbers::{random_of, uniform};
     use nalgebra::Vector3;
 
+    fn step(dt: f64, lattice: Quantum) -> Step {
+        Step { dt, lattice, weight: Weight { gravity: 0.0, lattice } }
+    }
+
     /// Energy error after one collision-like half period of a unit oscillator with n steps.
     fn oscillator_error(steps: usize) -> f64 {
         let lattice = Quantum::spanning(2.0);
@@ -111,7 +197,7 @@ mod tests {
         particles.push(0, Vector3::zeros(), Vector3::new(0.0, 0.0, 1.0), 0.5, 1.0);
         let dt = std::f64::consts::PI / steps as f64;
         for _ in 0..steps {
-            kick_and_drift(&mut particles, dt, lattice);
+            kick_and_drift(&mut particles, None, step(dt, lattice));
             particles.load[0].force = -particles.body[0].position;
             kick(&mut particles, dt);
         }
@@ -139,7 +225,7 @@ mod tests {
                 particles.push(id, Vector3::x() * image, velocity, 0.5, 1.0);
             }
         }
-        kick_and_drift(&mut particles, 2.5e-4, lattice);
+        kick_and_drift(&mut particles, None, step(2.5e-4, lattice));
         for images in particles.body.chunks(3) {
             let [inside, below, above] = [0, 1, 2].map(|image| images[image].position.x);
             assert_eq!(below, inside - length);

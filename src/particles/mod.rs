@@ -12,7 +12,7 @@ mod store;
 pub use body::{Body, Load, sphere_volume};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
-pub use integrate::{kick, kick_and_drift};
+pub use integrate::{Step, Weight, begin_with_weight, kick, kick_and_drift};
 pub use near_pairs::NearPairs;
 pub use neighbours::{Neighbours, Reach};
 pub use pair_blocks::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, PairBlock, PairBlocks};

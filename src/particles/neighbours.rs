@@ -2,7 +2,7 @@
 
 use super::contacts::{LostContact, PairMemory, WallMemory};
 use super::{CellGrid, Contacts, Particles};
-use crate::domain::{Wall, WallPose};
+use crate::domain::{Bounds, Wall, WallPose};
 
 /// How far the list looks beyond touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,8 @@ impl Reach {
 pub struct Neighbours {
     /// How far a particle may have moved since.
     way: f64,
+    /// How far it must move to pass a face that particles leave through, or that ends the run.
+    clearance: f64,
     reference_poses: Vec<WallPose>,
     cells: CellGrid,
 }
@@ -39,6 +41,20 @@ impl Neighbours {
     /// Whether a particle may have moved more than half the skin since the list was built.
     pub fn outdated(&self, reach: Reach) -> bool {
         self.way >= 0.499 * reach.skin
+    }
+
+    /// Takes note of how near the owned particles are to faces that they may pass.
+    pub fn note_faces(&mut self, particles: &Particles, bounds: &Bounds) {
+        let positions = particles.body.iter().map(|body| &body.position);
+        let clearances = positions.map(|position| bounds.clearance(position));
+        self.clearance = clearances.fold(f64::INFINITY, f64::min);
+    }
+
+    /// Whether an owned particle may have passed such a face, if none has moved farther than `way` since
+    /// [`Neighbours::moved`] was last called.
+    pub fn may_have_passed(&self, way: f64) -> bool {
+        let kept_clear = self.way + way < 0.999 * self.clearance;
+        !kept_clear
     }
 
     /// Whether a wall has moved more than half the skin towards particles since the list was built.

@@ -241,6 +241,9 @@ impl<'a> Simulation<'a> {
         let domain = &self.case.domain;
         let next = self.state.clock.step + 1;
         let row_due = self.outputs.row_due(&self.state.clock, next);
+        if row_due {
+            time_step::complete(&mut self.state, &mut self.work);
+        }
         let probe = row_due.then(|| MomentumProbe::take(&self.state.particles, self.ranks));
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
@@ -285,6 +288,7 @@ impl<'a> Simulation<'a> {
         if !self.outputs.anything_due(&self.state.clock) {
             return Ok(());
         }
+        time_step::complete(&mut self.state, &mut self.work);
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
@@ -302,6 +306,7 @@ impl<'a> Simulation<'a> {
     }
 
     fn write_checkpoint(&mut self) -> Result<(Digest, std::path::PathBuf), RunError> {
+        time_step::complete(&mut self.state, &mut self.work);
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, outputs, ranks, .. } = self;
         let cells = match models.flow().zip(state.flow.as_ref()) {

@@ -192,7 +192,7 @@ fn spread(
     if flow.is_none() {
         particles.gas_force.fill(Vector3::zeros());
     }
-    let state = State { particles, contacts, clock, departed, sizes, flow };
+    let state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
     Ok((state, Workspace::new(cut, skin, case.parallel.balance), (pairs, walls)))
 }
 

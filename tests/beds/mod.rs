@@ -19,7 +19,7 @@ use talcum::particles::{Contacts, PairMemory, Particles, WallMemory};
 use talcum::state::{
     Balance, Clock, Departed, Domain, GasModel, Limits, Models, SizeRange, State, Workspace,
 };
-use talcum::time_step::{StepError, advance, begin};
+use talcum::time_step::{StepError, advance, begin, complete};
 
 pub(crate) const PERIODIC: [Face; 2] = [Face::Periodic; 2];
 pub(crate) const OPEN: [Face; 2] = [Face::Open; 2];
@@ -291,7 +291,7 @@ impl Bench {
             let cells = send_cells_to_owners(&share, &model.grid, &cut, ranks);
             Flow::of_records(&model.grid.part_of(&cut, here), &cells, FlowReport::default())
         });
-        let mut state = State { particles, contacts, clock, departed, sizes, flow };
+        let mut state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
         let (domain, models) = (self.domain.clone(), self.models());
         let mut work = Workspace::new(cut, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
@@ -329,7 +329,9 @@ pub(crate) struct Run<'a> {
 impl Run<'_> {
     pub(crate) fn try_step(&mut self) -> Result<(), StepError> {
         let Self { state, domain, models, work, ranks } = self;
-        advance(state, domain, models, work, *ranks).map(|_| ())
+        advance(state, domain, models, work, *ranks)?;
+        complete(state, work);
+        Ok(())
     }
 
     pub(crate) fn steps(&mut self, count: u64) -> &mut Self {
