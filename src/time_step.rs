@@ -266,7 +266,7 @@ fn depart(
     leaving.iter().for_each(|&i| volume.add(particles.volume(i as usize)));
     let mut integers = volume.to_integers();
     ranks.sum_integers(&mut integers);
-    let gone: HashSet<u64> = share_with_all(&ids, ranks).into_iter().collect();
+    let gone: HashSet<u64> = share_with_all(ids, ranks).into_iter().collect();
     state.departed.count += gone.len() as u64;
     state.departed.volume += ExactSum::from_integers(&integers).value();
     pairs.retain(|pair| !gone.contains(&pair.lower) && !gone.contains(&pair.higher));

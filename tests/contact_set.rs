@@ -180,7 +180,7 @@ fn total_force(run: &Run) -> Vector3<f64> {
     let particles = &run.state.particles;
     let here: Vec<[f64; 3]> =
         particles.load[..particles.owned_count()].iter().map(|load| load.force.into()).collect();
-    share_with_all(&here, run.ranks).into_iter().map(Vector3::from).sum()
+    share_with_all(here, run.ranks).into_iter().map(Vector3::from).sum()
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl ParticleSnapshots {
     pub fn append(
         &mut self,
         time: f64,
-        particles: &[ParticleRecord],
+        particles: Vec<ParticleRecord>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let block = sort_by_id(particles, |particle| particle.id, ranks);

@@ -39,7 +39,7 @@ pub fn send_cells_to_owners(
         let centre = Vector3::from_fn(|axis, _| (place[axis] as f64 + 0.5) * grid.spacing()[axis]);
         outgoing[cut.owner_of(&centre)].push(*record);
     }
-    deliver(&outgoing, ranks)
+    deliver(outgoing, ranks)
 }
 
 #[cfg(test)]

@@ -40,30 +40,35 @@ pub fn migrate(
     let staying: Vec<u32> =
         (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();
     particles.select(&staying);
-    for record in deliver(&outgoing.particles, ranks) {
+    for record in deliver(outgoing.particles, ranks) {
         record.push_to(particles);
     }
-    pairs.extend(deliver(&outgoing.pairs, ranks).into_iter().map(PairMemory::from));
-    walls.extend(deliver(&outgoing.walls, ranks).into_iter().map(WallMemory::from));
+    pairs.extend(deliver(outgoing.pairs, ranks).into_iter().map(PairMemory::from));
+    walls.extend(deliver(outgoing.walls, ranks).into_iter().map(WallMemory::from));
 }
 
 /// Sends records to the ranks whose blocks hold them, wherever they are now: the start of a run.
 pub fn send_to_owners(
-    records: &[ParticleRecord],
+    records: Vec<ParticleRecord>,
     cut: &Decomposition,
     ranks: &dyn Communicator,
 ) -> Vec<ParticleRecord> {
+    if ranks.size() == 1 {
+        return records;
+    }
     let mut outgoing = vec![Vec::new(); ranks.size()];
     for record in records {
-        outgoing[cut.owner_of(&Vector3::from(record.position))].push(*record);
+        outgoing[cut.owner_of(&Vector3::from(record.position))].push(record);
     }
-    deliver(&outgoing, ranks)
+    deliver(outgoing, ranks)
 }
 
 /// Makes every rank's records known to all: contact memories at the start of a run, which are few beside
 /// the particles and whose owners only their particles tell.
-pub fn share_with_all<T: Pod>(records: &[T], ranks: &dyn Communicator) -> Vec<T> {
-    deliver(&vec![records.to_vec(); ranks.size()], ranks)
+pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
+    let mut outgoing = vec![records.clone(); ranks.size() - 1];
+    outgoing.push(records);
+    deliver(outgoing, ranks)
 }
 
 struct Outgoing {
@@ -105,9 +110,23 @@ impl Outgoing {
     }
 }
 
-pub(super) fn deliver<T: Pod>(outgoing: &[Vec<T>], ranks: &dyn Communicator) -> Vec<T> {
-    let bytes: Vec<Vec<u8>> =
-        outgoing.iter().map(|records| bytemuck::cast_slice(records).to_vec()).collect();
+/// Records to the ranks in whose places they stand; what came from each rank, in the order of ranks. What stays here
+/// is not copied. Collective.
+pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
+    let mut own = std::mem::take(&mut outgoing[ranks.rank()]);
+    if ranks.size() == 1 {
+        return own;
+    }
+    let bytes_of = |records: Vec<T>| bytemuck::cast_slice(&records).to_vec();
+    let bytes: Vec<Vec<u8>> = outgoing.into_iter().map(bytes_of).collect();
     let incoming = ranks.all_to_all(&bytes);
-    incoming.iter().flat_map(|bytes| records_of_bytes(bytes)).collect()
+    drop(bytes);
+    let (below, above) = incoming.split_at(ranks.rank());
+    let records = |bytes: &[Vec<u8>]| -> Vec<T> {
+        bytes.iter().flat_map(|bytes| records_of_bytes(bytes)).collect()
+    };
+    let mut delivered = records(below);
+    delivered.append(&mut own);
+    delivered.extend(records(above));
+    delivered
 }

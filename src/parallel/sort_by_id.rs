@@ -2,7 +2,8 @@
 
 use bytemuck::Pod;
 
-use super::{Communicator, records_of_bytes};
+use super::Communicator;
+use super::migrate::deliver;
 
 /// One rank's rows of a table that is sorted over all ranks: the ranks' blocks, one after another in the
 /// order of the ranks, are the table.
@@ -20,21 +21,23 @@ pub struct SortedBlock<T> {
 /// cut evenly, so that ranks hold about equally much if ids are about evenly spread. Records of one id
 /// come to the same rank, in no certain order among themselves. Collective.
 pub fn sort_by_id<T: Pod>(
-    records: &[T],
+    records: Vec<T>,
     id_of: impl Fn(&T) -> u64,
     ranks: &dyn Communicator,
 ) -> SortedBlock<T> {
     let (lowest, highest) = range_of_ids(records.iter().map(&id_of), ranks);
     let size = ranks.size() as u128;
     let width = u128::from(highest - lowest) + 1;
-    let mut outgoing: Vec<Vec<u8>> = vec![Vec::new(); ranks.size()];
-    for record in records {
-        let rank = u128::from(id_of(record) - lowest) * size / width;
-        outgoing[rank as usize].extend_from_slice(bytemuck::bytes_of(record));
+    let mut rows = records;
+    if ranks.size() > 1 {
+        let mut outgoing = vec![Vec::new(); ranks.size()];
+        for record in rows {
+            let rank = u128::from(id_of(&record) - lowest) * size / width;
+            outgoing[rank as usize].push(record);
+        }
+        rows = deliver(outgoing, ranks);
     }
-    let incoming = ranks.all_to_all(&outgoing).concat();
-    let mut rows: Vec<T> = records_of_bytes(&incoming).collect();
-    rows.sort_by_key(&id_of);
+    rows.sort_unstable_by_key(&id_of);
     let (offset, total) = position_of_block(rows.len(), ranks);
     SortedBlock { rows, offset, total }
 }
@@ -82,7 +85,7 @@ mod tests {
                 // Rank 0 has nothing to give if there are others.
                 let mine = |k: usize| if n == 1 { true } else { k % (n - 1) + 1 == ranks.rank() };
                 let here: Vec<u64> = (0..100).filter(|&k| mine(k)).map(|k: usize| ids[k]).collect();
-                sort_by_id(&here, |&id| id, ranks)
+                sort_by_id(here, |&id| id, ranks)
             });
             let mut table = Vec::new();
             for block in &blocks {
@@ -98,8 +101,8 @@ mod tests {
     fn extreme_ids_and_empty_tables_are_fine() {
         for n in 1..=3 {
             let blocks = run_on_threads(n, |ranks| {
-                let here: &[u64] = if ranks.is_root() { &[u64::MAX, 3, 0] } else { &[] };
-                (sort_by_id(here, |&id| id, ranks), sort_by_id::<u64>(&[], |&id| id, ranks))
+                let here = if ranks.is_root() { vec![u64::MAX, 3, 0] } else { vec![] };
+                (sort_by_id(here, |&id| id, ranks), sort_by_id::<u64>(vec![], |&id| id, ranks))
             });
             let table: Vec<u64> = blocks.iter().flat_map(|(block, _)| block.rows.clone()).collect();
             assert_eq!(table, [0, 3, u64::MAX]);

@@ -26,6 +26,16 @@ pub struct Particles {
 const REMOTE: u32 = u32::MAX;
 
 impl Particles {
+    /// No particles, but room for so many.
+    pub fn with_room_for(count: usize) -> Self {
+        let mut particles = Self::default();
+        particles.id.reserve_exact(count);
+        particles.body.reserve_exact(count);
+        particles.load.reserve_exact(count);
+        particles.gas_force.reserve_exact(count);
+        particles
+    }
+
     /// Number of owned particles.
     pub fn owned_count(&self) -> usize {
         self.owned

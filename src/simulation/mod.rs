@@ -1,6 +1,7 @@
 //! A run from its start to its end: stages, results, checkpoints, and the ways to stop.
 
 mod layout;
+mod memory;
 mod outputs;
 mod start;
 
@@ -174,6 +175,7 @@ impl<'a> Simulation<'a> {
         work.prepare(&case.domain, &models, &state.sizes);
         let Start { remembered, new_bed, continues } = start;
         time_step::begin(&mut state, &case.domain, &models, &mut work, remembered, new_bed, ranks)?;
+        memory::give_back();
         let [d_min, d_max] = [state.sizes.smallest_diameter, state.sizes.largest_diameter];
         let grid = profile_grid(case, d_max);
         let profile =
@@ -313,7 +315,10 @@ impl<'a> Simulation<'a> {
             Some((model, flow)) => flow.records(model, &work.cut, ranks.rank()),
             None => Vec::new(),
         };
-        Ok(outputs.write_checkpoint(case, state, (records(case, state), cells), *ranks)?)
+        let written =
+            outputs.write_checkpoint(case, state, (records(case, state), cells), *ranks)?;
+        memory::give_back();
+        Ok(written)
     }
 
     /// The last checkpoint, and the mark of a case that has come to its end.

@@ -205,7 +205,7 @@ impl Outputs {
             profiles.append(&row, ranks)?;
         }
         if let (Some(snapshots), true) = (&mut self.snapshots, due(self.snapshot_interval)) {
-            snapshots.append(measures.time, &records(), ranks)?;
+            snapshots.append(measures.time, records(), ranks)?;
         }
         Ok(())
     }
@@ -253,7 +253,7 @@ impl Outputs {
         self.snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         self.gas_snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         let path = self.folder.path.join(checkpoint::file_name(state.clock.step));
-        let digest = checkpoint::write(&path, &checkpoint, &self.provenance, ranks)?;
+        let digest = checkpoint::write(&path, checkpoint, &self.provenance, ranks)?;
         checkpoint::prune(&self.folder.path, self.keep, ranks)?;
         self.last_checkpoint = Instant::now();
         Ok((digest, path))

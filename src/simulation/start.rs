@@ -12,6 +12,7 @@ use crate::parallel::{
 use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
 use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
+use std::collections::HashSet;
 use thiserror::Error;
 
 /// Why a run cannot begin. The same on all ranks.
@@ -121,8 +122,8 @@ pub fn begin_from_checkpoint(
 
 /// Contact memories are made known to all, so that each finds those of its particles.
 fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> Share {
-    let pairs = share_with_all(&checkpoint.contacts, ranks);
-    let walls = share_with_all(&checkpoint.wall_contacts, ranks);
+    let pairs = share_with_all(checkpoint.contacts, ranks);
+    let walls = share_with_all(checkpoint.wall_contacts, ranks);
     Share {
         report: checkpoint.flow_report,
         particles: checkpoint.particles,
@@ -176,14 +177,17 @@ fn spread(
         cut = balanced_at_start(case, &cut, &share.particles, &sizes, ranks);
         cut = aligned(case, cut, ghost_width(case, &sizes))?;
     }
-    let mut particles = Particles::default();
-    for record in send_to_owners(&share.particles, &cut, ranks) {
+    let Share { particles: records, mut pairs, mut walls, cells, report } = share;
+    let records = send_to_owners(records, &cut, ranks);
+    let mut particles = Particles::with_room_for(records.len());
+    for record in records {
         record.push_to(&mut particles);
     }
-    let owned: std::collections::HashSet<u64> = particles.id.iter().copied().collect();
-    let Share { mut pairs, mut walls, cells, report, .. } = share;
-    pairs.retain(|pair| owned.contains(&pair.lower) || owned.contains(&pair.higher));
-    walls.retain(|contact| owned.contains(&contact.particle));
+    if ranks.size() > 1 {
+        let owned: HashSet<u64> = particles.id.iter().copied().collect();
+        pairs.retain(|pair| owned.contains(&pair.lower) || owned.contains(&pair.higher));
+        walls.retain(|contact| owned.contains(&contact.particle));
+    }
     let contacts = Contacts::default();
     let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
         let cells = send_cells_to_owners(&cells, &model.grid, &cut, ranks);

@@ -273,7 +273,7 @@ impl Bench {
         let share: Vec<ParticleRecord> =
             whole.particles.iter().copied().skip(here).step_by(size).collect();
         let mut particles = Particles::default();
-        for record in send_to_owners(&share, &cut, ranks) {
+        for record in send_to_owners(share, &cut, ranks) {
             record.push_to(&mut particles);
         }
         let owned: HashSet<u64> = particles.id.iter().copied().collect();
@@ -365,9 +365,9 @@ impl Run<'_> {
             .collect();
         let pairs = contacts.records(particles, true).into_iter().map(ContactRecord::from);
         let walls = contacts.wall_records(particles).into_iter().map(WallContactRecord::from);
-        let mut particles = share_with_all(&here, self.ranks);
-        let mut pairs = share_with_all(&pairs.collect::<Vec<_>>(), self.ranks);
-        let mut walls = share_with_all(&walls.collect::<Vec<_>>(), self.ranks);
+        let mut particles = share_with_all(here, self.ranks);
+        let mut pairs = share_with_all(pairs.collect::<Vec<_>>(), self.ranks);
+        let mut walls = share_with_all(walls.collect::<Vec<_>>(), self.ranks);
         particles.sort_by_key(|particle| particle.id);
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
@@ -375,7 +375,7 @@ impl Run<'_> {
             Some((model, flow)) => flow.records(model, &self.work.cut, self.ranks.rank()),
             None => Vec::new(),
         };
-        let mut cells = share_with_all(&cells, self.ranks);
+        let mut cells = share_with_all(cells, self.ranks);
         cells.sort_by_key(|record| record.cell);
         Snapshot { particles, pairs, walls, cells, clock: *clock, departed: *departed }
     }

@@ -20,19 +20,19 @@ use crate::parallel::{Communicator, SortedBlock, sort_by_id};
 /// If the file cannot be written; then `path` is untouched.
 pub fn write(
     path: &Path,
-    checkpoint: &Checkpoint,
+    mut checkpoint: Checkpoint,
     provenance: &Provenance,
     ranks: &dyn Communicator,
 ) -> Result<Digest, OutputError> {
     let digest = checkpoint.digest(ranks);
-    let particles = sorted(&checkpoint.particles, ranks);
-    let contacts = sorted(&checkpoint.contacts, ranks);
-    let wall_contacts = sorted(&checkpoint.wall_contacts, ranks);
-    let cells = sorted(&checkpoint.cells, ranks);
+    let particles = sorted(&mut checkpoint.particles, ranks);
+    let contacts = sorted(&mut checkpoint.contacts, ranks);
+    let wall_contacts = sorted(&mut checkpoint.wall_contacts, ranks);
+    let cells = sorted(&mut checkpoint.cells, ranks);
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
-        write_head(&file, checkpoint, provenance, digest)?;
+        write_head(&file, &checkpoint, provenance, digest)?;
         let units = ColumnUnits::of_system(&provenance.units);
         make_datasets(&file, &particles, &units)?;
         make_datasets(&file, &contacts, &units)?;
@@ -54,10 +54,10 @@ pub fn write(
     Ok(digest)
 }
 
-/// Records over all ranks in the order of the table's first columns.
-fn sorted<R: Table>(records: &[R], ranks: &dyn Communicator) -> SortedBlock<R> {
+/// Takes the records, and brings those of all ranks into the order of the table's first columns.
+fn sorted<R: Table>(records: &mut Vec<R>, ranks: &dyn Communicator) -> SortedBlock<R> {
     let first = R::IDS[0].get;
-    let mut block = sort_by_id(records, first, ranks);
+    let mut block = sort_by_id(std::mem::take(records), first, ranks);
     block.rows.sort_unstable_by_key(|record| {
         (first(record), R::IDS.get(1).map_or(0, |second| (second.get)(record)))
     });

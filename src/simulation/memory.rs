@@ -1,0 +1,15 @@
+//! What the allocator keeps that nobody needs.
+
+/// Gives memory that was freed back to the system, where the allocator can do that (the GNU C library). After
+/// something large that does not come again soon: a start, a checkpoint.
+#[allow(unsafe_code, reason = "the standard library has no word for this")]
+pub(super) fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        unsafe extern "C" {
+            fn malloc_trim(keep: usize) -> std::ffi::c_int;
+        }
+        // SAFETY: a function of the C library that may be called at any time, from any thread.
+        unsafe { malloc_trim(0) };
+    }
+}
