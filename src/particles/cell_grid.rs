@@ -54,22 +54,21 @@ impl CellGrid {
         &self.members
     }
 
-    /// Runs `visit` on the members of each run of neighbouring cells of particle `index`, its own included.
-    #[inline]
-    pub fn for_each_neighbourhood(&self, index: usize, mut visit: impl FnMut(&[u32])) {
+    /// The members of each run of cells around that of particle `index`, its own included.
+    #[inline(always)]
+    pub fn neighbourhood(&self, index: usize) -> impl Iterator<Item = &[u32]> {
         let cell = self.cell_of[index] as usize;
         let [nx, ny, nz] = self.counts;
         let (i, j, k) = (cell % nx, (cell / nx) % ny, cell / (nx * ny));
-        let first = i.saturating_sub(1);
-        let last = (i + 1).min(nx - 1);
-        for kk in k.saturating_sub(1)..=(k + 1).min(nz - 1) {
-            for jj in j.saturating_sub(1)..=(j + 1).min(ny - 1) {
-                let row = nx * (jj + ny * kk);
-                let from = self.start[row + first] as usize;
-                let to = self.start[row + last + 1] as usize;
-                visit(&self.members[from..to]);
-            }
-        }
+        let around = |cell: usize, count: usize| cell.saturating_sub(1)..(cell + 2).min(count);
+        let along_x = around(i, nx);
+        around(k, nz).flat_map(move |kk| around(j, ny).map(move |jj| nx * (jj + ny * kk))).map(
+            move |row| {
+                let from = self.start[row + along_x.start] as usize;
+                let to = self.start[row + along_x.end] as usize;
+                &self.members[from..to]
+            },
+        )
     }
 
     fn lay_out(&mut self, bodies: &[Body], width: f64) {

@@ -2,6 +2,7 @@
 
 mod body;
 mod cell_grid;
+mod closeness;
 mod contacts;
 mod integrate;
 mod near_pairs;

@@ -5,6 +5,7 @@
 //! only their distance is looked at. Which pairs beyond reach are among either changes no result, so every rank may
 //! choose its own margin and its own time to find them anew.
 
+use super::closeness::{Places, branch, is_near, near_branches, near_partners};
 use super::pair_blocks::{Pair, PairBlocks, Remembered};
 use super::{Body, Particles};
 use crate::numbers::{Quad, QuadWork, in_quads};
@@ -163,29 +164,6 @@ pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair 
     [first, second, original.map_or(second, |index| index as u32)]
 }
 
-/// Whether the surfaces of two bodies are closer than `margin`.
-#[inline(always)]
-fn is_near([one, other]: [&Body; 2], margin: f64) -> bool {
-    let reach = one.radius + other.radius + margin;
-    (other.position - one.position).norm_squared() < reach * reach
-}
-
-/// From one body to another, and the sum of their radii.
-#[inline(always)]
-fn branch<Q: Quad>(one: &Body, other: &Body) -> Q {
-    let but_the_last = Q::load(&[1.0, 1.0, 1.0, -1.0]);
-    Q::load(&other.quads()[0]).minus(Q::load(&one.quads()[0]).times(but_the_last))
-}
-
-/// Bits of those of four branches whose surfaces are closer than `margin`.
-#[inline(always)]
-fn near_ones<Q: Quad>(branches: [Q; 4], margin: Q) -> u32 {
-    let [x, y, z, radii] = Q::transposed(branches);
-    let reach = radii.plus(margin);
-    let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
-    squared.below(reach.times(reach))
-}
-
 /// Which waiting pairs have come within reach.
 struct Arrivals<'a> {
     bodies: &'a [Body],
@@ -203,14 +181,11 @@ impl QuadWork for Arrivals<'_> {
         let reach = Q::splat(reach);
         for (quad, pairs) in waiting.chunks(4).enumerate() {
             let mut branches = [Q::splat(0.0); 4];
-            for (branch_of_pair, &[one, other]) in branches.iter_mut().zip(pairs) {
-                *branch_of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
+            for (of_pair, &[one, other]) in branches.iter_mut().zip(pairs) {
+                *of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
             }
-            let mut near = near_ones(branches, reach) & ((1 << pairs.len()) - 1);
-            while near != 0 {
-                arrived.push(4 * quad as u32 + near.trailing_zeros());
-                near &= near - 1;
-            }
+            let near = near_branches(branches, reach) & ((1 << pairs.len()) - 1);
+            arrived.extend(Places(near).map(|place| (4 * quad + place) as u32));
         }
     }
 }
@@ -234,15 +209,8 @@ impl<F: FnMut(usize, [u32; 2])> QuadWork for Candidates<'_, F> {
             let [begin, end] = [ends[0] as usize, ends[1] as usize];
             for from in (begin..end).step_by(4) {
                 let partners = &self.rows.partners[from..end.min(from + 4)];
-                let mut branches = [Q::splat(0.0); 4];
-                for (branch_of_pair, &partner) in branches.iter_mut().zip(partners) {
-                    *branch_of_pair = branch(body, &self.bodies[partner as usize]);
-                }
-                let mut near = near_ones(branches, margin) & ((1 << partners.len()) - 1);
-                while near != 0 {
-                    let slot = from + near.trailing_zeros() as usize;
-                    (self.take)(slot, [row as u32, self.rows.partners[slot]]);
-                    near &= near - 1;
+                for place in Places(near_partners(body, partners, self.bodies, margin)) {
+                    (self.take)(from + place, [row as u32, partners[place]]);
                 }
             }
         }

@@ -1,8 +1,10 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
+use super::closeness::{Places, near_partners};
 use super::contacts::{LostContact, PairMemory, WallMemory};
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, Wall, WallPose};
+use crate::numbers::{Quad, QuadWork, in_quads};
 
 /// How far the list looks beyond touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,24 +100,41 @@ impl Neighbours {
     }
 
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, reach: Reach) {
-        let margin = reach.range + reach.skin;
-        let owned = particles.owned_count();
         contacts.clear_pairs();
-        for i in 0..owned {
-            let (centre, radius) = (particles.body[i].position, particles.body[i].radius);
-            self.cells.for_each_neighbourhood(i, |members| {
-                for &member in members {
-                    let j = member as usize;
-                    // Both owned here, perhaps as an image: in the row of the lower index only.
-                    if particles.owned_original(j).is_some_and(|original| original <= i) {
-                        continue;
-                    }
-                    let near = radius + particles.body[j].radius + margin;
-                    if (particles.body[j].position - centre).norm_squared() < near * near {
-                        contacts.partner.push(member);
+        in_quads(PairSearch { cells: &self.cells, particles, reach, contacts });
+    }
+}
+
+/// Looks for the pairs of each owned particle among the particles of the cells around its own.
+struct PairSearch<'a> {
+    cells: &'a CellGrid,
+    particles: &'a Particles,
+    reach: Reach,
+    contacts: &'a mut Contacts,
+}
+
+impl QuadWork for PairSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) {
+        let Self { cells, particles, reach, contacts } = self;
+        let margin = Q::splat(reach.range + reach.skin);
+        let bodies = &particles.body[..];
+        for i in 0..particles.owned_count() {
+            // Both owned here, perhaps as an image: in the row of the lower index only.
+            let is_elsewhere = |partner: usize| {
+                particles.owned_original(partner).is_some_and(|original| original <= i)
+            };
+            for members in cells.neighbourhood(i) {
+                for partners in members.chunks(4) {
+                    for place in Places(near_partners(&bodies[i], partners, bodies, margin)) {
+                        if !is_elsewhere(partners[place] as usize) {
+                            contacts.partner.push(partners[place]);
+                        }
                     }
                 }
-            });
+            }
             contacts.row_start.push(contacts.partner.len() as u32);
         }
     }
