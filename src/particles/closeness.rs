@@ -19,7 +19,7 @@ pub(super) fn near_branches<Q: Quad>(branches: [Q; 4], margin: Q) -> u32 {
     squared.below(reach.times(reach))
 }
 
-/// Bit k says whether the surface of partner k, of up to four, is closer than `margin` to that of the body.
+/// Bit k says whether the surface of partner k, of one to four, is closer than `margin` to that of the body.
 #[inline(always)]
 pub(super) fn near_partners<Q: Quad>(
     body: &Body,
@@ -28,7 +28,9 @@ pub(super) fn near_partners<Q: Quad>(
     margin: Q,
 ) -> u32 {
     let mut branches = [Q::splat(0.0); 4];
-    for (to_partner, &partner) in branches.iter_mut().zip(partners) {
+    for (place, to_partner) in branches.iter_mut().enumerate() {
+        // The last one again where there are fewer: loops of a length that is known stay in registers.
+        let partner = partners[place.min(partners.len() - 1)];
         *to_partner = branch(body, &bodies[partner as usize]);
     }
     near_branches(branches, margin) & ((1 << partners.len()) - 1)

@@ -111,40 +111,78 @@ impl QuadWork for Moving<'_> {
 
     #[inline(always)]
     fn run<Q: Quad>(self) -> f64 {
-        let Motion { late, dt, drift } = self.motion;
-        let (mut last, mut kick) = (HalfKick::new(late.unwrap_or(0.0)), HalfKick::new(dt));
-        let mut weight = Load::zeroed();
-        let dt = Q::load(&[dt, dt, dt, 0.0]); // the radius stays
-        let mut size = [0.0; 2];
-        let mut farthest = Farthest::new();
-        for (bodies, loads) in self.bodies.chunks_mut(4).zip(self.loads.chunks_mut(4)) {
-            let mut ways = [Q::splat(0.0); 4];
-            for ((body, load), way) in bodies.iter_mut().zip(loads).zip(&mut ways) {
-                if size != [body.radius, body.mass] {
-                    size = [body.radius, body.mass]; // often that of the last one: no division
-                    last.of_size(body);
-                    kick.of_size(body);
-                    weight = drift.map_or(weight, |step| Load::along_z(-step.weight.of(body.mass)));
-                }
-                let [place, velocity, spin] = body.quads_mut();
-                let mut motion = [Q::load(velocity), Q::load(spin)];
-                if late.is_some() {
-                    last.change(&mut motion, load);
-                }
-                kick.change(&mut motion, load);
-                motion[0].store(velocity);
-                motion[1].store(spin);
-                if let Some(step) = drift {
-                    *way = step.lattice.round_quad(motion[0].times(dt));
-                    Q::load(place).plus(*way).store(place);
-                    *load = weight;
-                }
-            }
-            if drift.is_some() {
-                farthest.see(ways);
+        let Self { bodies, loads, motion } = self;
+        let mut mover = Mover::<Q>::new(motion);
+        let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
+        let (fours_of_loads, other_loads) = loads.as_chunks_mut::<4>();
+        for (bodies, loads) in fours_of_bodies.iter_mut().zip(fours_of_loads) {
+            mover.move_up_to_four(bodies, loads);
+        }
+        mover.move_up_to_four(other_bodies, other_loads);
+        mover.farthest.length()
+    }
+}
+
+/// What the loop over bodies carries along.
+struct Mover<Q> {
+    motion: Motion,
+    /// Radius and mass that the rest is for.
+    size: [f64; 2],
+    late: HalfKick,
+    kick: HalfKick,
+    weight: Load,
+    farthest: Farthest<Q>,
+}
+
+impl<Q: Quad> Mover<Q> {
+    #[inline(always)]
+    fn new(motion: Motion) -> Self {
+        let late = HalfKick::new(motion.late.unwrap_or(0.0));
+        let (kick, weight) = (HalfKick::new(motion.dt), Load::zeroed());
+        Self { motion, size: [0.0; 2], late, kick, weight, farthest: Farthest::new() }
+    }
+
+    #[inline(always)]
+    fn of_size(&mut self, body: &Body) {
+        let size = [body.radius, body.mass];
+        if self.size != size {
+            self.size = size; // often that of the last one: no division
+            self.late.of_size(body);
+            self.kick.of_size(body);
+            if let Some(step) = self.motion.drift {
+                self.weight = Load::along_z(-step.weight.of(body.mass));
             }
         }
-        farthest.length()
+    }
+
+    #[inline(always)]
+    fn move_up_to_four(&mut self, bodies: &mut [Body], loads: &mut [Load]) {
+        let mut ways = [Q::splat(0.0); 4];
+        for ((body, load), way) in bodies.iter_mut().zip(loads).zip(&mut ways) {
+            self.of_size(body);
+            *way = self.move_one(body, load);
+        }
+        if self.motion.drift.is_some() {
+            self.farthest.see(ways);
+        }
+    }
+
+    /// Returns the body's way; zero without a drift.
+    #[inline(always)]
+    fn move_one(&self, body: &mut Body, load: &mut Load) -> Q {
+        let [place, velocity, spin] = body.quads_mut();
+        let mut motion = [Q::load(velocity), Q::load(spin)];
+        if self.motion.late.is_some() {
+            self.late.change(&mut motion, load);
+        }
+        self.kick.change(&mut motion, load);
+        motion[0].store(velocity);
+        motion[1].store(spin);
+        let Some(Step { dt, lattice, .. }) = self.motion.drift else { return Q::splat(0.0) };
+        let way = lattice.round_quad(motion[0].times(Q::load(&[dt, dt, dt, 0.0]))); // the radius stays
+        Q::load(place).plus(way).store(place);
+        *load = self.weight;
+        way
     }
 }
 

@@ -181,7 +181,8 @@ impl QuadWork for Arrivals<'_> {
         let reach = Q::splat(reach);
         for (quad, pairs) in waiting.chunks(4).enumerate() {
             let mut branches = [Q::splat(0.0); 4];
-            for (of_pair, &[one, other]) in branches.iter_mut().zip(pairs) {
+            for (place, of_pair) in branches.iter_mut().enumerate() {
+                let [one, other] = pairs[place.min(pairs.len() - 1)];
                 *of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
             }
             let near = near_branches(branches, reach) & ((1 << pairs.len()) - 1);
