@@ -10,6 +10,7 @@ use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
 use crate::particles::{Contacts, Neighbours, Particles, Reach, Weight};
 use crate::timers::Timers;
+use std::time::Duration;
 
 /// Time as a count of steps since the step was last changed: no drift of rounding errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -252,6 +253,8 @@ pub struct Workspace {
     pub tallies: Tallies,
     /// Time spent.
     pub timers: Timers,
+    /// Of that, on particles at the last look at the ranks' loads.
+    looked_at: Duration,
     /// What went wrong on this rank, until the ranks next agree.
     pub fault: Option<String>,
     /// What this rank was asked for.
@@ -267,13 +270,39 @@ pub struct Requests {
     pub checkpoint: bool,
 }
 
-/// When cut planes move.
+/// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
+/// since the last look, and at the latest after [`Balance::LATEST`] times as many.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
-    /// Steps between looks.
+    /// Least number of steps between looks.
     pub every: u64,
-    /// Largest over mean particle count above which they move.
+    /// Largest over mean time that ranks spend on their particles above which planes move.
     pub threshold: f64,
+    last_look: u64,
+}
+
+impl Balance {
+    /// Most steps between looks, over the fewest.
+    pub const LATEST: u64 = 10;
+
+    /// From the least number of steps between looks, and the largest imbalance that is let be.
+    pub fn new(every: u64, threshold: f64) -> Self {
+        Self { every, threshold, last_look: 0 }
+    }
+
+    /// Whether lists must be rebuilt for a look.
+    pub fn is_overdue(&self, step: u64) -> bool {
+        step - self.last_look >= Self::LATEST * self.every
+    }
+
+    /// Whether to look at this step, at which lists are rebuilt.
+    pub fn look(&mut self, step: u64) -> bool {
+        let due = step - self.last_look >= self.every;
+        if due {
+            self.last_look = step;
+        }
+        due
+    }
 }
 
 /// External forces on this rank's particles at the last evaluation, as counts of the force lattice: sums
@@ -300,9 +329,16 @@ impl Workspace {
             flow: None,
             tallies: Tallies::default(),
             timers: Timers::default(),
+            looked_at: Duration::ZERO,
             fault: None,
             requests: Requests::default(),
         }
+    }
+
+    /// Time spent on particles since this was last asked.
+    pub fn time_since_last_look(&mut self) -> Duration {
+        let now = self.timers.on_particles;
+        now - std::mem::replace(&mut self.looked_at, now)
     }
 
     /// Moves the walls to where they are at the end of a step of this length.

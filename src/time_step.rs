@@ -1,16 +1,14 @@
 //! The step: velocity Verlet for the particles, the gas of the moment, and all forces.
 
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
-use crate::domain::Face;
+use crate::domain::{Bounds, Face};
 use crate::numbers::ExactSum;
-use crate::parallel::{
-    CollectiveError, Communicator, agree, balanced, imbalance, migrate, share_with_all,
-};
+use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
 use crate::particles::{
     PairMemory, Particles, Step, WallMemory, begin_with_weight, kick, kick_and_drift,
 };
 use crate::state::{Domain, Models, Requests, State, Workspace};
-use crate::timers::Stage;
+use crate::timers::{Stage, processor_time};
 use std::collections::HashSet;
 use thiserror::Error;
 
@@ -133,8 +131,9 @@ fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<Verdict, StepError> {
-    let Workspace { neighbours, wall_poses, timers, reach, fault, requests, balance, .. } = work;
+    let Workspace { neighbours, wall_poses, timers, reach, fault, requests, .. } = work;
     let step = state.clock.step;
+    let balance_due = work.balance.is_some_and(|balance| balance.is_overdue(step));
     timers.time(Stage::Decide, || {
         let particles = &state.particles;
         let near_faces = neighbours.may_have_passed(way);
@@ -159,7 +158,6 @@ fn decide(
         if any_stopped {
             return Err(StepError::Stopped { step, words: agreed_words(stopped, ranks) });
         }
-        let balance_due = balance.is_some_and(|balance| step.is_multiple_of(balance.every));
         let requests = Requests { stop, checkpoint };
         Ok(Verdict { rebuild: outdated || balance_due, requests })
     })
@@ -226,23 +224,44 @@ fn arrange(
     for body in &mut particles.body {
         body.position = bounds.wrap(body.position);
     }
-    let due = work.balance.filter(|balance| clock.step.is_multiple_of(balance.every));
-    if due.is_some_and(|due| imbalance(particles.owned_count(), ranks) > due.threshold) {
-        let positions = particles.body.iter().map(|body| body.position);
-        work.cut = balanced(&work.cut, positions, bounds, width, ranks);
+    if work.balance.as_mut().is_some_and(|balance| balance.look(clock.step)) {
+        rebalance(particles, bounds, work, width, ranks);
     }
     work.cut = flow::aligned(work.cut.clone(), models, width).map_err(unstable)?;
     migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
+    let before = processor_time();
     work.neighbours.sort_by_cells(particles, width);
     work.neighbours.note_faces(particles, bounds);
+    work.timers.on_particles += processor_time() - before;
     work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
+    let before = processor_time();
     let walls_now = (&domain.walls[..], &work.wall_poses[..]);
     let rebuilt =
         work.neighbours.rebuild(particles, contacts, walls_now, work.reach, (&pairs, &walls));
+    work.timers.on_particles += processor_time() - before;
     agree(rebuilt, ranks).map_err(unstable)?;
     let settled = flow::settle(state, domain, models, work, &old_cut, ranks);
     work.timers.add(Stage::Rebuild, begin.elapsed());
     settled.map_err(unstable)
+}
+
+/// Moves the cut planes if the load on the ranks is uneven. Collective.
+fn rebalance(
+    particles: &Particles,
+    bounds: &Bounds,
+    work: &mut Workspace,
+    width: f64,
+    ranks: &dyn Communicator,
+) {
+    let threshold = work.balance.map_or(f64::INFINITY, |balance| balance.threshold);
+    let load = RankLoad::measured(particles.owned_count(), work.time_since_last_look(), ranks);
+    if ranks.is_root() {
+        log::debug!("largest over mean load {:.3}", load.imbalance);
+    }
+    if load.imbalance > threshold {
+        let positions = particles.body.iter().map(|body| body.position);
+        work.cut = load.balanced(&work.cut, positions, bounds, width, ranks);
+    }
 }
 
 /// Takes particles beyond open faces out of the run, with all that remembers them. Collective.
@@ -330,6 +349,7 @@ fn evaluate_forces(
         let set = fluid.set_superficial_velocity(gas, particles, (time, gravity), ranks);
         set.map_err(|error| error.to_string())
     });
+    let before = processor_time();
     let State { particles, contacts, .. } = state;
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
@@ -341,6 +361,7 @@ fn evaluate_forces(
         None => Ok([0; 3]),
         Some((gas, fluid)) => fluid.add_to(gas, particles),
     });
+    timers.on_particles += processor_time() - before;
     tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
     let words = [
         driven.err(),

@@ -1,6 +1,7 @@
 //! How the time of a run divides over the stages of the step.
 
 use crate::parallel::Communicator;
+use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
 /// The stages of a step, in the order of the step, and the rest of the run.
@@ -59,7 +60,15 @@ impl Stage {
 /// Time spent in each stage on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Timers {
+    /// Processor time for lists of this rank's particles and forces on them, in which it waits for no other rank.
+    pub on_particles: Duration,
     spent: [Duration; Stage::ALL.len()],
+}
+
+/// Time that this thread has had a processor: not what other programs took from it.
+pub fn processor_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
 /// One stage over all ranks.

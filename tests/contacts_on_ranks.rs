@@ -60,7 +60,7 @@ fn bed_between_walls(law: ContactModel, kind: RollingKind) -> Bench {
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
     bench.skin = 0.04;
-    bench.balance = Some(Balance { every: 200, threshold: 1.05 });
+    bench.balance = Some(Balance::new(200, 1.05));
     bench.add_layers(128, (1.22, 0.8), &[1.0, 0.9, 1.1], (0.05, 2.0));
     bench
 }

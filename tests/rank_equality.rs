@@ -84,7 +84,7 @@ fn balancing_and_the_skin_change_no_bit() {
     let reference = after(&bench, [1, 1, 1], STEPS);
     for (skin, every) in [(0.02, 37), (0.1, 250), (0.4, 1000)] {
         bench.skin = skin;
-        bench.balance = Some(Balance { every, threshold: 1.05 });
+        bench.balance = Some(Balance::new(every, 1.05));
         for grid in [[1, 1, 1], [1, 1, 3], [2, 1, 2]] {
             let what = format!("skin {skin}, balanced every {every} steps, ranks {grid:?}");
             let cut_moved = bench.on_ranks(grid, |run| {

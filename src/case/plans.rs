@@ -58,7 +58,7 @@ pub struct ParallelPlan {
 
 impl Default for ParallelPlan {
     fn default() -> Self {
-        let balance = Some(Balance { every: 2000, threshold: 1.1 });
+        let balance = Some(Balance::new(100, 1.05));
         Self { layout: RankLayout::Slabs(2), skin: 0.08, balance }
     }
 }
@@ -157,7 +157,7 @@ fn read_balance(section: &Section<'_>, default: Option<Balance>) -> Option<Balan
     let every = inner.optional_count("every", 1..1_000_000_001);
     let threshold = inner.number("threshold", Allowed::at_least(1.0));
     inner.finish();
-    Some(Balance { every: every?, threshold: threshold? })
+    Some(Balance::new(every?, threshold?))
 }
 
 fn read_wall_time(section: &Section<'_>, key: &'static str) -> Option<Duration> {

@@ -1,46 +1,81 @@
-//! Cut planes that give every rank about the same number of particles.
+//! Cut planes that give every rank about the same work.
 
 use super::Communicator;
 use crate::domain::{Bounds, Decomposition};
 use nalgebra::Vector3;
+use std::time::Duration;
 
 /// Bins of the histogram that cut planes are chosen from, per axis.
 const BINS: usize = 1024;
 
-/// Largest over mean number of particles per rank; 1 without particles. Collective.
-pub fn imbalance(owned: usize, ranks: &dyn Communicator) -> f64 {
-    let mut largest = [owned as f64];
-    ranks.maximum(&mut largest);
-    let total = ranks.total(owned);
-    if total == 0 { 1.0 } else { largest[0] * ranks.size() as f64 / total as f64 }
+/// What a particle of mean cost counts in the histogram.
+const UNIT: f64 = 1024.0;
+
+/// Bounds of a particle's cost over the mean one. Particles in flight cost a tenth of those at rest on others; a time
+/// that was badly measured is not believed beyond.
+const COSTS: [f64; 2] = [0.1, 10.0];
+
+/// How evenly work lies on the ranks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RankLoad {
+    /// Largest over mean of the ranks' times, or of their particle counts where no time is known; 1 without any.
+    pub imbalance: f64,
+    /// Time per particle of this rank, over that of all.
+    cost: f64,
 }
 
-/// The same rank grid with cut planes through the quantiles of the particles' coordinates, blocks being at
-/// least `least_width` wide. Collective; positions are those of owned particles, wrapped.
-///
-/// The planes change who works on what, never a result.
-pub fn balanced(
-    cut: &Decomposition,
-    positions: impl Iterator<Item = Vector3<f64>> + Clone,
-    bounds: &Bounds,
-    least_width: f64,
-    ranks: &dyn Communicator,
-) -> Decomposition {
-    let cuts = std::array::from_fn(|axis| {
-        let n = cut.grid().0[axis];
-        if n == 1 {
-            return cut.cuts(axis).to_vec();
+impl RankLoad {
+    /// Before any time is known: all particles cost the same.
+    pub const UNKNOWN: Self = Self { imbalance: f64::INFINITY, cost: 1.0 };
+
+    /// From the time that this rank has spent on its particles, without waiting, and their number. Collective.
+    pub fn measured(particles: usize, time: Duration, ranks: &dyn Communicator) -> Self {
+        let mut sums = [particles as i64, time.as_nanos() as i64];
+        let mut largest = sums.map(|own| own as f64);
+        ranks.sum_integers(&mut sums);
+        ranks.maximum(&mut largest);
+        let [all_particles, all_time] = sums.map(|sum| sum as f64);
+        let imbalance = |kind: usize| match sums[kind] {
+            0 => 1.0,
+            sum => largest[kind] * ranks.size() as f64 / sum as f64,
+        };
+        if all_time == 0.0 || particles == 0 {
+            let known = if all_time == 0.0 { 0 } else { 1 };
+            return Self { imbalance: imbalance(known), cost: 1.0 };
         }
-        let length = bounds.lengths()[axis];
-        let mut histogram = vec![0_i64; BINS];
-        for position in positions.clone() {
-            let bin = (position[axis] / length * BINS as f64) as usize; // negative: bin 0
-            histogram[bin.min(BINS - 1)] += 1;
-        }
-        ranks.sum_integers(&mut histogram);
-        quantiles(&histogram, n, length, least_width)
-    });
-    cut.with_cuts(cuts)
+        let cost = (time.as_nanos() as f64 / particles as f64) / (all_time / all_particles);
+        Self { imbalance: imbalance(1), cost: cost.clamp(COSTS[0], COSTS[1]) }
+    }
+
+    /// The same rank grid with cut planes through the quantiles of the cost over the particles' coordinates, blocks
+    /// being at least `least_width` wide. Collective; positions are those of owned particles, wrapped.
+    ///
+    /// The planes change who works on what, never a result.
+    pub fn balanced(
+        &self,
+        cut: &Decomposition,
+        positions: impl Iterator<Item = Vector3<f64>> + Clone,
+        bounds: &Bounds,
+        least_width: f64,
+        ranks: &dyn Communicator,
+    ) -> Decomposition {
+        let weight = (self.cost * UNIT).round() as i64;
+        let cuts = std::array::from_fn(|axis| {
+            let n = cut.grid().0[axis];
+            if n == 1 {
+                return cut.cuts(axis).to_vec();
+            }
+            let length = bounds.lengths()[axis];
+            let mut histogram = vec![0_i64; BINS];
+            for position in positions.clone() {
+                let bin = (position[axis] / length * BINS as f64) as usize; // negative: bin 0
+                histogram[bin.min(BINS - 1)] += weight;
+            }
+            ranks.sum_integers(&mut histogram);
+            quantiles(&histogram, n, length, least_width)
+        });
+        cut.with_cuts(cuts)
+    }
 }
 
 /// n + 1 planes from 0 to `length` that divide the histogram evenly, at least `least_width` apart.
@@ -49,7 +84,7 @@ fn quantiles(histogram: &[i64], n: usize, length: f64, least_width: f64) -> Vec<
     let bin_width = length / histogram.len() as f64;
     let mut planes = vec![0.0];
     let mut bin = 0;
-    let mut below = 0; // particles in the bins before `bin`
+    let mut below = 0; // in the bins before `bin`
     for plane in 1..n {
         let target = total as f64 * plane as f64 / n as f64;
         while bin < histogram.len() && ((below + histogram[bin]) as f64) < target {
@@ -71,6 +106,57 @@ fn quantiles(histogram: &[i64], n: usize, length: f64, least_width: f64) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::domain::{Face, RankGrid};
+    use crate::parallel::run_on_threads;
+
+    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles of
+    /// which those below a third cost three times as much.
+    fn imbalance_of_a_bed_with_a_dense_bottom(see_time: bool) -> f64 {
+        let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
+        let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
+        let found = run_on_threads(4, |ranks| {
+            let mut cut = Decomposition::even(RankGrid([1, 1, 4]), &bounds);
+            let mut load = RankLoad::UNKNOWN;
+            for _ in 0..6 {
+                let here = |z: &f64| cut.owner_of(&Vector3::new(2.0, 2.0, *z)) == ranks.rank();
+                let own: Vec<f64> = heights.iter().copied().filter(here).collect();
+                let cost: u64 = own.iter().map(|z| if *z < 16.0 / 3.0 { 30 } else { 10 }).sum();
+                load = RankLoad::measured(own.len(), Duration::from_micros(cost), ranks);
+                let positions = own.iter().map(|&z| Vector3::new(2.0, 2.0, z));
+                let seen = if see_time { load } else { RankLoad::UNKNOWN };
+                cut = seen.balanced(&cut, positions, &bounds, 0.5, ranks);
+            }
+            load.imbalance
+        });
+        found[0]
+    }
+
+    #[test]
+    fn what_costs_more_is_shared_among_more_ranks() {
+        // The plane at a third falls into a slab whose particles are taken for equal: the planes close in on it.
+        let found = imbalance_of_a_bed_with_a_dense_bottom(true);
+        assert!(found < 1.03, "{found}");
+        // Control: equal counts are not equal work.
+        assert!(imbalance_of_a_bed_with_a_dense_bottom(false) > 1.4);
+    }
+
+    #[test]
+    fn without_times_particles_count_and_without_particles_nothing_does() {
+        let of = |counts: [usize; 2], times: [u64; 2]| {
+            run_on_threads(2, |ranks| {
+                let time = Duration::from_micros(times[ranks.rank()]);
+                RankLoad::measured(counts[ranks.rank()], time, ranks)
+            })
+        };
+        assert!(
+            of([300, 100], [0, 0]).iter().all(|load| load.imbalance == 1.5 && load.cost == 1.0)
+        );
+        assert!(of([0, 0], [0, 0]).iter().all(|load| load.imbalance == 1.0));
+        // What cannot be is not believed.
+        let uneven = of([100, 100], [100, 9_900]);
+        assert_eq!(uneven.iter().map(|load| load.cost).collect::<Vec<_>>(), [0.1, 1.98]);
+        assert_eq!(uneven[0].imbalance, 1.98);
+    }
 
     #[test]
     fn planes_divide_the_particles_evenly() {

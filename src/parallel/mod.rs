@@ -15,7 +15,7 @@ mod records;
 mod sort_by_id;
 mod thread_ranks;
 
-pub use balance::{balanced, imbalance};
+pub use balance::RankLoad;
 pub use cells::send_cells_to_owners;
 pub use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};

@@ -6,7 +6,7 @@ use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
-    CellRecord, CollectiveError, Communicator, ParticleRecord, agree, balanced,
+    CellRecord, CollectiveError, Communicator, ParticleRecord, RankLoad, agree,
     send_cells_to_owners, send_to_owners, share_with_all,
 };
 use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
@@ -210,5 +210,5 @@ fn balanced_at_start(
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
     let width = ghost_width(case, sizes);
-    balanced(cut, positions.iter().copied(), &case.domain.bounds, width, ranks)
+    RankLoad::UNKNOWN.balanced(cut, positions.iter().copied(), &case.domain.bounds, width, ranks)
 }
