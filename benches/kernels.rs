@@ -1,6 +1,6 @@
 //! Nanoseconds per contact, per pair, per particle, per ghost of what a step consists of, in and out of cache.
 //!
-//! `scripts/bench --kernels` runs it and makes a table. What is called within a step is timed within steps of a bed
+//! `scripts/bench --parts kernels` runs it and makes a table. What is called within a step is timed within steps of a bed
 //! that rests, by the timers of the stages; the rest is called by itself.
 #![allow(missing_docs, reason = "criterion_group makes an undocumented function")]
 
@@ -15,8 +15,10 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 use talcum::contact::{Contact, ContactLaw};
 use talcum::coupling::{Bed, CoarseGraining};
-use talcum::domain::{Decomposition, RankGrid};
+use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 use talcum::gas::{DragLaw, ScaledDrag};
+use talcum::grid::{BoxGrid, Field};
+use talcum::linear_solver::{PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
 use talcum::particles::{ContactMemory, PairMemory, WallMemory};
 use talcum::time_step::rebuild;
@@ -33,7 +35,9 @@ const SKIN: f64 = 0.08;
 fn lattice(edge: u64, spacing: f64) -> Bench {
     let mut bench = Bench::new([edge as f64 * spacing; 3], [PERIODIC; 3]);
     bench.skin = SKIN;
-    bench.add_layers(edge.pow(3), (spacing, 0.5 * spacing), &[1.0], (0.0, 0.0));
+    // Lengths are rounded, so that a hair less than the spacing fits as often as it should.
+    let fitting = spacing * (1.0 - 1.0e-9);
+    bench.add_layers(edge.pow(3), (fitting, 0.5 * spacing), &[1.0], (0.0, 0.0));
     bench
 }
 
@@ -193,6 +197,44 @@ fn lists(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// One iteration of the pressure solve, a cycle of multigrid and the products around it, in a box whose lower half has
+/// a thousandth of the mobility of the upper.
+fn multigrid(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("multigrid");
+    group.sample_size(10);
+    for edge in [16, 64] {
+        let bounds = Bounds::new(Vector3::repeat(edge as f64), [[Face::Wall; 2]; 3]);
+        let (grid, cut) =
+            (BoxGrid::new(&bounds, [edge; 3]), Decomposition::even(RankGrid([1; 3]), &bounds));
+        let part = grid.part_of(&cut, 0);
+        let field = |of: &dyn Fn(usize) -> f64| {
+            let mut field = Field::new(&part, 1);
+            field.set_owned((0..edge.pow(3)).map(of));
+            field
+        };
+        let mobility = field(&|cell| if cell < edge.pow(3) / 2 { 1.0e-3 } else { 1.0 });
+        let outlet = field(&|cell| if cell >= edge.pow(3) - edge.pow(2) { 1.0 } else { 0.0 });
+        let right = field(&|cell| (cell * 7919 % 1009) as f64 - 504.0);
+        let mut solver = PressureSolver::new(&grid, &cut, &bounds, 0);
+        let set = solver.set_coefficients([&mobility; 3], Some(&outlet), &OneRank);
+        set.expect("mobilities are positive");
+        let mut solve = || {
+            let (mut solution, tolerance) = (Field::new(&part, 1), Tolerance::relative(1.0e-8));
+            let solved = solver.solve(&mut solution, &right, tolerance, &OneRank);
+            solved.expect("converges").iterations
+        };
+        let iterations = solve();
+        group.throughput(Throughput::Elements((edge.pow(3) * iterations) as u64));
+        group.bench_function(
+            format!("iteration of the pressure solve per cell/{}", edge.pow(3)),
+            |bencher| {
+                bencher.iter(&mut solve);
+            },
+        );
+    }
+    group.finish();
+}
+
 /// Runs `work` on two ranks as threads, each with its half of a touching lattice, until it has been done `times`;
 /// the longer of their times.
 fn on_two_ranks(
@@ -271,6 +313,6 @@ criterion_group! {
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1))
         .sample_size(20);
-    targets = laws, within_steps, grids, lists, between_ranks
+    targets = laws, within_steps, grids, multigrid, lists, between_ranks
 }
 criterion_main!(kernels);

@@ -59,18 +59,18 @@ impl Digest {
 /// others doubles, of which the last `optional` ones are left out if all are zero.
 fn sum<T: Pod>(kind: u8, ids: usize, optional: usize, records: &[T]) -> [i64; 3] {
     let mut sum = [records.len() as i64, 0, 0];
+    let mut bytes = vec![kind];
     for record in records {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&[kind]);
         let words: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(record));
         let (always, last) = words.split_at(words.len() - optional);
         let is_zero = |&word: &u64| word == 0 || word == NEGATIVE_ZERO;
         let words = if last.iter().all(is_zero) { always } else { words };
+        bytes.truncate(1);
         for (place, &word) in words.iter().enumerate() {
             let unsigned_zero = place >= ids && word == NEGATIVE_ZERO;
-            hasher.update(&(if unsigned_zero { 0 } else { word }).to_le_bytes());
+            bytes.extend_from_slice(&(if unsigned_zero { 0 } else { word }).to_le_bytes());
         }
-        let [low, high]: [[u8; 8]; 2] = bytemuck::cast(first_bytes(&hasher.finalize()));
+        let [low, high]: [[u8; 8]; 2] = bytemuck::cast(first_bytes(&blake3::hash(&bytes)));
         sum[1] = sum[1].wrapping_add(i64::from_le_bytes(low));
         sum[2] = sum[2].wrapping_add(i64::from_le_bytes(high));
     }

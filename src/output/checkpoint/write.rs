@@ -127,7 +127,8 @@ fn write_rows<R: Table>(file: &SharedFile<'_>, block: &SortedBlock<R>) -> Result
         file.write_rows(column.name, block.offset, &values)?;
     }
     for column in R::NUMBERS {
-        let values: Vec<f64> = block.rows.iter().flat_map(column.get).copied().collect();
+        let mut values = Vec::with_capacity(block.rows.len() * column.width);
+        block.rows.iter().for_each(|record| values.extend_from_slice((column.get)(record)));
         file.write_rows(column.name, block.offset, &values)?;
     }
     Ok(())
