@@ -1,6 +1,7 @@
 //! What the gas loses against what particles gain.
 
 use super::CellCoupling;
+use crate::grid::Field;
 use crate::numbers::{ExactSum, Quantum};
 use crate::parallel::Communicator;
 
@@ -38,11 +39,17 @@ impl CellCoupling {
     pub(super) fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
         let mut sum = ExactSum::default();
         let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
-        let [velocity, gradient] = [&self.seen[axis], &self.seen[3 + axis]];
-        let drags = bed.momentum_transfer.owned().zip(bed.transferred_velocity[axis].owned());
-        let pressures = bed.voidage.owned().zip(gradient.owned());
-        for ((u, (beta, beta_v)), (eps, gradient)) in velocity.owned().zip(drags).zip(pressures) {
-            sum.add(volume * (beta * u - beta_v - (1.0 - eps) * (gradient - buoyancy)));
+        let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
+        let fields = [&self.seen[axis], &self.seen[3 + axis], beta, beta_v, &bed.voidage];
+        let [length, rows, layers] = bed.voidage.count();
+        for (j, k) in (0..layers).flat_map(|k| (0..rows).map(move |j| (j as isize, k as isize))) {
+            let row = |field: &Field| field.index([0, j, k]);
+            let [u, gradient, beta, beta_v, eps] =
+                fields.map(|field| &field.values()[row(field)..][..length]);
+            for i in 0..length {
+                let pressed = (1.0 - eps[i]) * (gradient[i] - buoyancy);
+                sum.add(volume * (beta[i] * u[i] - beta_v[i] - pressed));
+            }
         }
         sum
     }
