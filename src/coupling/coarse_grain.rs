@@ -27,6 +27,8 @@ pub struct CoarseGraining {
     diameters: [f64; 2],
     /// Of volume and its flux; of diameter and its flux.
     lattices: [[Quantum; 2]; 2],
+    /// The particles as they were deposited last.
+    blocks: Vec<ColumnBlock>,
     /// Those of volume, then of diameter: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
     /// By fields and nodes.
@@ -45,13 +47,18 @@ impl CoarseGraining {
         let length = 4.0 * volume / diameters[0].powi(2);
         let lattices =
             [volume, length].map(|most| [most, most * speed_limit].map(Quantum::spanning));
-        let (in_intervals, at_nodes) = Default::default();
-        Self { diameters, lattices, in_intervals, at_nodes }
+        let (blocks, in_intervals, at_nodes) = Default::default();
+        Self { diameters, lattices, blocks, in_intervals, at_nodes }
     }
 
     /// Whether particles differ in size.
     pub fn sizes_differ(&self) -> bool {
         self.diameters[0] != self.diameters[1]
+    }
+
+    /// The owned particles as they were deposited last.
+    pub(super) fn blocks(&self) -> &[ColumnBlock] {
+        &self.blocks
     }
 
     /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d in
@@ -70,8 +77,11 @@ impl CoarseGraining {
             sums.clear();
             sums.resize(grid.intervals(), [[0.0; 4]; 4]);
         }
+        let bodies = &particles.body[..particles.owned_count()];
+        self.blocks.resize_with(bodies.len().div_ceil(LANES), ColumnBlock::default);
         in_quads(Deposit {
-            bodies: &particles.body[..particles.owned_count()],
+            bodies,
+            blocks: &mut self.blocks,
             grid,
             lattices: self.lattices,
             sums: &mut self.in_intervals[..kinds],
@@ -128,6 +138,7 @@ impl CoarseGraining {
 /// The particles of a rank to the intervals of the grid.
 struct Deposit<'a> {
     bodies: &'a [Body],
+    blocks: &'a mut [ColumnBlock],
     grid: &'a ColumnGrid,
     lattices: [[Quantum; 2]; 2],
     /// Of volume, perhaps of diameter.
@@ -139,8 +150,7 @@ impl QuadWork for Deposit<'_> {
 
     #[inline(always)]
     fn run<Q: Quad>(self) {
-        let mut block = ColumnBlock::default();
-        for bodies in self.bodies.chunks(LANES) {
+        for (bodies, block) in self.bodies.chunks(LANES).zip(self.blocks) {
             block.gather::<Q>(bodies, self.grid);
             // What only fills up the last block carries nothing.
             let mut amounts = [[0.0; LANES]; 2];
@@ -149,7 +159,7 @@ impl QuadWork for Deposit<'_> {
                 amounts[1][lane] = 2.0 * radius;
             }
             for (kind, sums) in self.sums.iter_mut().enumerate() {
-                add::<Q>(&block, &amounts[kind], self.lattices[kind], sums);
+                add::<Q>(block, &amounts[kind], self.lattices[kind], sums);
             }
         }
     }

@@ -8,7 +8,7 @@ pub(super) type Lanes = [f64; LANES];
 
 /// Where the particles of a block are in the column, and what the gas needs of them. Lanes beyond the last particle
 /// repeat it.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ColumnBlock {
     /// Interval of the grid.
     pub(super) interval: [u32; LANES],

@@ -21,7 +21,7 @@ pub enum GasForceOutOfRange {
     Particle {
         /// Its id.
         particle: u64,
-        /// Largest component of the force.
+        /// A component of the force.
         force: f64,
         /// What it may be.
         limit: f64,
@@ -131,7 +131,7 @@ impl FluidForce {
     /// What the particles feel of the gas if it moves at this superficial velocity.
     fn column(&self, gas: &ColumnGas, superficial_velocity: f64) -> Column<'_> {
         Column {
-            grid: &self.grid,
+            blocks: self.coarse_graining.blocks(),
             between_nodes: &self.between_nodes,
             drag: gas.particle_drag(),
             superficial_velocity,
@@ -165,7 +165,8 @@ impl FluidForce {
         Ok(())
     }
 
-    /// Adds the gas force to each owned particle; returns their sum here, as counts of the force lattice.
+    /// Adds the gas force to each owned particle, at the place and velocity that it was coarse-grained with; returns
+    /// their sum here, as counts of the force lattice.
     ///
     /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
     /// -dp/dz = B (u_g - u_d) / (1 - phi), B the drag of all particles per volume; laterally -(V / phi) beta v if the
@@ -186,7 +187,6 @@ impl FluidForce {
             lateral: gas.lateral_drag,
             lattice: self.lattice,
             limit: self.limit,
-            bodies: &particles.body[..owned],
             loads: &mut particles.load[..owned],
         };
         in_quads(work).map_err(|beyond| GasForceOutOfRange::Particle {
@@ -236,7 +236,7 @@ impl FluidForce {
             let [constant, slope] = in_quads(SumSlopes {
                 column: self.column(gas, velocity),
                 lattices: [self.lattice, self.slope_lattice],
-                bodies: &particles.body[..particles.owned_count()],
+                count: particles.owned_count(),
             });
             let mut sums = [constant, slope, particles.owned_count() as i64];
             ranks.sum_integers(&mut sums);

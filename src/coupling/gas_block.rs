@@ -4,7 +4,7 @@ use super::column_block::{ColumnBlock, Lanes};
 use crate::gas::ParticleDrag;
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quad, QuadWork, Quantum, quad, quad_mut};
-use crate::particles::{Body, LANES, Load};
+use crate::particles::{LANES, Load};
 use std::f64::consts::PI;
 
 /// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its way to the
@@ -21,10 +21,11 @@ pub(super) fn interval_fields(
     }));
 }
 
-/// The gas between the nodes of its grid.
+/// Particles, and the gas between the nodes of its grid.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'a> {
-    pub(super) grid: &'a ColumnGrid,
+    /// The particles in it.
+    pub(super) blocks: &'a [ColumnBlock],
     /// phi and u_s as [`interval_fields`]; likewise diameters per volume and u_d, of no interval if all particles are
     /// of one size.
     pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
@@ -36,7 +37,6 @@ pub(super) struct Column<'a> {
 /// Fields and drag at the particles of a block.
 #[derive(Default)]
 struct GasBlock {
-    particles: ColumnBlock,
     solids_fraction: Lanes,
     solids_velocity: Lanes,
     diameter_density: Lanes,
@@ -49,34 +49,32 @@ struct GasBlock {
 }
 
 impl GasBlock {
-    /// All of it, for up to `LANES` particles, at least one.
     #[inline(always)]
-    fn fill<Q: Quad>(&mut self, column: &Column, bodies: &[Body]) {
-        self.particles.gather::<Q>(bodies, column.grid);
+    fn fill<Q: Quad>(&mut self, column: &Column, particles: &ColumnBlock) {
         let [of_volume, of_diameter] = column.between_nodes;
         let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
-        interpolate::<Q>(&self.particles, of_volume, fields);
+        interpolate::<Q>(particles, of_volume, fields);
         let sizes_differ = !of_diameter.is_empty();
         if sizes_differ {
             let fields = [&mut self.diameter_density, &mut self.drag_velocity];
-            interpolate::<Q>(&self.particles, of_diameter, fields);
+            interpolate::<Q>(particles, of_diameter, fields);
         } else {
             self.drag_velocity = self.solids_velocity;
         }
-        self.find_drag(&column.drag, column.superficial_velocity);
+        self.find_drag(column, &particles.radius);
         if sizes_differ {
-            self.share_gradient();
+            self.share_gradient(&particles.radius);
         }
     }
 
     #[inline(always)]
-    fn find_drag(&mut self, drag: &ParticleDrag, superficial_velocity: f64) {
+    fn find_drag(&mut self, column: &Column, radius: &Lanes) {
         let (mut diameter, mut slip) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
-            diameter[lane] = 2.0 * self.particles.radius[lane];
-            slip[lane] = superficial_velocity - self.solids_velocity[lane];
+            diameter[lane] = 2.0 * radius[lane];
+            slip[lane] = column.superficial_velocity - self.solids_velocity[lane];
         }
-        self.drag = drag.per_velocities(&diameter, &self.solids_fraction, &slip);
+        self.drag = column.drag.per_velocities(&diameter, &self.solids_fraction, &slip);
         for lane in 0..LANES {
             let phi = self.solids_fraction[lane];
             self.gradient[lane] = self.drag[lane] * phi / (1.0 - phi); // V beta / (1 - phi)
@@ -85,21 +83,21 @@ impl GasBlock {
 
     /// Of sizes that differ: V B in the place of V beta, B = c / d times the sum of diameters per volume.
     #[inline(always)]
-    fn share_gradient(&mut self) {
+    fn share_gradient(&mut self, radius: &Lanes) {
         for lane in 0..LANES {
-            let (phi, radius) = (self.solids_fraction[lane], self.particles.radius[lane]);
+            let (phi, radius) = (self.solids_fraction[lane], radius[lane]);
             let of_one_size = phi * 6.0 / (PI * 4.0 * radius.powi(2));
             self.gradient[lane] *= self.diameter_density[lane] / of_one_size;
         }
     }
 
-    /// Vertical force at a superficial velocity.
+    /// Vertical force at a velocity of the particle and a superficial velocity.
     #[inline(always)]
-    fn vertical_force(&self, lane: usize, superficial_velocity: f64) -> f64 {
+    fn vertical_force(&self, lane: usize, velocity: f64, superficial_velocity: f64) -> f64 {
         let u = self.solids_velocity[lane];
         let gas_velocity = u + (superficial_velocity - u) / (1.0 - self.solids_fraction[lane]);
         let pressure = self.gradient[lane] * (gas_velocity - self.drag_velocity[lane]);
-        self.drag[lane] * (gas_velocity - self.particles.velocity[2][lane]) + pressure
+        self.drag[lane] * (gas_velocity - velocity) + pressure
     }
 }
 
@@ -126,7 +124,7 @@ fn interpolate<Q: Quad>(
 pub(super) struct Beyond {
     /// Of which particle.
     pub(super) index: usize,
-    /// Its largest component.
+    /// A component of it.
     pub(super) force: f64,
     pub(super) solids_fraction: f64,
 }
@@ -139,7 +137,6 @@ pub(super) struct AddForces<'a> {
     pub(super) lattice: Quantum,
     /// Of a component of a force; the lattice has room for as many of them as there are lanes.
     pub(super) limit: f64,
-    pub(super) bodies: &'a [Body],
     pub(super) loads: &'a mut [Load],
 }
 
@@ -148,68 +145,66 @@ impl QuadWork for AddForces<'_> {
 
     #[inline(always)]
     fn run<Q: Quad>(self) -> Self::Output {
-        let Self { column, lattice, .. } = self;
+        let Self { column, lattice, limit, .. } = self;
         let mut block = GasBlock::default();
-        let mut force = [[0.0; LANES]; 3];
+        let mut force = [0.0; LANES];
         let mut total = [0; 3];
-        let chunks = self.bodies.chunks(LANES).zip(self.loads.chunks_mut(LANES));
-        for (number, (bodies, loads)) in chunks.enumerate() {
-            block.fill::<Q>(&column, bodies);
-            let mut beyond = [0; LANES];
-            for lane in 0..LANES {
-                let lateral = if self.lateral { block.drag[lane] } else { 0.0 };
-                let velocity = &block.particles.velocity;
-                let components = [
-                    -lateral * velocity[0][lane],
-                    -lateral * velocity[1][lane],
-                    block.vertical_force(lane, column.superficial_velocity),
-                ];
-                for axis in 0..3 {
-                    force[axis][lane] = lattice.round(components[axis]);
-                    let within = force[axis][lane].abs() <= self.limit;
-                    beyond[lane] |= u64::from(!within);
+        let chunks = column.blocks.iter().zip(self.loads.chunks_mut(LANES));
+        for (number, (particles, loads)) in chunks.enumerate() {
+            block.fill::<Q>(&column, particles);
+            let axes = if self.lateral { 0..3 } else { 2..3 };
+            for axis in axes {
+                for (lane, force) in force.iter_mut().enumerate() {
+                    let velocity = particles.velocity[axis][lane];
+                    let component = match axis {
+                        2 => block.vertical_force(lane, velocity, column.superficial_velocity),
+                        _ => -block.drag[lane] * velocity,
+                    };
+                    *force = lattice.round(component);
                 }
-            }
-            if beyond.iter().fold(0, |any, flag| any | flag) != 0 {
-                let lane = beyond.iter().position(|&flag| flag != 0).unwrap_or(0);
-                let largest = force.map(|component| component[lane].abs()).into_iter();
-                return Err(Beyond {
-                    index: number * LANES + lane,
-                    force: largest.fold(0.0, f64::max),
-                    solids_fraction: block.solids_fraction[lane],
-                });
-            }
-            let sum = scatter::<Q>(&force, loads);
-            for axis in 0..3 {
-                total[axis] += lattice.count(sum[axis]);
+                if let Some(lane) = beyond(&force, limit) {
+                    return Err(Beyond {
+                        index: number * LANES + lane,
+                        force: force[lane].abs(),
+                        solids_fraction: block.solids_fraction[lane],
+                    });
+                }
+                total[axis] += lattice.count(scatter::<Q>(axis, &mut force, loads));
             }
         }
         Ok(total)
     }
 }
 
-/// Puts forces on the particles of a block; gives their sum.
+/// The first of the numbers whose magnitude is above the limit, or undefined.
 #[inline(always)]
-fn scatter<Q: Quad>(force: &[Lanes; 3], loads: &mut [Load]) -> [f64; 4] {
-    let mut sums = [Q::splat(0.0); 4];
-    for from in (0..loads.len()).step_by(4) {
-        let [x, y, z] = force;
-        let rows = Q::transposed([
-            Q::load(quad(x, from)),
-            Q::load(quad(y, from)),
-            Q::load(quad(z, from)),
-            Q::splat(0.0),
-        ]);
-        for row in 0..4 {
-            let Some(load) = loads.get_mut(from + row) else { break };
-            let [of_load, _torque] = load.quads_mut();
-            Q::load(of_load).plus(rows[row]).store(of_load);
-            sums[row] = sums[row].plus(rows[row]);
-        }
+fn beyond(numbers: &Lanes, limit: f64) -> Option<usize> {
+    let mut any = 0;
+    for number in numbers {
+        let within = number.abs() <= limit; // an undefined number is not
+        any |= u64::from(!within);
+    }
+    if any == 0 {
+        return None;
+    }
+    let within = |number: &f64| number.abs() <= limit;
+    numbers.iter().position(|number| !within(number))
+}
+
+/// Puts a component of the forces on the particles of a block; gives its sum.
+#[inline(always)]
+fn scatter<Q: Quad>(axis: usize, force: &mut Lanes, loads: &mut [Load]) -> f64 {
+    force[loads.len()..].fill(0.0);
+    for (load, force) in loads.iter_mut().zip(&*force) {
+        load.force[axis] += force;
+    }
+    let mut sums = Q::splat(0.0);
+    for from in (0..LANES).step_by(4) {
+        sums = sums.plus(Q::load(quad(force, from)));
     }
     let mut sum = [0.0; 4];
-    sums[0].plus(sums[1]).plus(sums[2].plus(sums[3])).store(&mut sum);
-    sum
+    sums.store(&mut sum);
+    sum.iter().sum()
 }
 
 /// Sums the force at U_s = 0 and its slope dF/dU_s, with the drag of the column's U_s, as counts of their lattices.
@@ -217,7 +212,8 @@ pub(super) struct SumSlopes<'a> {
     pub(super) column: Column<'a>,
     /// Of the force, of the slope.
     pub(super) lattices: [Quantum; 2],
-    pub(super) bodies: &'a [Body],
+    /// Particles in the blocks.
+    pub(super) count: usize,
 }
 
 impl QuadWork for SumSlopes<'_> {
@@ -228,15 +224,16 @@ impl QuadWork for SumSlopes<'_> {
         let [of_force, of_slope] = self.lattices;
         let mut block = GasBlock::default();
         let mut sums = [0; 2];
-        for bodies in self.bodies.chunks(LANES) {
-            block.fill::<Q>(&self.column, bodies);
+        for (number, particles) in self.column.blocks.iter().enumerate() {
+            block.fill::<Q>(&self.column, particles);
             let (mut forces, mut slopes) = ([0.0; LANES], [0.0; LANES]);
             for lane in 0..LANES {
-                forces[lane] = of_force.round(block.vertical_force(lane, 0.0));
+                forces[lane] =
+                    of_force.round(block.vertical_force(lane, particles.velocity[2][lane], 0.0));
                 let slope = block.drag[lane] + block.gradient[lane];
                 slopes[lane] = of_slope.round(slope / (1.0 - block.solids_fraction[lane]));
             }
-            for lane in 0..bodies.len() {
+            for lane in 0..LANES.min(self.count - number * LANES) {
                 sums[0] += of_force.count(forces[lane]);
                 sums[1] += of_slope.count(slopes[lane]);
             }

@@ -1,6 +1,6 @@
 //! Elementary functions in the path of the state: the same bits on every machine.
 
-use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
+use std::f64::consts::{FRAC_1_SQRT_2, LN_2, LOG2_E};
 
 /// sin(x), x in radians.
 pub fn sine(x: f64) -> f64 {
@@ -37,6 +37,7 @@ pub fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] 
 
 const MANTISSA: u64 = (1 << 52) - 1;
 const ONE: u64 = 1023 << 52;
+const SQRT_HALF: u64 = FRAC_1_SQRT_2.to_bits();
 /// 2^52: numbers in [2^52, 2^53) hold an integer in their mantissa.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
@@ -48,12 +49,10 @@ pub fn whole(x: f64) -> u32 {
 
 #[inline(always)]
 fn log2(x: f64) -> f64 {
-    let bits = x.to_bits();
+    // In bits above those of sqrt(1/2), so that the mantissa m lies in [sqrt(1/2), sqrt(2)).
+    let bits = x.to_bits().wrapping_add(ONE.wrapping_sub(SQRT_HALF));
     let exponent = f64::from_bits((bits >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + 1023.0);
-    let mantissa = f64::from_bits((bits & MANTISSA) | ONE); // in [1, 2)
-    let upper = mantissa > SQRT_2;
-    let m = if upper { 0.5 * mantissa } else { mantissa };
-    let exponent = if upper { exponent + 1.0 } else { exponent };
+    let m = f64::from_bits((bits & MANTISSA) + SQRT_HALF);
     let s = (m - 1.0) / (m + 1.0); // |s| < 0.1716
     let q = s * s;
     let q4 = (q * q) * (q * q);
