@@ -174,6 +174,11 @@ impl Models {
         let interfaces = std::iter::once(&self.contact).chain(&self.at_walls);
         range_of(interfaces, self.cohesion.as_ref(), sizes)
     }
+
+    /// Separation of surfaces up to which contacts of particles of these sizes act.
+    pub fn contact_range(&self, sizes: &SizeRange) -> f64 {
+        range_of([&self.contact], None, sizes)
+    }
 }
 
 /// Separation of surfaces up to which bodies act on each other that touch in these ways, particles being of

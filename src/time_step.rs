@@ -5,7 +5,7 @@ use crate::domain::{Bounds, Face};
 use crate::numbers::ExactSum;
 use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
 use crate::particles::{
-    PairMemory, Particles, Step, WallMemory, begin_with_weight, kick, kick_and_drift,
+    PairMemory, Particles, Ranges, Step, WallMemory, begin_with_weight, kick, kick_and_drift,
 };
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::{Stage, processor_time};
@@ -333,7 +333,7 @@ fn evaluate_forces(
         contact: &models.contact,
         at_walls: &models.at_walls,
         cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
-        range: reach.range,
+        ranges: Ranges { contact: models.contact_range(&state.sizes), any: reach.range },
         dt,
         limit: models.limits.force,
         force_lattice: models.force_lattice,

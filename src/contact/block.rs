@@ -182,7 +182,7 @@ impl Block {
 
 /// Vectors of four pairs to components in lanes.
 #[inline(always)]
-fn store<Q: Quad>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
+pub(super) fn store<Q: Quad>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
     let columns = Q::transposed(vectors);
     for axis in 0..3 {
         columns[axis].store(quad_mut(&mut components[axis], from));
@@ -191,7 +191,7 @@ fn store<Q: Quad>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
 
 /// Components in lanes to vectors of four pairs.
 #[inline(always)]
-fn load<Q: Quad>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
+pub(super) fn load<Q: Quad>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
     let [x, y, z] = components;
     Q::transposed([
         Q::load(quad(x, from)),

@@ -1,9 +1,10 @@
 //! The loops over near pairs: geometry, law, cohesion, and exact sums.
 
+use super::apart::AttractApart;
 use super::lanes::PairWork;
 use super::{Contact, ContactForce, Interface, VanDerWaalsNow};
 use crate::numbers::{Quantum, in_quads};
-use crate::particles::{ContactMemory, Contacts, Particles};
+use crate::particles::{ContactMemory, Contacts, Particles, Ranges};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -35,8 +36,8 @@ pub struct ForceLaws<'a> {
     pub at_walls: &'a [Interface],
     /// Attraction now.
     pub cohesion: Option<VanDerWaalsNow>,
-    /// Separation of surfaces up to which any of them acts.
-    pub range: f64,
+    /// Separations of surfaces up to which contacts act, and any force.
+    pub ranges: Ranges,
     /// Time that tangential springs are carried on by; zero to evaluate forces without moving on.
     pub dt: f64,
     /// Largest component of a contact's force.
@@ -65,8 +66,12 @@ pub fn add_pair_forces(
     laws: &ForceLaws,
 ) -> Result<(), ForceOutOfRange> {
     contacts.near.acting.hold_rolling_angles(laws.contact.rolling.is_some());
-    contacts.find_near(particles, laws.range);
-    in_quads(PairWork { particles, near: &mut contacts.near, laws })
+    contacts.find_near(particles, laws.ranges);
+    let near = &mut contacts.near;
+    in_quads(PairWork { particles, near, laws })?;
+    let Some(cohesion) = laws.cohesion else { return Ok(()) };
+    let (pairs, one_size) = (near.apart(), near.one_size);
+    in_quads(AttractApart { particles, pairs, one_size, cohesion, laws })
 }
 
 /// A contact that has ended leaves no memory.

@@ -1,6 +1,7 @@
 //! Forces between particles that touch, or nearly do: pure functions of geometry and memory.
 
 mod adhesive_elastic_plastic;
+mod apart;
 mod block;
 mod elastic;
 mod force_loop;

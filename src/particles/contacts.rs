@@ -8,7 +8,7 @@
 
 use super::near_pairs::{Rows, pair_of};
 use super::pair_blocks::Remembered;
-use super::{NearPairs, Particles, Reach};
+use super::{NearPairs, Particles, Ranges, Reach};
 use crate::domain::{Wall, WallPose};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -138,10 +138,10 @@ impl Contacts {
         self.near.moved(way);
     }
 
-    /// Makes sure that all pairs whose surfaces are closer than `range` are evaluated.
-    pub fn find_near(&mut self, particles: &Particles, range: f64) {
+    /// Makes sure that all pairs whose surfaces are closer than the ranges of forces are evaluated.
+    pub fn find_near(&mut self, particles: &Particles, ranges: Ranges) {
         let rows = Rows { start: &self.row_start, partners: &self.partner };
-        self.near.update(particles, rows, range);
+        self.near.update(particles, rows, ranges);
     }
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to

@@ -1,14 +1,23 @@
 //! The pairs within reach of each other's force, those that soon may be, and what the touching ones remember.
 //!
 //! They are found among the pairs of the neighbour list, and hold for some steps: as long as no two particles can
-//! have come nearer to each other by the margin. Pairs that act are evaluated at every step; the others wait, and
-//! only their distance is looked at. Which pairs beyond reach are among either changes no result, so every rank may
-//! choose its own margin and its own time to find them anew.
+//! have come nearer to each other by the margin. The contacts of pairs that act are evaluated at every step; the others
+//! wait: only their distance is looked at, and their attraction, if there is any. Which pairs beyond reach are among
+//! either changes no result, so every rank may choose its own margin and its own time to find them anew.
 
 use super::closeness::{Places, branch, is_near, near_branches, near_partners};
-use super::pair_blocks::{Pair, PairBlocks, Remembered};
-use super::{Body, Particles};
+use super::pair_blocks::{PairBlocks, Remembered};
+use super::{Body, Pair, Particles};
 use crate::numbers::{Quad, QuadWork, in_quads};
+
+/// Separations of surfaces up to which pairs act on each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ranges {
+    /// By their contact.
+    pub contact: f64,
+    /// At all: by contact or attraction.
+    pub any: f64,
+}
 
 /// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`.
 #[derive(Clone, Copy)]
@@ -20,14 +29,14 @@ pub(super) struct Rows<'a> {
 /// Near pairs.
 #[derive(Clone, Debug, Default)]
 pub struct NearPairs {
-    /// Those that act on each other, or did when they were last looked through; row by row, but for those that have
-    /// joined since.
+    /// Those within reach of a contact, or that were when they were last looked through; row by row, but for those that
+    /// have joined since.
     pub acting: PairBlocks,
     /// Radius and mass, if all particles have the same.
     pub one_size: Option<[f64; 2]>,
-    /// Those that do not: row particle and partner.
-    waiting: Vec<[u32; 2]>,
-    /// Of the waiting ones, which have come within reach.
+    /// Those that are not. They may attract each other.
+    waiting: Vec<Pair>,
+    /// Of the waiting ones, which have come within reach of a contact.
     arrived: Vec<u32>,
     /// Slots of the list whose pairs act, bit by bit.
     taken: Vec<u64>,
@@ -39,8 +48,8 @@ pub struct NearPairs {
 struct Validity {
     /// Separation that pairs may have beyond the range of forces; zero if there are none yet.
     margin: f64,
-    /// The range they were found for.
-    range: f64,
+    /// The ranges they were found for.
+    ranges: Ranges,
     /// How far a particle may have moved since.
     way: f64,
     /// Evaluations since; none if the list is a new one.
@@ -58,20 +67,20 @@ const FIRST_MARGIN: f64 = 0.005;
 const ALLOWANCE: f64 = 1.0e-9;
 
 impl Validity {
-    /// Whether every pair within `range` is in the list.
-    fn holds(&self, range: f64) -> bool {
-        self.age > 0 && range == self.range && 2.0 * self.way < 0.999 * self.margin
+    /// Whether every pair within the ranges is in the list.
+    fn holds(&self, ranges: Ranges) -> bool {
+        self.age > 0 && ranges == self.ranges && 2.0 * self.way < 0.999 * self.margin
     }
 
     /// With s the way of a step, a margin m lasts m / 2s steps: 2 s a / m + b m is least for m^2 = 2 s a / b.
-    fn renew(&mut self, diameter: f64, range: f64) {
+    fn renew(&mut self, diameter: f64, ranges: Ranges) {
         if self.age > 0 {
             let margin = (2.0 * COST_RATIO * diameter * self.way / f64::from(self.age)).sqrt();
             self.margin = margin.clamp(1.0e-5 * diameter, 0.05 * diameter);
         } else if self.margin == 0.0 {
             self.margin = FIRST_MARGIN * diameter;
         }
-        (self.range, self.way, self.age) = (range, 0.0, 0);
+        (self.ranges, self.way, self.age) = (ranges, 0.0, 0);
     }
 }
 
@@ -93,18 +102,23 @@ impl NearPairs {
         self.acting.push(pair, Some(remembered));
     }
 
-    /// Makes sure that all pairs of the list whose surfaces are closer than `range` act. A touching pair that no
-    /// longer is near has parted, and forgets.
-    pub(super) fn update(&mut self, particles: &Particles, rows: Rows, range: f64) {
+    /// The pairs that no contact reaches, among them all that attract each other.
+    pub(crate) fn apart(&self) -> &[Pair] {
+        &self.waiting
+    }
+
+    /// Makes sure that all pairs of the list whose surfaces are closer than the range of contacts act, and that all
+    /// that are closer than that of any force act or wait.
+    pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: Ranges) {
         let diameter = particles.body.first().map_or(1.0, |body| 2.0 * body.radius);
-        let reach = range + ALLOWANCE * diameter;
-        if self.validity.holds(range) {
+        let reach = ranges.contact + ALLOWANCE * diameter;
+        if self.validity.holds(ranges) {
             self.let_in(particles, reach);
         } else {
             if self.validity.age == 0 {
                 self.one_size = particles.one_size();
             }
-            self.validity.renew(diameter, range);
+            self.validity.renew(diameter, ranges);
             self.find(particles, rows, reach);
         }
         self.validity.age += 1;
@@ -116,7 +130,7 @@ impl NearPairs {
         arrived.clear();
         in_quads(Arrivals { bodies: &particles.body, waiting, reach, arrived });
         for &place in &*arrived {
-            acting.push(pair_of(particles, waiting[place as usize]), None);
+            acting.push(waiting[place as usize], None);
         }
         // From the back, so that those still to be removed stay where they are.
         for &place in arrived.iter().rev() {
@@ -138,10 +152,10 @@ impl NearPairs {
             } else if is_within(pair, reach) {
                 acting.push(pair_of(particles, pair), None);
             } else {
-                waiting.push(pair);
+                waiting.push(pair_of(particles, pair));
             }
         };
-        let margin = validity.range + validity.margin;
+        let margin = validity.ranges.any + validity.margin;
         in_quads(Candidates { bodies, rows, margin, take });
     }
 }
@@ -167,7 +181,7 @@ pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair 
 /// Which waiting pairs have come within reach.
 struct Arrivals<'a> {
     bodies: &'a [Body],
-    waiting: &'a [[u32; 2]],
+    waiting: &'a [Pair],
     reach: f64,
     arrived: &'a mut Vec<u32>,
 }
@@ -182,7 +196,7 @@ impl QuadWork for Arrivals<'_> {
         for (quad, pairs) in waiting.chunks(4).enumerate() {
             let mut branches = [Q::splat(0.0); 4];
             for (place, of_pair) in branches.iter_mut().enumerate() {
-                let [one, other] = pairs[place.min(pairs.len() - 1)];
+                let [one, other, _] = pairs[place.min(pairs.len() - 1)];
                 *of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
             }
             let near = near_branches(branches, reach) & ((1 << pairs.len()) - 1);

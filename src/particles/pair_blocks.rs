@@ -33,7 +33,7 @@ pub struct PairBlock {
 }
 
 /// A pair: its row particle, the partner, and who feels the force on the partner.
-pub(super) type Pair = [u32; 3];
+pub type Pair = [u32; 3];
 
 /// What a touching pair remembers, seen from the row's particle.
 #[derive(Clone, Copy, Debug)]

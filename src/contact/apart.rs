@@ -1,0 +1,133 @@
+//! Pairs that are apart and attract each other: most of what a contact needs is left out.
+
+use super::block::{Lanes, ManySizes, OneSize, Sizes, load, store, vector};
+use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
+use super::van_der_waals::{Attraction, Full, NearContact};
+use super::{CohesionExpression, VanDerWaalsNow};
+use crate::numbers::{Quad, QuadWork, within};
+use crate::particles::{LANES, Load, Pair, Particles};
+use nalgebra::Vector3;
+
+/// Adds the attraction of pairs to the forces on their particles, as the loop over contacts would.
+pub(super) struct AttractApart<'a> {
+    pub(super) particles: &'a mut Particles,
+    pub(super) pairs: &'a [Pair],
+    /// Radius and mass, if all particles have the same.
+    pub(super) one_size: Option<[f64; 2]>,
+    pub(super) cohesion: VanDerWaalsNow,
+    pub(super) laws: &'a ForceLaws<'a>,
+}
+
+impl QuadWork for AttractApart<'_> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    #[inline(always)]
+    fn run<Q: Quad>(self) -> Self::Output {
+        match self.cohesion.expression() {
+            CohesionExpression::NearContact => {
+                let attraction = NearContact(self.cohesion);
+                self.with_sizes::<Q, _>(attraction)
+            }
+            CohesionExpression::Full => {
+                let attraction = Full(self.cohesion);
+                self.with_sizes::<Q, _>(attraction)
+            }
+        }
+    }
+}
+
+impl AttractApart<'_> {
+    #[inline(always)]
+    fn with_sizes<Q: Quad, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
+        match self.one_size {
+            Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
+            None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate<Q: Quad, A: Attraction, S: Sizes>(
+        self,
+        attraction: A,
+        mut sizes: S,
+    ) -> Result<(), ForceOutOfRange> {
+        let Self { particles, pairs, laws, .. } = self;
+        let mut block = Block::default();
+        for pairs in pairs.chunks(LANES) {
+            block.gather::<Q, S>(&mut sizes, pairs, particles);
+            block.attract(attraction, &sizes, laws);
+            if let Some(lane) = block.out_of_range_lane() {
+                let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
+                let force = vector(&block.force_on_j, lane);
+                let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
+                return Err(out_of_range(i, other, force, overlap, laws.limit));
+            }
+            block.scatter::<Q>(pairs, &mut particles.load);
+        }
+        Ok(())
+    }
+}
+
+/// Pairs side by side; lanes beyond the last repeat it.
+#[derive(Default)]
+struct Block {
+    branch: [Lanes; 3],
+    overlap: Lanes,
+    force_on_j: [Lanes; 3],
+    /// 1 where the force exceeds the limit or is undefined.
+    out_of_range: [u64; LANES],
+}
+
+impl Block {
+    #[inline(always)]
+    fn gather<Q: Quad, S: Sizes>(&mut self, sizes: &mut S, pairs: &[Pair], particles: &Particles) {
+        let mut branch = [Q::splat(0.0); 4];
+        for from in (0..LANES).step_by(4) {
+            for (row, of_pair) in branch.iter_mut().enumerate() {
+                let lane = from + row;
+                let [i, j, _] = pairs[lane.min(pairs.len() - 1)];
+                let (i, j) = (&particles.body[i as usize], &particles.body[j as usize]);
+                sizes.gather(lane, [i, j]);
+                *of_pair = Q::load(&j.quads()[0]).minus(Q::load(&i.quads()[0]));
+            }
+            store(&mut self.branch, from, branch);
+        }
+    }
+
+    #[inline(always)]
+    fn attract<A: Attraction, S: Sizes>(&mut self, attraction: A, sizes: &S, laws: &ForceLaws) {
+        for lane in 0..LANES {
+            let branch = vector(&self.branch, lane);
+            let distance = branch.dot(&branch).sqrt();
+            let [radius_i, radius_j] = sizes.radii(lane);
+            let overlap = radius_i + radius_j - distance;
+            let normal: Vector3<f64> = branch * (1.0 / distance);
+            let pull = attraction.between(radius_i, radius_j, -overlap);
+            let on_j = laws.force_lattice.round_vector(normal * -pull);
+            self.overlap[lane] = overlap;
+            for axis in 0..3 {
+                self.force_on_j[axis][lane] = on_j[axis];
+            }
+            self.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));
+        }
+    }
+
+    #[inline(always)]
+    fn out_of_range_lane(&self) -> Option<usize> {
+        let any = self.out_of_range.iter().fold(0, |any, flag| any | flag);
+        if any == 0 { None } else { self.out_of_range.iter().position(|&flag| flag != 0) }
+    }
+
+    #[inline(always)]
+    fn scatter<Q: Quad>(&self, pairs: &[Pair], loads: &mut [Load]) {
+        for (quad, pairs) in pairs.chunks(4).enumerate() {
+            let force = load::<Q>(&self.force_on_j, 4 * quad);
+            for (row, &[i, _, target]) in pairs.iter().enumerate() {
+                let [force_i, _torque] = loads[i as usize].quads_mut();
+                Q::load(force_i).minus(force[row]).store(force_i);
+                let [force_j, _torque] = loads[target as usize].quads_mut();
+                Q::load(force_j).plus(force[row]).store(force_j);
+            }
+        }
+    }
+}
