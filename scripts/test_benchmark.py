@@ -187,10 +187,17 @@ class TestModels(ScriptTest):
         load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
         parts = scaling.step_parts(load, 1, network)
         self.assertEqual([name for name, seconds in parts.items() if seconds > 0.0], ["compute"])
-        # Messages to all others are what grows: with 100,000 ranks they take half a second per 100 rebuilds.
-        many = [scaling.step_parts(replace(load, to_all=to_all), 100_000, network) for to_all in (True, False)]
-        self.assertGreater(many[0]["rebuild"], 100.0 * many[1]["rebuild"])
-        self.assertEqual(many[0]["halo"], many[1]["halo"])
+
+    def test_only_latencies_grow_with_the_ranks(self) -> None:
+        load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
+        few, many = (scaling.step_parts(load, ranks, network) for ranks in (1_000, 1_000_000))
+        # Twice as many rounds of reductions and of the barrier; halo and letters are those of the blocks around.
+        self.assertEqual(few["halo"], many["halo"])
+        self.assertAlmostEqual(many["decide"], 2.0 * few["decide"])
+        self.assertLess(many["rebuild"], 2.0 * few["rebuild"])
+        latencies = (scaling.EXCHANGES_PER_MIGRATION + scaling.REDUCTIONS_PER_REBUILD) * 10 * network.latency
+        grown = load.steps_per_rebuild * (many["rebuild"] - few["rebuild"])
+        self.assertAlmostEqual(grown / latencies, 1.0, places=2)
 
     def test_the_sweep_over_everything_needs_least(self) -> None:
         self.assertLess(floor.FUSED.size, sum(each.size for each in floor.PASSES))

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+mod letters;
+
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -11,7 +13,7 @@ use bytemuck::Zeroable;
 use talcum::output::checkpoint::{self, Checkpoint};
 use talcum::output::{ParticleSnapshots, Provenance};
 use talcum::parallel::{
-    Communicator, ContactRecord, FileAccess, MpiRanks, OneRank, ParticleRecord,
+    Communicator, ContactRecord, FileAccess, Letter, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
 use talcum::state::{Clock, Departed, FlowReport, SizeRange};
@@ -46,11 +48,21 @@ fn main() -> ExitCode {
         }
     };
     for n in 1..=4 {
-        for role in ["methods", "methods_in_pieces", "write", "read", "open"] {
+        for role in [
+            "methods",
+            "methods_in_pieces",
+            "letters",
+            "letters_in_pieces",
+            "write",
+            "read",
+            "open",
+        ] {
             // What n ranks wrote is read by n, and later by others.
             judge(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
         }
         judge(format!("panic on one of {n} ranks"), expect("panic", n, folder.path(), 101));
+        let name = format!("panic on one of {n} ranks while others look for letters");
+        judge(name, expect("panic_before_letters", n, folder.path(), 101));
         judge(format!("abort on one of {n} ranks"), expect("abort", n, folder.path(), 7));
     }
     judge("panic in another thread".to_owned(), expect("thread_panic", 2, folder.path(), 101));
@@ -98,6 +110,8 @@ fn act(role: &str, folder: &Path) {
         "methods" => methods(&ranks),
         // 100,000 is a multiple of it: the last piece of such messages is empty.
         "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
+        "letters" => letters(&ranks),
+        "letters_in_pieces" => letters(&ranks.with_longest_message(1000)),
         "write" => write(&ranks, folder),
         "read" => read(&ranks, folder),
         "open" => open(&ranks, folder),
@@ -105,6 +119,10 @@ fn act(role: &str, folder: &Path) {
             assert!(!last, "on purpose");
             // Would wait for ever if nobody ended this rank.
             ranks.any(false);
+        }
+        "panic_before_letters" => {
+            assert!(!last, "on purpose");
+            ranks.exchange_letters(&[Letter { rank: ranks.size() - 1, bytes: vec![1] }]);
         }
         "thread_panic" => {
             if last {
@@ -142,10 +160,6 @@ fn methods(ranks: &MpiRanks) {
         assert_eq!(incoming[0], expected(below, "up").into_bytes());
         assert_eq!(incoming[1], expected(above, "down").into_bytes());
     }
-    let outgoing: Vec<Vec<u8>> = (0..n).map(|to| vec![me as u8; 100_000 * to]).collect();
-    for (from, bytes) in ranks.all_to_all(&outgoing).iter().enumerate() {
-        assert_eq!(bytes, &vec![from as u8; 100_000 * me]);
-    }
     numbers(ranks);
     let gathered = ranks.gather_to_root(&vec![7; 100_000 * me]);
     let expected: Vec<Vec<u8>> = (0..n).map(|from| vec![7; 100_000 * from]).collect();
@@ -163,6 +177,11 @@ fn methods(ranks: &MpiRanks) {
     let ids = vec![3 * n - me, me];
     let block = sort_by_id(ids, |&id| id as u64, ranks);
     assert!(block.rows.is_sorted() && block.total == 2 * n as u64);
+}
+
+fn letters(ranks: &MpiRanks) {
+    letters::letters_find_their_exchange(ranks);
+    letters::all_know_what_each_has(ranks);
 }
 
 fn numbers(ranks: &MpiRanks) {

@@ -5,10 +5,11 @@ layer of width w and a block of sides l:
 
     compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
     halo        per cut axis two messages of c w (face, with the ghosts of the axes before) particles, 72 bytes each
-    decide      one all-reduce of five integers: 2 log2(P) latencies
+    decide      one all-reduce of six numbers: log2(P) latencies
     gas         one all-reduce of two fields over the column's nodes, more if there is gas
-    rebuild     every R steps: the ghosts anew (96 bytes each), three reductions, and an all-to-all of three messages
-                to each other rank if any particle changes its owner
+    rebuild     every R steps: the ghosts anew (96 bytes each), three reductions, and a migration: letters to the
+                blocks around with the particles of a layer at the faces, half a skin thick, and their contacts, and a
+                barrier of log2(P) latencies, after which all letters have come
 
 t = latency + bytes / bandwidth for each message; messages of one axis go both ways at once, the axes one after another.
 Ranks of a node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks
@@ -23,10 +24,13 @@ from dataclasses import dataclass, replace
 from .tables import table
 
 GHOST_BYTES, NEW_GHOST_BYTES = 72, 96
-DECISION_BYTES = 5 * 8
-# Particles, pair memories, wall memories: each has its own all-to-all.
-MIGRATION_MESSAGES = 3
+DECISION_BYTES = 6 * 8
+# Whether no particle is too fast, whether any changes its owner, and whether each contact has found its place.
 REDUCTIONS_PER_REBUILD = 3
+# Particles, pair memories, wall memories.
+EXCHANGES_PER_MIGRATION = 3
+# A particle and its contacts, 2.64 for each of both sides; half a skin is the farthest way between two rebuilds.
+MIGRANT_BYTES, LONGEST_WAY = 168 + 5.28 * 72, 0.04
 SOLIDS_FRACTION = 0.6
 LAYER = 1.08
 BED_HEIGHT = 52.0
@@ -67,8 +71,6 @@ class Load:
     particle_step: float = 1.0e-7
     steps_per_rebuild: float = 100.0
     gas_nodes: int = 0
-    # Whether migration goes to all ranks at each rebuild, as it does, or to the 26 around.
-    to_all: bool = True
 
     @property
     def sides(self) -> list[float]:
@@ -93,14 +95,23 @@ class Load:
         return ghosts
 
 
+def migration(load: Load, ranks: int, network: Network) -> float:
+    """Seconds of a migration: letters are sent one after another and each is acknowledged; then the barrier."""
+    if ranks == 1:
+        return 0.0
+    ghosts = load.ghosts_per_message()
+    letters = min(8 if load.columns else 26, ranks - 1)
+    size = MIGRANT_BYTES * LONGEST_WAY / LAYER * max(ghosts)
+    letter = network.message(size, len(ghosts)) + network.latency
+    return EXCHANGES_PER_MIGRATION * (letter + 2.0 * network.overhead * letters + network.all_reduce(ranks, 0.0))
+
+
 def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:
     """Seconds of the parts of a step."""
     ghosts = load.ghosts_per_message() if ranks > 1 else []
     messages = lambda size: sum(network.message(size * n, len(ghosts)) + network.overhead for n in ghosts)  # noqa: E731
     halo, renewal = messages(GHOST_BYTES), messages(NEW_GHOST_BYTES)
-    others = (ranks - 1) if load.to_all else min(26, ranks - 1)
-    migration = MIGRATION_MESSAGES * (network.overhead * others + (network.latency if ranks > 1 else 0.0))
-    renewal += REDUCTIONS_PER_REBUILD * network.all_reduce(ranks, 8) + migration
+    renewal += REDUCTIONS_PER_REBUILD * network.all_reduce(ranks, 8) + migration(load, ranks, network)
     return {
         "compute": load.particles * load.particle_step,
         "halo": halo,
@@ -116,16 +127,13 @@ def efficiency(parts: dict[str, float]) -> str:
 
 
 def model_table(load: Load, network: Network = Network()) -> str:
-    """Microseconds of the parts of a step, and efficiency with either kind of migration, on 64 to 100,000 ranks."""
+    """Microseconds of the parts of a step, and efficiency, on 64 to 100,000 ranks."""
     rows = []
     for particles in (1.0e3, 1.0e4, 1.0e5):
         for ranks in (64, 1_000, 100_000):
-            here = replace(load, particles=particles)
-            parts = step_parts(here, ranks, network)
-            near = step_parts(replace(here, to_all=False), ranks, network)
+            parts = step_parts(replace(load, particles=particles), ranks, network)
             cells = [f"{1e6 * seconds:.1f}" for seconds in parts.values()]
             sizes = [f"{particles:,.0f}", f"{ranks:,}", f"{particles * ranks:.1e}"]
-            rows.append([*sizes, *cells, efficiency(parts), efficiency(near)])
-    head = ["particles per rank", "ranks", "particles", "compute, us", "halo", "decide", "gas", "rebuild", "efficiency",
-            "with migration to neighbours only"]  # fmt: skip
+            rows.append([*sizes, *cells, efficiency(parts)])
+    head = ["particles per rank", "ranks", "particles", "compute, us", "halo", "decide", "gas", "rebuild", "efficiency"]
     return table(head, rows)

@@ -1,6 +1,8 @@
 //! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
 
-use super::{Communicator, ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
+use super::{
+    Communicator, ContactRecord, Letter, ParticleRecord, WallContactRecord, records_of_bytes,
+};
 use crate::domain::Decomposition;
 use crate::particles::{PairMemory, Particles, WallMemory};
 use bytemuck::Pod;
@@ -63,12 +65,27 @@ pub fn send_to_owners(
     deliver(outgoing, ranks)
 }
 
-/// Makes every rank's records known to all: contact memories at the start of a run, which are few beside
-/// the particles and whose owners only their particles tell.
+/// Makes every rank's records known to all, in the order of ranks: contact memories at the start of a run, which are
+/// few beside the particles and whose owners only their particles tell. The upper of two ranks gives its records to
+/// the lower, of two pairs, of two fours; rank 0 then tells all: two logarithms of the number of ranks.
 pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
-    let mut outgoing = vec![records.clone(); ranks.size() - 1];
-    outgoing.push(records);
-    deliver(outgoing, ranks)
+    if ranks.size() == 1 {
+        return records;
+    }
+    let (here, size) = (ranks.rank(), ranks.size());
+    let mut held: Vec<u8> = bytemuck::cast_slice(&records).to_vec();
+    let mut incoming = <[Vec<u8>; 2]>::default();
+    let mut width = 1;
+    while width < size {
+        let place = here % (2 * width);
+        let lower = (place == width).then(|| here - width);
+        let upper = Some(here + width).filter(|&rank| place == 0 && rank < size);
+        ranks.exchange([lower, upper], [&held, &[]], &mut incoming);
+        held.extend_from_slice(&incoming[1]);
+        width *= 2;
+    }
+    ranks.broadcast_from_root(&mut held);
+    records_of_bytes(&held).collect()
 }
 
 struct Outgoing {
@@ -117,13 +134,16 @@ pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicato
     if ranks.size() == 1 {
         return own;
     }
+    let written = outgoing.into_iter().enumerate().filter(|(_, records)| !records.is_empty());
     let bytes_of = |records: Vec<T>| bytemuck::cast_slice(&records).to_vec();
-    let bytes: Vec<Vec<u8>> = outgoing.into_iter().map(bytes_of).collect();
-    let incoming = ranks.all_to_all(&bytes);
-    drop(bytes);
-    let (below, above) = incoming.split_at(ranks.rank());
-    let records = |bytes: &[Vec<u8>]| -> Vec<T> {
-        bytes.iter().flat_map(|bytes| records_of_bytes(bytes)).collect()
+    let letters: Vec<Letter> =
+        written.map(|(rank, records)| Letter { rank, bytes: bytes_of(records) }).collect();
+    let incoming = ranks.exchange_letters(&letters);
+    drop(letters);
+    let from_below = incoming.partition_point(|letter| letter.rank < ranks.rank());
+    let (below, above) = incoming.split_at(from_below);
+    let records = |letters: &[Letter]| -> Vec<T> {
+        letters.iter().flat_map(|letter| records_of_bytes(&letter.bytes)).collect()
     };
     let mut delivered = records(below);
     delivered.append(&mut own);

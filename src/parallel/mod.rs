@@ -38,6 +38,15 @@ pub enum FileAccess {
 /// The two neighbours of a rank along one axis of the rank grid: below, above.
 pub type AxisNeighbours = [Option<usize>; 2];
 
+/// Bytes to a rank, or from one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Letter {
+    /// The other rank: the one that gets it or, of a letter that has come, the one that sent it.
+    pub rank: usize,
+    /// What it says.
+    pub bytes: Vec<u8>,
+}
+
 /// Ranks that exchange bytes and add numbers. Every method is collective: all ranks call it in the same
 /// order. None can fail: a broken connection ends the program on all ranks.
 pub trait Communicator {
@@ -58,8 +67,10 @@ pub trait Communicator {
         incoming: &mut [Vec<u8>; 2],
     );
 
-    /// Sends `outgoing[r]` to rank r; returns what each rank sent to this one, by rank.
-    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>>;
+    /// Sends letters to any ranks, at most one to each, also to this one; returns those to this rank by the rank that
+    /// sent them, from the lowest. An empty letter is not sent. Ranks need not know who writes to them, and what it
+    /// costs follows the number of letters and the logarithm of the number of ranks.
+    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter>;
 
     /// Replaces each number by its sum over ranks. The numbers must be multiples of one [lattice] and
     /// their sums within its range: then the result is exact, and so the same for any number of ranks.

@@ -1,6 +1,8 @@
-//! Ranks as processes of MPI. The only file that names the `mpi` crate.
+//! Ranks as processes of MPI. The only place that names the `mpi` crate.
 
-use std::cell::RefCell;
+mod letters;
+
+use std::cell::{Cell, RefCell};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,11 +10,12 @@ use mpi::Tag;
 use mpi::collective::SystemOperation;
 use mpi::datatype::Equivalence;
 use mpi::environment::{Threading, Universe};
+use mpi::point_to_point::{Message, Status};
 use mpi::request::{WaitGuard, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
 
-use super::{AxisNeighbours, Communicator, FileAccess};
+use super::{AxisNeighbours, Communicator, FileAccess, Letter};
 
 /// The communicator as the HDF5 library takes it.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
@@ -49,6 +52,8 @@ pub struct MpiRanks {
     rank: usize,
     size: usize,
     longest_message: usize,
+    /// Which of the tags of letters is next.
+    turn: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
@@ -76,6 +81,7 @@ impl MpiRanks {
             size: world.size() as usize,
             longest_message: LONGEST_MESSAGE,
             world,
+            turn: Cell::default(),
             scratch: RefCell::default(),
             integer_scratch: RefCell::default(),
             universe,
@@ -105,18 +111,23 @@ impl MpiRanks {
 
     /// Receives a message of any length, in its pieces, into a buffer that is kept between calls.
     fn receive(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
-        let process = self.world.process_at_rank(source as i32);
         incoming.clear();
-        loop {
-            let (message, status) = process.matched_probe_with_tag(tag);
-            let length = status.count(u8::equivalent_datatype()) as usize;
-            let before = incoming.len();
-            incoming.resize(before + length, 0);
-            message.matched_receive_into(&mut incoming[before..]);
-            if length < self.longest_message {
-                return;
-            }
-        }
+        self.append_pieces(source, tag, incoming);
+    }
+
+    /// Receives all pieces of a message that are still to come.
+    fn append_pieces(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
+        let process = self.world.process_at_rank(source as i32);
+        while self.append_piece(process.matched_probe_with_tag(tag), incoming) {}
+    }
+
+    /// Receives a piece behind those that are there; whether another follows.
+    fn append_piece(&self, (message, status): (Message, Status), incoming: &mut Vec<u8>) -> bool {
+        let length = status.count(u8::equivalent_datatype()) as usize;
+        let before = incoming.len();
+        incoming.resize(before + length, 0);
+        message.matched_receive_into(&mut incoming[before..]);
+        length == self.longest_message
     }
 }
 
@@ -176,26 +187,8 @@ impl Communicator for MpiRanks {
         });
     }
 
-    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>> {
-        scope(|scope| {
-            let send = |rank: usize| -> Sent<WaitGuard<_, _>> {
-                let process = self.world.process_at_rank(rank as i32);
-                let send = |piece| process.immediate_send_with_tag(scope, piece, COLLECTIVE).into();
-                send_all(self.pieces(&outgoing[rank]), send)
-            };
-            let others = (0..self.size).filter(|&rank| rank != self.rank);
-            let _sent: Vec<_> = others.map(send).collect();
-            let received = (0..self.size).map(|rank| {
-                let mut incoming = Vec::new();
-                if rank == self.rank {
-                    incoming.extend_from_slice(&outgoing[rank]);
-                } else {
-                    self.receive(rank, COLLECTIVE, &mut incoming);
-                }
-                incoming
-            });
-            received.collect()
-        })
+    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter> {
+        self.letters_by_consensus(outgoing)
     }
 
     fn sum_exact(&self, values: &mut [f64]) {
