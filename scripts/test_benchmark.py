@@ -195,7 +195,7 @@ class TestModels(ScriptTest):
         self.assertEqual(few["halo"], many["halo"])
         self.assertAlmostEqual(many["decide"], 2.0 * few["decide"])
         self.assertLess(many["rebuild"], 2.0 * few["rebuild"])
-        latencies = (scaling.EXCHANGES_PER_MIGRATION + scaling.REDUCTIONS_PER_REBUILD) * 10 * network.latency
+        latencies = (1 + scaling.REDUCTIONS_PER_REBUILD) * 10 * network.latency
         grown = load.steps_per_rebuild * (many["rebuild"] - few["rebuild"])
         self.assertAlmostEqual(grown / latencies, 1.0, places=2)
 

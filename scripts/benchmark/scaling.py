@@ -7,8 +7,8 @@ layer of width w and a block of sides l:
     halo        per cut axis two messages of c w (face, with the ghosts of the axes before) particles, 72 bytes each
     decide      one all-reduce of six numbers: log2(P) latencies
     gas         one all-reduce of two fields over the column's nodes, more if there is gas
-    rebuild     every R steps: the ghosts anew (96 bytes each), three reductions, and a migration: letters to the
-                blocks around with the particles of a layer at the faces, half a skin thick, and their contacts, and a
+    rebuild     every R steps: the ghosts anew (96 bytes each), two reductions, and a migration: letters to the blocks
+                around with the particles of a layer at the faces, half a skin thick, and their contacts, and a
                 barrier of log2(P) latencies, after which all letters have come
 
 t = latency + bytes / bandwidth for each message; messages of one axis go both ways at once, the axes one after another.
@@ -25,10 +25,8 @@ from .tables import table
 
 GHOST_BYTES, NEW_GHOST_BYTES = 72, 96
 DECISION_BYTES = 6 * 8
-# Whether no particle is too fast, whether any changes its owner, and whether each contact has found its place.
-REDUCTIONS_PER_REBUILD = 3
-# Particles, pair memories, wall memories.
-EXCHANGES_PER_MIGRATION = 3
+# Whether no particle is too fast, and whether each contact has found its place.
+REDUCTIONS_PER_REBUILD = 2
 # A particle and its contacts, 2.64 for each of both sides; half a skin is the farthest way between two rebuilds.
 MIGRANT_BYTES, LONGEST_WAY = 168 + 5.28 * 72, 0.04
 SOLIDS_FRACTION = 0.6
@@ -103,7 +101,7 @@ def migration(load: Load, ranks: int, network: Network) -> float:
     letters = min(8 if load.columns else 26, ranks - 1)
     size = MIGRANT_BYTES * LONGEST_WAY / LAYER * max(ghosts)
     letter = network.message(size, len(ghosts)) + network.latency
-    return EXCHANGES_PER_MIGRATION * (letter + 2.0 * network.overhead * letters + network.all_reduce(ranks, 0.0))
+    return letter + 2.0 * network.overhead * letters + network.all_reduce(ranks, 0.0)
 
 
 def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:

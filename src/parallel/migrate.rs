@@ -1,13 +1,13 @@
 //! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
 
-use super::{
-    Communicator, ContactRecord, Letter, ParticleRecord, WallContactRecord, records_of_bytes,
-};
+use super::parcel::Parcel;
+use super::{Communicator, Letter, ParticleRecord, records_of_bytes};
 use crate::domain::Decomposition;
 use crate::particles::{PairMemory, Particles, WallMemory};
 use bytemuck::Pod;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
 /// Sends every owned particle to the rank whose block holds its (wrapped) position, with the memories of
 /// its contacts.
@@ -28,25 +28,21 @@ pub fn migrate(
     let here = ranks.rank();
     let owner: Vec<usize> =
         particles.body.iter().map(|body| cut.owner_of(&body.position)).collect();
-    let leaves = owner.iter().any(|&rank| rank != here);
-    if !ranks.any(leaves) {
-        return;
+    let mut parcels = Parcels::new();
+    if owner.iter().any(|&rank| rank != here) {
+        let owner_of: FxHashMap<u64, usize> =
+            particles.id.iter().copied().zip(owner.iter().copied()).collect();
+        pack_memories(&mut parcels, pairs, walls, &owner_of, here);
+        pack_particles(&mut parcels, particles, &owner, here);
     }
-    let mut outgoing = Outgoing::new(ranks.size());
-    let owner_of: FxHashMap<u64, usize> =
-        particles.id.iter().copied().zip(owner.iter().copied()).collect();
-    outgoing.sort_memories(pairs, walls, &owner_of, here);
-    for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
-        outgoing.particles[rank].push(ParticleRecord::of(particles, index));
+    let letters: Vec<Letter> =
+        parcels.iter().map(|(&rank, parcel)| parcel.letter_to(rank)).collect();
+    for letter in ranks.exchange_letters(&letters) {
+        let parcel = Parcel::of(&letter);
+        parcel.particles.iter().for_each(|record| record.push_to(particles));
+        pairs.extend(parcel.pairs.into_iter().map(PairMemory::from));
+        walls.extend(parcel.walls.into_iter().map(WallMemory::from));
     }
-    let staying: Vec<u32> =
-        (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();
-    particles.select(&staying);
-    for record in deliver(outgoing.particles, ranks) {
-        record.push_to(particles);
-    }
-    pairs.extend(deliver(outgoing.pairs, ranks).into_iter().map(PairMemory::from));
-    walls.extend(deliver(outgoing.walls, ranks).into_iter().map(WallMemory::from));
 }
 
 /// Sends records to the ranks whose blocks hold them, wherever they are now: the start of a run.
@@ -88,43 +84,44 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
     records_of_bytes(&held).collect()
 }
 
-struct Outgoing {
-    particles: Vec<Vec<ParticleRecord>>,
-    pairs: Vec<Vec<ContactRecord>>,
-    walls: Vec<Vec<WallContactRecord>>,
+/// What goes to each rank that gets something.
+type Parcels = BTreeMap<usize, Parcel>;
+
+/// A memory goes where its particles go, and stays where one of them stays.
+fn pack_memories(
+    parcels: &mut Parcels,
+    pairs: &mut Vec<PairMemory>,
+    walls: &mut Vec<WallMemory>,
+    owner_of: &FxHashMap<u64, usize>,
+    here: usize,
+) {
+    pairs.retain(|&pair| {
+        let mut owners = [owner_of.get(&pair.lower), owner_of.get(&pair.higher)];
+        if owners[0] == owners[1] {
+            owners[1] = None;
+        }
+        for &&rank in owners.iter().flatten().filter(|&&&rank| rank != here) {
+            parcels.entry(rank).or_default().pairs.push(pair.into());
+        }
+        owners.contains(&Some(&here))
+    });
+    walls.retain(|&contact| {
+        let rank = owner_of.get(&contact.particle).copied().unwrap_or(here);
+        if rank != here {
+            parcels.entry(rank).or_default().walls.push(contact.into());
+        }
+        rank == here
+    });
 }
 
-impl Outgoing {
-    fn new(size: usize) -> Self {
-        Self { particles: vec![vec![]; size], pairs: vec![vec![]; size], walls: vec![vec![]; size] }
+/// Particles go to their owners; those that stay are kept in their order.
+fn pack_particles(parcels: &mut Parcels, particles: &mut Particles, owner: &[usize], here: usize) {
+    for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
+        parcels.entry(rank).or_default().particles.push(ParticleRecord::of(particles, index));
     }
-
-    /// A memory goes where its particles go, and stays where one of them stays.
-    fn sort_memories(
-        &mut self,
-        pairs: &mut Vec<PairMemory>,
-        walls: &mut Vec<WallMemory>,
-        owner_of: &FxHashMap<u64, usize>,
-        here: usize,
-    ) {
-        pairs.retain(|&pair| {
-            let mut owners = [owner_of.get(&pair.lower), owner_of.get(&pair.higher)];
-            if owners[0] == owners[1] {
-                owners[1] = None;
-            }
-            for &&rank in owners.iter().flatten().filter(|&&&rank| rank != here) {
-                self.pairs[rank].push(pair.into());
-            }
-            owners.contains(&Some(&here))
-        });
-        walls.retain(|&contact| {
-            let rank = owner_of.get(&contact.particle).copied().unwrap_or(here);
-            if rank != here {
-                self.walls[rank].push(contact.into());
-            }
-            rank == here
-        });
-    }
+    let staying: Vec<u32> =
+        (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();
+    particles.select(&staying);
 }
 
 /// Records to the ranks in whose places they stand; what came from each rank, in the order of ranks. What stays here

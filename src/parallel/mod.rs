@@ -10,6 +10,7 @@ mod field_halo;
 mod migrate;
 mod mpi_ranks;
 mod one_rank;
+mod parcel;
 mod particle_halo;
 mod records;
 mod sort_by_id;

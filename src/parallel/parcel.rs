@@ -1,0 +1,64 @@
+//! Particles and memories of contacts that go to one rank together, in one letter.
+
+use super::{ContactRecord, Letter, ParticleRecord, WallContactRecord, records_of_bytes};
+use bytemuck::{Pod, cast_slice};
+
+/// All that goes to one rank, or has come from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Parcel {
+    pub(super) particles: Vec<ParticleRecord>,
+    pub(super) pairs: Vec<ContactRecord>,
+    pub(super) walls: Vec<WallContactRecord>,
+}
+
+impl Parcel {
+    /// How many records there are of each kind, then the records.
+    pub(super) fn letter_to(&self, rank: usize) -> Letter {
+        let Self { particles, pairs, walls } = self;
+        let counts = [particles.len(), pairs.len(), walls.len()].map(|count| count as u64);
+        let parts =
+            [cast_slice(&counts), cast_slice(particles), cast_slice(pairs), cast_slice(walls)];
+        Letter { rank, bytes: parts.concat() }
+    }
+
+    /// What a letter brings.
+    pub(super) fn of(letter: &Letter) -> Self {
+        let mut rest = &letter.bytes[..];
+        let counts: Vec<u64> = take_records(&mut rest, 3);
+        Self {
+            particles: take_records(&mut rest, counts[0]),
+            pairs: take_records(&mut rest, counts[1]),
+            walls: take_records(&mut rest, counts[2]),
+        }
+    }
+}
+
+/// Records from the front of bytes, of which the others are left.
+fn take_records<T: Pod>(bytes: &mut &[u8], count: u64) -> Vec<T> {
+    let (front, rest) = bytes.split_at(count as usize * size_of::<T>());
+    *bytes = rest;
+    records_of_bytes(front).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn what_is_packed_is_unpacked() {
+        let particle = |id| ParticleRecord { id, mass: 0.5, ..Zeroable::zeroed() };
+        let pair = |lower| ContactRecord { lower, higher: 9, ..Zeroable::zeroed() };
+        let wall = |particle| WallContactRecord { particle, wall: 2, ..Zeroable::zeroed() };
+        for counts in [[0, 0, 0], [3, 0, 1], [1, 4, 2], [2, 1, 0]] {
+            let parcel = Parcel {
+                particles: (0..counts[0]).map(particle).collect(),
+                pairs: (0..counts[1]).map(pair).collect(),
+                walls: (0..counts[2]).map(wall).collect(),
+            };
+            let letter = parcel.letter_to(7);
+            assert_eq!(letter.rank, 7);
+            assert_eq!(Parcel::of(&letter), parcel);
+        }
+    }
+}
