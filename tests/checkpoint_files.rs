@@ -92,7 +92,7 @@ fn a_state_comes_back_on_any_number_of_ranks() {
         for writers in 1..=3 {
             let path = folder.path().join(file_name(writers as u64));
             let digests = run_on_threads(writers, |ranks| {
-                write(&path, share(count, 12, ranks), &provenance(ranks), ranks).unwrap()
+                write(&path, &share(count, 12, ranks), &provenance(ranks), ranks).unwrap()
             });
             assert!(digests.iter().all(|&written| written == digest));
             for readers in [1, 2, 3, 5] {
@@ -122,7 +122,7 @@ fn the_file_does_not_depend_on_the_number_of_ranks() {
     let files = [1, 2, 3].map(|n| {
         let path = folder.path().join(file_name(n));
         run_on_threads(n as usize, |ranks| {
-            write(&path, share(40, 12, ranks), &provenance, ranks).unwrap();
+            write(&path, &share(40, 12, ranks), &provenance, ranks).unwrap();
         });
         std::fs::read(path).unwrap()
     });
@@ -141,7 +141,7 @@ fn refusal(path: &Path) -> String {
 fn files_cut_short_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
-    write(&path, share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let lengths = (0..bytes.len()).step_by(311).chain(bytes.len() - 60..bytes.len());
     for length in lengths {
@@ -159,7 +159,7 @@ fn files_cut_short_are_refused() {
 fn damaged_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
-    write(&path, share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     for place in (0..bytes.len()).step_by(173).chain(bytes.len() - 60..bytes.len()) {
         let mut damaged = bytes.clone();
@@ -214,7 +214,7 @@ fn whole_files_with_another_content_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     let forged = |change: fn(&hdf5::File)| {
-        write(&path, share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+        write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
         forge(&path, change);
         path.as_path()
     };
@@ -247,7 +247,7 @@ fn files_from_before_rolling_springs_and_gas_in_three_dimensions_are_read() {
     state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
     state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
     (state.cells, state.flow_report) = (Vec::new(), FlowReport::default());
-    let digest = write(&path, state.clone(), &provenance(&OneRank), &OneRank).unwrap();
+    let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
     let without_angles = |file: &hdf5::File| {
         file.unlink("gas").unwrap();
         file.unlink("particles/gas_force").unwrap();
@@ -267,7 +267,7 @@ fn the_newest_whole_checkpoint_is_found() {
     let path = |step| folder.path().join(file_name(step));
     assert!(newest_good(folder.path(), &OneRank).unwrap().found.is_none());
     for step in [9, 20, 100, 3000, 3001] {
-        write(&path(step), share(5, step, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+        write(&path(step), &share(5, step, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
     }
     std::fs::write(path(3001), "").unwrap();
     let bytes = std::fs::read(path(3000)).unwrap();
@@ -296,10 +296,10 @@ fn the_newest_whole_checkpoint_is_found() {
 fn a_checkpoint_that_cannot_be_written_leaves_the_old_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file_name(1));
-    let digest = write(&path, share(5, 1, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    let digest = write(&path, &share(5, 1, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
     std::fs::create_dir(folder.path().join(file_name(1) + ".partial")).unwrap();
     run_on_threads(2, |ranks| {
-        let error = write(&path, share(6, 2, ranks), &provenance(ranks), ranks).unwrap_err();
+        let error = write(&path, &share(6, 2, ranks), &provenance(ranks), ranks).unwrap_err();
         assert!(error.to_string().contains(".partial: HDF5 says"), "{error}");
     });
     assert_eq!(read(&path, &OneRank).unwrap().2, digest);

@@ -175,7 +175,7 @@ fn methods(ranks: &MpiRanks) {
     assert_eq!(ranks.total(me), n * (n - 1) / 2);
     assert!(matches!(ranks.file_access(), FileAccess::Collective(_)));
     let ids = vec![3 * n - me, me];
-    let block = sort_by_id(ids, |&id| id as u64, ranks);
+    let block = sort_by_id(&ids, |&id| [id as u64, 0], ranks);
     assert!(block.rows.is_sorted() && block.total == 2 * n as u64);
 }
 
@@ -240,20 +240,20 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     let provenance = Provenance::here_and_now("A bed", "si", ranks);
     for count in COUNTS {
         let path = checkpoint_path(folder, ranks.size(), count);
-        let digest = checkpoint::write(&path, share(count, ranks), &provenance, ranks).unwrap();
+        let digest = checkpoint::write(&path, &share(count, ranks), &provenance, ranks).unwrap();
         assert_eq!(digest, share(count, &OneRank).digest(&OneRank));
     }
     let nowhere = folder.join("nowhere").join("checkpoint.h5");
-    let refused = checkpoint::write(&nowhere, share(3, ranks), &provenance, ranks);
+    let refused = checkpoint::write(&nowhere, &share(3, ranks), &provenance, ranks);
     assert!(refused.unwrap_err().words.contains("HDF5 says"));
     let path = folder.join(format!("particles-{}.vtkhdf", ranks.size()));
     let mut snapshots = ParticleSnapshots::create(&path, "", &provenance, ranks).unwrap();
     for (step, count) in COUNTS.into_iter().enumerate() {
-        snapshots.append(step as f64, share(count, ranks).particles, ranks).unwrap();
+        snapshots.append(step as f64, &share(count, ranks).particles, ranks).unwrap();
     }
     snapshots.keep(ranks).unwrap();
     let mut snapshots = ParticleSnapshots::resume(&path, 1.0, "", &provenance, ranks).unwrap();
-    snapshots.append(2.0, share(3, ranks).particles, ranks).unwrap();
+    snapshots.append(2.0, &share(3, ranks).particles, ranks).unwrap();
 }
 
 fn read(ranks: &MpiRanks, folder: &Path) {

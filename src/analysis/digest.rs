@@ -4,7 +4,9 @@ use std::fmt;
 
 use bytemuck::Pod;
 
-use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{
+    CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
+};
 use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and what their contacts remember.
@@ -32,7 +34,7 @@ impl Digest {
     /// Positions must be wrapped into the box. Collective.
     pub fn of(
         clock: &Clock,
-        particles: &[ParticleRecord],
+        particles: &(impl Records<ParticleRecord> + ?Sized),
         contacts: &[ContactRecord],
         (wall_contacts, cells): (&[WallContactRecord], &[CellRecord]),
         ranks: &dyn Communicator,
@@ -57,11 +59,17 @@ impl Digest {
 
 /// Number of records and sum of their hashes. The first `ids` words of a record are integers, the
 /// others doubles, of which the last `optional` ones are left out if all are zero.
-fn sum<T: Pod>(kind: u8, ids: usize, optional: usize, records: &[T]) -> [i64; 3] {
-    let mut sum = [records.len() as i64, 0, 0];
+fn sum<T: Pod>(
+    kind: u8,
+    ids: usize,
+    optional: usize,
+    records: &(impl Records<T> + ?Sized),
+) -> [i64; 3] {
+    let mut sum = [records.count() as i64, 0, 0];
     let mut bytes = vec![kind];
-    for record in records {
-        let words: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(record));
+    for index in 0..records.count() {
+        let record = records.at(index);
+        let words: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(&record));
         let (always, last) = words.split_at(words.len() - optional);
         let is_zero = |&word: &u64| word == 0 || word == NEGATIVE_ZERO;
         let words = if last.iter().all(is_zero) { always } else { words };

@@ -75,7 +75,7 @@ impl GasSnapshots {
         cells: &[CellRecord],
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        let sorted = sort_by_id(cells.to_vec(), |record| record.cell, ranks).rows;
+        let sorted = sort_by_id(cells, |record| [record.cell, 0], ranks).rows;
         let bytes =
             ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
         let all: Vec<CellRecord> = crate::parallel::records_of_bytes(&bytes).collect();

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::hdf5_file::{SerialFile, SharedFile};
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
-use crate::parallel::{Communicator, ParticleRecord, sort_by_id};
+use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
 
 /// The kinds of cells that PolyData may have; we have none, but their groups must be there.
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
@@ -82,10 +82,10 @@ impl ParticleSnapshots {
     pub fn append(
         &mut self,
         time: f64,
-        particles: Vec<ParticleRecord>,
+        particles: &impl Records<ParticleRecord>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        let block = sort_by_id(particles, |particle| particle.id, ranks);
+        let block = sort_by_id(particles, |particle| [particle.id, 0], ranks);
         let (before, after) = (self.points, self.points + block.total);
         let first = before + block.offset;
         let vectors = |get: fn(&ParticleRecord) -> &[f64; 3]| -> Vec<f64> {

@@ -23,8 +23,11 @@ pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
-pub use records::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord, records_of_bytes};
-pub use sort_by_id::{SortedBlock, sort_by_id};
+pub use records::{
+    CellRecord, ContactRecord, MadeRecords, ParticleRecord, Records, WallContactRecord,
+    records_of_bytes,
+};
+pub use sort_by_id::{SortedBlock, in_bands, sort_by_id};
 pub use thread_ranks::run_on_threads;
 
 /// How files that all ranks write together are opened.

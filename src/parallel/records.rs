@@ -3,6 +3,39 @@
 use crate::particles::{ContactMemory, PairMemory, Particles, WallMemory};
 use bytemuck::{Pod, Zeroable};
 
+/// Records that are there, or that are made when one asks for them, so that they take no memory.
+pub trait Records<T> {
+    /// How many there are.
+    fn count(&self) -> usize;
+
+    /// One of them.
+    fn at(&self, index: usize) -> T;
+}
+
+impl<T: Copy, S: AsRef<[T]> + ?Sized> Records<T> for S {
+    fn count(&self) -> usize {
+        self.as_ref().len()
+    }
+
+    fn at(&self, index: usize) -> T {
+        self.as_ref()[index]
+    }
+}
+
+/// So many records, made by a function of their index.
+#[derive(Clone, Copy, Debug)]
+pub struct MadeRecords<F>(pub usize, pub F);
+
+impl<T, F: Fn(usize) -> T> Records<T> for MadeRecords<F> {
+    fn count(&self) -> usize {
+        self.0
+    }
+
+    fn at(&self, index: usize) -> T {
+        self.1(index)
+    }
+}
+
 /// One particle: everything of its state that is its own.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]

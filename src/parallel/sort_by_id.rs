@@ -2,8 +2,8 @@
 
 use bytemuck::Pod;
 
-use super::Communicator;
 use super::migrate::deliver;
+use super::{Communicator, Records};
 
 /// One rank's rows of a table that is sorted over all ranks: the ranks' blocks, one after another in the
 /// order of the ranks, are the table.
@@ -17,57 +17,104 @@ pub struct SortedBlock<T> {
     pub total: u64,
 }
 
-/// Sends each record to the rank that holds its part of the ids, and sorts there. The range of ids is
-/// cut evenly, so that ranks hold about equally much if ids are about evenly spread. Records of one id
-/// come to the same rank, in no certain order among themselves. Collective.
+/// Rows of a band on each rank, about: so few that what is done with them happens in the processor's cache, and
+/// so many that messages and transfers to files are long.
+const ROWS_OF_BAND: u64 = 1 << 14;
+
+/// Each rank's part of all records in the order of their first ids, then of their second. The range of first ids is
+/// cut evenly, so that ranks hold about equally much if ids are about evenly spread. Records of the same first id
+/// come to the same rank, those of the same ids in no certain order. Collective.
 pub fn sort_by_id<T: Pod>(
-    records: Vec<T>,
-    id_of: impl Fn(&T) -> u64,
+    records: &(impl Records<T> + ?Sized),
+    ids_of: impl Fn(&T) -> [u64; 2],
     ranks: &dyn Communicator,
 ) -> SortedBlock<T> {
-    let (lowest, highest) = range_of_ids(records.iter().map(&id_of), ranks);
-    let size = ranks.size() as u128;
-    let width = u128::from(highest - lowest) + 1;
-    let mut rows = records;
-    if ranks.size() > 1 {
-        let mut outgoing = vec![Vec::new(); ranks.size()];
-        for record in rows {
-            let rank = u128::from(id_of(&record) - lowest) * size / width;
-            outgoing[rank as usize].push(record);
+    let mut whole = None;
+    sort_in_bands(records, ids_of, 1, ranks, |block| whole = Some(block));
+    whole.expect("there is one band")
+}
+
+/// The same in bands, one after another: each rank's part of the first ids, then of the next. Only of a band are
+/// there copies, never of all records. Offsets and totals are those of the whole table. Collective.
+pub fn in_bands<T: Pod>(
+    records: &(impl Records<T> + ?Sized),
+    ids_of: impl Fn(&T) -> [u64; 2],
+    ranks: &dyn Communicator,
+    take: impl FnMut(SortedBlock<T>),
+) {
+    let total = ranks.total(records.count()) as u64;
+    let bands = total.div_ceil(ROWS_OF_BAND * ranks.size() as u64) as usize;
+    sort_in_bands(records, ids_of, bands, ranks, take);
+}
+
+fn sort_in_bands<T: Pod>(
+    records: &(impl Records<T> + ?Sized),
+    ids_of: impl Fn(&T) -> [u64; 2],
+    bands: usize,
+    ranks: &dyn Communicator,
+    mut take: impl FnMut(SortedBlock<T>),
+) {
+    let size = ranks.size();
+    let first_id = |index: usize| ids_of(&records.at(index))[0];
+    let ids = Range::of((0..records.count()).map(first_id), ranks);
+    // The parts of a band lie side by side, one for each rank.
+    let mut members = vec![Vec::new(); bands * size];
+    for index in 0..records.count() {
+        members[ids.part_of(first_id(index), bands * size)].push(index as u32);
+    }
+    let mut rows: Vec<i64> = members.iter().map(|part| part.len() as i64).collect();
+    ranks.sum_integers(&mut rows);
+    let total = rows.iter().sum::<i64>() as u64;
+    let mut offset = 0;
+    for (parts, rows) in members.chunks(size).zip(rows.chunks(size)) {
+        let gathered = |part: &Vec<u32>| part.iter().map(|&at| records.at(at as usize)).collect();
+        let block = deliver(parts.iter().map(gathered).collect(), ranks);
+        let before = rows[..ranks.rank()].iter().sum::<i64>() as u64;
+        take(SortedBlock { rows: sorted(&block, &ids_of), offset: offset + before, total });
+        offset += rows.iter().sum::<i64>() as u64;
+    }
+}
+
+/// Ids are sorted with the places of their records, since records are long.
+fn sorted<T: Pod>(records: &[T], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
+    let mut order: Vec<([u64; 2], u32)> = records.iter().map(ids_of).zip(0..).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, place)| records[place as usize]).collect()
+}
+
+/// The lowest and the highest id of all ranks; zeros if there is none.
+#[derive(Clone, Copy)]
+struct Range {
+    lowest: u64,
+    highest: u64,
+}
+
+impl Range {
+    /// Collective.
+    fn of(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> Self {
+        let here = ids.fold(None, |range: Option<(u64, u64)>, id| {
+            Some(range.map_or((id, id), |(low, high)| (low.min(id), high.max(id))))
+        });
+        // Each rank's range in its own place: exact, where a maximum of doubles would round.
+        let mut ranges = vec![0; 3 * ranks.size()];
+        if let Some((low, high)) = here {
+            let own = &mut ranges[3 * ranks.rank()..][..3];
+            own.copy_from_slice(&[1, low as i64, high as i64]);
         }
-        rows = deliver(outgoing, ranks);
+        ranks.sum_integers(&mut ranges);
+        let present = ranges.chunks(3).filter(|range| range[0] == 1);
+        let (lowest, highest) = present
+            .map(|range| (range[1] as u64, range[2] as u64))
+            .reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
+            .unwrap_or((0, 0));
+        Self { lowest, highest }
     }
-    rows.sort_unstable_by_key(&id_of);
-    let (offset, total) = position_of_block(rows.len(), ranks);
-    SortedBlock { rows, offset, total }
-}
 
-/// Number of rows of lower ranks, and of all ranks. Collective.
-fn position_of_block(rows: usize, ranks: &dyn Communicator) -> (u64, u64) {
-    let mut counts = vec![0; ranks.size()];
-    counts[ranks.rank()] = rows as i64;
-    ranks.sum_integers(&mut counts);
-    let offset: i64 = counts[..ranks.rank()].iter().sum();
-    (offset as u64, counts.iter().sum::<i64>() as u64)
-}
-
-/// The lowest and the highest id of all ranks; (0, 0) if there is none. Collective.
-fn range_of_ids(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> (u64, u64) {
-    let here = ids.fold(None, |range: Option<(u64, u64)>, id| {
-        Some(range.map_or((id, id), |(low, high)| (low.min(id), high.max(id))))
-    });
-    // Each rank's range in its own place: exact, where a maximum of doubles would round.
-    let mut ranges = vec![0; 3 * ranks.size()];
-    if let Some((low, high)) = here {
-        let own = &mut ranges[3 * ranks.rank()..][..3];
-        own.copy_from_slice(&[1, low as i64, high as i64]);
+    /// In which of so many parts, evenly cut, an id lies.
+    fn part_of(self, id: u64, parts: usize) -> usize {
+        let width = ((self.highest - self.lowest) / parts as u64).saturating_add(1);
+        (((id - self.lowest) / width) as usize).min(parts - 1)
     }
-    ranks.sum_integers(&mut ranges);
-    let present = ranges.chunks(3).filter(|range| range[0] == 1);
-    present
-        .map(|range| (range[1] as u64, range[2] as u64))
-        .reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
-        .unwrap_or((0, 0))
 }
 
 #[cfg(test)]
@@ -85,7 +132,7 @@ mod tests {
                 // Rank 0 has nothing to give if there are others.
                 let mine = |k: usize| if n == 1 { true } else { k % (n - 1) + 1 == ranks.rank() };
                 let here: Vec<u64> = (0..100).filter(|&k| mine(k)).map(|k: usize| ids[k]).collect();
-                sort_by_id(here, |&id| id, ranks)
+                sort_by_id(&here, |&id| [id, 0], ranks)
             });
             let mut table = Vec::new();
             for block in &blocks {
@@ -98,11 +145,41 @@ mod tests {
     }
 
     #[test]
+    fn bands_of_all_ranks_are_one_table_sorted_by_both_ids() {
+        let pairs: Vec<[u64; 2]> = (0..300).map(|k| [(k * 37) % 101 + 5, (k * 7) % 13]).collect();
+        let mut expected = pairs.clone();
+        expected.sort_unstable();
+        for n in 1..=3 {
+            for bands in [1, 2, 7] {
+                let blocks = run_on_threads(n, |ranks| {
+                    let mine = pairs.iter().skip(ranks.rank()).step_by(n).copied();
+                    let mut blocks = Vec::new();
+                    let here: Vec<[u64; 2]> = mine.collect();
+                    sort_in_bands(&here, |&ids| ids, bands, ranks, |block| blocks.push(block));
+                    blocks
+                });
+                let mut table = Vec::new();
+                for band in 0..bands {
+                    for block in blocks.iter().map(|blocks| &blocks[band]) {
+                        assert_eq!((block.offset, block.total), (table.len() as u64, 300));
+                        assert!(block.rows.len() <= 300 / (n * bands) + 6);
+                        table.extend_from_slice(&block.rows);
+                    }
+                }
+                assert_eq!(table, expected);
+            }
+        }
+    }
+
+    #[test]
     fn extreme_ids_and_empty_tables_are_fine() {
         for n in 1..=3 {
             let blocks = run_on_threads(n, |ranks| {
                 let here = if ranks.is_root() { vec![u64::MAX, 3, 0] } else { vec![] };
-                (sort_by_id(here, |&id| id, ranks), sort_by_id::<u64>(vec![], |&id| id, ranks))
+                (
+                    sort_by_id(&here, |&id| [id, 0], ranks),
+                    sort_by_id::<u64>(&[], |&id| [id, 0], ranks),
+                )
             });
             let table: Vec<u64> = blocks.iter().flat_map(|(block, _)| block.rows.clone()).collect();
             assert_eq!(table, [0, 3, u64::MAX]);

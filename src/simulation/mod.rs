@@ -13,7 +13,7 @@ use crate::analysis::{BedProfile, Digest, MomentumProbe, measure};
 use crate::case::Case;
 use crate::grid::ColumnGrid;
 use crate::output::OutputError;
-use crate::parallel::{Communicator, ParticleRecord};
+use crate::parallel::{Communicator, MadeRecords, ParticleRecord, Records};
 use crate::state::{GasModel, Models, State, Workspace};
 use crate::time_step::{self, StepError};
 use crate::timers::{Stage as TimedStage, StageTime};
@@ -294,7 +294,7 @@ impl<'a> Simulation<'a> {
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
-        outputs.write(&state.clock, &measures, profile.bed(), || records(case, state), *ranks)?;
+        outputs.write(&state.clock, &measures, profile.bed(), records(case, state), *ranks)?;
         if let (Some(flow), Some(solver)) = (&state.flow, &mut work.flow) {
             let picture = || solver.picture(&state.particles, flow, *ranks);
             outputs.write_gas(&state.clock, picture, *ranks)?;
@@ -340,15 +340,10 @@ fn stage_of(case: &Case, state: &State) -> usize {
 }
 
 /// This rank's particles as records, with wrapped positions.
-fn records(case: &Case, state: &State) -> Vec<ParticleRecord> {
-    let bounds = &case.domain.bounds;
-    (0..state.particles.owned_count())
-        .map(|i| {
-            let record = ParticleRecord::of(&state.particles, i);
-            ParticleRecord {
-                position: bounds.wrap(state.particles.body[i].position).into(),
-                ..record
-            }
-        })
-        .collect()
+fn records(case: &Case, state: &State) -> impl Records<ParticleRecord> {
+    let (bounds, particles) = (&case.domain.bounds, &state.particles);
+    MadeRecords(particles.owned_count(), |index: usize| ParticleRecord {
+        position: bounds.wrap(particles.body[index].position).into(),
+        ..ParticleRecord::of(particles, index)
+    })
 }

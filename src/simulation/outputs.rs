@@ -8,7 +8,9 @@ use crate::output::{
     ColumnUnits, GasSnapshots, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance,
     Series, on_root,
 };
-use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{
+    CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
+};
 use crate::state::{Clock, State};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -188,7 +190,7 @@ impl Outputs {
         clock: &Clock,
         measures: &Measures,
         bed: &Bed,
-        records: impl FnOnce() -> Vec<ParticleRecord>,
+        particles: impl Records<ParticleRecord>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let due = |interval: Interval| interval.due(clock, clock.step);
@@ -205,7 +207,7 @@ impl Outputs {
             profiles.append(&row, ranks)?;
         }
         if let (Some(snapshots), true) = (&mut self.snapshots, due(self.snapshot_interval)) {
-            snapshots.append(measures.time, records(), ranks)?;
+            snapshots.append(measures.time, &particles, ranks)?;
         }
         Ok(())
     }
@@ -231,7 +233,7 @@ impl Outputs {
         &mut self,
         case: &Case,
         state: &State,
-        (particles, cells): (Vec<ParticleRecord>, Vec<CellRecord>),
+        (particles, cells): (impl Records<ParticleRecord>, Vec<CellRecord>),
         ranks: &dyn Communicator,
     ) -> Result<(Digest, PathBuf), OutputError> {
         let pairs = state.contacts.records(&state.particles, true);
@@ -253,7 +255,7 @@ impl Outputs {
         self.snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         self.gas_snapshots.as_ref().map_or(Ok(()), |snapshots| snapshots.keep(ranks))?;
         let path = self.folder.path.join(checkpoint::file_name(state.clock.step));
-        let digest = checkpoint::write(&path, checkpoint, &self.provenance, ranks)?;
+        let digest = checkpoint::write(&path, &checkpoint, &self.provenance, ranks)?;
         checkpoint::prune(&self.folder.path, self.keep, ranks)?;
         self.last_checkpoint = Instant::now();
         Ok((digest, path))

@@ -27,7 +27,7 @@ fn particles(step: usize) -> Vec<ParticleRecord> {
 
 fn append(snapshots: &mut ParticleSnapshots, step: usize, ranks: &dyn Communicator) {
     let mine = particles(step).into_iter().rev().skip(ranks.rank()).step_by(ranks.size());
-    snapshots.append(time(step), mine.collect(), ranks).unwrap();
+    snapshots.append(time(step), &mine.collect::<Vec<_>>(), ranks).unwrap();
 }
 
 fn provenance(ranks: &dyn Communicator) -> Provenance {

@@ -5,7 +5,7 @@
 //! are sorted by id, so that the file does not depend on the number of ranks.
 
 use crate::analysis::Digest;
-use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
 use crate::state::{Clock, Departed, FlowReport, SizeRange};
 
 mod folder;
@@ -17,9 +17,10 @@ pub use folder::{Search, file_name, newest_good, prune, supersede};
 pub use read::read;
 pub use write::write;
 
-/// One rank's share of a state, and what the run was started with.
+/// One rank's share of a state, and what the run was started with. Particles are records that are there, or that are
+/// made while they are written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Checkpoint {
+pub struct Checkpoint<P = Vec<ParticleRecord>> {
     /// Time.
     pub clock: Clock,
     /// What has left the box.
@@ -31,7 +32,7 @@ pub struct Checkpoint {
     /// Folder that relative paths in the case refer to.
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
-    pub particles: Vec<ParticleRecord>,
+    pub particles: P,
     /// What touching pairs remember, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,
     /// What contacts with walls remember, each on one rank, in any order.
@@ -42,7 +43,7 @@ pub struct Checkpoint {
     pub flow_report: FlowReport,
 }
 
-impl Checkpoint {
+impl<P: Records<ParticleRecord>> Checkpoint<P> {
     /// Hash of the state over all ranks. Collective.
     pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
         let rest = (&self.wall_contacts[..], &self.cells[..]);

@@ -1,16 +1,25 @@
 //! From ranks to a file that is either whole or not there.
 
+use std::panic::resume_unwind;
 use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 use super::Checkpoint;
-use super::schema::{FORMAT, Table, VERSION};
+use super::schema::{FORMAT, NumberColumn, Table, VERSION};
 use crate::analysis::Digest;
-use crate::output::hdf5_file::{SerialFile, SharedFile};
+use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
 use crate::output::{
-    ColumnUnits, InWords, OutputError, Provenance, on_root, seal, sync_folder, with_suffix,
+    ColumnUnits, InWords, OutputError, Provenance, agreed, on_root, seal, sync_folder, with_suffix,
 };
-use crate::parallel::{Communicator, SortedBlock, sort_by_id};
+use crate::parallel::{
+    CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedBlock,
+    WallContactRecord, in_bands,
+};
+
+/// Between two syncs of a file that is being written; short beside the time in which a disk writes much.
+const PAUSE_OF_SYNCING: Duration = Duration::from_millis(50);
 
 /// Writes all ranks' shares as one checkpoint and returns the digest of the state. The file is written
 /// beside its place under the name `<path>.partial`, brought to the disk, and renamed at last: whenever the
@@ -20,32 +29,35 @@ use crate::parallel::{Communicator, SortedBlock, sort_by_id};
 /// If the file cannot be written; then `path` is untouched.
 pub fn write(
     path: &Path,
-    mut checkpoint: Checkpoint,
+    checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
     provenance: &Provenance,
     ranks: &dyn Communicator,
 ) -> Result<Digest, OutputError> {
     let digest = checkpoint.digest(ranks);
-    let particles = sorted(&mut checkpoint.particles, ranks);
-    let contacts = sorted(&mut checkpoint.contacts, ranks);
-    let wall_contacts = sorted(&mut checkpoint.wall_contacts, ranks);
-    let cells = sorted(&mut checkpoint.cells, ranks);
+    let Checkpoint { particles, contacts, wall_contacts, cells, .. } = &checkpoint;
+    let rows = [particles.count(), contacts.len(), wall_contacts.len(), cells.len()];
+    let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
-        write_head(&file, &checkpoint, provenance, digest)?;
+        write_head(&file, checkpoint, provenance, digest)?;
         let units = ColumnUnits::of_system(&provenance.units);
-        make_datasets(&file, &particles, &units)?;
-        make_datasets(&file, &contacts, &units)?;
-        make_datasets(&file, &wall_contacts, &units)?;
-        make_datasets(&file, &cells, &units)?;
+        make_datasets::<ParticleRecord>(&file, rows[0], &units)?;
+        make_datasets::<ContactRecord>(&file, rows[1], &units)?;
+        make_datasets::<WallContactRecord>(&file, rows[2], &units)?;
+        make_datasets::<CellRecord>(&file, rows[3], &units)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
-    write_rows(&file, &particles)?;
-    write_rows(&file, &contacts)?;
-    write_rows(&file, &wall_contacts)?;
-    write_rows(&file, &cells)?;
-    file.close()?;
+    let (written, synced) = while_syncing(&partial, || {
+        write_table(&file, particles, ranks)?;
+        write_table(&file, contacts, ranks)?;
+        write_table(&file, wall_contacts, ranks)?;
+        write_table(&file, cells, ranks)?;
+        file.close()
+    });
+    written?;
+    agreed(&partial, synced, ranks)?;
     seal::seal(&partial, ranks)?;
     on_root(path, ranks, || {
         std::fs::rename(&partial, path).map_err(|error| error.to_string())?;
@@ -54,19 +66,29 @@ pub fn write(
     Ok(digest)
 }
 
-/// Takes the records, and brings those of all ranks into the order of the table's first columns.
-fn sorted<R: Table>(records: &mut Vec<R>, ranks: &dyn Communicator) -> SortedBlock<R> {
-    let first = R::IDS[0].get;
-    let mut block = sort_by_id(std::mem::take(records), first, ranks);
-    block.rows.sort_unstable_by_key(|record| {
-        (first(record), R::IDS.get(1).map_or(0, |second| (second.get)(record)))
-    });
-    block
+/// Does some writing while a thread brings to the disk, over and over, what was written so far: otherwise the disk
+/// would idle until all is written. The thread speaks to no other rank.
+fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, InWords<()>) {
+    let (writing, wait) = channel::<()>();
+    let sync = move || -> std::io::Result<()> {
+        let file = std::fs::File::open(path)?;
+        while wait.recv_timeout(PAUSE_OF_SYNCING) == Err(RecvTimeoutError::Timeout) {
+            file.sync_data()?;
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let syncing = scope.spawn(sync);
+        let written = write();
+        drop(writing);
+        let synced = syncing.join().unwrap_or_else(|panic| resume_unwind(panic));
+        (written, synced.map_err(|error| error.to_string()))
+    })
 }
 
 fn write_head(
     file: &SerialFile,
-    checkpoint: &Checkpoint,
+    checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
     provenance: &Provenance,
     digest: Digest,
 ) -> InWords<()> {
@@ -103,12 +125,7 @@ fn write_head(
     ["/particles", "/contacts", "/wall_contacts"].iter().try_for_each(|name| file.make_group(name))
 }
 
-fn make_datasets<R: Table>(
-    file: &SerialFile,
-    block: &SortedBlock<R>,
-    units: &ColumnUnits,
-) -> InWords<()> {
-    let rows = Rows::Fixed(block.total);
+fn make_datasets<R: Table>(file: &SerialFile, rows: Rows, units: &ColumnUnits) -> InWords<()> {
     for column in R::IDS {
         let (name, description) = (column.name, column.description);
         file.make_table::<u64>(&TableHead { name, width: 1, unit: "1", description }, rows)?;
@@ -121,15 +138,45 @@ fn make_datasets<R: Table>(
     Ok(())
 }
 
-fn write_rows<R: Table>(file: &SharedFile<'_>, block: &SortedBlock<R>) -> Result<(), OutputError> {
-    for column in R::IDS {
-        let values: Vec<u64> = block.rows.iter().map(column.get).collect();
-        file.write_rows(column.name, block.offset, &values)?;
+/// Writes the records of all ranks in the order of the table's first columns.
+fn write_table<R: Table>(
+    file: &SharedFile<'_>,
+    records: &impl Records<R>,
+    ranks: &dyn Communicator,
+) -> Result<(), OutputError> {
+    let ids = R::IDS.iter().map(|column| column.name);
+    let names = ids.chain(R::NUMBERS.iter().map(|column| column.name));
+    let datasets = names.map(|name| file.dataset(name)).collect::<Result<Vec<_>, _>>()?;
+    let id = |record: &R, place: usize| R::IDS.get(place).map_or(0, |column| (column.get)(record));
+    let ids_of = |record: &R| [id(record, 0), id(record, 1)];
+    let mut errors = Vec::new();
+    // Also after an error, for the sake of the other ranks.
+    in_bands(records, ids_of, ranks, |band| errors.extend(write_rows(&datasets, &band).err()));
+    file.agreed(errors.into_iter().next().map_or(Ok(()), Err))
+}
+
+fn write_rows<R: Table>(datasets: &[SharedDataset<'_>], band: &SortedBlock<R>) -> InWords<()> {
+    let (ids, numbers) = datasets.split_at(R::IDS.len());
+    let mut written = Ok(());
+    for (column, dataset) in R::IDS.iter().zip(ids) {
+        let values: Vec<u64> = band.rows.iter().map(column.get).collect();
+        written = written.and(dataset.write_rows(band.offset, &values));
     }
-    for column in R::NUMBERS {
-        let mut values = Vec::with_capacity(block.rows.len() * column.width);
-        block.rows.iter().for_each(|record| values.extend_from_slice((column.get)(record)));
-        file.write_rows(column.name, block.offset, &values)?;
+    for (column, dataset) in R::NUMBERS.iter().zip(numbers) {
+        let values = match column.width {
+            1 => values_of::<R, 1>(column, &band.rows),
+            _ => values_of::<R, 3>(column, &band.rows),
+        };
+        written = written.and(dataset.write_rows(band.offset, &values));
     }
-    Ok(())
+    written
+}
+
+/// A column's numbers. The compiler knows how many a row has, so that it copies them without a call.
+fn values_of<R, const WIDTH: usize>(column: &NumberColumn<R>, records: &[R]) -> Vec<f64> {
+    let mut rows = vec![[0.0; WIDTH]; records.len()];
+    for (row, record) in rows.iter_mut().zip(records) {
+        row.copy_from_slice((column.get)(record));
+    }
+    rows.into_flattened()
 }

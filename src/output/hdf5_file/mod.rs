@@ -270,6 +270,14 @@ impl<'r> SharedFile<'r> {
         self.with(name, |dataset| set_rows(dataset, rows))
     }
 
+    /// Opens a dataset to write to it in several turns.
+    pub(super) fn dataset(&self, name: &str) -> Result<SharedDataset<'_>, OutputError> {
+        let opened = self.file.as_ref().map(|file| file.dataset(name)).transpose();
+        let opened = in_words(opened).map_err(|words| format!("{name}: {words}"));
+        let dataset = self.agreed(opened)?;
+        Ok(SharedDataset { dataset, ranks: self.ranks, together: self.together })
+    }
+
     /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of
     /// ranks, without gaps.
     pub(super) fn write_rows<T: Element>(
@@ -278,12 +286,13 @@ impl<'r> SharedFile<'r> {
         first_row: u64,
         values: &[T],
     ) -> Result<(), OutputError> {
-        if self.together {
-            return self.with(name, |dataset| write(dataset, first_row, values, true));
-        }
-        let gathered = self.ranks.gather_to_root(bytemuck::cast_slice(values));
-        let all: Vec<T> = records_of_bytes(&gathered.unwrap_or_default().concat()).collect();
-        self.with(name, |dataset| write(dataset, first_row, &all, false))
+        let written = self.dataset(name)?.write_rows(first_row, values);
+        self.agreed(written.map_err(|words| format!("{name}: {words}")))
+    }
+
+    /// An error of any rank is one of all.
+    pub(super) fn agreed<T>(&self, result: InWords<T>) -> Result<T, OutputError> {
+        agreed(&self.path, result, self.ranks)
     }
 
     /// Reads so many rows from `first_row` on, on each rank its own.
@@ -300,6 +309,32 @@ impl<'r> SharedFile<'r> {
     pub(super) fn close(self) -> Result<(), OutputError> {
         let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
         agreed(&self.path, in_words(closed), self.ranks)
+    }
+}
+
+/// A dataset that all ranks write.
+pub(super) struct SharedDataset<'f> {
+    /// None on ranks that leave the writing to rank 0.
+    dataset: Option<Dataset>,
+    ranks: &'f dyn Communicator,
+    together: bool,
+}
+
+impl SharedDataset<'_> {
+    /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of ranks,
+    /// without gaps. Collective, but an error is this rank's alone.
+    pub(super) fn write_rows<T: Element>(&self, first_row: u64, values: &[T]) -> InWords<()> {
+        let gathered;
+        let values = if self.together {
+            values
+        } else {
+            let bytes = self.ranks.gather_to_root(bytemuck::cast_slice(values));
+            gathered = records_of_bytes(&bytes.unwrap_or_default().concat()).collect::<Vec<T>>();
+            &gathered
+        };
+        let Some(dataset) = &self.dataset else { return Ok(()) };
+        // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
+        in_words(write(dataset, first_row, values, self.together && dataset.is_chunked()))
     }
 }
 
