@@ -3,6 +3,7 @@
 use std::fmt;
 
 use bytemuck::Pod;
+use xxhash_rust::xxh3::xxh3_128;
 
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
@@ -11,7 +12,7 @@ use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and what their contacts remember.
 ///
-/// Each record is hashed for itself (BLAKE3, the first 128 bits as two integers), and the hashes are
+/// Each record is hashed for itself (XXH3, 128 bits as two integers), and the hashes are
 /// added, each integer modulo 2^64. A sum does not know in which order records lie, nor on which rank, so
 /// nothing needs to be sorted or sent. It is as good as one hash over the sorted records, because every
 /// record carries its id: two states with the same records in another order *are* the same state, and
@@ -47,7 +48,7 @@ impl Digest {
             sums.truncate(9); // without cells of a gas
         }
         let mut hasher = blake3::Hasher::new();
-        hasher.update(b"talcum state 1");
+        hasher.update(b"talcum state 2");
         hasher.update(&clock.step.to_le_bytes());
         hasher.update(&clock.time().to_bits().to_le_bytes());
         for integer in sums {
@@ -78,9 +79,9 @@ fn sum<T: Pod>(
             let unsigned_zero = place >= ids && word == NEGATIVE_ZERO;
             bytes.extend_from_slice(&(if unsigned_zero { 0 } else { word }).to_le_bytes());
         }
-        let [low, high]: [[u8; 8]; 2] = bytemuck::cast(first_bytes(&blake3::hash(&bytes)));
-        sum[1] = sum[1].wrapping_add(i64::from_le_bytes(low));
-        sum[2] = sum[2].wrapping_add(i64::from_le_bytes(high));
+        let hash = xxh3_128(&bytes);
+        sum[1] = sum[1].wrapping_add(hash as i64);
+        sum[2] = sum[2].wrapping_add((hash >> 64) as i64);
     }
     sum
 }
