@@ -5,15 +5,14 @@ use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{Quad, QuadWork, within};
-use crate::particles::{LANES, Load, Pair, Particles};
+use crate::particles::{LANES, Load, NearPairs, Pair, Particles, Waiting};
 use nalgebra::Vector3;
 
-/// Adds the attraction of pairs to the forces on their particles, as the loop over contacts would.
+/// Adds the attraction of waiting pairs to the forces on their particles, as the loop over contacts would; finds
+/// those that have come within reach of a contact, and leaves them to that loop.
 pub(super) struct AttractApart<'a> {
     pub(super) particles: &'a mut Particles,
-    pub(super) pairs: &'a [Pair],
-    /// Radius and mass, if all particles have the same.
-    pub(super) one_size: Option<[f64; 2]>,
+    pub(super) near: &'a mut NearPairs,
     pub(super) cohesion: VanDerWaalsNow,
     pub(super) laws: &'a ForceLaws<'a>,
 }
@@ -39,7 +38,7 @@ impl QuadWork for AttractApart<'_> {
 impl AttractApart<'_> {
     #[inline(always)]
     fn with_sizes<Q: Quad, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
-        match self.one_size {
+        match self.near.one_size {
             Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
             None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
         }
@@ -51,11 +50,13 @@ impl AttractApart<'_> {
         attraction: A,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, pairs, laws, .. } = self;
+        let Self { particles, near, laws, .. } = self;
+        let Waiting { pairs, reach, arrived } = near.waiting();
         let mut block = Block::default();
-        for pairs in pairs.chunks(LANES) {
+        for (number, pairs) in pairs.chunks(LANES).enumerate() {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
-            block.attract(attraction, &sizes, laws);
+            block.attract((attraction, reach), &sizes, laws);
+            block.note_arrived(number, pairs.len(), arrived);
             if let Some(lane) = block.out_of_range_lane() {
                 let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
                 let force = vector(&block.force_on_j, lane);
@@ -74,6 +75,8 @@ struct Block {
     branch: [Lanes; 3],
     overlap: Lanes,
     force_on_j: [Lanes; 3],
+    /// 1 where a contact reaches the pair.
+    arrived: [u64; LANES],
     /// 1 where the force exceeds the limit or is undefined.
     out_of_range: [u64; LANES],
 }
@@ -95,20 +98,38 @@ impl Block {
     }
 
     #[inline(always)]
-    fn attract<A: Attraction, S: Sizes>(&mut self, attraction: A, sizes: &S, laws: &ForceLaws) {
+    fn attract<A: Attraction, S: Sizes>(
+        &mut self,
+        (attraction, reach): (A, f64),
+        sizes: &S,
+        laws: &ForceLaws,
+    ) {
         for lane in 0..LANES {
             let branch = vector(&self.branch, lane);
             let distance = branch.dot(&branch).sqrt();
             let [radius_i, radius_j] = sizes.radii(lane);
             let overlap = radius_i + radius_j - distance;
             let normal: Vector3<f64> = branch * (1.0 / distance);
+            let arrived = overlap > -reach;
             let pull = attraction.between(radius_i, radius_j, -overlap);
+            let pull = if arrived { 0.0 } else { pull };
             let on_j = laws.force_lattice.round_vector(normal * -pull);
             self.overlap[lane] = overlap;
+            self.arrived[lane] = u64::from(arrived);
             for axis in 0..3 {
                 self.force_on_j[axis][lane] = on_j[axis];
             }
             self.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));
+        }
+    }
+
+    /// Of the first `used` pairs of the block of this number.
+    #[inline(always)]
+    fn note_arrived(&self, number: usize, used: usize, arrived: &mut Vec<u32>) {
+        let any = self.arrived.iter().fold(0, |any, flag| any | flag);
+        if any != 0 {
+            let lanes = (0..used).filter(|&lane| self.arrived[lane] != 0);
+            arrived.extend(lanes.map(|lane| (number * LANES + lane) as u32));
         }
     }
 

@@ -68,10 +68,12 @@ pub fn add_pair_forces(
     contacts.near.acting.hold_rolling_angles(laws.contact.rolling.is_some());
     contacts.find_near(particles, laws.ranges);
     let near = &mut contacts.near;
-    in_quads(PairWork { particles, near, laws })?;
-    let Some(cohesion) = laws.cohesion else { return Ok(()) };
-    let (pairs, one_size) = (near.apart(), near.one_size);
-    in_quads(AttractApart { particles, pairs, one_size, cohesion, laws })
+    match laws.cohesion {
+        None => near.look_for_arrivals(particles),
+        Some(cohesion) => in_quads(AttractApart { particles, near, cohesion, laws })?,
+    }
+    near.let_in();
+    in_quads(PairWork { particles, near, laws })
 }
 
 /// A contact that has ended leaves no memory.

@@ -14,6 +14,7 @@ pub use body::{Body, Load, sphere_volume};
 pub use cell_grid::CellGrid;
 pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
 pub use integrate::{Step, Weight, begin_with_weight, kick, kick_and_drift};
+pub(crate) use near_pairs::Waiting;
 pub use near_pairs::{NearPairs, Ranges};
 pub use neighbours::{Neighbours, Reach};
 pub use pair_blocks::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, Pair, PairBlock, PairBlocks};

@@ -36,11 +36,22 @@ pub struct NearPairs {
     pub one_size: Option<[f64; 2]>,
     /// Those that are not. They may attract each other.
     waiting: Vec<Pair>,
+    /// Separation of surfaces up to which contacts act, and a little more.
+    reach: f64,
     /// Of the waiting ones, which have come within reach of a contact.
     arrived: Vec<u32>,
     /// Slots of the list whose pairs act, bit by bit.
     taken: Vec<u64>,
     validity: Validity,
+}
+
+/// Pairs that wait.
+pub(crate) struct Waiting<'a> {
+    pub(crate) pairs: &'a [Pair],
+    /// Separation of surfaces below which a contact reaches them.
+    pub(crate) reach: f64,
+    /// To be filled, in rising order: places of pairs that are within reach.
+    pub(crate) arrived: &'a mut Vec<u32>,
 }
 
 /// How long the pairs hold.
@@ -102,33 +113,37 @@ impl NearPairs {
         self.acting.push(pair, Some(remembered));
     }
 
-    /// The pairs that no contact reaches, among them all that attract each other.
-    pub(crate) fn apart(&self) -> &[Pair] {
-        &self.waiting
-    }
-
-    /// Makes sure that all pairs of the list whose surfaces are closer than the range of contacts act, and that all
-    /// that are closer than that of any force act or wait.
+    /// Makes sure that all pairs of the list whose surfaces are closer than the range of any force act or wait. Of those
+    /// that wait some may have come within reach of a contact: [`NearPairs::look_for_arrivals`].
     pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: Ranges) {
-        let diameter = particles.body.first().map_or(1.0, |body| 2.0 * body.radius);
-        let reach = ranges.contact + ALLOWANCE * diameter;
-        if self.validity.holds(ranges) {
-            self.let_in(particles, reach);
-        } else {
+        if !self.validity.holds(ranges) {
+            let diameter = particles.body.first().map_or(1.0, |body| 2.0 * body.radius);
             if self.validity.age == 0 {
                 self.one_size = particles.one_size();
             }
             self.validity.renew(diameter, ranges);
-            self.find(particles, rows, reach);
+            self.reach = ranges.contact + ALLOWANCE * diameter;
+            self.find(particles, rows);
         }
         self.validity.age += 1;
     }
 
-    /// Waiting pairs that have come within reach act from now on.
-    fn let_in(&mut self, particles: &Particles, reach: f64) {
+    /// The pairs that wait, among them all that attract each other without touching.
+    pub(crate) fn waiting(&mut self) -> Waiting<'_> {
+        self.arrived.clear();
+        let Self { waiting, reach, arrived, .. } = self;
+        Waiting { pairs: waiting, reach: *reach, arrived }
+    }
+
+    /// Finds the waiting pairs that have come within reach of a contact.
+    pub(crate) fn look_for_arrivals(&mut self, particles: &Particles) {
+        let waiting = self.waiting();
+        in_quads(Arrivals { bodies: &particles.body, waiting });
+    }
+
+    /// Waiting pairs that were found to have come within reach act from now on.
+    pub(crate) fn let_in(&mut self) {
         let Self { acting, waiting, arrived, .. } = self;
-        arrived.clear();
-        in_quads(Arrivals { bodies: &particles.body, waiting, reach, arrived });
         for &place in &*arrived {
             acting.push(waiting[place as usize], None);
         }
@@ -138,8 +153,8 @@ impl NearPairs {
         }
     }
 
-    fn find(&mut self, particles: &Particles, rows: Rows, reach: f64) {
-        let bodies = &particles.body[..];
+    fn find(&mut self, particles: &Particles, rows: Rows) {
+        let (bodies, reach) = (&particles.body[..], self.reach);
         let is_within = |[one, other]: [u32; 2], reach: f64| {
             is_near([one, other].map(|index| &bodies[index as usize]), reach)
         };
@@ -181,9 +196,7 @@ pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair 
 /// Which waiting pairs have come within reach.
 struct Arrivals<'a> {
     bodies: &'a [Body],
-    waiting: &'a [Pair],
-    reach: f64,
-    arrived: &'a mut Vec<u32>,
+    waiting: Waiting<'a>,
 }
 
 impl QuadWork for Arrivals<'_> {
@@ -191,9 +204,9 @@ impl QuadWork for Arrivals<'_> {
 
     #[inline(always)]
     fn run<Q: Quad>(self) {
-        let Self { bodies, waiting, reach, arrived } = self;
+        let Self { bodies, waiting: Waiting { pairs, reach, arrived } } = self;
         let reach = Q::splat(reach);
-        for (quad, pairs) in waiting.chunks(4).enumerate() {
+        for (quad, pairs) in pairs.chunks(4).enumerate() {
             let mut branches = [Q::splat(0.0); 4];
             for (place, of_pair) in branches.iter_mut().enumerate() {
                 let [one, other, _] = pairs[place.min(pairs.len() - 1)];
