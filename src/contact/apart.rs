@@ -1,12 +1,13 @@
 //! Pairs that are apart and attract each other: most of what a contact needs is left out.
 
-use super::block::{Lanes, ManySizes, OneSize, Sizes, load, store, vector};
+use super::block::{
+    Lanes, ManySizes, OneSize, Sizes, first_flagged, load, overlap_and_normal, store, vector,
+};
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{Quad, QuadWork, within};
 use crate::particles::{LANES, Load, NearPairs, Pair, Particles, Waiting};
-use nalgebra::Vector3;
 
 /// Adds the attraction of waiting pairs to the forces on their particles, as the loop over contacts would; finds
 /// those that have come within reach of a contact, and leaves them to that loop.
@@ -22,15 +23,10 @@ impl QuadWork for AttractApart<'_> {
 
     #[inline(always)]
     fn run<Q: Quad>(self) -> Self::Output {
-        match self.cohesion.expression() {
-            CohesionExpression::NearContact => {
-                let attraction = NearContact(self.cohesion);
-                self.with_sizes::<Q, _>(attraction)
-            }
-            CohesionExpression::Full => {
-                let attraction = Full(self.cohesion);
-                self.with_sizes::<Q, _>(attraction)
-            }
+        let cohesion = self.cohesion;
+        match cohesion.expression() {
+            CohesionExpression::NearContact => self.with_sizes::<Q, _>(NearContact(cohesion)),
+            CohesionExpression::Full => self.with_sizes::<Q, _>(Full(cohesion)),
         }
     }
 }
@@ -57,7 +53,7 @@ impl AttractApart<'_> {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
             block.attract((attraction, reach), &sizes, laws);
             block.note_arrived(number, pairs.len(), arrived);
-            if let Some(lane) = block.out_of_range_lane() {
+            if let Some(lane) = first_flagged(&block.out_of_range) {
                 let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
                 let force = vector(&block.force_on_j, lane);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
@@ -105,11 +101,9 @@ impl Block {
         laws: &ForceLaws,
     ) {
         for lane in 0..LANES {
-            let branch = vector(&self.branch, lane);
-            let distance = branch.dot(&branch).sqrt();
             let [radius_i, radius_j] = sizes.radii(lane);
-            let overlap = radius_i + radius_j - distance;
-            let normal: Vector3<f64> = branch * (1.0 / distance);
+            let (overlap, normal) =
+                overlap_and_normal(vector(&self.branch, lane), [radius_i, radius_j]);
             let arrived = overlap > -reach;
             let pull = attraction.between(radius_i, radius_j, -overlap);
             let pull = if arrived { 0.0 } else { pull };
@@ -126,17 +120,10 @@ impl Block {
     /// Of the first `used` pairs of the block of this number.
     #[inline(always)]
     fn note_arrived(&self, number: usize, used: usize, arrived: &mut Vec<u32>) {
-        let any = self.arrived.iter().fold(0, |any, flag| any | flag);
-        if any != 0 {
-            let lanes = (0..used).filter(|&lane| self.arrived[lane] != 0);
+        if let Some(first) = first_flagged(&self.arrived) {
+            let lanes = (first..used).filter(|&lane| self.arrived[lane] != 0);
             arrived.extend(lanes.map(|lane| (number * LANES + lane) as u32));
         }
-    }
-
-    #[inline(always)]
-    fn out_of_range_lane(&self) -> Option<usize> {
-        let any = self.out_of_range.iter().fold(0, |any, flag| any | flag);
-        if any == 0 { None } else { self.out_of_range.iter().position(|&flag| flag != 0) }
     }
 
     #[inline(always)]

@@ -169,15 +169,32 @@ impl Block {
     /// The first pair with a force that has no meaning.
     #[inline(always)]
     pub(super) fn out_of_range_lane(&self) -> Option<usize> {
-        let mut any = 0;
-        for flag in self.out_of_range {
-            any |= flag;
-        }
-        if any == 0 {
-            return None;
-        }
-        self.out_of_range.iter().position(|&flag| flag != 0)
+        first_flagged(&self.out_of_range)
     }
+}
+
+/// The first lane whose flag is not 0; nearly always there is none, which one look at all together tells.
+#[inline(always)]
+pub(super) fn first_flagged(flags: &[u64; LANES]) -> Option<usize> {
+    let mut any = 0;
+    for flag in flags {
+        any |= flag;
+    }
+    if any == 0 {
+        return None;
+    }
+    flags.iter().position(|&flag| flag != 0)
+}
+
+/// Overlap of two spheres, and the unit vector from the first to the second. A pair has the same bits in the loop over
+/// contacts and in that over pairs apart.
+#[inline(always)]
+pub(super) fn overlap_and_normal(
+    branch: Vector3<f64>,
+    [radius_i, radius_j]: [f64; 2],
+) -> (f64, Vector3<f64>) {
+    let distance = branch.dot(&branch).sqrt();
+    (radius_i + radius_j - distance, branch * (1.0 / distance))
 }
 
 /// Vectors of four pairs to components in lanes.

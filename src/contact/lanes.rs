@@ -4,7 +4,7 @@
 //! into vector instructions. Every operation is an IEEE one, rounded once, so the width of the vectors
 //! changes no bit.
 
-use super::block::{Block, ManySizes, OneSize, Sizes, vector};
+use super::block::{Block, ManySizes, OneSize, Sizes, overlap_and_normal, vector};
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact};
@@ -112,13 +112,10 @@ fn fetch_particles(next: Option<&PairBlock>, particles: &Particles) {
 #[inline(always)]
 fn approach<S: Sizes>(block: &mut Block, sizes: &S) {
     for lane in 0..LANES {
-        let branch = vector(&block.branch, lane);
-        let distance = branch.dot(&branch).sqrt();
-        let [radius_i, radius_j] = sizes.radii(lane);
-        let normal = branch * (1.0 / distance);
+        let (overlap, normal) = overlap_and_normal(vector(&block.branch, lane), sizes.radii(lane));
         let velocity = vector(&block.relative_velocity, lane)
             - vector(&block.surface_spin, lane).cross(&normal);
-        block.overlap[lane] = radius_i + radius_j - distance;
+        block.overlap[lane] = overlap;
         for axis in 0..3 {
             block.normal[axis][lane] = normal[axis];
             block.relative_velocity[axis][lane] = velocity[axis];

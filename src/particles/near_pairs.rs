@@ -137,8 +137,11 @@ impl NearPairs {
 
     /// Finds the waiting pairs that have come within reach of a contact.
     pub(crate) fn look_for_arrivals(&mut self, particles: &Particles) {
+        let just_found = self.validity.age == 1; // then those within reach do not wait
         let waiting = self.waiting();
-        in_quads(Arrivals { bodies: &particles.body, waiting });
+        if !just_found {
+            in_quads(Arrivals { bodies: &particles.body, waiting });
+        }
     }
 
     /// Waiting pairs that were found to have come within reach act from now on.
