@@ -1,12 +1,10 @@
 //! Pairs that are apart and attract each other: most of what a contact needs is left out.
 
-use super::block::{
-    Lanes, ManySizes, OneSize, Sizes, first_flagged, load, overlap_and_normal, store, vector,
-};
+use super::block::{Lanes, ManySizes, OneSize, Sizes, load, overlap_and_normal, store, vector};
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, VanDerWaalsNow};
-use crate::numbers::{Quad, QuadWork, within};
+use crate::numbers::{Quad, QuadWork, first_flagged, within};
 use crate::particles::{LANES, Load, NearPairs, Pair, Particles, Waiting};
 
 /// Adds the attraction of waiting pairs to the forces on their particles, as the loop over contacts would; finds

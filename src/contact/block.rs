@@ -1,6 +1,6 @@
 //! A block of near pairs, component by component: filled from records of bodies, emptied into loads.
 
-use crate::numbers::{Quad, quad, quad_mut};
+use crate::numbers::{Quad, first_flagged, quad, quad_mut};
 use crate::particles::{Body, LANES, Load};
 use nalgebra::Vector3;
 
@@ -171,19 +171,6 @@ impl Block {
     pub(super) fn out_of_range_lane(&self) -> Option<usize> {
         first_flagged(&self.out_of_range)
     }
-}
-
-/// The first lane whose flag is not 0; nearly always there is none, which one look at all together tells.
-#[inline(always)]
-pub(super) fn first_flagged(flags: &[u64; LANES]) -> Option<usize> {
-    let mut any = 0;
-    for flag in flags {
-        any |= flag;
-    }
-    if any == 0 {
-        return None;
-    }
-    flags.iter().position(|&flag| flag != 0)
 }
 
 /// Overlap of two spheres, and the unit vector from the first to the second. A pair has the same bits in the loop over

@@ -4,7 +4,7 @@
 //! into vector instructions. Every operation is an IEEE one, rounded once, so the width of the vectors
 //! changes no bit.
 
-use super::block::{Block, ManySizes, OneSize, Sizes, overlap_and_normal, vector};
+use super::block::{Block, Lanes, ManySizes, OneSize, Sizes, overlap_and_normal, vector};
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact};
@@ -135,10 +135,26 @@ fn attract<S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) {
 
 #[inline(always)]
 fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut Block, sizes: &S) {
+    // Nearly all pairs of a dense bed touch; nearer than the cut-off the attraction of equal pairs is one number.
+    if S::EQUAL && none_beyond(attraction.cut_off(), &block.overlap) {
+        let [radius_i, radius_j] = sizes.radii(0);
+        block.cohesion = [attraction.between(radius_i, radius_j, 0.0); LANES];
+        return;
+    }
     for lane in 0..LANES {
         let [radius_i, radius_j] = sizes.radii(lane);
         block.cohesion[lane] = attraction.between(radius_i, radius_j, -block.overlap[lane]);
     }
+}
+
+/// Whether no separation exceeds a limit.
+#[inline(always)]
+fn none_beyond(limit: f64, overlap: &Lanes) -> bool {
+    let mut beyond = 0;
+    for overlap in overlap {
+        beyond |= u64::from(-overlap > limit);
+    }
+    beyond == 0
 }
 
 /// All lanes, those that only fill up the last block too: what they give is not used.

@@ -77,6 +77,9 @@ impl VanDerWaals {
 
 /// An attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
 pub(super) trait Attraction: Copy {
+    /// The separation below which it no longer grows.
+    fn cut_off(&self) -> f64;
+
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64;
 }
 
@@ -90,6 +93,11 @@ pub(super) struct Full(pub(super) VanDerWaalsNow);
 
 impl Attraction for NearContact {
     #[inline(always)]
+    fn cut_off(&self) -> f64 {
+        self.0.cut_off
+    }
+
+    #[inline(always)]
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
         let s = if separation > self.0.cut_off { separation } else { self.0.cut_off };
         let force =
@@ -99,6 +107,11 @@ impl Attraction for NearContact {
 }
 
 impl Attraction for Full {
+    #[inline(always)]
+    fn cut_off(&self) -> f64 {
+        self.0.cut_off
+    }
+
     #[inline(always)]
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
         let s = if separation > self.0.cut_off { separation } else { self.0.cut_off };

@@ -3,7 +3,7 @@
 use super::column_block::{ColumnBlock, Lanes};
 use crate::gas::ParticleDrag;
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quad, QuadWork, Quantum, quad, quad_mut};
+use crate::numbers::{Quad, QuadWork, Quantum, first_flagged, quad, quad_mut};
 use crate::particles::{LANES, Load};
 use std::f64::consts::PI;
 
@@ -147,22 +147,24 @@ impl QuadWork for AddForces<'_> {
     fn run<Q: Quad>(self) -> Self::Output {
         let Self { column, lattice, limit, .. } = self;
         let mut block = GasBlock::default();
-        let mut force = [0.0; LANES];
+        let (mut force, mut out_of_range) = ([0.0; LANES], [0; LANES]);
         let mut total = [0; 3];
         let chunks = column.blocks.iter().zip(self.loads.chunks_mut(LANES));
         for (number, (particles, loads)) in chunks.enumerate() {
             block.fill::<Q>(&column, particles);
             let axes = if self.lateral { 0..3 } else { 2..3 };
             for axis in axes {
-                for (lane, force) in force.iter_mut().enumerate() {
+                for lane in 0..LANES {
                     let velocity = particles.velocity[axis][lane];
                     let component = match axis {
                         2 => block.vertical_force(lane, velocity, column.superficial_velocity),
                         _ => -block.drag[lane] * velocity,
                     };
-                    *force = lattice.round(component);
+                    force[lane] = lattice.round(component);
+                    let within = force[lane].abs() <= limit; // an undefined force is not
+                    out_of_range[lane] = u64::from(!within);
                 }
-                if let Some(lane) = beyond(&force, limit) {
+                if let Some(lane) = first_flagged(&out_of_range) {
                     return Err(Beyond {
                         index: number * LANES + lane,
                         force: force[lane].abs(),
@@ -174,21 +176,6 @@ impl QuadWork for AddForces<'_> {
         }
         Ok(total)
     }
-}
-
-/// The first of the numbers whose magnitude is above the limit, or undefined.
-#[inline(always)]
-fn beyond(numbers: &Lanes, limit: f64) -> Option<usize> {
-    let mut any = 0;
-    for number in numbers {
-        let within = number.abs() <= limit; // an undefined number is not
-        any |= u64::from(!within);
-    }
-    if any == 0 {
-        return None;
-    }
-    let within = |number: &f64| number.abs() <= limit;
-    numbers.iter().position(|number| !within(number))
 }
 
 /// Puts a component of the forces on the particles of a block; gives its sum.

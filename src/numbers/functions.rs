@@ -22,12 +22,16 @@ pub fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
 }
 
-/// Powers of many numbers, in two short loops: a processor looks some 250 instructions ahead, and so works on several
-/// of these at once, which wait for little but themselves.
+/// Powers of many numbers, in short loops: a processor looks some 100 to 250 instructions ahead, and so works on
+/// several of these at once, which wait for little but themselves.
 #[inline(always)]
 pub fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
-    for number in &mut numbers {
-        *number = exponent * log2(*number);
+    let mut binary_exponents = [0.0; N];
+    for (number, binary) in numbers.iter_mut().zip(&mut binary_exponents) {
+        [*binary, *number] = split(*number);
+    }
+    for (number, binary) in numbers.iter_mut().zip(binary_exponents) {
+        *number = exponent * log2_of_split([binary, *number]);
     }
     for number in &mut numbers {
         *number = exp2(*number);
@@ -49,12 +53,22 @@ pub fn whole(x: f64) -> u32 {
 
 #[inline(always)]
 fn log2(x: f64) -> f64 {
+    log2_of_split(split(x))
+}
+
+/// The exponent e and s = (m - 1)/(m + 1) of x = m 2^e, sqrt(1/2) <= m < sqrt(2).
+#[inline(always)]
+fn split(x: f64) -> [f64; 2] {
     // In bits above those of sqrt(1/2), so that the mantissa m lies in [sqrt(1/2), sqrt(2)).
     let bits = x.to_bits().wrapping_add(ONE.wrapping_sub(SQRT_HALF));
     let exponent = f64::from_bits((bits >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + 1023.0);
     let m = f64::from_bits((bits & MANTISSA) + SQRT_HALF);
-    let s = (m - 1.0) / (m + 1.0); // |s| < 0.1716
-    let q = s * s;
+    [exponent, (m - 1.0) / (m + 1.0)]
+}
+
+#[inline(always)]
+fn log2_of_split([exponent, s]: [f64; 2]) -> f64 {
+    let q = s * s; // |s| < 0.1716
     let q4 = (q * q) * (q * q);
     let [first, second] = [0, 4].map(|from| four_terms(&ARTANH, from, q));
     let last = ARTANH[8] + ARTANH[9] * q;

@@ -3,6 +3,7 @@
 
 mod exact_sum;
 mod fetch_ahead;
+mod flags;
 mod functions;
 mod quads;
 mod quantum;
@@ -12,6 +13,7 @@ mod wide_vectors;
 
 pub use exact_sum::ExactSum;
 pub use fetch_ahead::fetch_ahead;
+pub use flags::first_flagged;
 pub use functions::{power, powers, sine, whole};
 pub use quads::{Quad, QuadWork, in_quads, quad, quad_mut};
 pub use quantum::{Quantum, within};
