@@ -67,19 +67,20 @@ fn sum<T: Pod>(
     records: &(impl Records<T> + ?Sized),
 ) -> [i64; 3] {
     let mut sum = [records.count() as i64, 0, 0];
-    let mut bytes = vec![kind];
+    let mut bytes = vec![kind; 1 + size_of::<T>()];
     for index in 0..records.count() {
-        let record = records.at(index);
-        let words: &[u64] = bytemuck::cast_slice(bytemuck::bytes_of(&record));
-        let (always, last) = words.split_at(words.len() - optional);
-        let is_zero = |&word: &u64| word == 0 || word == NEGATIVE_ZERO;
-        let words = if last.iter().all(is_zero) { always } else { words };
-        bytes.truncate(1);
-        for (place, &word) in words.iter().enumerate() {
-            let unsigned_zero = place >= ids && word == NEGATIVE_ZERO;
-            bytes.extend_from_slice(&(if unsigned_zero { 0 } else { word }).to_le_bytes());
+        let mut record = records.at(index);
+        let words: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
+        for number in &mut words[ids..] {
+            *number = if *number == NEGATIVE_ZERO { 0 } else { *number };
         }
-        let hash = xxh3_128(&bytes);
+        let (always, last) = words.split_at(words.len() - optional);
+        let words = if last.iter().all(|&word| word == 0) { always } else { words };
+        let end = 1 + size_of_val(words);
+        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(words) {
+            bytes.copy_from_slice(&word.to_le_bytes());
+        }
+        let hash = xxh3_128(&bytes[..end]);
         sum[1] = sum[1].wrapping_add(hash as i64);
         sum[2] = sum[2].wrapping_add((hash >> 64) as i64);
     }

@@ -2,8 +2,7 @@
 
 use bytemuck::Pod;
 
-use super::migrate::deliver;
-use super::{Communicator, Records};
+use super::{Communicator, Letter, Records, records_of_bytes};
 
 /// One rank's rows of a table that is sorted over all ranks: the ranks' blocks, one after another in the
 /// order of the ranks, are the table.
@@ -55,31 +54,59 @@ fn sort_in_bands<T: Pod>(
     mut take: impl FnMut(SortedBlock<T>),
 ) {
     let size = ranks.size();
-    let first_id = |index: usize| ids_of(&records.at(index))[0];
-    let ids = Range::of((0..records.count()).map(first_id), ranks);
+    let first_ids: Vec<u64> =
+        (0..records.count()).map(|index| ids_of(&records.at(index))[0]).collect();
+    let ids = Range::of(first_ids.iter().copied(), ranks);
     // The parts of a band lie side by side, one for each rank.
     let mut members = vec![Vec::new(); bands * size];
-    for index in 0..records.count() {
-        members[ids.part_of(first_id(index), bands * size)].push(index as u32);
+    for (index, id) in first_ids.into_iter().enumerate() {
+        members[ids.part_of(id, bands * size)].push(index as u32);
     }
     let mut rows: Vec<i64> = members.iter().map(|part| part.len() as i64).collect();
     ranks.sum_integers(&mut rows);
     let total = rows.iter().sum::<i64>() as u64;
     let mut offset = 0;
     for (parts, rows) in members.chunks(size).zip(rows.chunks(size)) {
-        let gathered = |part: &Vec<u32>| part.iter().map(|&at| records.at(at as usize)).collect();
-        let block = deliver(parts.iter().map(gathered).collect(), ranks);
+        let of = |part: &[u32]| part.iter().map(|&at| records.at(at as usize)).collect();
+        let own: Vec<T> = of(&parts[ranks.rank()]);
+        let to_others = (0..size).filter(|&rank| rank != ranks.rank() && !parts[rank].is_empty());
+        let letters: Vec<Letter> = to_others
+            .map(|rank| Letter { rank, bytes: bytes_of(records, &parts[rank]) })
+            .collect();
+        let incoming = ranks.exchange_letters(&letters);
         let before = rows[..ranks.rank()].iter().sum::<i64>() as u64;
-        take(SortedBlock { rows: sorted(&block, &ids_of), offset: offset + before, total });
+        let rows_here = sorted(&own, &incoming, &ids_of);
+        take(SortedBlock { rows: rows_here, offset: offset + before, total });
         offset += rows.iter().sum::<i64>() as u64;
     }
 }
 
-/// Ids are sorted with the places of their records, since records are long.
-fn sorted<T: Pod>(records: &[T], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
-    let mut order: Vec<([u64; 2], u32)> = records.iter().map(ids_of).zip(0..).collect();
+fn bytes_of<T: Pod>(records: &(impl Records<T> + ?Sized), part: &[u32]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(size_of::<T>() * part.len());
+    for &at in part {
+        bytes.extend_from_slice(bytemuck::bytes_of(&records.at(at as usize)));
+    }
+    bytes
+}
+
+/// Records of this rank and those in letters. Ids are sorted with the places of their records, since records are long.
+fn sorted<T: Pod>(own: &[T], letters: &[Letter], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
+    let mut order: Vec<([u64; 2], [u32; 2])> = Vec::with_capacity(own.len());
+    order.extend(own.iter().zip(0..).map(|(record, place)| (ids_of(record), [0, place])));
+    for (letter, source) in letters.iter().zip(1..) {
+        let records = records_of_bytes::<T>(&letter.bytes).zip(0..);
+        order.extend(records.map(|(record, place)| (ids_of(&record), [source, place])));
+    }
     order.sort_unstable();
-    order.into_iter().map(|(_, place)| records[place as usize]).collect()
+    let record = |[source, place]: [u32; 2]| match source {
+        0 => own[place as usize],
+        _ => record_in(&letters[source as usize - 1], place as usize),
+    };
+    order.into_iter().map(|(_, at)| record(at)).collect()
+}
+
+fn record_in<T: Pod>(letter: &Letter, place: usize) -> T {
+    bytemuck::pod_read_unaligned(&letter.bytes[place * size_of::<T>()..][..size_of::<T>()])
 }
 
 /// The lowest and the highest id of all ranks; zeros if there is none.
