@@ -8,29 +8,90 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use super::{InWords, OutputError, agreed, on_root};
-use crate::parallel::{Communicator, records_of_bytes};
+use xxhash_rust::xxh3::xxh3_128;
 
-/// First bytes of a seal.
-const MARK: &[u8; 16] = b"\nTalcum seal  1\n";
-/// Mark, length of what is sealed, hash.
-const SEAL_LENGTH: u64 = 16 + 8 + 32;
+use super::{InWords, OutputError, agreed, on_root};
+use crate::parallel::Communicator;
+
+/// How files are sealed, or were.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// BLAKE3, 256 bits: older files.
+    First,
+    /// XXH3, 128 bits in the canonical order of bytes: sees damage as surely, and at the speed of memory.
+    Second,
+}
+
+impl Kind {
+    /// First bytes of the seal.
+    fn mark(self) -> &'static [u8; 16] {
+        match self {
+            Self::First => b"\nTalcum seal  1\n",
+            Self::Second => b"\nTalcum seal  2\n",
+        }
+    }
+
+    fn hash_length(self) -> usize {
+        match self {
+            Self::First => 32,
+            Self::Second => 16,
+        }
+    }
+
+    fn hash(self, bytes: &[u8]) -> Vec<u8> {
+        match self {
+            Self::First => blake3::hash(bytes).as_bytes().to_vec(),
+            Self::Second => xxh3_128(bytes).to_be_bytes().to_vec(),
+        }
+    }
+}
+
+/// What a seal says: the length of what is sealed, and its hash.
+struct Seal {
+    kind: Kind,
+    length: u64,
+    hash: Vec<u8>,
+}
+
+/// Mark and length of what is sealed, before the hash.
+const HEAD_LENGTH: usize = 16 + 8;
+/// The longest seal.
+const LONGEST: u64 = HEAD_LENGTH as u64 + 32;
 /// Bytes that are hashed as one.
 const BLOCK: u64 = 1 << 22;
 /// First bytes of an HDF5 file.
 const HDF5_SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
 
+impl Seal {
+    fn to_bytes(&self) -> Vec<u8> {
+        [&self.kind.mark()[..], &self.length.to_le_bytes(), &self.hash].concat()
+    }
+
+    /// The seal at the end of a file, of which the last bytes are known and the length.
+    fn at_end(bytes: &[u8], file_length: u64) -> Option<Self> {
+        [Kind::First, Kind::Second].into_iter().find_map(|kind| {
+            let from = bytes.len().checked_sub(HEAD_LENGTH + kind.hash_length())?;
+            let hash = bytes[from + HEAD_LENGTH..].to_vec();
+            let length = file_length - (bytes.len() - from) as u64;
+            let seal = Self { kind, length, hash };
+            (seal.to_bytes() == bytes[from..]).then_some(seal)
+        })
+    }
+}
+
 /// Seals a closed file and brings it to the disk. Collective.
 pub(super) fn seal(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    seal_by(Kind::Second, path, ranks)
+}
+
+fn seal_by(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
     let length = std::fs::metadata(path).map(|data| data.len()).map_err(|error| error.to_string());
     let length = agreed(path, length, ranks)?;
-    let hash = hash_of(path, length, ranks)?;
+    let hash = hash_of(kind, path, length, ranks)?;
     on_root(path, ranks, || {
         let append = || {
             let mut file = OpenOptions::new().append(true).open(path)?;
-            file.write_all(MARK)?;
-            file.write_all(&length.to_le_bytes())?;
-            file.write_all(hash.as_bytes())
+            file.write_all(&Seal { kind, length, hash }.to_bytes())
         };
         append().map_err(|error: std::io::Error| error.to_string())
     })?;
@@ -41,14 +102,13 @@ pub(super) fn seal(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputEr
 
 /// Refuses a file that is not, byte for byte, what was sealed. Collective.
 pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
-    let (length, stored) = agreed(path, read_seal(path), ranks)?;
-    let same = hash_of(path, length, ranks)? == stored;
+    let Seal { kind, length, hash } = agreed(path, read_seal(path), ranks)?;
+    let same = hash_of(kind, path, length, ranks)? == hash;
     let words = "the file is damaged: its bytes are not those that were written";
     agreed(path, if same { Ok(()) } else { Err(words.to_owned()) }, ranks)
 }
 
-/// The length of what is sealed, and its hash as it was.
-fn read_seal(path: &Path) -> InWords<(u64, blake3::Hash)> {
+fn read_seal(path: &Path) -> InWords<Seal> {
     let mut file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
     let metadata = file.metadata().map_err(unreadable)?;
@@ -65,12 +125,10 @@ fn read_seal(path: &Path) -> InWords<(u64, blake3::Hash)> {
         return Err("this is not an HDF5 file".to_owned());
     }
     let mut end = Vec::new();
-    file.seek(SeekFrom::Start(length.saturating_sub(SEAL_LENGTH))).map_err(unreadable)?;
+    file.seek(SeekFrom::Start(length.saturating_sub(LONGEST))).map_err(unreadable)?;
     file.read_to_end(&mut end).map_err(unreadable)?;
-    let sealed = length.saturating_sub(SEAL_LENGTH);
-    let is_sealed = end.starts_with(MARK) && end[16..24] == sealed.to_le_bytes();
-    if is_sealed && let Ok(hash) = end[24..].try_into() {
-        return Ok((sealed, blake3::Hash::from_bytes(hash)));
+    if let Some(seal) = Seal::at_end(&end, length) {
+        return Ok(seal);
     }
     match promised_length(&start) {
         Some(promised) if promised > length => {
@@ -97,27 +155,33 @@ fn promised_length(start: &[u8]) -> Option<u64> {
 
 /// Hash of the first `length` bytes: of the hashes of their blocks. Collective.
 fn hash_of(
+    kind: Kind,
     path: &Path,
     length: u64,
     ranks: &dyn Communicator,
-) -> Result<blake3::Hash, OutputError> {
-    let own = own_hashes(path, length, ranks.rank(), ranks.size());
+) -> Result<Vec<u8>, OutputError> {
+    let own = own_hashes(kind, path, length, (ranks.rank(), ranks.size()));
     let own = agreed(path, own.map_err(|error| error.to_string()), ranks)?;
     let mut bytes = Vec::new();
     if let Some(gathered) = ranks.gather_to_root(&own) {
-        let hashes: Vec<Vec<[u8; 32]>> =
-            gathered.iter().map(|own| records_of_bytes(own).collect()).collect();
+        let mut of_ranks: Vec<_> =
+            gathered.iter().map(|own| own.chunks_exact(kind.hash_length())).collect();
         let blocks = length.div_ceil(BLOCK) as usize;
-        let in_turn = (0..blocks).map(|block| hashes[block % hashes.len()][block / hashes.len()]);
-        bytes = blake3::hash(&in_turn.collect::<Vec<_>>().concat()).as_bytes().to_vec();
+        let size = of_ranks.len();
+        let in_turn = (0..blocks).filter_map(|block| of_ranks[block % size].next());
+        bytes = kind.hash(&in_turn.collect::<Vec<_>>().concat());
     }
     ranks.broadcast_from_root(&mut bytes);
-    let hash = bytes.try_into().expect("rank 0 sends 32 bytes");
-    Ok(blake3::Hash::from_bytes(hash))
+    Ok(bytes)
 }
 
 /// Hashes of the blocks `rank`, `rank + size`, ...
-fn own_hashes(path: &Path, length: u64, rank: usize, size: usize) -> std::io::Result<Vec<u8>> {
+fn own_hashes(
+    kind: Kind,
+    path: &Path,
+    length: u64,
+    (rank, size): (usize, usize),
+) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let mut hashes = Vec::new();
     let mut block = vec![0; BLOCK.min(length) as usize];
@@ -126,7 +190,7 @@ fn own_hashes(path: &Path, length: u64, rank: usize, size: usize) -> std::io::Re
         let bytes = &mut block[..BLOCK.min(length - start) as usize];
         file.seek(SeekFrom::Start(start))?;
         file.read_exact(bytes)?;
-        hashes.extend_from_slice(blake3::hash(bytes).as_bytes());
+        hashes.extend(kind.hash(bytes));
     }
     Ok(hashes)
 }
@@ -143,15 +207,18 @@ mod tests {
         let mut bytes = HDF5_SIGNATURE.to_vec();
         bytes.extend((0..2 * BLOCK + 1000).map(|k| (k % 251) as u8));
         std::fs::write(&path, &bytes).unwrap();
-        seal(&path, &OneRank).unwrap();
-        for n in 1..=4 {
-            run_on_threads(n, |ranks| check(&path, ranks).unwrap());
+        for kind in [Kind::First, Kind::Second] {
+            std::fs::write(&path, &bytes).unwrap();
+            seal_by(kind, &path, &OneRank).unwrap();
+            for n in 1..=4 {
+                run_on_threads(n, |ranks| check(&path, ranks).unwrap());
+            }
+            let mut damaged = std::fs::read(&path).unwrap();
+            damaged[BLOCK as usize + 5] ^= 1;
+            std::fs::write(&path, &damaged).unwrap();
+            run_on_threads(3, |ranks| {
+                assert!(check(&path, ranks).unwrap_err().words.contains("damaged"));
+            });
         }
-        let mut damaged = std::fs::read(&path).unwrap();
-        damaged[BLOCK as usize + 5] ^= 1;
-        std::fs::write(&path, &damaged).unwrap();
-        run_on_threads(3, |ranks| {
-            assert!(check(&path, ranks).unwrap_err().words.contains("damaged"));
-        });
     }
 }

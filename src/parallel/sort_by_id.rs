@@ -70,9 +70,8 @@ fn sort_in_bands<T: Pod>(
         let of = |part: &[u32]| part.iter().map(|&at| records.at(at as usize)).collect();
         let own: Vec<T> = of(&parts[ranks.rank()]);
         let to_others = (0..size).filter(|&rank| rank != ranks.rank() && !parts[rank].is_empty());
-        let letters: Vec<Letter> = to_others
-            .map(|rank| Letter { rank, bytes: bytes_of(records, &parts[rank]) })
-            .collect();
+        let letters: Vec<Letter> =
+            to_others.map(|rank| Letter { rank, bytes: bytes_of(records, &parts[rank]) }).collect();
         let incoming = ranks.exchange_letters(&letters);
         let before = rows[..ranks.rank()].iter().sum::<i64>() as u64;
         let rows_here = sorted(&own, &incoming, &ids_of);
