@@ -61,8 +61,7 @@ pub fn send_to_owners(
     deliver(outgoing, ranks)
 }
 
-/// Makes every rank's records known to all, in the order of ranks: contact memories at the start of a run, which are
-/// few beside the particles and whose owners only their particles tell. The upper of two ranks gives its records to
+/// Makes every rank's records known to all, in the order of ranks: they must be few. The upper of two ranks gives its records to
 /// the lower, of two pairs, of two fours; rank 0 then tells all: two logarithms of the number of ranks.
 pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
     if ranks.size() == 1 {

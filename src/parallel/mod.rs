@@ -10,6 +10,7 @@ mod field_halo;
 mod migrate;
 mod mpi_ranks;
 mod one_rank;
+mod owners;
 mod parcel;
 mod particle_halo;
 mod records;
@@ -22,6 +23,7 @@ pub use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
+pub use owners::send_memories_to_owners;
 pub use particle_halo::ParticleHalo;
 pub use records::{
     CellRecord, ContactRecord, MadeRecords, ParticleRecord, Records, WallContactRecord,

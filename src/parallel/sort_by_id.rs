@@ -110,14 +110,14 @@ fn record_in<T: Pod>(letter: &Letter, place: usize) -> T {
 
 /// The lowest and the highest id of all ranks; zeros if there is none.
 #[derive(Clone, Copy)]
-struct Range {
+pub(super) struct Range {
     lowest: u64,
     highest: u64,
 }
 
 impl Range {
     /// Collective.
-    fn of(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> Self {
+    pub(super) fn of(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> Self {
         let here = ids.fold(None, |range: Option<(u64, u64)>, id| {
             Some(range.map_or((id, id), |(low, high)| (low.min(id), high.max(id))))
         });
@@ -136,10 +136,10 @@ impl Range {
         Self { lowest, highest }
     }
 
-    /// In which of so many parts, evenly cut, an id lies.
-    fn part_of(self, id: u64, parts: usize) -> usize {
+    /// In which of so many parts, evenly cut, an id lies; the nearest part if it lies beyond.
+    pub(super) fn part_of(self, id: u64, parts: usize) -> usize {
         let width = ((self.highest - self.lowest) / parts as u64).saturating_add(1);
-        (((id - self.lowest) / width) as usize).min(parts - 1)
+        ((id.saturating_sub(self.lowest) / width) as usize).min(parts - 1)
     }
 }
 

@@ -6,13 +6,12 @@ use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
-    CellRecord, CollectiveError, Communicator, ParticleRecord, RankLoad, agree,
-    send_cells_to_owners, send_to_owners, share_with_all,
+    CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
+    WallContactRecord, agree, send_cells_to_owners, send_memories_to_owners, send_to_owners,
 };
 use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
 use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
-use std::collections::HashSet;
 use thiserror::Error;
 
 /// Why a run cannot begin. The same on all ranks.
@@ -60,8 +59,8 @@ pub struct Start {
 /// What this rank holds of a bed, before it is sent to its owners.
 struct Share {
     particles: Vec<ParticleRecord>,
-    pairs: Vec<PairMemory>,
-    walls: Vec<WallMemory>,
+    contacts: Vec<ContactRecord>,
+    wall_contacts: Vec<WallContactRecord>,
     cells: Vec<CellRecord>,
     report: FlowReport,
 }
@@ -78,7 +77,7 @@ pub fn begin_from_case(
     let share = match &case.particles.start {
         BedStart::Run { path } => {
             let (end, _, _) = checkpoint::read(path, ranks)?;
-            let mut share = share_of(end, ranks);
+            let mut share = share_of(end);
             share.cells.clear(); // the gas begins anew
             share
         }
@@ -112,7 +111,7 @@ pub fn begin_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<Beginning, StartError> {
     let start = (checkpoint.clock, checkpoint.departed, checkpoint.sizes);
-    let share = share_of(checkpoint, ranks);
+    let share = share_of(checkpoint);
     spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
         state,
         work,
@@ -120,28 +119,21 @@ pub fn begin_from_checkpoint(
     })
 }
 
-/// Contact memories are made known to all, so that each finds those of its particles.
-fn share_of(checkpoint: Checkpoint, ranks: &dyn Communicator) -> Share {
-    let pairs = share_with_all(checkpoint.contacts, ranks);
-    let walls = share_with_all(checkpoint.wall_contacts, ranks);
-    Share {
-        report: checkpoint.flow_report,
-        particles: checkpoint.particles,
-        pairs: pairs.into_iter().map(PairMemory::from).collect(),
-        walls: walls.into_iter().map(WallMemory::from).collect(),
-        cells: checkpoint.cells,
-    }
+fn share_of(checkpoint: Checkpoint) -> Share {
+    let Checkpoint { particles, contacts, wall_contacts, cells, flow_report: report, .. } =
+        checkpoint;
+    Share { particles, contacts, wall_contacts, cells, report }
 }
 
 /// Every rank makes the whole bed, which depends on ids alone, and keeps an even part.
 fn own_part(bed: InitialBed, ranks: &dyn Communicator) -> Share {
-    let (here, size) = (ranks.rank(), ranks.size());
-    let mine = |index: usize| index % size == here;
-    let particles = bed.particles.into_iter().enumerate();
+    fn part<T>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
+        records.into_iter().skip(ranks.rank()).step_by(ranks.size()).collect()
+    }
     Share {
-        particles: particles.filter(|&(index, _)| mine(index)).map(|(_, record)| record).collect(),
-        pairs: bed.contacts.into_iter().map(PairMemory::from).collect(),
-        walls: bed.wall_contacts.into_iter().map(WallMemory::from).collect(),
+        particles: part(bed.particles, ranks),
+        contacts: part(bed.contacts, ranks),
+        wall_contacts: part(bed.wall_contacts, ranks),
         cells: Vec::new(),
         report: FlowReport::default(),
     }
@@ -177,18 +169,13 @@ fn spread(
         cut = balanced_at_start(case, &cut, &share.particles, &sizes, ranks);
         cut = aligned(case, cut, ghost_width(case, &sizes))?;
     }
-    let Share { particles: records, mut pairs, mut walls, cells, report } = share;
+    let Share { particles: records, contacts, wall_contacts, cells, report } = share;
     let records = send_to_owners(records, &cut, ranks);
     let mut particles = Particles::with_room_for(records.len());
     for record in records {
         record.push_to(&mut particles);
     }
-    if ranks.size() > 1 {
-        let owned: HashSet<u64> = particles.id.iter().copied().collect();
-        pairs.retain(|pair| owned.contains(&pair.lower) || owned.contains(&pair.higher));
-        walls.retain(|contact| owned.contains(&contact.particle));
-    }
-    let contacts = Contacts::default();
+    let memories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
     let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
         let cells = send_cells_to_owners(&cells, &model.grid, &cut, ranks);
         Flow::of_records(&model.grid.part_of(&cut, ranks.rank()), &cells, report)
@@ -196,8 +183,9 @@ fn spread(
     if flow.is_none() {
         particles.gas_force.fill(Vector3::zeros());
     }
+    let contacts = Contacts::default();
     let state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
-    Ok((state, Workspace::new(cut, skin, case.parallel.balance), (pairs, walls)))
+    Ok((state, Workspace::new(cut, skin, case.parallel.balance), memories))
 }
 
 fn balanced_at_start(

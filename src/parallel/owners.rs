@@ -1,0 +1,160 @@
+//! What contacts remember finds the owners of their particles, whom no rank knows: the start of a run.
+//!
+//! A directory of owners is spread over the ranks: the range of ids is cut evenly, and each part has its home. Ranks tell
+//! the homes which particles they own, ask them for those that their records name, and then send the records. No rank
+//! ever holds more than its share of records and directory, and where ids lie side by side, as in a checkpoint, it
+//! writes to few others.
+
+use super::migrate::deliver;
+use super::sort_by_id::Range;
+use super::{Communicator, ContactRecord, Letter, WallContactRecord, records_of_bytes};
+use crate::particles::{PairMemory, WallMemory};
+use bytemuck::{Pod, cast_slice};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+
+/// Owners by ids.
+type Owners = FxHashMap<u64, usize>;
+
+/// Sends records, each of which is on one rank, to the ranks that own their particles: `owned` are the ids of those of
+/// this rank. What is known of a particle that nobody owns is left out. Collective.
+pub fn send_memories_to_owners(
+    mut contacts: Vec<ContactRecord>,
+    mut wall_contacts: Vec<WallContactRecord>,
+    owned: &[u64],
+    ranks: &dyn Communicator,
+) -> (Vec<PairMemory>, Vec<WallMemory>) {
+    if ranks.size() > 1 {
+        let ids_of_pair = |record: &ContactRecord| [record.lower, record.higher];
+        let ids_at_wall = |record: &WallContactRecord| [record.particle; 2];
+        let mut ids: Vec<u64> = contacts.iter().flat_map(ids_of_pair).collect();
+        ids.extend(wall_contacts.iter().map(|record| record.particle));
+        ids.sort_unstable();
+        ids.dedup();
+        let owners = find_owners(&ids, owned, ranks);
+        contacts = to_owners(contacts, ids_of_pair, &owners, ranks);
+        wall_contacts = to_owners(wall_contacts, ids_at_wall, &owners, ranks);
+    }
+    let pairs = contacts.into_iter().map(PairMemory::from).collect();
+    (pairs, wall_contacts.into_iter().map(WallMemory::from).collect())
+}
+
+/// The owners of the particles that these ids name, if they have one. Collective.
+fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
+    let range = Range::of(owned.iter().copied(), ranks);
+    let to_homes = |ids: &[u64]| {
+        let mut by_home = BTreeMap::<usize, Vec<u64>>::new();
+        for &id in ids {
+            by_home.entry(range.part_of(id, ranks.size())).or_default().push(id);
+        }
+        ranks.exchange_letters(&letters(by_home))
+    };
+    let mut directory = Owners::default();
+    for letter in to_homes(owned) {
+        directory.extend(records_of_bytes(&letter.bytes).map(|id: u64| (id, letter.rank)));
+    }
+    let answers = to_homes(ids).into_iter().map(|letter| {
+        let known = |id: u64| directory.get(&id).map(|&owner| [id, owner as u64]);
+        (letter.rank, records_of_bytes(&letter.bytes).filter_map(known).collect())
+    });
+    let answers = ranks.exchange_letters(&letters::<[u64; 2]>(answers.collect()));
+    let answers = answers.iter().flat_map(|letter| records_of_bytes::<[u64; 2]>(&letter.bytes));
+    answers.map(|[id, owner]| (id, owner as usize)).collect()
+}
+
+fn letters<T: Pod>(words: BTreeMap<usize, Vec<T>>) -> Vec<Letter> {
+    words
+        .into_iter()
+        .map(|(rank, words)| Letter { rank, bytes: cast_slice(&words).to_vec() })
+        .collect()
+}
+
+fn to_owners<T: Pod>(
+    records: Vec<T>,
+    ids_of: impl Fn(&T) -> [u64; 2],
+    owners: &Owners,
+    ranks: &dyn Communicator,
+) -> Vec<T> {
+    let mut outgoing = vec![Vec::new(); ranks.size()];
+    for record in records {
+        let mut owners = ids_of(&record).map(|id| owners.get(&id));
+        if owners[0] == owners[1] {
+            owners[1] = None;
+        }
+        owners.into_iter().flatten().for_each(|&owner| outgoing[owner].push(record));
+    }
+    deliver(outgoing, ranks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::run_on_threads;
+    use bytemuck::Zeroable;
+
+    /// Ids with gaps; who owns them has nothing to do with their order.
+    fn id(number: u64) -> u64 {
+        7 * number + 3
+    }
+
+    fn owner(id: u64, ranks: u64) -> u64 {
+        id * id % 11 % ranks
+    }
+
+    #[test]
+    fn every_memory_comes_once_to_each_owner() {
+        for n in 1..=4 {
+            run_on_threads(n, |ranks| {
+                let (here, size) = (ranks.rank() as u64, ranks.size() as u64);
+                let owned: Vec<u64> =
+                    (0..100).map(id).filter(|&id| owner(id, size) == here).collect();
+                let pairs: Vec<[u64; 2]> = (0..99)
+                    .flat_map(|k| [[id(k), id(k + 1)], [id(k), id((k * k) % 100)]])
+                    .collect();
+                let on_this_rank = |&(place, _): &(usize, &[u64; 2])| place as u64 % size == here;
+                let record = |[lower, higher]: [u64; 2]| ContactRecord {
+                    lower,
+                    higher,
+                    ..Zeroable::zeroed()
+                };
+                let contacts =
+                    pairs.iter().enumerate().filter(on_this_rank).map(|(_, &pair)| record(pair));
+                let walls = (0..100).filter(|k| k % size == here).map(|k| WallContactRecord {
+                    particle: id(99 - k),
+                    wall: 2,
+                    ..Zeroable::zeroed()
+                });
+                let (found, at_walls) =
+                    send_memories_to_owners(contacts.collect(), walls.collect(), &owned, ranks);
+
+                let mut found: Vec<[u64; 2]> =
+                    found.iter().map(|pair| [pair.lower, pair.higher]).collect();
+                found.sort_unstable();
+                let is_mine = |pair: &&[u64; 2]| pair.iter().any(|&id| owner(id, size) == here);
+                let mut expected: Vec<[u64; 2]> = pairs.iter().filter(is_mine).copied().collect();
+                expected.sort_unstable();
+                assert_eq!(found, expected);
+                let mut at_walls: Vec<u64> = at_walls.iter().map(|wall| wall.particle).collect();
+                at_walls.sort_unstable();
+                assert_eq!(at_walls, owned);
+            });
+        }
+    }
+
+    #[test]
+    fn nobody_gets_what_nobody_owns() {
+        run_on_threads(3, |ranks| {
+            let owned = [10 + ranks.rank() as u64];
+            let contact = |lower, higher| ContactRecord { lower, higher, ..Zeroable::zeroed() };
+            let here = if ranks.is_root() {
+                vec![contact(0, 99), contact(11, u64::MAX), contact(5, 12)]
+            } else {
+                Vec::new()
+            };
+            let (pairs, _) = send_memories_to_owners(here, Vec::new(), &owned, ranks);
+            let expected = [vec![], vec![[11, u64::MAX]], vec![[5, 12]]];
+            let found: Vec<[u64; 2]> = pairs.iter().map(|pair| [pair.lower, pair.higher]).collect();
+            assert_eq!(found, expected[ranks.rank()]);
+        });
+    }
+}
