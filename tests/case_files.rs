@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use talcum::case::{Amount, Case, Start};
+use talcum::case::{Amount, BedPart, Case, Start};
 use talcum::parallel::OneRank;
 use talcum::simulation::{self, Conditions, OutputFolder, begin_from_case};
 
@@ -44,7 +44,9 @@ fn good_files_are_read_and_give_a_bed() {
     assert!(files.len() >= 8);
     for file in files {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
-        let bed = case.initial_bed().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let bed = case
+            .initial_bed(BedPart::WHOLE)
+            .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         assert!(!bed.particles.is_empty());
         let again = Case::from_text(&case.text, "again", file.parent().unwrap(), &[]);
         assert_eq!(again.unwrap(), case);
@@ -69,7 +71,7 @@ fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
         let message = match (Case::read(&file, &[]), bed_words) {
             (Err(errors), _) => errors.to_string(),
             (Ok(case), Some(words)) => {
-                match case.initial_bed() {
+                match case.initial_bed(BedPart::WHOLE) {
                     Err(error) if error.to_string().contains(words) => {}
                     Err(error) => wrong += &format!("{name}: {error}\n  instead of {words}\n"),
                     Ok(_) => wrong += &format!("{name}: gives a bed\n"),
@@ -106,7 +108,8 @@ fn every_case_of_the_repository_is_read() {
     for file in files("cases") {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
         if matches!(case.particles.start, Start::Lattice { .. } | Start::Random { .. }) {
-            case.initial_bed().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            case.initial_bed(BedPart::WHOLE)
+                .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         }
     }
 }
@@ -205,7 +208,7 @@ proptest! {
         match Case::from_text(&lines.join("\n"), "mutated.toml", folder, &[]) {
             // A bed of a huge box would only take time.
             Ok(case) if case.domain.bounds.volume() < 1.0e4 => {
-                if let Ok(bed) = case.initial_bed() {
+                if let Ok(bed) = case.initial_bed(BedPart::WHOLE) {
                     let sizes = bed.size_range().unwrap();
                     case.stages.iter().for_each(|stage| drop(stage.models(&sizes)));
                 }

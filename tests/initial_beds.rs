@@ -1,14 +1,14 @@
 //! Initial beds: counts, places, sizes, and that nothing touches.
 
 use std::path::Path;
-use talcum::case::{Case, InitialBed, Start};
+use talcum::case::{BedPart, Case, InitialBed, Start};
 use talcum::parallel::ParticleRecord;
 
 fn bed(name: &str, overrides: &[&str]) -> (Case, InitialBed) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/good").join(name);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     let case = Case::read(&file, &overrides).unwrap_or_else(|errors| panic!("{errors}"));
-    let bed = case.initial_bed().unwrap_or_else(|error| panic!("{name}: {error}"));
+    let bed = case.initial_bed(BedPart::WHOLE).unwrap_or_else(|error| panic!("{name}: {error}"));
     (case, bed)
 }
 
@@ -84,6 +84,20 @@ fn particles_depend_on_seed_and_id_alone() {
 }
 
 #[test]
+fn parts_of_a_bed_make_up_the_whole() {
+    let lattices = ["jittered-lattice", "hertz-and-rolling", "adhesive-si"]; // the last two with inner walls
+    for name in lattices.into_iter().chain(["jkr-round-column", "sizes-normal", "csv-file"]) {
+        let (case, whole) = bed(&format!("{name}.toml"), &[]);
+        let part = |number| case.initial_bed(BedPart { number, of: 3 }).unwrap().particles;
+        let parts = [0, 1, 2].map(part);
+        for (place, particle) in whole.particles.iter().enumerate() {
+            assert_eq!(parts[place % 3].get(place / 3), Some(particle), "{name}");
+        }
+        assert_eq!(parts.map(|part| part.len()).iter().sum::<usize>(), whole.particles.len());
+    }
+}
+
+#[test]
 fn files_keep_ids_velocities_and_sizes() {
     let (_, bed) = bed("csv-file.toml", &[]);
     let ids: Vec<u64> = bed.particles.iter().map(|particle| particle.id).collect();
@@ -101,7 +115,7 @@ fn the_end_of_another_run_is_left_to_its_reader() {
     let text = std::fs::read_to_string(file).unwrap().replace("velocity =", "#");
     let case = Case::from_text(&text, "run.toml", Path::new("here"), &[]).unwrap();
     assert_eq!(case.particles.start, Start::Run { path: Path::new("here").join("end.h5") });
-    let error = case.initial_bed().unwrap_err().to_string();
+    let error = case.initial_bed(BedPart::WHOLE).unwrap_err().to_string();
     assert!(error.contains("the end of another run"), "{error}");
     assert!(case.size_range().is_none());
 }

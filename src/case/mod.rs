@@ -25,7 +25,7 @@ mod volume_averaged;
 mod wall_time;
 mod walls;
 
-pub use bed::{BedError, InitialBed};
+pub use bed::{BedError, BedPart, InitialBed};
 pub use errors::{CaseError, CaseErrors, Place};
 pub use particles::{Amount, BedFormat, ParticleSetup, Start};
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
@@ -131,12 +131,13 @@ impl Case {
         self.stages.iter().find_map(Stage::flow)
     }
 
-    /// The particles at the start: all of them, in the order of their ids, and what they remember.
+    /// The particles at the start: those of a part of the bed, in the order of their ids. They are what they are in the
+    /// whole bed.
     ///
     /// # Errors
-    /// If they do not fit, if their file is wrong, or if the start is the end of another run.
-    pub fn initial_bed(&self) -> Result<InitialBed, BedError> {
-        bed::build(self)
+    /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same for all parts.
+    pub fn initial_bed(&self, part: BedPart) -> Result<InitialBed, BedError> {
+        bed::build(self, part)
     }
 
     /// Duration of the shortest contact in a stage of particles of these sizes: of two of the smallest, or of

@@ -1,7 +1,7 @@
 //! Where a run begins: with a new bed, with the end of another run, or with its own checkpoint.
 
 use super::layout::{LayoutError, aligned, ghost_width, lay_out};
-use crate::case::{Case, InitialBed, Start as BedStart};
+use crate::case::{BedPart, Case, Start as BedStart};
 use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
 use crate::output::checkpoint::{self, Checkpoint};
@@ -57,6 +57,7 @@ pub struct Start {
 }
 
 /// What this rank holds of a bed, before it is sent to its owners.
+#[derive(Default)]
 struct Share {
     particles: Vec<ParticleRecord>,
     contacts: Vec<ContactRecord>,
@@ -82,8 +83,9 @@ pub fn begin_from_case(
             share
         }
         _ => {
-            let bed = agree(case.initial_bed(), ranks).map_err(StartError::Bed)?;
-            own_part(bed, ranks)
+            let part = BedPart { number: ranks.rank(), of: ranks.size() };
+            let bed = agree(case.initial_bed(part), ranks).map_err(StartError::Bed)?;
+            Share { particles: bed.particles, ..Share::default() }
         }
     };
     let sizes = match case.size_range() {
@@ -123,20 +125,6 @@ fn share_of(checkpoint: Checkpoint) -> Share {
     let Checkpoint { particles, contacts, wall_contacts, cells, flow_report: report, .. } =
         checkpoint;
     Share { particles, contacts, wall_contacts, cells, report }
-}
-
-/// Every rank makes the whole bed, which depends on ids alone, and keeps an even part.
-fn own_part(bed: InitialBed, ranks: &dyn Communicator) -> Share {
-    fn part<T>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
-        records.into_iter().skip(ranks.rank()).step_by(ranks.size()).collect()
-    }
-    Share {
-        particles: part(bed.particles, ranks),
-        contacts: part(bed.contacts, ranks),
-        wall_contacts: part(bed.wall_contacts, ranks),
-        cells: Vec::new(),
-        report: FlowReport::default(),
-    }
 }
 
 fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {

@@ -1,7 +1,7 @@
 //! Layers of a simple cubic lattice, from the bottom up.
 
 use super::super::particles::Amount;
-use super::{BedError, Sphere, diameter_of};
+use super::{BedError, BedPart, Sphere, diameter_of};
 use crate::case::Case;
 use crate::numbers::{random_of, uniform};
 use nalgebra::Vector3;
@@ -20,34 +20,37 @@ struct Sites {
     bottom: f64,
 }
 
-/// Spheres on lattice sites, each displaced along each axis by up to `jitter` of half the free gap: less than
-/// half of it, so that no two can touch.
+/// Spheres of a part of the bed on lattice sites, and their ids. Each is displaced along each axis by up to `jitter` of
+/// half the free gap: less than half of it, so that no two can touch.
 pub(super) fn fill(
     case: &Case,
     spacing: f64,
     jitter: f64,
     bottom: f64,
-) -> Result<Vec<Sphere>, BedError> {
+    part: BedPart,
+) -> Result<Vec<(u64, Sphere)>, BedError> {
     let largest = case.size_range().map_or(spacing, |sizes| sizes.largest_diameter);
     let sites = Sites::new(case, spacing, bottom)?;
     let room: f64 = sites.counts.iter().product();
     let wanted = wanted(case, room)?;
     let displacements = sites.spacings.map(|spacing| 0.5 * jitter * (spacing - largest).max(0.0));
-    let mut spheres = Vec::with_capacity(wanted.min(1.0e7) as usize);
+    let (mut placed, mut spheres) = (0_u64, Vec::new());
     for number in 0..room.min(wanted * (1.0 + SKIPPED)) as u64 {
-        if spheres.len() as f64 >= wanted {
+        if placed as f64 >= wanted {
             break;
         }
         let site = sites.position_of(number);
         if behind_wall(case, &site, 0.5 * largest, &displacements) {
             continue;
         }
-        let id = spheres.len() as u64;
-        let diameter = diameter_of(case, id).unwrap_or(largest);
-        let position = site + displacement_of(case, id, displacements);
-        spheres.push(Sphere { position, diameter });
+        let id = placed;
+        placed += 1;
+        if part.holds(id) {
+            let diameter = diameter_of(case, id).unwrap_or(largest);
+            let position = site + displacement_of(case, id, displacements);
+            spheres.push((id, Sphere { position, diameter }));
+        }
     }
-    let placed = spheres.len() as u64;
     match case.particles.amount {
         Some(Amount::Count(asked)) if placed < asked => {
             Err(BedError::TooMany { asked, room: placed })

@@ -11,21 +11,36 @@ mod random_fill;
 use super::Case;
 use super::particles::Start;
 use crate::numbers::{normal, random_of};
-use crate::parallel::{ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::ParticleRecord;
 use crate::state::SizeRange;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Particles by id, and what they remember of contacts.
+/// Particles that remember nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialBed {
     /// Particles in the order of their ids; positions on the lattice of the box, inside it.
     pub particles: Vec<ParticleRecord>,
-    /// Touching pairs.
-    pub contacts: Vec<ContactRecord>,
-    /// Touching walls.
-    pub wall_contacts: Vec<WallContactRecord>,
+}
+
+/// One of several even parts of a bed: particles in the order of their ids, every `of`-th from `number` on.
+#[derive(Clone, Copy, Debug)]
+pub struct BedPart {
+    /// Which part, from 0.
+    pub number: usize,
+    /// How many parts there are.
+    pub of: usize,
+}
+
+impl BedPart {
+    /// All of it.
+    pub const WHOLE: Self = Self { number: 0, of: 1 };
+
+    /// Whether it holds the particle at this place.
+    fn holds(self, place: u64) -> bool {
+        place % self.of as u64 == self.number as u64
+    }
 }
 
 /// Why there is no initial bed.
@@ -117,20 +132,26 @@ struct Sphere {
     diameter: f64,
 }
 
-/// The initial bed of a case.
-pub(super) fn build(case: &Case) -> Result<InitialBed, BedError> {
+/// A part of the initial bed of a case. Of a lattice nothing else is ever held; each sphere at a random place depends
+/// on all before it, and each line of a file may be wrong.
+pub(super) fn build(case: &Case, part: BedPart) -> Result<InitialBed, BedError> {
     let spheres = match &case.particles.start {
         Start::Lattice { spacing, jitter, bottom } => {
-            lattice::fill(case, *spacing, *jitter, *bottom)?
+            lattice::fill(case, *spacing, *jitter, *bottom, part)?
         }
         Start::Random { solids_fraction, bottom } => {
-            random_fill::fill(case, *solids_fraction, *bottom)?
+            let all = random_fill::fill(case, *solids_fraction, *bottom)?;
+            (0..).zip(all).filter(|&(id, _)| part.holds(id)).collect()
         }
-        Start::File { path, format, offset } => return file::read(case, path, *format, *offset),
+        Start::File { path, format, offset } => {
+            let InitialBed { particles } = file::read(case, path, *format, *offset)?;
+            let own = particles.into_iter().skip(part.number).step_by(part.of);
+            return Ok(InitialBed { particles: own.collect() });
+        }
         Start::Run { path } => return Err(BedError::AnotherRun(path.clone())),
     };
-    let records = spheres.iter().enumerate().map(|(id, sphere)| record(case, id as u64, sphere));
-    Ok(InitialBed { particles: records.collect(), ..InitialBed::default() })
+    let records = spheres.iter().map(|(id, sphere)| record(case, *id, sphere));
+    Ok(InitialBed { particles: records.collect() })
 }
 
 /// A particle at rest, or with the random velocity that the case wants.
