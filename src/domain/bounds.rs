@@ -77,6 +77,9 @@ impl Bounds {
             return coordinate;
         }
         let length = self.lengths[axis];
+        if (0.0..length).contains(&coordinate) {
+            return coordinate + 0.0; // a zero has no sign, nor has it below
+        }
         coordinate - length * (coordinate / length).floor()
     }
 

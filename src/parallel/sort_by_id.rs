@@ -90,13 +90,17 @@ fn bytes_of<T: Pod>(records: &(impl Records<T> + ?Sized), part: &[u32]) -> Vec<u
 
 /// Records of this rank and those in letters. Ids are sorted with the places of their records, since records are long.
 fn sorted<T: Pod>(own: &[T], letters: &[Letter], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
-    let mut order: Vec<([u64; 2], [u32; 2])> = Vec::with_capacity(own.len());
-    order.extend(own.iter().zip(0..).map(|(record, place)| (ids_of(record), [0, place])));
+    let key = |record: &T| {
+        let [first, second] = ids_of(record).map(u128::from);
+        first << 64 | second
+    };
+    let mut order: Vec<(u128, [u32; 2])> = Vec::with_capacity(own.len());
+    order.extend(own.iter().zip(0..).map(|(record, place)| (key(record), [0, place])));
     for (letter, source) in letters.iter().zip(1..) {
         let records = records_of_bytes::<T>(&letter.bytes).zip(0..);
-        order.extend(records.map(|(record, place)| (ids_of(&record), [source, place])));
+        order.extend(records.map(|(record, place)| (key(&record), [source, place])));
     }
-    order.sort_unstable();
+    order.sort_unstable_by_key(|&(key, _)| key);
     let record = |[source, place]: [u32; 2]| match source {
         0 => own[place as usize],
         _ => record_in(&letters[source as usize - 1], place as usize),
