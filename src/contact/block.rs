@@ -1,6 +1,6 @@
 //! A block of near pairs, component by component: filled from records of bodies, emptied into loads.
 
-use crate::numbers::{Quad, first_flagged, quad, quad_mut};
+use crate::numbers::{Quad, quad, quad_mut};
 use crate::particles::{Body, LANES, Load};
 use nalgebra::Vector3;
 
@@ -164,12 +164,6 @@ impl Block {
         for (touching, &flag) in touching.iter_mut().zip(&self.touching) {
             *touching = flag != 0;
         }
-    }
-
-    /// The first pair with a force that has no meaning.
-    #[inline(always)]
-    pub(super) fn out_of_range_lane(&self) -> Option<usize> {
-        first_flagged(&self.out_of_range)
     }
 }
 

@@ -9,7 +9,7 @@ use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
-use crate::numbers::{Quad, QuadWork, fetch_ahead, within};
+use crate::numbers::{Quad, QuadWork, fetch_ahead, first_flagged, within};
 use crate::particles::{
     AngleLanes, ContactMemory, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs, PairBlock, PairBlocks,
     Particles,
@@ -82,7 +82,7 @@ impl PairWork<'_> {
             run(law, &sizes, laws, &mut block, (&mut pairs.memory, angles));
             add_up::<R, S>(&mut block, &sizes, laws);
             block.note_touching(&mut pairs.touching);
-            if let Some(lane) = block.out_of_range_lane() {
+            if let Some(lane) = first_flagged(&block.out_of_range) {
                 let force = Vector3::from_fn(|axis, _| block.force_on_j[axis][lane]);
                 let [i, j] = ends.map(|of| particles.id[of[lane] as usize]);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);

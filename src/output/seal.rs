@@ -31,7 +31,7 @@ impl Kind {
         }
     }
 
-    fn hash_length(self) -> usize {
+    const fn hash_length(self) -> usize {
         match self {
             Self::First => 32,
             Self::Second => 16,
@@ -56,7 +56,7 @@ struct Seal {
 /// Mark and length of what is sealed, before the hash.
 const HEAD_LENGTH: usize = 16 + 8;
 /// The longest seal.
-const LONGEST: u64 = HEAD_LENGTH as u64 + 32;
+const LONGEST: u64 = (HEAD_LENGTH + Kind::First.hash_length()) as u64;
 /// Bytes that are hashed as one.
 const BLOCK: u64 = 1 << 22;
 /// First bytes of an HDF5 file.

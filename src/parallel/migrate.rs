@@ -61,8 +61,8 @@ pub fn send_to_owners(
     deliver(outgoing, ranks)
 }
 
-/// Makes every rank's records known to all, in the order of ranks: they must be few. The upper of two ranks gives its records to
-/// the lower, of two pairs, of two fours; rank 0 then tells all: two logarithms of the number of ranks.
+/// Makes every rank's records known to all, in the order of ranks: they must be few. The upper of two ranks gives its
+/// records to the lower, of two pairs, of two fours; rank 0 then tells all: two logarithms of the number of ranks.
 pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
     if ranks.size() == 1 {
         return records;
@@ -131,9 +131,7 @@ pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicato
         return own;
     }
     let written = outgoing.into_iter().enumerate().filter(|(_, records)| !records.is_empty());
-    let bytes_of = |records: Vec<T>| bytemuck::cast_slice(&records).to_vec();
-    let letters: Vec<Letter> =
-        written.map(|(rank, records)| Letter { rank, bytes: bytes_of(records) }).collect();
+    let letters: Vec<Letter> = written.map(|(rank, records)| Letter::of(rank, &records)).collect();
     let incoming = ranks.exchange_letters(&letters);
     drop(letters);
     let from_below = incoming.partition_point(|letter| letter.rank < ranks.rank());

@@ -2,6 +2,7 @@
 //!
 //! One rank is not a special case: periodic images are ghosts that a rank sends to itself.
 
+use bytemuck::Pod;
 use std::fmt;
 
 mod balance;
@@ -51,6 +52,13 @@ pub struct Letter {
     pub rank: usize,
     /// What it says.
     pub bytes: Vec<u8>,
+}
+
+impl Letter {
+    /// Of records, one after another.
+    pub fn of<T: Pod>(rank: usize, records: &[T]) -> Self {
+        Self { rank, bytes: bytemuck::cast_slice(records).to_vec() }
+    }
 }
 
 /// Ranks that exchange bytes and add numbers. Every method is collective: all ranks call it in the same

@@ -9,7 +9,7 @@ use super::migrate::deliver;
 use super::sort_by_id::Range;
 use super::{Communicator, ContactRecord, Letter, WallContactRecord, records_of_bytes};
 use crate::particles::{PairMemory, WallMemory};
-use bytemuck::{Pod, cast_slice};
+use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
@@ -63,10 +63,7 @@ fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
 }
 
 fn letters<T: Pod>(words: BTreeMap<usize, Vec<T>>) -> Vec<Letter> {
-    words
-        .into_iter()
-        .map(|(rank, words)| Letter { rank, bytes: cast_slice(&words).to_vec() })
-        .collect()
+    words.into_iter().map(|(rank, words)| Letter::of(rank, &words)).collect()
 }
 
 fn to_owners<T: Pod>(

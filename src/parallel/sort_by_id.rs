@@ -67,8 +67,8 @@ fn sort_in_bands<T: Pod>(
     let total = rows.iter().sum::<i64>() as u64;
     let mut offset = 0;
     for (parts, rows) in members.chunks(size).zip(rows.chunks(size)) {
-        let of = |part: &[u32]| part.iter().map(|&at| records.at(at as usize)).collect();
-        let own: Vec<T> = of(&parts[ranks.rank()]);
+        let own = &parts[ranks.rank()];
+        let own: Vec<T> = own.iter().map(|&at| records.at(at as usize)).collect();
         let to_others = (0..size).filter(|&rank| rank != ranks.rank() && !parts[rank].is_empty());
         let letters: Vec<Letter> =
             to_others.map(|rank| Letter { rank, bytes: bytes_of(records, &parts[rank]) }).collect();

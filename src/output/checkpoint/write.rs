@@ -157,21 +157,17 @@ fn write_table<R: Table>(
 
 fn write_rows<R: Table>(datasets: &[SharedDataset<'_>], band: &SortedBlock<R>) -> InWords<()> {
     let (ids, numbers) = datasets.split_at(R::IDS.len());
-    let in_dataset =
-        |name: &str, result: InWords<()>| result.map_err(|words| format!("{name}: {words}"));
     let mut written = Ok(());
     for (column, dataset) in R::IDS.iter().zip(ids) {
         let values: Vec<u64> = band.rows.iter().map(column.get).collect();
-        let result = dataset.write_rows(band.offset, &values);
-        written = written.and(in_dataset(column.name, result));
+        written = written.and(dataset.write_rows(band.offset, &values));
     }
     for (column, dataset) in R::NUMBERS.iter().zip(numbers) {
         let values = match column.width {
             1 => values_of::<R, 1>(column, &band.rows),
             _ => values_of::<R, 3>(column, &band.rows),
         };
-        let result = dataset.write_rows(band.offset, &values);
-        written = written.and(in_dataset(column.name, result));
+        written = written.and(dataset.write_rows(band.offset, &values));
     }
     written
 }

@@ -275,7 +275,8 @@ impl<'r> SharedFile<'r> {
         let opened = self.file.as_ref().map(|file| file.dataset(name)).transpose();
         let opened = in_words(opened).map_err(|words| format!("{name}: {words}"));
         let dataset = self.agreed(opened)?;
-        Ok(SharedDataset { dataset, ranks: self.ranks, together: self.together })
+        let name = name.to_owned();
+        Ok(SharedDataset { name, dataset, ranks: self.ranks, together: self.together })
     }
 
     /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of
@@ -286,8 +287,7 @@ impl<'r> SharedFile<'r> {
         first_row: u64,
         values: &[T],
     ) -> Result<(), OutputError> {
-        let written = self.dataset(name)?.write_rows(first_row, values);
-        self.agreed(written.map_err(|words| format!("{name}: {words}")))
+        self.agreed(self.dataset(name)?.write_rows(first_row, values))
     }
 
     /// An error of any rank is one of all.
@@ -314,6 +314,8 @@ impl<'r> SharedFile<'r> {
 
 /// A dataset that all ranks write.
 pub(super) struct SharedDataset<'f> {
+    /// What errors call it.
+    name: String,
     /// None on ranks that leave the writing to rank 0.
     dataset: Option<Dataset>,
     ranks: &'f dyn Communicator,
@@ -334,7 +336,8 @@ impl SharedDataset<'_> {
         };
         let Some(dataset) = &self.dataset else { return Ok(()) };
         // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
-        in_words(write(dataset, first_row, values, self.together && dataset.is_chunked()))
+        let written = write(dataset, first_row, values, self.together && dataset.is_chunked());
+        in_words(written).map_err(|words| format!("{}: {words}", self.name))
     }
 }
 
