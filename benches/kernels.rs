@@ -13,14 +13,14 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterio
 use nalgebra::Vector3;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use talcum::contact::{Contact, ContactLaw};
+use talcum::contact::{Contact, ContactForceLaw};
 use talcum::coupling::{Bed, CoarseGraining};
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
-use talcum::gas::{DragLaw, ScaledDrag};
+use talcum::gas::{DragCorrelation, DragLaw};
 use talcum::grid::{BoxGrid, Field};
 use talcum::linear_solver::{PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
-use talcum::particles::{ContactMemory, PairMemory, WallMemory};
+use talcum::particles::{ContactHistory, PairHistory, WallHistory};
 use talcum::time_step::rebuild;
 use talcum::timers::Stage;
 
@@ -32,7 +32,7 @@ const APART: f64 = 1.05;
 const SKIN: f64 = 0.08;
 
 /// A cubic lattice at rest in a periodic box: nothing moves, so that each step costs the same.
-fn lattice(edge: u64, spacing: f64) -> Bench {
+fn quantum(edge: u64, spacing: f64) -> Bench {
     let mut bench = Bench::new([edge as f64 * spacing; 3], [PERIODIC; 3]);
     bench.skin = SKIN;
     // Lengths are rounded, so that a hair less than the spacing fits as often as it should.
@@ -82,7 +82,7 @@ fn pairs(run: &Run) -> usize {
 fn within_steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step");
     for edge in EDGES {
-        let mut touching = lattice(edge, TOUCHING);
+        let mut touching = quantum(edge, TOUCHING);
         time_stage(&mut group, "pair forces per contact", (&touching, Stage::Contacts), pairs);
         time_stage(
             &mut group,
@@ -92,7 +92,7 @@ fn within_steps(criterion: &mut Criterion) {
         );
         time_stage(&mut group, "list check per particle", (&touching, Stage::Decide), particles);
         time_stage(&mut group, "image refresh per ghost", (&touching, Stage::Halo), ghosts);
-        let apart = lattice(edge, APART);
+        let apart = quantum(edge, APART);
         time_stage(&mut group, "candidate check per pair", (&apart, Stage::Contacts), pairs);
         touching.gas = Some(gas(0.0));
         let stages = [
@@ -107,7 +107,7 @@ fn within_steps(criterion: &mut Criterion) {
 }
 
 /// Contacts of one particle each: the law by itself.
-fn contacts(count: usize) -> Vec<(Contact, ContactMemory)> {
+fn contacts(count: usize) -> Vec<(Contact, ContactHistory)> {
     let contact = |index: usize| {
         let phase = index as f64;
         let contact = Contact {
@@ -120,7 +120,7 @@ fn contacts(count: usize) -> Vec<(Contact, ContactMemory)> {
             reduced_inertia: 0.026,
             cohesion: 0.0,
         };
-        (contact, ContactMemory::default())
+        (contact, ContactHistory::default())
     };
     (0..count).map(contact).collect()
 }
@@ -133,8 +133,8 @@ fn laws(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(format!("contact law, one by one, per contact/{count}"), |bencher| {
             bencher.iter(|| {
-                for (contact, memory) in &mut contacts {
-                    black_box(law.force(black_box(contact), memory, 2.5e-4));
+                for (contact, history) in &mut contacts {
+                    black_box(law.force(black_box(contact), history, 2.5e-4));
                 }
             });
         });
@@ -158,7 +158,7 @@ fn laws(criterion: &mut Criterion) {
 fn grids(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("grid");
     for edge in EDGES {
-        let bench = lattice(edge, TOUCHING);
+        let bench = quantum(edge, TOUCHING);
         let run = bench.alone();
         let grid = gas(0.0).grid(&bench.domain.bounds);
         let mut graining = CoarseGraining::new(&grid, 100.0, [1.0, 1.0]);
@@ -175,7 +175,7 @@ fn lists(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("lists");
     group.sample_size(10);
     for edge in EDGES {
-        let bench = lattice(edge, TOUCHING);
+        let bench = quantum(edge, TOUCHING);
         let mut run = bench.alone();
         run.steps(2);
         let width = run.work.reach.ghost_width(1.0);
@@ -204,9 +204,9 @@ fn multigrid(criterion: &mut Criterion) {
     group.sample_size(10);
     for edge in [16, 64] {
         let bounds = Bounds::new(Vector3::repeat(edge as f64), [[Face::Wall; 2]; 3]);
-        let (grid, cut) =
+        let (grid, decomposition) =
             (BoxGrid::new(&bounds, [edge; 3]), Decomposition::even(RankGrid([1; 3]), &bounds));
-        let part = grid.part_of(&cut, 0);
+        let part = grid.local_cells(&decomposition, 0);
         let field = |of: &dyn Fn(usize) -> f64| {
             let mut field = Field::new(&part, 1);
             field.set_owned((0..edge.pow(3)).map(of));
@@ -215,7 +215,7 @@ fn multigrid(criterion: &mut Criterion) {
         let mobility = field(&|cell| if cell < edge.pow(3) / 2 { 1.0e-3 } else { 1.0 });
         let outlet = field(&|cell| if cell >= edge.pow(3) - edge.pow(2) { 1.0 } else { 0.0 });
         let right = field(&|cell| (cell * 7919 % 1009) as f64 - 504.0);
-        let mut solver = PressureSolver::new(&grid, &cut, &bounds, 0);
+        let mut solver = PressureSolver::new(&grid, &decomposition, &bounds, 0);
         let set = solver.set_coefficients([&mobility; 3], Some(&outlet), &OneRank);
         set.expect("mobilities are positive");
         let mut solve = || {
@@ -258,7 +258,7 @@ fn between_ranks(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("two thread ranks");
     group.sample_size(10);
     for edge in EDGES {
-        let bench = lattice(edge, TOUCHING);
+        let bench = quantum(edge, TOUCHING);
         let size = edge.pow(3);
         let crossing = bench.on_ranks([1, 1, 2], |run| ghosts(run)) as u64;
         group.throughput(Throughput::Elements(crossing));
@@ -276,7 +276,13 @@ fn between_ranks(criterion: &mut Criterion) {
                     let particles = &mut run.state.particles;
                     particles.drop_ghosts();
                     let mut halo = ParticleHalo::default();
-                    halo.rebuild(particles, &run.domain.bounds, &run.work.cut, width, ranks);
+                    halo.rebuild(
+                        particles,
+                        &run.domain.bounds,
+                        &run.work.decomposition,
+                        width,
+                        ranks,
+                    );
                 })
             });
         });
@@ -285,11 +291,17 @@ fn between_ranks(criterion: &mut Criterion) {
         group.bench_function(format!("migration per moving particle/{size}"), |bencher| {
             bencher.iter_custom(|times| {
                 on_two_ranks(&bench, times, |run, ranks| {
-                    let cut = other_cut(&mut run.work.cut, &bench);
-                    let (mut pairs, mut walls): (Vec<PairMemory>, Vec<WallMemory>) =
+                    let decomposition = other_cut(&mut run.work.decomposition, &bench);
+                    let (mut pairs, mut walls): (Vec<PairHistory>, Vec<WallHistory>) =
                         Default::default();
                     run.state.particles.drop_ghosts();
-                    migrate(&mut run.state.particles, &mut pairs, &mut walls, &cut, ranks);
+                    migrate(
+                        &mut run.state.particles,
+                        &mut pairs,
+                        &mut walls,
+                        &decomposition,
+                        ranks,
+                    );
                 })
             });
         });
@@ -298,13 +310,16 @@ fn between_ranks(criterion: &mut Criterion) {
 }
 
 /// The middle plane moved by one layer from where it was, to and fro.
-fn other_cut(cut: &mut Decomposition, bench: &Bench) -> Decomposition {
-    let [lower, plane, upper] = *cut.cuts(2) else { unreachable!("two slabs have three planes") };
+fn other_cut(decomposition: &mut Decomposition, bench: &Bench) -> Decomposition {
+    let [lower, plane, upper] = *decomposition.cut_planes(2) else {
+        unreachable!("two slabs have three planes")
+    };
     let middle = 0.5 * (lower + upper);
     let moved = if plane == middle { middle + TOUCHING } else { middle };
     let across = |axis: usize| vec![0.0, bench.domain.bounds.lengths()[axis]];
-    *cut = cut.with_cuts([across(0), across(1), vec![lower, moved, upper]]);
-    cut.clone()
+    *decomposition =
+        decomposition.with_cut_planes([across(0), across(1), vec![lower, moved, upper]]);
+    decomposition.clone()
 }
 
 criterion_group! {

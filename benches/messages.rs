@@ -8,7 +8,7 @@ mod beds;
 use beds::{Bench, PERIODIC, PLATE, gas, shaken};
 use std::cell::Cell;
 use talcum::domain::RankGrid;
-use talcum::parallel::{AxisNeighbours, Communicator, FileAccess, Letter, run_on_threads};
+use talcum::parallel::{AxisNeighbours, Communicator, FileAccess, Message, run_on_threads};
 
 const STEPS: u64 = 4_000;
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [2, 2, 1], [2, 2, 2], [4, 4, 1]];
@@ -26,8 +26,8 @@ struct Counts {
     reductions: u64,
     reduced_bytes: u64,
     exchanges: u64,
-    letters: u64,
-    bytes_in_letters: u64,
+    sparse_messages: u64,
+    bytes_in_sparse_messages: u64,
 }
 
 impl Counting<'_> {
@@ -71,15 +71,15 @@ impl Communicator for Counting<'_> {
         self.inner.exchange(neighbours, outgoing, incoming);
     }
 
-    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter> {
-        let to_others = || outgoing.iter().filter(|letter| letter.rank != self.rank());
+    fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
+        let to_others = || outgoing.iter().filter(|message| message.rank != self.rank());
         self.count(|counts| {
             counts.exchanges += 1;
-            counts.letters += to_others().count() as u64;
-            counts.bytes_in_letters +=
-                to_others().map(|letter| letter.bytes.len() as u64).sum::<u64>();
+            counts.sparse_messages += to_others().count() as u64;
+            counts.bytes_in_sparse_messages +=
+                to_others().map(|message| message.bytes.len() as u64).sum::<u64>();
         });
-        self.inner.exchange_letters(outgoing)
+        self.inner.sparse_exchange(outgoing)
     }
 
     fn sum_exact(&self, values: &mut [f64]) {
@@ -144,8 +144,8 @@ fn seen_on(bench: &Bench, grid: [usize; 3]) -> Vec<Seen> {
 fn main() {
     println!(
         "| ranks | gas | particles per rank | ghosts per rank | messages per step | bytes sent per step | \
-         reductions per step | bytes reduced per step | steps per exchange of letters | \
-         letters per exchange | bytes per exchange |"
+         reductions per step | bytes reduced per step | steps per exchange of sparse_messages | \
+         sparse_messages per exchange | bytes per exchange |"
     );
     println!("{}|", "| --- ".repeat(11));
     for with_gas in [false, true] {
@@ -168,8 +168,8 @@ fn main() {
                 per_step(&|counts| counts.reductions),
                 per_step(&|counts| counts.reduced_bytes),
                 STEPS as f64 / exchanges,
-                most(&|rank| rank.counts.letters) as f64 / exchanges,
-                most(&|rank| rank.counts.bytes_in_letters) as f64 / exchanges,
+                most(&|rank| rank.counts.sparse_messages) as f64 / exchanges,
+                most(&|rank| rank.counts.bytes_in_sparse_messages) as f64 / exchanges,
             );
         }
     }

@@ -1,7 +1,7 @@
 //! The three kinds of data: what a checkpoint holds, what the case chose, and what can be dropped and
 //! made anew at any time.
 
-use crate::contact::{ContactLaw, Interface, VanDerWaals};
+use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
 pub use crate::coupling::FlowReport;
 use crate::coupling::{Flow, FlowModel, FlowSolver, FluidForce};
 use crate::domain::{Bounds, Decomposition, EffectiveGravity, Wall, WallPose, WallShape};
@@ -128,9 +128,9 @@ impl Domain {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Models {
     /// Where particles touch.
-    pub contact: Interface,
+    pub contact: ContactModel,
     /// Where they touch the walls, by the walls' numbers; walls beyond its end are like particles.
-    pub at_walls: Vec<Interface>,
+    pub at_walls: Vec<ContactModel>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -142,9 +142,9 @@ pub struct Models {
     /// Bounds of what particles may do; beyond them the run ends in words.
     pub limits: Limits,
     /// Lattice that forces are rounded to.
-    pub force_lattice: Quantum,
+    pub force_quantum: Quantum,
     /// Lattice that torques are rounded to.
-    pub torque_lattice: Quantum,
+    pub torque_quantum: Quantum,
 }
 
 impl Models {
@@ -158,7 +158,7 @@ impl Models {
 
     /// What particles weigh in the frame of the plate.
     pub fn weight_at(&self, time: f64) -> Weight {
-        Weight { gravity: self.gravity.at(time), lattice: self.force_lattice }
+        Weight { gravity: self.gravity.at(time), quantum: self.force_quantum }
     }
 
     /// The gas in three dimensions, if that is the gas.
@@ -184,7 +184,7 @@ impl Models {
 /// Separation of surfaces up to which bodies act on each other that touch in these ways, particles being of
 /// these sizes.
 pub fn range_of<'a>(
-    interfaces: impl IntoIterator<Item = &'a Interface>,
+    interfaces: impl IntoIterator<Item = &'a ContactModel>,
     cohesion: Option<&VanDerWaals>,
     sizes: &SizeRange,
 ) -> f64 {
@@ -210,7 +210,7 @@ impl Limits {
 
     /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
     pub fn new<'a>(
-        interfaces: impl IntoIterator<Item = &'a Interface>,
+        interfaces: impl IntoIterator<Item = &'a ContactModel>,
         cohesion: Option<&VanDerWaals>,
         diameters: [f64; 2],
         largest_weight: f64,
@@ -218,19 +218,19 @@ impl Limits {
     ) -> Self {
         let [smallest, largest] = diameters;
         let overlap = Self::LARGEST_OVERLAP * smallest;
-        let of_law = |interface: &Interface| interface.law.largest_force(overlap, 0.5 * largest);
+        let of_law = |interface: &ContactModel| interface.law.largest_force(overlap, 0.5 * largest);
         let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
         let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
         Self { force: elastic + attraction + largest_weight, speed: 0.1 * smallest / time_step }
     }
 
     /// The lattice of forces: room for many contacts at the limit.
-    pub fn force_lattice(&self) -> Quantum {
+    pub fn force_quantum(&self) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force)
     }
 
     /// The lattice of torques, of forces at the largest radius.
-    pub fn torque_lattice(&self, largest_radius: f64) -> Quantum {
+    pub fn torque_quantum(&self, largest_radius: f64) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
     }
 }
@@ -243,7 +243,7 @@ pub struct Workspace {
     /// Who is whose ghost.
     pub halo: ParticleHalo,
     /// How the box is cut.
-    pub cut: Decomposition,
+    pub decomposition: Decomposition,
     /// How far lists look.
     pub reach: Reach,
     /// When cut planes move.
@@ -322,11 +322,11 @@ pub struct Tallies {
 
 impl Workspace {
     /// An empty workspace.
-    pub fn new(cut: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
+    pub fn new(decomposition: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
         Self {
             neighbours: Neighbours::default(),
             halo: ParticleHalo::default(),
-            cut,
+            decomposition,
             reach: Reach { range: 0.0, skin },
             balance,
             wall_poses: Vec::new(),
@@ -361,7 +361,7 @@ impl Workspace {
         self.fluid = models.column().map(|gas| {
             let Limits { force, speed } = models.limits;
             let diameters = [sizes.smallest_diameter, sizes.largest_diameter];
-            FluidForce::new(gas, &domain.bounds, models.force_lattice, (force, speed), diameters)
+            FluidForce::new(gas, &domain.bounds, models.force_quantum, (force, speed), diameters)
         });
     }
 }

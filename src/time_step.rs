@@ -5,7 +5,7 @@ use crate::domain::{Bounds, Face};
 use crate::numbers::ExactSum;
 use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
 use crate::particles::{
-    PairMemory, Particles, Ranges, Step, WallMemory, begin_with_weight, kick, kick_and_drift,
+    PairHistory, Particles, Ranges, Step, WallHistory, begin_with_weight, kick, kick_and_drift,
 };
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::{Stage, processor_time};
@@ -18,20 +18,20 @@ mod flow;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StepError {
     /// Numbers have lost their meaning.
-    #[error("step {step}: {words}")]
+    #[error("step {step}: {message}")]
     Unstable {
         /// At which step it was noticed.
         step: u64,
         /// On the lowest rank that noticed.
-        words: String,
+        message: String,
     },
     /// A particle passed a face at which the case ends the run.
-    #[error("step {step}: {words}; the case ends the run there (box faces of kind \"stop\")")]
+    #[error("step {step}: {message}; the case ends the run there (box faces of kind \"stop\")")]
     Stopped {
         /// At which step.
         step: u64,
         /// Which particle, which face.
-        words: String,
+        message: String,
     },
 }
 
@@ -51,22 +51,22 @@ pub fn advance(
     ranks: &dyn Communicator,
 ) -> Result<Requests, StepError> {
     let dt = models.time_step;
-    let lattice = domain.bounds.lattice();
+    let quantum = domain.bounds.position_quantum();
     let late = state.kick_due.take();
     state.clock.tick();
     let weight = models.weight_at(state.clock.time());
-    let integrate = || kick_and_drift(&mut state.particles, late, Step { dt, lattice, weight });
-    let way = work.timers.time(Stage::Integrate, integrate);
+    let integrate = || kick_and_drift(&mut state.particles, late, Step { dt, quantum, weight });
+    let displacement = work.timers.time(Stage::Integrate, integrate);
     work.move_walls(domain, state.clock.time(), dt);
-    let verdict = decide(state, way, domain, work, ranks)?;
-    if verdict.rebuild {
+    let decision = decide(state, displacement, domain, work, ranks)?;
+    if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
     } else {
         work.timers.time(Stage::Halo, || work.halo.refresh(&mut state.particles, ranks));
     }
     evaluate_forces(state, domain, models, work, dt, ranks);
     state.kick_due = Some(dt);
-    Ok(verdict.requests)
+    Ok(decision.requests)
 }
 
 /// Does the second kick of the last step if it is still due: velocities are then those of the clock's time. Before
@@ -86,7 +86,7 @@ pub fn begin(
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
-    remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    remembered: (Vec<PairHistory>, Vec<WallHistory>),
     new_bed: bool,
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
@@ -112,31 +112,31 @@ pub fn confirm(
     if !ranks.any(work.fault.is_some()) {
         return Ok(());
     }
-    let words = agreed_words(work.fault.take(), ranks);
-    Err(StepError::Unstable { step: state.clock.step, words })
+    let message = agreed_words(work.fault.take(), ranks);
+    Err(StepError::Unstable { step: state.clock.step, message })
 }
 
 /// What all ranks do next.
-struct Verdict {
+struct StepDecision {
     rebuild: bool,
     requests: Requests,
 }
 
 /// One reduction per step: how far have particles moved, is any list outdated, has any particle left, has anything
-/// gone wrong, was any rank asked to stop? No particle of this rank has moved farther than `way`.
+/// gone wrong, was any rank asked to stop? No particle of this rank has moved farther than `displacement`.
 fn decide(
     state: &mut State,
-    way: f64,
+    displacement: f64,
     domain: &Domain,
     work: &mut Workspace,
     ranks: &dyn Communicator,
-) -> Result<Verdict, StepError> {
+) -> Result<StepDecision, StepError> {
     let Workspace { neighbours, wall_poses, timers, reach, fault, requests, .. } = work;
     let step = state.clock.step;
     let balance_due = work.balance.is_some_and(|balance| balance.is_overdue(step));
     timers.time(Stage::Decide, || {
         let particles = &state.particles;
-        let near_faces = neighbours.may_have_passed(way);
+        let near_faces = neighbours.may_have_passed(displacement);
         let beyond = |kind| if near_faces { first_beyond(particles, domain, kind) } else { None };
         let (stopped, left) = (beyond(Face::Stop), beyond(Face::Open).is_some());
         let by_walls = neighbours.outdated_by_walls((&domain.walls, wall_poses), *reach);
@@ -144,28 +144,28 @@ fn decide(
         let Requests { stop, checkpoint } = *requests;
         let flags = [left || by_walls, faulty, stopped.is_some(), stop, checkpoint];
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(f64::from);
-        let mut said = [way, outdated, faulty, any_stopped, stop, checkpoint];
+        let mut said = [displacement, outdated, faulty, any_stopped, stop, checkpoint];
         ranks.maximum(&mut said);
-        let [way, flags @ ..] = said;
+        let [displacement, flags @ ..] = said;
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|flag| flag > 0.0);
-        state.contacts.moved(way);
-        neighbours.moved(way);
+        state.contacts.moved(displacement);
+        neighbours.moved(displacement);
         let outdated = outdated || neighbours.outdated(*reach);
         if faulty {
-            let words = agreed_words(fault.take(), ranks);
-            return Err(StepError::Unstable { step: step - 1, words });
+            let message = agreed_words(fault.take(), ranks);
+            return Err(StepError::Unstable { step: step - 1, message });
         }
         if any_stopped {
-            return Err(StepError::Stopped { step, words: agreed_words(stopped, ranks) });
+            return Err(StepError::Stopped { step, message: agreed_words(stopped, ranks) });
         }
         let requests = Requests { stop, checkpoint };
-        Ok(Verdict { rebuild: outdated || balance_due, requests })
+        Ok(StepDecision { rebuild: outdated || balance_due, requests })
     })
 }
 
 /// The words of the lowest rank that has some.
-fn agreed_words(words: Option<String>, ranks: &dyn Communicator) -> String {
-    let result = words.map_or(Ok(()), |words| Err(CollectiveError(words)));
+fn agreed_words(message: Option<String>, ranks: &dyn Communicator) -> String {
+    let result = message.map_or(Ok(()), |message| Err(CollectiveError(message)));
     agree(result, ranks).err().map(|error| error.0).unwrap_or_default()
 }
 
@@ -199,7 +199,7 @@ pub fn rebuild(
     state.particles.drop_ghosts();
     let step = state.clock.step;
     check_speeds(&state.particles, models.limits.speed, ranks)
-        .map_err(|error| StepError::Unstable { step, words: error.0 })?;
+        .map_err(|error| StepError::Unstable { step, message: error.0 })?;
     arrange(state, domain, models, work, (pairs, walls), ranks)
 }
 
@@ -208,17 +208,17 @@ fn arrange(
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
-    remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    remembered: (Vec<PairHistory>, Vec<WallHistory>),
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
     let begin = std::time::Instant::now();
     let (mut pairs, mut walls) = remembered;
     let bounds = &domain.bounds;
     let width = work.reach.ghost_width(state.sizes.largest_diameter);
-    let old_cut = work.cut.clone();
+    let old_decomposition = work.decomposition.clone();
     depart(state, domain, &mut pairs, &mut walls, ranks);
     let unstable =
-        |step: u64| move |error: CollectiveError| StepError::Unstable { step, words: error.0 };
+        |step: u64| move |error: CollectiveError| StepError::Unstable { step, message: error.0 };
     let unstable = unstable(state.clock.step);
     let State { particles, contacts, clock, .. } = state;
     for body in &mut particles.body {
@@ -227,20 +227,21 @@ fn arrange(
     if work.balance.as_mut().is_some_and(|balance| balance.look(clock.step)) {
         rebalance(particles, bounds, work, width, ranks);
     }
-    work.cut = flow::aligned(work.cut.clone(), models, width).map_err(unstable)?;
-    migrate(particles, &mut pairs, &mut walls, &work.cut, ranks);
+    work.decomposition =
+        flow::aligned(work.decomposition.clone(), models, width).map_err(unstable)?;
+    migrate(particles, &mut pairs, &mut walls, &work.decomposition, ranks);
     let before = processor_time();
     work.neighbours.sort_by_cells(particles, width);
     work.neighbours.note_faces(particles, bounds);
     work.timers.on_particles += processor_time() - before;
-    work.halo.rebuild(particles, bounds, &work.cut, width, ranks);
+    work.halo.rebuild(particles, bounds, &work.decomposition, width, ranks);
     let before = processor_time();
     let walls_now = (&domain.walls[..], &work.wall_poses[..]);
     let rebuilt =
         work.neighbours.rebuild(particles, contacts, walls_now, work.reach, (&pairs, &walls));
     work.timers.on_particles += processor_time() - before;
     agree(rebuilt, ranks).map_err(unstable)?;
-    let settled = flow::settle(state, domain, models, work, &old_cut, ranks);
+    let settled = flow::settle(state, domain, models, work, &old_decomposition, ranks);
     work.timers.add(Stage::Rebuild, begin.elapsed());
     settled.map_err(unstable)
 }
@@ -260,7 +261,7 @@ fn rebalance(
     }
     if load.imbalance > threshold {
         let positions = particles.body.iter().map(|body| body.position);
-        work.cut = load.balanced(&work.cut, positions, bounds, width, ranks);
+        work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
     }
 }
 
@@ -268,8 +269,8 @@ fn rebalance(
 fn depart(
     state: &mut State,
     domain: &Domain,
-    pairs: &mut Vec<PairMemory>,
-    walls: &mut Vec<WallMemory>,
+    pairs: &mut Vec<PairHistory>,
+    walls: &mut Vec<WallHistory>,
     ranks: &dyn Communicator,
 ) {
     let particles = &mut state.particles;
@@ -336,8 +337,8 @@ fn evaluate_forces(
         ranges: Ranges { contact: models.contact_range(&state.sizes), any: reach.range },
         dt,
         limit: models.limits.force,
-        force_lattice: models.force_lattice,
-        torque_lattice: models.torque_lattice,
+        force_quantum: models.force_quantum,
+        torque_quantum: models.torque_quantum,
     };
     let driven = timers.time(Stage::Gas, || {
         if let Some((model, solver)) = models.flow().zip(flow.as_mut()) {
@@ -363,11 +364,11 @@ fn evaluate_forces(
     });
     timers.on_particles += processor_time() - before;
     tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
-    let words = [
+    let message = [
         driven.err(),
         pairs.err().map(|error| error.to_string()),
         walls.err().map(|error| error.to_string()),
         bodies.err().map(|error| error.to_string()),
     ];
-    *fault = words.into_iter().flatten().next();
+    *fault = message.into_iter().flatten().next();
 }

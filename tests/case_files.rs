@@ -1,5 +1,5 @@
-//! Case files that must be read, and wrong ones that carry the messages they must give: `#^ words` after the
-//! line that an error names (at the top: it names the whole file), `#! words` for an error of the initial bed.
+//! Case files that must be read, and wrong ones that carry the messages they must give: `#^ message` after the
+//! line that an error names (at the top: it names the whole file), `#! message` for an error of the initial bed.
 
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn expected(text: &str) -> Vec<(usize, String)> {
     let mut expected = Vec::new();
     for (index, content) in text.lines().enumerate() {
         match content.strip_prefix("#^ ") {
-            Some(words) => expected.push((line, words.to_owned())),
+            Some(message) => expected.push((line, message.to_owned())),
             None => line = index + 1,
         }
     }
@@ -70,10 +70,10 @@ fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
         let name = file.display().to_string();
         let message = match (Case::read(&file, &[]), bed_words) {
             (Err(errors), _) => errors.to_string(),
-            (Ok(case), Some(words)) => {
+            (Ok(case), Some(message)) => {
                 match case.initial_bed(BedPart::WHOLE) {
-                    Err(error) if error.to_string().contains(words) => {}
-                    Err(error) => wrong += &format!("{name}: {error}\n  instead of {words}\n"),
+                    Err(error) if error.to_string().contains(message) => {}
+                    Err(error) => wrong += &format!("{name}: {error}\n  instead of {message}\n"),
                     Ok(_) => wrong += &format!("{name}: gives a bed\n"),
                 }
                 continue;
@@ -84,20 +84,20 @@ fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
             }
         };
         for line in message.lines() {
-            let matching = expected.iter().position(|(number, words)| {
+            let matching = expected.iter().position(|(number, message)| {
                 let place = match number {
                     0 => line.strip_prefix(&format!("{name}: ")),
                     _ => line.strip_prefix(&format!("{name}:{number}:")),
                 };
-                place.is_some_and(|rest| rest.contains(words.as_str()))
+                place.is_some_and(|rest| rest.contains(message.as_str()))
             });
             match matching {
                 Some(index) => drop(expected.remove(index)),
                 None => wrong += &format!("not announced: {line}\n"),
             }
         }
-        for (line, words) in expected {
-            wrong += &format!("not given: {name}:{line}: {words}\n");
+        for (line, message) in expected {
+            wrong += &format!("not given: {name}:{line}: {message}\n");
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");

@@ -136,7 +136,7 @@ fn refusal(path: &Path) -> String {
     let refusals = run_on_threads(2, |ranks| read(path, ranks).map(|_| "read").unwrap_err());
     assert_eq!(refusals[0], refusals[1]);
     assert_eq!(refusals[0].path, path);
-    refusals[0].words.clone()
+    refusals[0].message.clone()
 }
 
 #[test]
@@ -148,11 +148,11 @@ fn files_cut_short_are_refused() {
     let lengths = (0..bytes.len()).step_by(311).chain(bytes.len() - 60..bytes.len());
     for length in lengths {
         std::fs::write(&path, &bytes[..length]).unwrap();
-        let words = refusal(&path);
+        let message = refusal(&path);
         match length {
-            0 => assert_eq!(words, "the file is empty"),
-            1..8 => assert_eq!(words, "this is not an HDF5 file"),
-            _ => assert!(words.contains("cut short"), "{length}: {words}"),
+            0 => assert_eq!(message, "the file is empty"),
+            1..8 => assert_eq!(message, "this is not an HDF5 file"),
+            _ => assert!(message.contains("cut short"), "{length}: {message}"),
         }
     }
 }
@@ -167,10 +167,10 @@ fn damaged_files_are_refused() {
         let mut damaged = bytes.clone();
         damaged[place] ^= 0x10;
         std::fs::write(&path, &damaged).unwrap();
-        let words = refusal(&path);
+        let message = refusal(&path);
         assert!(
-            words.contains("damaged") || words == "this is not an HDF5 file",
-            "{place}: {words}"
+            message.contains("damaged") || message == "this is not an HDF5 file",
+            "{place}: {message}"
         );
     }
     let longer = [&bytes[..], b"more"].concat();

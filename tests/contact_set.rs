@@ -92,14 +92,14 @@ fn forces_by_trial(bounds: &Bounds, state: &Snapshot, range: f64) -> Vec<Vector3
     let mut forces = vec![Vector3::zeros(); particles.len()];
     for (lower, higher) in pairs_by_trial(bounds, state, range) {
         let (i, j) = (lower as usize, higher as usize);
-        let way = branch(bounds, &particles[i], &particles[j]);
+        let displacement = branch(bounds, &particles[i], &particles[j]);
         let (r1, r2) = (particles[i].radius, particles[j].radius);
-        let separation = way.norm() - r1 - r2;
+        let separation = displacement.norm() - r1 - r2;
         let spring = STIFFNESS * (-separation).max(0.0);
         // F_max is that of spheres of diameter 1; r = 2 r_1 r_2 / (r_1 + r_2).
         let pull =
             ATTRACTION * 4.0 * r1 * r2 / (r1 + r2) * (CUT_OFF / separation.max(CUT_OFF)).powi(2);
-        let force = way.normalize() * (spring - pull);
+        let force = displacement.normalize() * (spring - pull);
         forces[i] -= force;
         forces[j] += force;
     }
@@ -159,10 +159,11 @@ fn an_attractive_pair_that_does_not_touch_survives_borders() {
         let end = bench.on_ranks(grid, |run| {
             for _ in 0..3000 {
                 let state = run.steps(1).snapshot();
-                let way = branch(&run.domain.bounds, &state.particles[0], &state.particles[1]);
-                let separation = way.norm() - 1.0;
+                let displacement =
+                    branch(&run.domain.bounds, &state.particles[0], &state.particles[1]);
+                let separation = displacement.norm() - 1.0;
                 assert!((0.05..0.15).contains(&separation), "{separation}");
-                let pull = way.normalize() * 1.0e-3 * (0.05 / separation).powi(2);
+                let pull = displacement.normalize() * 1.0e-3 * (0.05 / separation).powi(2);
                 // Forces lie on a lattice of spacing 64 k 0.2 / 2^51 = 1e-9 here.
                 let force = Vector3::from(state.particles[0].force);
                 assert!((force - pull).amax() < 2.0e-9, "{force} {pull}");
@@ -179,7 +180,7 @@ fn an_attractive_pair_that_does_not_touch_survives_borders() {
 fn total_force(run: &Run) -> Vector3<f64> {
     let particles = &run.state.particles;
     let here: Vec<[f64; 3]> =
-        particles.load[..particles.owned_count()].iter().map(|load| load.force.into()).collect();
+        particles.forces[..particles.owned_count()].iter().map(|load| load.force.into()).collect();
     share_with_all(here, run.ranks).into_iter().map(Vector3::from).sum()
 }
 

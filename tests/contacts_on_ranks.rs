@@ -8,8 +8,8 @@ mod beds;
 use beds::{Bench, OPEN, PERIODIC, PLATE, Snapshot};
 use nalgebra::Vector3;
 use talcum::contact::{
-    AdhesiveElasticPlastic, ContactModel, ContactModuli, HertzMindlin, HystereticParameters,
-    Interface, Jkr, LinearHysteretic, RollingFriction, RollingKind,
+    AdhesiveElasticPlastic, ContactLaw, ContactModel, ContactModuli, HertzMindlin,
+    HystereticParameters, Jkr, LinearHysteretic, RollingFriction, RollingKind,
 };
 use talcum::domain::{EffectiveGravity, RankGrid, Wall, WallMotion};
 use talcum::parallel::run_on_threads;
@@ -18,7 +18,7 @@ use talcum::state::Balance;
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [1, 1, 3], [2, 2, 1], [3, 1, 2]];
 const STEPS: u64 = 3000;
 
-fn laws() -> Vec<ContactModel> {
+fn laws() -> Vec<ContactLaw> {
     let parameters = HystereticParameters {
         loading_stiffness: 1.6e4,
         unloading_stiffness: 2.0e4,
@@ -28,12 +28,12 @@ fn laws() -> Vec<ContactModel> {
     };
     let moduli = ContactModuli { normal: 1.0e5, shear: 3.0e4 };
     vec![
-        ContactModel::AdhesiveElasticPlastic(
+        ContactLaw::AdhesiveElasticPlastic(
             AdhesiveElasticPlastic::new(parameters, 10.0, 2.0e-3).unwrap(),
         ),
-        ContactModel::LinearHysteretic(LinearHysteretic::new(parameters, 1.0e4).unwrap()),
-        ContactModel::HertzMindlin(HertzMindlin::new(moduli, 0.8, 0.3).unwrap()),
-        ContactModel::Jkr(Jkr::new(moduli, 4.0, 0.8, 0.3).unwrap()),
+        ContactLaw::LinearHysteretic(LinearHysteretic::new(parameters, 1.0e4).unwrap()),
+        ContactLaw::HertzMindlin(HertzMindlin::new(moduli, 0.8, 0.3).unwrap()),
+        ContactLaw::Jkr(Jkr::new(moduli, 4.0, 0.8, 0.3).unwrap()),
     ]
 }
 
@@ -42,12 +42,12 @@ fn rolling(kind: RollingKind) -> Option<RollingFriction> {
 }
 
 /// A bed that falls onto a moving plate between a shaken wall and a wall at rest; the walls have no adhesion.
-fn bed_between_walls(law: ContactModel, kind: RollingKind) -> Bench {
+fn bed_between_walls(law: ContactLaw, kind: RollingKind) -> Bench {
     let wall = [PLATE[0]; 2];
     let mut bench = Bench::new([5.0, 5.0, 14.0], [wall, PERIODIC, PLATE]);
-    bench.interface = Some(Interface { law, rolling: rolling(kind) });
+    bench.interface = Some(ContactModel { law, rolling: rolling(kind) });
     let hertz = HertzMindlin::new(ContactModuli { normal: 1.0e5, shear: 3.0e4 }, 0.7, 0.5).unwrap();
-    let smooth = Interface { law: ContactModel::HertzMindlin(hertz), rolling: None };
+    let smooth = ContactModel { law: ContactLaw::HertzMindlin(hertz), rolling: None };
     bench.at_walls = vec![smooth.clone(), smooth];
     let amplitude = Vector3::new(0.0, 0.3, 0.0);
     bench.domain.walls[0].motion = WallMotion { amplitude, frequency: 1.5, ..WallMotion::REST };
@@ -66,10 +66,10 @@ fn bed_between_walls(law: ContactModel, kind: RollingKind) -> Bench {
 }
 
 /// The same in a round column that sways.
-fn bed_in_column(law: ContactModel) -> Bench {
+fn bed_in_column(law: ContactLaw) -> Bench {
     let mut bench = Bench::new([7.0, 7.0, 14.0], [OPEN, OPEN, PLATE]);
     let kind = RollingKind::ElasticPlastic { damping: 0.3 };
-    bench.interface = Some(Interface { law, rolling: rolling(kind) });
+    bench.interface = Some(ContactModel { law, rolling: rolling(kind) });
     let mut column = Wall::cylinder("column", Vector3::new(3.5, 3.5, 0.0), 3.3);
     let amplitude = Vector3::new(0.1, 0.05, 0.2);
     column.motion = WallMotion { amplitude, frequency: 1.0, ..WallMotion::REST };
@@ -151,8 +151,8 @@ fn necks_beyond_contact_are_remembered() {
     let place = |id: u64| state.particles.iter().find(|particle| particle.id == id).unwrap();
     let apart = state.pairs.iter().filter(|pair| {
         let (one, other) = (place(pair.lower), place(pair.higher));
-        let way = beds::branch(&bench.domain.bounds, one, other);
-        way.norm() > one.radius + other.radius
+        let displacement = beds::branch(&bench.domain.bounds, one, other);
+        displacement.norm() > one.radius + other.radius
     });
     let apart = apart.count();
     println!("{apart} of {} contacts are necks", state.pairs.len());

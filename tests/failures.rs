@@ -26,8 +26,8 @@ fn failure(ended: &Ended) -> &str {
 fn a_case_that_cannot_be_read() {
     for ranks in [0, 2] {
         let ended = talcum(ranks, &["run", "/nowhere/case.toml"]);
-        let words = failure(&ended);
-        assert!(words.contains("/nowhere/case.toml: cannot be read: No such file"), "{words}");
+        let message = failure(&ended);
+        assert!(message.contains("/nowhere/case.toml: cannot be read: No such file"), "{message}");
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.toml");
@@ -47,13 +47,13 @@ fn all_errors_of_a_case_in_one_message() {
     let path = path.display().to_string();
     for (ranks, command) in [(0, "check"), (2, "run")] {
         let ended = talcum(ranks, &[command, &path, "--set", "time.end=-1"]);
-        let words = failure(&ended);
+        let message = failure(&ended);
         for expected in [
             "contact.restitution = 6: must be above 0 and at most 1",
             "contact.frction = 0.5: unknown key: did you mean friction?",
             "--set time.end=-1: time.end = -1: must be above 0",
         ] {
-            assert!(words.contains(expected), "{expected}: {words}");
+            assert!(message.contains(expected), "{expected}: {message}");
         }
     }
 }
@@ -67,8 +67,8 @@ fn ranks_that_cannot_divide_the_box() {
     let ended = run(4, "staged", folder.path(), &["--set", "parallel.axis=x"]);
     assert!(failure(&ended).contains("use at most 3 along x"), "{ended:?}");
     let ended = run(2, "staged", folder.path(), &["--ranks", "2,2,1"]);
-    let words = failure(&ended);
-    assert!(words.contains("the rank grid 2,2,1 needs 4 ranks, but 2 were started"), "{words}");
+    let message = failure(&ended);
+    assert!(message.contains("the rank grid 2,2,1 needs 4 ranks, but 2 were started"), "{message}");
     let ended = run(0, "staged", folder.path(), &["--set", "parallel.ranks=[1,1,2]"]);
     assert!(failure(&ended).contains("(mpirun -n 2)"), "{ended:?}");
     // Nothing was begun.
@@ -80,8 +80,8 @@ fn a_bed_that_blows_up_says_what_to_do() {
     for ranks in [0, 2] {
         let folder = tempfile::tempdir().unwrap();
         let ended = run(ranks, "rank-equality", folder.path(), &["--set", "time.step=3.2e-3"]);
-        let words = failure(&ended);
-        assert!(words.contains("step ") && words.contains("shorten time.step"), "{words}");
+        let message = failure(&ended);
+        assert!(message.contains("step ") && message.contains("shorten time.step"), "{message}");
         assert!(checkpoints(folder.path()).is_empty(), "no checkpoint of a state without meaning");
     }
 }
@@ -92,9 +92,9 @@ fn a_plug_that_meets_the_top_ends_the_run_in_words() {
         let folder = tempfile::tempdir().unwrap();
         let low = ["--set", "box.lengths=[5.1,5.1,17.0]", "--set", "gas.superficial_velocity=0.9"];
         let ended = run(ranks, "rank-equality", folder.path(), &low);
-        let words = failure(&ended);
-        assert!(words.contains("passed the upper z face of the box"), "{words}");
-        assert!(words.contains("the case ends the run there"), "{words}");
+        let message = failure(&ended);
+        assert!(message.contains("passed the upper z face of the box"), "{message}");
+        assert!(message.contains("the case ends the run there"), "{message}");
     }
 }
 
@@ -105,8 +105,11 @@ fn a_folder_that_cannot_be_written() {
     fs::write(&file, "").unwrap();
     for ranks in [0, 2] {
         let ended = run(ranks, "walls", &file.join("results"), &[]);
-        let words = failure(&ended);
-        assert!(words.contains("file/results") && words.contains("Not a directory"), "{words}");
+        let message = failure(&ended);
+        assert!(
+            message.contains("file/results") && message.contains("Not a directory"),
+            "{message}"
+        );
     }
     // A file that stops being writable in the middle of the run: a folder in its place.
     let output = folder.path().join("results");

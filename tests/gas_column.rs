@@ -68,7 +68,7 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
             );
             // The bed is uniform, so the force on the particles is the same, but for the rounding of each to
             // half a spacing of the lattice, and round-off.
-            let spacing = run.models.force_lattice.spacing();
+            let spacing = run.models.force_quantum.spacing();
             let force = run.work.tallies.by_gas[2] as f64 * spacing;
             let rounding = 160.0 * 0.5 * spacing / 25.0 + 1.0e-12 * expected.abs();
             assert!((force / 25.0 - expected).abs() < rounding, "{force}");

@@ -44,7 +44,7 @@ fn nothing_touches_at_the_start() {
             assert_eq!(particle.id, id as u64);
             for axis in 0..3 {
                 let x = particle.position[axis];
-                assert_eq!(case.domain.bounds.lattice().round(x), x);
+                assert_eq!(case.domain.bounds.position_quantum().round(x), x);
                 assert!((0.0..=case.domain.bounds.lengths()[axis]).contains(&x));
             }
         }

@@ -29,8 +29,8 @@ fn endless(ranks: usize, case: &str, output: &Path, more: &[&str]) -> Running {
 /// The time at which a run stopped, as it says.
 fn stop_time(ended: &Ended) -> f64 {
     assert_eq!(ended.code(), Some(0), "{}\n{}", ended.output, ended.errors);
-    let words = ended.output.split_once("stopped at time ").expect("says when it stopped").1;
-    words.split(' ').next().unwrap().parse().unwrap()
+    let message = ended.output.split_once("stopped at time ").expect("says when it stopped").1;
+    message.split(' ').next().unwrap().parse().unwrap()
 }
 
 /// Resumes the run in a folder for a while; it must come to the state of a run without interruption.
@@ -38,8 +38,8 @@ fn assert_goes_on(case: &str, output: &Path, stopped: f64, ranks: usize) -> Ende
     let until = (stopped + 0.1).to_string();
     let resumed =
         talcum(ranks, &["run", case, "--resume", "--output", &text(output), "--until", &until]);
-    let words = format!(" at time {stopped}, state ");
-    assert!(resumed.output.contains(&words), "{words}: {}", resumed.output);
+    let message = format!(" at time {stopped}, state ");
+    assert!(resumed.output.contains(&message), "{message}: {}", resumed.output);
     let whole = tempfile::tempdir().unwrap();
     let expected = talcum(0, &["run", case, "--output", &text(whole.path()), "--until", &until]);
     assert_eq!(resumed.digest(), expected.digest());
@@ -103,8 +103,8 @@ fn the_words_of_a_stopped_run_repeat_its_changes() {
     let again = talcum(0, &["restart", &checkpoint, "--until", "1e6"]);
     stop_time(&again);
     let newest = text(&checkpoints(folder.path()).pop().unwrap());
-    let words = format!("go on with: talcum restart {newest} --until 1000000");
-    assert!(newest > checkpoint && again.output.contains(&words), "{}", again.output);
+    let message = format!("go on with: talcum restart {newest} --until 1000000");
+    assert!(newest > checkpoint && again.output.contains(&message), "{}", again.output);
 }
 
 #[test]
@@ -274,10 +274,10 @@ fn a_damaged_checkpoint_is_passed_over_in_words() {
     fs::write(&files[1], bytes).unwrap();
     let resumed = run(&output, &["--resume", "--until", "0.5"]);
     assert_eq!(resumed.digest(), digest);
-    let words = format!("passed over: {}: the file", text(&files[2]));
-    assert!(resumed.errors.contains(&words), "{}", resumed.errors);
-    let words = format!("passed over: {}: the file is damaged", text(&files[1]));
-    assert!(resumed.errors.contains(&words), "{}", resumed.errors);
+    let message = format!("passed over: {}: the file", text(&files[2]));
+    assert!(resumed.errors.contains(&message), "{}", resumed.errors);
+    let message = format!("passed over: {}: the file is damaged", text(&files[1]));
+    assert!(resumed.errors.contains(&message), "{}", resumed.errors);
     assert!(resumed.output.contains(&text(&files[0])), "{}", resumed.output);
     assert_eq!(series(folder.path()), series(whole.path()));
 

@@ -112,11 +112,11 @@ fn code_of(text: &str) -> String {
 }
 
 fn without_comments_and_texts(text: &str) -> String {
-    let letters: Vec<char> = text.chars().collect();
+    let messages: Vec<char> = text.chars().collect();
     let mut code = String::new();
     let mut at = 0;
-    while at < letters.len() {
-        let rest = &letters[at..];
+    while at < messages.len() {
+        let rest = &messages[at..];
         at += match rest {
             ['/', '/', ..] => until(rest, 2, &['\n']) - 1,
             ['/', '*', ..] => until(rest, 2, &['*', '/']),
@@ -135,15 +135,15 @@ fn without_comments_and_texts(text: &str) -> String {
 }
 
 /// Letters up to and including the first `end` from place `from` on, or all.
-fn until(letters: &[char], from: usize, end: &[char]) -> usize {
-    let found = letters[from..].windows(end.len()).position(|window| window == end);
-    found.map_or(letters.len() + 1, |place| from + place + end.len()).min(letters.len() + 1)
+fn until(messages: &[char], from: usize, end: &[char]) -> usize {
+    let found = messages[from..].windows(end.len()).position(|window| window == end);
+    found.map_or(messages.len() + 1, |place| from + place + end.len()).min(messages.len() + 1)
 }
 
-fn length_of_text(letters: &[char]) -> usize {
+fn length_of_text(messages: &[char]) -> usize {
     let mut at = 1;
-    while at < letters.len() && letters[at] != '"' {
-        at += if letters[at] == '\\' { 2 } else { 1 };
+    while at < messages.len() && messages[at] != '"' {
+        at += if messages[at] == '\\' { 2 } else { 1 };
     }
     at + 1
 }
@@ -152,13 +152,13 @@ fn length_of_text(letters: &[char]) -> usize {
 fn without_test_items(code: &str) -> String {
     let Some((before, after)) = code.split_once("#[cfg(test)]") else { return code.to_owned() };
     let mut depth = 0;
-    let end = after.char_indices().find_map(|(place, letter)| {
-        match letter {
+    let end = after.char_indices().find_map(|(place, message)| {
+        match message {
             '{' => depth += 1,
             '}' => depth -= 1,
             _ => {}
         }
-        (depth == 0 && (letter == '}' || letter == ';')).then_some(place + 1)
+        (depth == 0 && (message == '}' || message == ';')).then_some(place + 1)
     });
     before.to_owned() + &without_test_items(&after[end.unwrap_or(after.len())..])
 }
@@ -168,7 +168,7 @@ fn tokens(code: &str) -> Vec<&str> {
     let mut tokens = Vec::new();
     let mut rest = code;
     while let Some(first) = rest.chars().next() {
-        let is_name = |letter: char| letter.is_alphanumeric() || letter == '_';
+        let is_name = |message: char| message.is_alphanumeric() || message == '_';
         let length = if is_name(first) {
             rest.find(|letter| !is_name(letter)).unwrap_or(rest.len())
         } else if rest.starts_with("::") {
@@ -380,7 +380,7 @@ fn what_is_allowed_is_not_caught() {
         ),
         ("gas/column.rs", "#[cfg(test)]\nmod tests { use crate::case::Case; fn f() { { } } }"),
         ("parallel/mpi_ranks.rs", "use mpi::Tag;"),
-        ("parallel/mpi_ranks/letters.rs", "use mpi::Tag;"),
+        ("parallel/mpi_ranks/messages.rs", "use mpi::Tag;"),
         ("parallel/mod.rs", "mod mpi_ranks; pub use mpi_ranks::MpiRanks;"),
         (
             "command_line/mod.rs",

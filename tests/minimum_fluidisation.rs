@@ -10,7 +10,7 @@ use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::gas::{BaseNode, Drive};
 use talcum::numbers::Schedule;
 use talcum::parallel::OneRank;
-use talcum::particles::Load;
+use talcum::particles::ForceTorque;
 
 const STOKES: f64 = 55.0;
 /// The bed is poured until then; the gas rises from SLOWEST to FASTEST in RISE time units afterwards.
@@ -41,14 +41,14 @@ fn bulk(run: &mut Run) -> (f64, f64) {
     let Run { state, models, work, .. } = run;
     let (gas, fluid) = (models.column().unwrap(), work.fluid.as_mut().unwrap());
     let mut probe = state.particles.clone();
-    probe.load.fill(Load::of(Vector3::zeros()));
+    probe.forces.fill(ForceTorque::of(Vector3::zeros()));
     fluid.add_to(gas, &mut probe).expect("forces have a meaning");
     let owned = probe.owned_count();
     let top = probe.body[..owned].iter().fold(0.0, |top: f64, body| top.max(body.position.z));
     let inside = |height: f64| (0.25 * top..0.75 * top).contains(&height);
     let (mut force, mut weight) = (0.0, 0.0);
     for i in (0..owned).filter(|&i| inside(probe.body[i].position.z)) {
-        force += probe.load[i].force.z;
+        force += probe.forces[i].force.z;
         weight += probe.body[i].mass;
     }
     let nodes = fluid.grid().nodes();

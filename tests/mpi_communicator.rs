@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
-mod letters;
+mod sparse_exchange;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use bytemuck::Zeroable;
 use talcum::output::checkpoint::{self, Checkpoint};
 use talcum::output::{ParticleSnapshots, Provenance};
 use talcum::parallel::{
-    Communicator, ContactRecord, FileAccess, Letter, MpiRanks, OneRank, ParticleRecord,
+    Communicator, ContactRecord, FileAccess, Message, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
 use talcum::state::{Clock, Departed, FlowReport, SizeRange};
@@ -42,8 +42,8 @@ fn main() -> ExitCode {
             println!("test {name} ... ok");
             passed += 1;
         }
-        Some(words) => {
-            println!("test {name} ... FAILED\n{words}");
+        Some(message) => {
+            println!("test {name} ... FAILED\n{message}");
             failed += 1;
         }
     };
@@ -51,8 +51,8 @@ fn main() -> ExitCode {
         for role in [
             "methods",
             "methods_in_pieces",
-            "letters",
-            "letters_in_pieces",
+            "messages",
+            "messages_in_pieces",
             "write",
             "read",
             "open",
@@ -61,8 +61,8 @@ fn main() -> ExitCode {
             judge(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
         }
         judge(format!("panic on one of {n} ranks"), expect("panic", n, folder.path(), 101));
-        let name = format!("panic on one of {n} ranks while others look for letters");
-        judge(name, expect("panic_before_letters", n, folder.path(), 101));
+        let name = format!("panic on one of {n} ranks while others look for messages");
+        judge(name, expect("panic_before_exchange", n, folder.path(), 101));
         judge(format!("abort on one of {n} ranks"), expect("abort", n, folder.path(), 7));
     }
     judge("panic in another thread".to_owned(), expect("thread_panic", 2, folder.path(), 101));
@@ -96,9 +96,9 @@ fn expect(role: &str, n: usize, folder: &Path, code: i32) -> Option<String> {
         }
         std::thread::sleep(Duration::from_millis(10));
     };
-    let words = std::fs::read_to_string(&log).unwrap_or_default();
-    let silent = code != 101 || words.contains("on purpose");
-    (status.code() != Some(code) || !silent).then(|| format!("{status}\n{words}"))
+    let message = std::fs::read_to_string(&log).unwrap_or_default();
+    let silent = code != 101 || message.contains("on purpose");
+    (status.code() != Some(code) || !silent).then(|| format!("{status}\n{message}"))
 }
 
 /// What one rank does.
@@ -110,8 +110,8 @@ fn act(role: &str, folder: &Path) {
         "methods" => methods(&ranks),
         // 100,000 is a multiple of it: the last piece of such messages is empty.
         "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
-        "letters" => letters(&ranks),
-        "letters_in_pieces" => letters(&ranks.with_longest_message(1000)),
+        "messages" => messages(&ranks),
+        "messages_in_pieces" => messages(&ranks.with_longest_message(1000)),
         "write" => write(&ranks, folder),
         "read" => read(&ranks, folder),
         "open" => open(&ranks, folder),
@@ -120,9 +120,9 @@ fn act(role: &str, folder: &Path) {
             // Would wait for ever if nobody ended this rank.
             ranks.any(false);
         }
-        "panic_before_letters" => {
+        "panic_before_exchange" => {
             assert!(!last, "on purpose");
-            ranks.exchange_letters(&[Letter { rank: ranks.size() - 1, bytes: vec![1] }]);
+            ranks.sparse_exchange(&[Message { rank: ranks.size() - 1, bytes: vec![1] }]);
         }
         "thread_panic" => {
             if last {
@@ -179,9 +179,9 @@ fn methods(ranks: &MpiRanks) {
     assert!(block.rows.is_sorted() && block.total == 2 * n as u64);
 }
 
-fn letters(ranks: &MpiRanks) {
-    letters::letters_find_their_exchange(ranks);
-    letters::all_know_what_each_has(ranks);
+fn messages(ranks: &MpiRanks) {
+    sparse_exchange::messages_find_their_exchange(ranks);
+    sparse_exchange::all_know_what_each_has(ranks);
 }
 
 fn numbers(ranks: &MpiRanks) {
@@ -245,7 +245,7 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     }
     let nowhere = folder.join("nowhere").join("checkpoint.h5");
     let refused = checkpoint::write(&nowhere, &share(3, ranks), &provenance, ranks);
-    assert!(refused.unwrap_err().words.contains("HDF5 says"));
+    assert!(refused.unwrap_err().message.contains("HDF5 says"));
     let path = folder.join(format!("particles-{}.vtkhdf", ranks.size()));
     let mut snapshots = ParticleSnapshots::create(&path, "", &provenance, ranks).unwrap();
     for (step, count) in COUNTS.into_iter().enumerate() {

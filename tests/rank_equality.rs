@@ -88,10 +88,10 @@ fn balancing_and_the_skin_change_no_bit() {
         for grid in [[1, 1, 1], [1, 1, 3], [2, 1, 2]] {
             let what = format!("skin {skin}, balanced every {every} steps, ranks {grid:?}");
             let cut_moved = bench.on_ranks(grid, |run| {
-                let before = run.work.cut.clone();
+                let before = run.work.decomposition.clone();
                 let end = run.steps(STEPS).snapshot();
                 assert_same_bits(&reference, &end, &what);
-                before != run.work.cut
+                before != run.work.decomposition
             });
             assert_eq!(cut_moved, grid[2] > 1, "{what}");
         }
@@ -202,7 +202,7 @@ fn one_lattice_spacing_is_seen() {
     let bench = vibrated_bed();
     let reference = after(&bench, [1, 1, 1], STEPS);
     let mut moved = bench.clone();
-    moved.particles[150].position[0] += moved.domain.bounds.lattice().spacing();
+    moved.particles[150].position[0] += moved.domain.bounds.position_quantum().spacing();
     let end = after(&moved, [1, 1, 2], STEPS);
     let pairs = reference.particles.iter().zip(&end.particles);
     let differing = pairs.filter(|(a, b)| a.position != b.position).count();

@@ -68,8 +68,8 @@ fn a_stopped_run_goes_on_with_the_same_bits_on_other_ranks() {
     std::fs::copy(&at_half, &copy).unwrap();
     let end = talcum(3, &["run", &case, "--output", &output, "--resume"]);
     assert_eq!(end.digest(), digest);
-    let words = format!("resuming from {at_half} at time 1.75, state ");
-    assert!(end.output.contains(&words), "{}", end.output);
+    let message = format!("resuming from {at_half} at time 1.75, state ");
+    assert!(end.output.contains(&message), "{}", end.output);
     assert_same_results(&resumed, &whole);
 
     // A foreign folder for the results: the rest of the rows, after the same header.
@@ -149,17 +149,17 @@ fn keys_may_change_on_restart() {
         let ended = talcum(ranks, &arguments.concat());
         (ended.digest(), ended.output)
     };
-    let (same, words) = go_on(0, &[]);
+    let (same, message) = go_on(0, &[]);
     assert!(
-        words.contains("complete at time 0.8;") && words.contains("000000003200.h5"),
-        "{words}"
+        message.contains("complete at time 0.8;") && message.contains("000000003200.h5"),
+        "{message}"
     );
     let shorter = ["--set", "time.step=1.0e-4"];
-    let (other, words) = go_on(0, &shorter);
+    let (other, message) = go_on(0, &shorter);
     // 2000 steps of 2.5e-4, then 3000 of 1e-4.
     assert!(
-        words.contains("complete at time 0.8;") && words.contains("000000005000.h5"),
-        "{words}"
+        message.contains("complete at time 0.8;") && message.contains("000000005000.h5"),
+        "{message}"
     );
     assert_ne!(other, same);
     assert_eq!(go_on(2, &shorter).0, other);
@@ -186,8 +186,11 @@ fn an_earlier_future_is_not_taken_for_the_present_one() {
     assert_eq!(files.len(), 3);
     // Another future begins at the oldest, and is interrupted at once.
     let change = ["--set", "contact.friction=0.5", "--until", "0.25"];
-    let words = talcum(0, &[&["restart", &text(&files[0])], &change[..]].concat());
-    assert!(words.errors.contains("kept as checkpoint-000000001600.h5.superseded"), "{words:?}");
+    let message = talcum(0, &[&["restart", &text(&files[0])], &change[..]].concat());
+    assert!(
+        message.errors.contains("kept as checkpoint-000000001600.h5.superseded"),
+        "{message:?}"
+    );
     let goes_on = run("branched", &["--resume", "--until", "0.5"]);
     assert!(goes_on.output.contains("at time 0.25, state "), "{}", goes_on.output);
     assert!(goes_on.errors.contains("the case has changed"), "{}", goes_on.errors);
@@ -207,8 +210,13 @@ fn results_are_kept_continued_or_replaced_as_told() {
     let before = std::fs::read(folder.path().join("series.csv")).unwrap();
     let refused = run(&[]);
     assert_eq!(refused.code(), Some(1));
-    let words = refused.error();
-    assert!(["--resume", "--force", "--output"].iter().all(|way| words.contains(way)), "{words}");
+    let message = refused.error();
+    assert!(
+        ["--resume", "--force", "--output"]
+            .iter()
+            .all(|displacement| message.contains(displacement)),
+        "{message}"
+    );
     assert_eq!(std::fs::read(folder.path().join("series.csv")).unwrap(), before);
     let elsewhere = talcum(0, &["restart", &newest(folder.path()), "--output", &output]);
     assert_eq!(elsewhere.code(), Some(0), "continues its own folder: {}", elsewhere.errors);

@@ -9,7 +9,7 @@
 mod systems;
 
 use std::path::PathBuf;
-use systems::{System, part_of, solids_fraction};
+use systems::{System, local_cells, solids_fraction};
 use talcum::grid::Field;
 use talcum::linear_solver::{Convergence, PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, run_on_threads};
@@ -32,14 +32,14 @@ struct Solve<'a> {
 
 impl<'a> Solve<'a> {
     fn new(system: &'a System, ranks: &dyn Communicator) -> Self {
-        let (grid, cut) = system.grid(ranks.size());
-        let part = grid.part_of(&cut, ranks.rank());
+        let (grid, decomposition) = system.grid(ranks.size());
+        let part = grid.local_cells(&decomposition, ranks.rank());
         Self {
             system,
-            solver: PressureSolver::new(&grid, &cut, &system.bounds(), ranks.rank()),
-            faces: system.faces.each_ref().map(|face| part_of(face, &part)),
-            diagonal: part_of(&system.diagonal, &part),
-            right: part_of(&system.right, &part),
+            solver: PressureSolver::new(&grid, &decomposition, &system.bounds(), ranks.rank()),
+            faces: system.faces.each_ref().map(|face| local_cells(face, &part)),
+            diagonal: local_cells(&system.diagonal, &part),
+            right: local_cells(&system.right, &part),
             solution: Field::new(&part, 1),
         }
     }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
-use talcum::grid::{BoxGrid, Field, GridPart};
+use talcum::grid::{BoxGrid, Field, LocalCells};
 
 /// Edge of a cell in sphere diameters.
 const CELL: f64 = 2.0;
@@ -168,13 +168,13 @@ impl System {
     pub(crate) fn grid(&self, ranks: usize) -> (BoxGrid, Decomposition) {
         let grid = BoxGrid::new(&self.bounds(), self.counts);
         let even = Decomposition::even(RankGrid::slabs(2, ranks), &self.bounds());
-        let cut = grid.aligned(&even, 2).expect("there are enough cells");
-        (grid, cut)
+        let decomposition = grid.aligned(&even, 2).expect("there are enough cells");
+        (grid, decomposition)
     }
 }
 
 /// A rank's part of numbers of the whole grid.
-pub(crate) fn part_of(numbers: &[f64], part: &GridPart) -> Field {
+pub(crate) fn local_cells(numbers: &[f64], part: &LocalCells) -> Field {
     let mut field = Field::new(part, 1);
     let [nx, ny, _] = part.counts;
     let start = part.start;

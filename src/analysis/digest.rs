@@ -70,14 +70,14 @@ fn sum<T: Pod>(
     let mut bytes = vec![kind; 1 + size_of::<T>()];
     for index in 0..records.count() {
         let mut record = records.at(index);
-        let words: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
-        for number in &mut words[ids..] {
+        let message: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
+        for number in &mut message[ids..] {
             *number = if *number == NEGATIVE_ZERO { 0 } else { *number };
         }
-        let (always, last) = words.split_at(words.len() - optional);
-        let words = if last.iter().all(|&word| word == 0) { always } else { words };
-        let end = 1 + size_of_val(words);
-        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(words) {
+        let (always, last) = message.split_at(message.len() - optional);
+        let message = if last.iter().all(|&word| word == 0) { always } else { message };
+        let end = 1 + size_of_val(message);
+        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(message) {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
         let hash = xxh3_128(&bytes[..end]);

@@ -86,7 +86,7 @@ impl MomentumProbe {
     pub fn take(particles: &Particles, ranks: &dyn Communicator) -> Self {
         let [px, py, pz, fx, fy, fz] = sums(particles, ranks, |i| {
             let (p, f) =
-                (particles.body[i].velocity * particles.body[i].mass, particles.load[i].force);
+                (particles.body[i].velocity * particles.body[i].mass, particles.forces[i].force);
             [p.x, p.y, p.z, f.x, f.y, f.z]
         });
         Self { momentum: [px, py, pz], force: [fx, fy, fz] }
@@ -114,14 +114,14 @@ fn external_forces(
     let particles = &state.particles;
     let weight = models.weight_at(state.clock.time());
     let owned = particles.body[..particles.owned_count()].iter();
-    let weight: i64 = owned.map(|body| weight.lattice.count(weight.of(body.mass))).sum();
+    let weight: i64 = owned.map(|body| weight.quantum.count(weight.of(body.mass))).sum();
     let on_all_walls = |axis: usize| on_walls.iter().map(|force| force[axis]).sum::<i64>();
     let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
     let on_plate = domain.walls.iter().zip(on_walls).filter(|(wall, _)| wall.name == BASE_PLATE);
     let plate = on_plate.map(|(_, force)| -force[2]).sum();
     let mut counts = [external[0], external[1], external[2] - weight, by_gas[2], plate];
     ranks.sum_integers(&mut counts);
-    let spacing = models.force_lattice.spacing();
+    let spacing = models.force_quantum.spacing();
     let force = |index: usize| counts[index] as f64 * spacing;
     ([force(0), force(1), force(2)], force(3), force(4))
 }
@@ -135,7 +135,7 @@ fn flow_through(
     ranks: &dyn Communicator,
 ) -> (f64, f64) {
     let Some((model, flow)) = models.flow().zip(state.flow.as_ref()) else { return (0.0, 0.0) };
-    let part = model.grid.part_of(&work.cut, ranks.rank());
+    let part = model.grid.local_cells(&work.decomposition, ranks.rank());
     let [nx, ny, nz] = part.count.map(|count| count as isize);
     let [at_bottom, at_top] = part.at_ends(2);
     let columns = || (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j)));

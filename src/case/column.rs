@@ -6,7 +6,7 @@ use super::forces::positive_gravity;
 use super::particles::Scales;
 use super::section::Section;
 use crate::domain::{Bounds, Face};
-use crate::gas::{BaseNode, ColumnGas, DragLaw, Drive, ScaledDrag, WeightBalance};
+use crate::gas::{BaseNode, ColumnGas, DragCorrelation, DragLaw, Drive, WeightBalance};
 use serde::Deserialize;
 use std::ops::Range;
 

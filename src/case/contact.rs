@@ -7,7 +7,7 @@ use super::section::Section;
 use super::stages::take_over;
 use super::tree::{Node, Value};
 use super::units::Units;
-use crate::contact::{Elasticity, Interface, RollingFriction, RollingKind};
+use crate::contact::{ContactModel, Elasticity, RollingFriction, RollingKind};
 use serde::Deserialize;
 
 /// What laws need from the rest of the file.
@@ -36,7 +36,7 @@ pub(super) fn read_contact(
     section: Section<'_>,
     walls: &[Option<&Node>],
     adhering: &Adhering,
-) -> Option<(Interface, Vec<Interface>)> {
+) -> Option<(ContactModel, Vec<ContactModel>)> {
     let for_all = section.optional_section("wall").map(|wall| wall.node);
     let (particles, elasticity) = read_interface(&section, None, adhering);
     section.finish();
@@ -59,7 +59,7 @@ pub(super) fn read_contact(
         // What is said about walls must be right, also without any.
         at_wall(Some(change));
     }
-    let at_walls: Vec<Option<Interface>> = walls.iter().map(|own| at_wall(*own)).collect();
+    let at_walls: Vec<Option<ContactModel>> = walls.iter().map(|own| at_wall(*own)).collect();
     Some((particles?, at_walls.into_iter().collect::<Option<_>>()?))
 }
 
@@ -105,10 +105,10 @@ fn read_interface(
     section: &Section<'_>,
     particles: Option<Elasticity>,
     adhering: &Adhering,
-) -> (Option<Interface>, Option<Elasticity>) {
+) -> (Option<ContactModel>, Option<Elasticity>) {
     let (law, elasticity) = read_law(section, particles, adhering);
     let rolling = read_rolling(section);
-    let interface = law.zip(rolling).map(|(law, rolling)| Interface { law, rolling });
+    let interface = law.zip(rolling).map(|(law, rolling)| ContactModel { law, rolling });
     (interface, elasticity)
 }
 

@@ -7,7 +7,7 @@ use super::particles::sphere_mass;
 use super::section::Section;
 use super::units::Units;
 use crate::contact::{
-    AdhesiveElasticPlastic, ContactModel, ContactModuli, Elasticity, FrictionCap, HertzMindlin,
+    AdhesiveElasticPlastic, ContactLaw, ContactModuli, Elasticity, FrictionCap, HertzMindlin,
     HystereticParameters, InvalidContactLaw, Jkr, LinearHysteretic, LinearSpringDashpot,
 };
 use serde::Deserialize;
@@ -42,7 +42,7 @@ pub(super) fn read_law(
     section: &Section<'_>,
     particles: Option<Elasticity>,
     adhering: &Adhering,
-) -> (Option<ContactModel>, Option<Elasticity>) {
+) -> (Option<ContactLaw>, Option<Elasticity>) {
     let law: Option<Law> = section.value("law");
     if let (Some(Law::AdhesiveElasticPlastic | Law::Jkr), true) = (law, adhering.cohesive) {
         section.fail("law", "brings its own adhesion: it cannot stand beside [cohesion]");
@@ -58,13 +58,13 @@ pub(super) fn read_law(
         }
         Some(Law::LinearHysteretic) => (read_linear_hysteretic(section), None),
         Some(Law::HertzMindlin) => read_elastic(section, particles, |moduli, e, mu| {
-            HertzMindlin::new(moduli, e, mu).map(ContactModel::HertzMindlin)
+            HertzMindlin::new(moduli, e, mu).map(ContactLaw::HertzMindlin)
         }),
         Some(Law::Jkr) => {
             let energy = section.number("surface_energy", Allowed::POSITIVE);
             let (model, elasticity) = read_elastic(section, particles, |moduli, e, mu| {
                 // 1 stands for what is missing, which has been reported.
-                Jkr::new(moduli, energy.unwrap_or(1.0), e, mu).map(ContactModel::Jkr)
+                Jkr::new(moduli, energy.unwrap_or(1.0), e, mu).map(ContactLaw::Jkr)
             });
             (model.filter(|_| energy.is_some()), elasticity)
         }
@@ -76,7 +76,7 @@ fn checked<T>(section: &Section<'_>, law: Result<T, InvalidContactLaw>) -> Optio
     law.map_err(|error| section.fail(error.parameter, error.to_string())).ok()
 }
 
-fn read_linear_spring_dashpot(section: &Section<'_>, cohesive: bool) -> Option<ContactModel> {
+fn read_linear_spring_dashpot(section: &Section<'_>, cohesive: bool) -> Option<ContactLaw> {
     let normal = section.number("normal_stiffness", Allowed::POSITIVE);
     let tangential = match section.exactly_one(&["tangential_stiffness", "poisson_ratio"]) {
         Some("poisson_ratio") => section
@@ -101,7 +101,7 @@ fn read_linear_spring_dashpot(section: &Section<'_>, cohesive: bool) -> Option<C
         Cap::Net => FrictionCap::Net,
     });
     let law = LinearSpringDashpot::new(normal?, tangential?, restitution?, friction?, cap?);
-    checked(section, law).map(ContactModel::LinearSpringDashpot)
+    checked(section, law).map(ContactLaw::LinearSpringDashpot)
 }
 
 /// Stiffnesses, restitution and friction of a hysteretic law.
@@ -139,18 +139,15 @@ fn read_hysteretic(section: &Section<'_>) -> Option<HystereticParameters> {
     })
 }
 
-fn read_linear_hysteretic(section: &Section<'_>) -> Option<ContactModel> {
+fn read_linear_hysteretic(section: &Section<'_>) -> Option<ContactLaw> {
     let parameters = read_hysteretic(section);
     let adhesion = section.number("adhesion_stiffness", Allowed::NOT_NEGATIVE);
     let law = LinearHysteretic::new(parameters?, adhesion?);
-    checked(section, law).map(ContactModel::LinearHysteretic)
+    checked(section, law).map(ContactLaw::LinearHysteretic)
 }
 
 /// F0 = Bo m g at the reference diameter.
-fn read_adhesive_elastic_plastic(
-    section: &Section<'_>,
-    adhering: &Adhering,
-) -> Option<ContactModel> {
+fn read_adhesive_elastic_plastic(section: &Section<'_>, adhering: &Adhering) -> Option<ContactLaw> {
     /// Diameter of the primary particles of Liu et al., m.
     const PRIMARY_DIAMETER: f64 = 20.0e-9;
     let parameters = read_hysteretic(section);
@@ -175,15 +172,15 @@ fn read_adhesive_elastic_plastic(
         }
     };
     let law = AdhesiveElasticPlastic::new(parameters?, adhesion?, primary?);
-    checked(section, law).map(ContactModel::AdhesiveElasticPlastic)
+    checked(section, law).map(ContactLaw::AdhesiveElasticPlastic)
 }
 
 /// Modulus, Poisson's ratio, restitution and friction of an elastic law.
 fn read_elastic(
     section: &Section<'_>,
     particles: Option<Elasticity>,
-    law: impl FnOnce(ContactModuli, f64, f64) -> Result<ContactModel, InvalidContactLaw>,
-) -> (Option<ContactModel>, Option<Elasticity>) {
+    law: impl FnOnce(ContactModuli, f64, f64) -> Result<ContactLaw, InvalidContactLaw>,
+) -> (Option<ContactLaw>, Option<Elasticity>) {
     let young_modulus = section.number("young_modulus", Allowed::POSITIVE);
     let poisson_ratio = section.number("poisson_ratio", Allowed::between(0.0, 0.5));
     let restitution = section.number("restitution", Allowed::FRACTION);

@@ -33,7 +33,7 @@ pub use sizes::SizeDistribution;
 pub use stages::Stage;
 pub use units::Units;
 
-use crate::contact::{ContactLaw, Interface};
+use crate::contact::{ContactForceLaw, ContactModel};
 use crate::coupling::FlowModel;
 use crate::domain::Bounds;
 use crate::state::{Domain, SizeRange, range_of};
@@ -145,7 +145,7 @@ impl Case {
     pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
         let mass = self.particles.mass_of(sizes.smallest_diameter);
         let radius = 0.5 * sizes.smallest_diameter;
-        let of_walls = |interface: &Interface| interface.law.contact_duration(mass, radius);
+        let of_walls = |interface: &ContactModel| interface.law.contact_duration(mass, radius);
         let of_pair = stage.contact.law.contact_duration(0.5 * mass, 0.5 * radius);
         stage.at_walls.iter().map(of_walls).fold(of_pair, f64::min)
     }

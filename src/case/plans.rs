@@ -52,7 +52,7 @@ pub struct ParallelPlan {
     pub layout: RankLayout,
     /// Skin of the neighbour list over the largest diameter.
     pub skin: f64,
-    /// Load balancing, unless it is switched off.
+    /// ForceTorque balancing, unless it is switched off.
     pub balance: Option<Balance>,
 }
 

@@ -11,7 +11,7 @@ use super::section::Section;
 use super::tree::{Node, Value};
 use super::units::Units;
 use super::walls::contacts_of;
-use crate::contact::{Interface, VanDerWaals};
+use crate::contact::{ContactModel, VanDerWaals};
 use crate::coupling::FlowModel;
 use crate::domain::EffectiveGravity;
 use crate::gas::ColumnGas;
@@ -37,9 +37,9 @@ pub struct Stage {
     /// Length of a step.
     pub time_step: f64,
     /// Where particles touch.
-    pub contact: Interface,
+    pub contact: ContactModel,
     /// Where they touch the walls, by the walls' numbers.
-    pub at_walls: Vec<Interface>,
+    pub at_walls: Vec<ContactModel>,
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
@@ -62,13 +62,13 @@ impl Stage {
             gravity: self.gravity,
             time_step: self.time_step,
             limits,
-            force_lattice: limits.force_lattice(),
-            torque_lattice: limits.torque_lattice(0.5 * sizes.largest_diameter),
+            force_quantum: limits.force_quantum(),
+            torque_quantum: limits.torque_quantum(0.5 * sizes.largest_diameter),
         }
     }
 
     /// All ways in which bodies touch.
-    pub fn interfaces(&self) -> impl Iterator<Item = &Interface> {
+    pub fn interfaces(&self) -> impl Iterator<Item = &ContactModel> {
         std::iter::once(&self.contact).chain(&self.at_walls)
     }
 
@@ -220,7 +220,7 @@ fn timetable(
 }
 
 type Forces =
-    ((Interface, Vec<Interface>), Option<VanDerWaals>, Option<GasModel>, EffectiveGravity);
+    ((ContactModel, Vec<ContactModel>), Option<VanDerWaals>, Option<GasModel>, EffectiveGravity);
 
 fn read_forces(
     current: &[Current; SECTIONS.len()],

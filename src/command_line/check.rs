@@ -6,7 +6,7 @@ use super::reading::read_case;
 use super::report::six_digits;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::{ContactLaw, Interface};
+use crate::contact::{ContactForceLaw, ContactModel};
 use crate::coupling::FlowModel;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::gas::volume_averaged::Boundary;
@@ -38,33 +38,33 @@ pub(super) fn check(
     let mut beginning = begin_from_case(&case, changes.ranks, ranks)?;
     let particles = ranks.total(beginning.state.particles.owned_count());
     let sizes = beginning.state.sizes;
-    let mut words = super::report::head(&case, particles, ranks.size());
-    describe_box(&mut words, &case, &sizes);
+    let mut message = super::report::head(&case, particles, ranks.size());
+    describe_box(&mut message, &case, &sizes);
     for stage in &case.stages {
-        describe_stage(&mut words, &case, stage, &sizes);
+        describe_stage(&mut message, &case, stage, &sizes);
     }
-    describe_ranks(&mut words, &beginning, ranks);
+    describe_ranks(&mut message, &beginning, ranks);
     let megabytes = particles as f64 * BYTES_PER_PARTICLE * 1.0e-6;
-    let _ = writeln!(words, "memory: about {megabytes:.0} MB in all, and 50 MB per rank");
+    let _ = writeln!(message, "memory: about {megabytes:.0} MB in all, and 50 MB per rank");
     let seconds = trial(&case, &mut beginning, ranks)?;
     let steps = case.end_time() / case.stages[0].time_step;
     let total = in_words(Duration::from_secs_f64(seconds * steps));
     let _ = writeln!(
-        words,
+        message,
         "run's time: {steps:.0} steps, about {total} at the pace of the first steps here on {}",
         super::report::count_of(ranks.size(), "rank")
     );
-    say(ranks, words.trim_end());
+    say(ranks, message.trim_end());
     Ok(())
 }
 
-fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
+fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
     let bounds = &case.domain.bounds;
     let d = sizes.largest_diameter;
     let lengths = bounds.lengths();
     let in_diameters = lengths / d;
     let _ = writeln!(
-        words,
+        message,
         "box: {} x {} x {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
         six_digits(lengths.x),
         six_digits(lengths.y),
@@ -82,16 +82,16 @@ fn describe_box(words: &mut String, case: &Case, sizes: &SizeRange) {
         };
         let [lower, upper] = bounds.faces(axis).map(face);
         let axis = ["x", "y", "z"][axis];
-        let _ = writeln!(words, "  {axis}: lower {lower}, upper {upper}");
+        let _ = writeln!(message, "  {axis}: lower {lower}, upper {upper}");
     }
     for wall in &case.domain.walls {
-        let _ = writeln!(words, "  wall \"{}\" {}", wall.name, describe_wall(wall));
+        let _ = writeln!(message, "  wall \"{}\" {}", wall.name, describe_wall(wall));
     }
 }
 
 /// Where a wall is, and how it moves.
 fn describe_wall(wall: &Wall) -> String {
-    let mut words = match wall.shape {
+    let mut message = match wall.shape {
         WallShape::Plane { point: p, normal: n } => format!(
             "through ({}, {}, {}), normal ({:.4}, {:.4}, {:.4})",
             six_digits(p.x),
@@ -107,21 +107,21 @@ fn describe_wall(wall: &Wall) -> String {
     };
     let WallMotion { velocity: v, amplitude: a, frequency, start, end } = wall.motion;
     if !wall.motion.is_rest() {
-        let _ = write!(words, ", velocity ({}, {}, {})", v.x, v.y, v.z);
-        let _ = write!(words, ", amplitude ({}, {}, {}) at {frequency}", a.x, a.y, a.z);
-        let _ = write!(words, ", from {start} to {end}");
+        let _ = write!(message, ", velocity ({}, {}, {})", v.x, v.y, v.z);
+        let _ = write!(message, ", amplitude ({}, {}, {}) at {frequency}", a.x, a.y, a.z);
+        let _ = write!(message, ", from {start} to {end}");
     }
-    words
+    message
 }
 
-fn describe_stage(words: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
-    let _ = writeln!(words, "stage \"{}\":", stage.name);
+fn describe_stage(message: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
+    let _ = writeln!(message, "stage \"{}\":", stage.name);
     let diameter = case.particles.reference_diameter;
     let density = case.particles.density;
     let mass = case.particles.mass_of(diameter);
     let g = stage.gravity.magnitude;
     let mut line = |name: &str, value: String| {
-        let _ = writeln!(words, "  {name:<34}{value}");
+        let _ = writeln!(message, "  {name:<34}{value}");
     };
     if g > 0.0 {
         let stiffness = stage.contact.law.stiffness(SMALL_OVERLAP * diameter, 0.25 * diameter);
@@ -163,7 +163,7 @@ fn describe_contacts(
 ) {
     let mass = case.particles.mass_of(sizes.smallest_diameter);
     let radius = 0.5 * sizes.smallest_diameter;
-    let mut tell = |name: &str, interface: &Interface, mass: f64, radius: f64| {
+    let mut tell = |name: &str, interface: &ContactModel, mass: f64, radius: f64| {
         let duration = interface.law.contact_duration(mass, radius);
         let steps = duration / stage.time_step;
         let law = interface.law.name();
@@ -204,8 +204,9 @@ fn describe_flow(
         ),
     );
     if in_diameters.min() < 2.999 && model.coupling.filter_width < 3.0 * diameter {
-        let words = "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised";
-        line("warning", words.to_owned());
+        let message =
+            "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised";
+        line("warning", message.to_owned());
     }
     let step = time_step * model.substeps as f64;
     line("gas step", format!("{step:.4e}, {} time steps", model.substeps));
@@ -279,15 +280,16 @@ fn minimum_fluidisation(drag: &ParticleDrag, diameter: f64, weight: f64, phi: f6
     high
 }
 
-fn describe_ranks(words: &mut String, beginning: &Beginning, ranks: &dyn Communicator) {
+fn describe_ranks(message: &mut String, beginning: &Beginning, ranks: &dyn Communicator) {
     let here = beginning.state.particles.owned_count() as u64;
     let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
     for (rank, bytes) in counts.iter().enumerate() {
-        let corners = beginning.work.cut.block_bounds(rank).map(|corner| corner.map(six_digits));
+        let corners =
+            beginning.work.decomposition.block_bounds(rank).map(|corner| corner.map(six_digits));
         let [lower, upper] = corners;
         let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
         let _ = writeln!(
-            words,
+            message,
             "rank {rank}: x {} to {}, y {} to {}, z {} to {}, {count} particles",
             lower.x, upper.x, lower.y, upper.y, lower.z, upper.z
         );

@@ -3,7 +3,7 @@
 use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::{ContactLaw, Interface, force_loop};
+use crate::contact::{ContactForceLaw, ContactModel, force_loop};
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use anyhow::anyhow;
@@ -74,7 +74,7 @@ fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
 fn table(
     case: &Case,
     stage: &Stage,
-    (interface, at_wall): (&Interface, bool),
+    (interface, at_wall): (&ContactModel, bool),
     options: &ContactOptions,
 ) -> String {
     let diameter = case.particles.reference_diameter;
@@ -95,12 +95,13 @@ fn table(
         .wall
         .as_ref()
         .map_or("two particles".to_owned(), |wall| format!("a particle and wall \"{wall}\""));
-    let mut words = format!("# talcum {}\n# title: {}\n", env!("CARGO_PKG_VERSION"), case.title);
-    let _ = writeln!(words, "# contact: {other} of diameter {diameter}, stage \"{}\"", stage.name);
+    let mut message = format!("# talcum {}\n# title: {}\n", env!("CARGO_PKG_VERSION"), case.title);
+    let _ =
+        writeln!(message, "# contact: {other} of diameter {diameter}, stage \"{}\"", stage.name);
     let ColumnUnits { length, force, .. } = ColumnUnits::of_system(case.units.name());
-    let _ = writeln!(words, "overlap [{length}],force [{force}],part [1]");
+    let _ = writeln!(message, "overlap [{length}],force [{force}],part [1]");
     for point in points {
-        let _ = writeln!(words, "{:?},{:?},{}", point.overlap, point.force, point.part);
+        let _ = writeln!(message, "{:?},{:?},{}", point.overlap, point.force, point.part);
     }
-    words
+    message
 }

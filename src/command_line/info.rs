@@ -15,9 +15,9 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     let at_walls = ranks.total(checkpoint.wall_contacts.len());
     let clock = &checkpoint.clock;
     let sizes = &checkpoint.sizes;
-    let mut words = format!("{}: a Talcum checkpoint, whole\n", path.display());
+    let mut message = format!("{}: a Talcum checkpoint, whole\n", path.display());
     let mut line = |name: &str, value: String| {
-        let _ = writeln!(words, "  {name:<24}{value}");
+        let _ = writeln!(message, "  {name:<24}{value}");
     };
     line("case", provenance.title);
     line("units", provenance.units);
@@ -32,7 +32,7 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     line("written by", format!("talcum {}, commit {}", provenance.version, provenance.commit));
     line("on", format!("{}, {}", count_of(provenance.ranks as usize, "rank"), provenance.machine));
     line("date", provenance.date);
-    say(ranks, &format!("{words}digest {digest}"));
+    say(ranks, &format!("{message}digest {digest}"));
     Ok(())
 }
 

@@ -37,16 +37,16 @@ impl ProgressReport {
         }
         self.last = Some(Instant::now());
         let (done, left) = progress.steps;
-        let words = words(progress);
+        let message = message(progress);
         match &self.bar {
             Some(bar) => {
                 bar.set_length(done + left);
                 bar.set_position(done);
-                bar.set_message(words);
+                bar.set_message(message);
             }
             None => {
                 let percent = 100.0 * done as f64 / (done + left).max(1) as f64;
-                eprintln!("{percent:5.1} %  {words}");
+                eprintln!("{percent:5.1} %  {message}");
             }
         }
     }
@@ -58,7 +58,7 @@ impl ProgressReport {
     }
 }
 
-fn words(progress: &Progress) -> String {
+fn message(progress: &Progress) -> String {
     let Progress { time, end, steps: (done, left), particles, elapsed } = *progress;
     let seconds = elapsed.as_secs_f64().max(1.0e-9);
     let rate = done as f64 * particles as f64 / seconds * 1.0e-6;
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn durations_read_well() {
-        let words = [45, 750, 12_000].map(|seconds| in_words(Duration::from_secs(seconds)));
-        assert_eq!(words, ["45 s", "13 min", "3 h 20 min"]);
+        let message = [45, 750, 12_000].map(|seconds| in_words(Duration::from_secs(seconds)));
+        assert_eq!(message, ["45 s", "13 min", "3 h 20 min"]);
     }
 }

@@ -7,16 +7,16 @@ use std::fmt::Write;
 
 /// The head of a run: what runs, and which choices the case left open.
 pub(super) fn head(case: &Case, particles: usize, ranks: usize) -> String {
-    let mut words =
+    let mut message =
         format!("{}: {particles} particles on {}\n", case.title, count_of(ranks, "rank"));
     for stage in &case.stages {
         let _ =
-            writeln!(words, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
+            writeln!(message, "  stage \"{}\": time {} to {}", stage.name, stage.start, stage.end);
     }
     for note in &case.notes {
-        let _ = writeln!(words, "  {note}");
+        let _ = writeln!(message, "  {note}");
     }
-    words
+    message
 }
 
 /// A number of things: 1 rank, 2 ranks.
@@ -33,7 +33,7 @@ pub(super) fn six_digits(number: f64) -> f64 {
 pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     let seconds = outcome.elapsed.as_secs_f64();
     let rate = outcome.particle_steps / seconds.max(1.0e-9) * 1.0e-6;
-    let mut words = format!(
+    let mut message = format!(
         "{} steps in {}: {rate:.2} million particle-steps/s, {:.2} per rank\n",
         outcome.steps,
         in_words(outcome.elapsed),
@@ -41,7 +41,7 @@ pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     );
     let total: f64 = outcome.stages.iter().map(|stage| stage.mean).sum();
     let _ = writeln!(
-        words,
+        message,
         "{:<24}{:>10}{:>8}{:>22}",
         "stage", "seconds", "share", "largest over mean"
     );
@@ -49,16 +49,16 @@ pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
         let imbalance = if stage.mean > 0.0 { stage.largest / stage.mean } else { 1.0 };
         let share = 100.0 * stage.mean / total.max(1.0e-12);
         let _ = writeln!(
-            words,
+            message,
             "{:<24}{:>10.2}{share:>6.1} %{imbalance:>22.2}",
             stage.stage.name(),
             stage.mean
         );
     }
     if outcome.departed > 0 {
-        let _ = writeln!(words, "{} particles have left through open faces", outcome.departed);
+        let _ = writeln!(message, "{} particles have left through open faces", outcome.departed);
     }
-    words
+    message
 }
 
 #[cfg(test)]

@@ -187,11 +187,11 @@ fn farewell(outcome: &Outcome, resume: &str, ranks: usize) -> String {
 }
 
 /// Words on standard output, from rank 0.
-pub(super) fn say(ranks: &dyn Communicator, words: &str) {
+pub(super) fn say(ranks: &dyn Communicator, message: &str) {
     use std::io::Write;
     if ranks.is_root() {
         // Nobody is left to hear it if standard output is closed; the run is worth more.
-        let _ = writeln!(std::io::stdout(), "{words}");
+        let _ = writeln!(std::io::stdout(), "{message}");
     }
 }
 

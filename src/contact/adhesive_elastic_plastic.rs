@@ -3,8 +3,8 @@
 
 use super::hysteresis::{Hysteresis, HystereticParameters};
 use super::linear_spring_dashpot::require;
-use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
-use crate::particles::ContactMemory;
+use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use crate::particles::ContactHistory;
 
 /// A hysteretic spring shifted by a constant attraction F0, which acts while the spheres overlap:
 ///
@@ -32,8 +32,8 @@ use crate::particles::ContactMemory;
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use talcum::contact::{AdhesiveElasticPlastic, Contact, ContactLaw, HystereticParameters};
-/// use talcum::particles::ContactMemory;
+/// use talcum::contact::{AdhesiveElasticPlastic, Contact, ContactForceLaw, HystereticParameters};
+/// use talcum::particles::ContactHistory;
 ///
 /// let parameters = HystereticParameters {
 ///     loading_stiffness: 1.5,
@@ -43,7 +43,7 @@ use crate::particles::ContactMemory;
 ///     friction: 0.3,
 /// };
 /// let law = AdhesiveElasticPlastic::new(parameters, 0.25, 0.625)?; // k_c = 0.25 / (0.625 - 0.125) = 0.5
-/// let mut memory = ContactMemory::default();
+/// let mut memory = ContactHistory::default();
 /// let mut force_at = |overlap| {
 ///     let at_rest = Contact {
 ///         overlap,
@@ -104,10 +104,10 @@ impl AdhesiveElasticPlastic {
     }
 }
 
-impl ContactLaw for AdhesiveElasticPlastic {
+impl ContactForceLaw for AdhesiveElasticPlastic {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
-        self.hysteresis.force(contact, memory, dt, (self.attraction, self.attraction))
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
+        self.hysteresis.force(contact, history, dt, (self.attraction, self.attraction))
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {

@@ -4,8 +4,8 @@ use super::block::{Lanes, ManySizes, OneSize, Sizes, load, overlap_and_normal, s
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::van_der_waals::{Attraction, Full, NearContact};
 use super::{CohesionExpression, VanDerWaalsNow};
-use crate::numbers::{Quad, QuadWork, first_flagged, within};
-use crate::particles::{LANES, Load, NearPairs, Pair, Particles, Waiting};
+use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
+use crate::particles::{ForceTorque, LANES, NearPairs, Pair, Particles, Waiting};
 
 /// Adds the attraction of waiting pairs to the forces on their particles, as the loop over contacts would; finds
 /// those that have come within reach of a contact, and leaves them to that loop.
@@ -16,11 +16,11 @@ pub(super) struct AttractApart<'a> {
     pub(super) laws: &'a ForceLaws<'a>,
 }
 
-impl QuadWork for AttractApart<'_> {
+impl SimdKernel for AttractApart<'_> {
     type Output = Result<(), ForceOutOfRange>;
 
     #[inline(always)]
-    fn run<Q: Quad>(self) -> Self::Output {
+    fn run<Q: F64x4>(self) -> Self::Output {
         let cohesion = self.cohesion;
         match cohesion.expression() {
             CohesionExpression::NearContact => self.with_sizes::<Q, _>(NearContact(cohesion)),
@@ -31,7 +31,7 @@ impl QuadWork for AttractApart<'_> {
 
 impl AttractApart<'_> {
     #[inline(always)]
-    fn with_sizes<Q: Quad, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
+    fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
         match self.near.one_size {
             Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
             None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
@@ -39,7 +39,7 @@ impl AttractApart<'_> {
     }
 
     #[inline(always)]
-    fn evaluate<Q: Quad, A: Attraction, S: Sizes>(
+    fn evaluate<Q: F64x4, A: Attraction, S: Sizes>(
         self,
         attraction: A,
         mut sizes: S,
@@ -57,7 +57,7 @@ impl AttractApart<'_> {
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
                 return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            block.scatter::<Q>(pairs, &mut particles.load);
+            block.scatter::<Q>(pairs, &mut particles.forces);
         }
         Ok(())
     }
@@ -77,7 +77,7 @@ struct Block {
 
 impl Block {
     #[inline(always)]
-    fn gather<Q: Quad, S: Sizes>(&mut self, sizes: &mut S, pairs: &[Pair], particles: &Particles) {
+    fn gather<Q: F64x4, S: Sizes>(&mut self, sizes: &mut S, pairs: &[Pair], particles: &Particles) {
         let mut branch = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
             for (row, of_pair) in branch.iter_mut().enumerate() {
@@ -85,7 +85,7 @@ impl Block {
                 let [i, j, _] = pairs[lane.min(pairs.len() - 1)];
                 let (i, j) = (&particles.body[i as usize], &particles.body[j as usize]);
                 sizes.gather(lane, [i, j]);
-                *of_pair = Q::load(&j.quads()[0]).minus(Q::load(&i.quads()[0]));
+                *of_pair = Q::load(&j.vectors()[0]).minus(Q::load(&i.vectors()[0]));
             }
             store(&mut self.branch, from, branch);
         }
@@ -105,7 +105,7 @@ impl Block {
             let arrived = overlap > -reach;
             let pull = attraction.between(radius_i, radius_j, -overlap);
             let pull = if arrived { 0.0 } else { pull };
-            let on_j = laws.force_lattice.round_vector(normal * -pull);
+            let on_j = laws.force_quantum.round_vector(normal * -pull);
             self.overlap[lane] = overlap;
             self.arrived[lane] = u64::from(arrived);
             for axis in 0..3 {
@@ -125,13 +125,13 @@ impl Block {
     }
 
     #[inline(always)]
-    fn scatter<Q: Quad>(&self, pairs: &[Pair], loads: &mut [Load]) {
-        for (quad, pairs) in pairs.chunks(4).enumerate() {
-            let force = load::<Q>(&self.force_on_j, 4 * quad);
+    fn scatter<Q: F64x4>(&self, pairs: &[Pair], loads: &mut [ForceTorque]) {
+        for (four, pairs) in pairs.chunks(4).enumerate() {
+            let force = load::<Q>(&self.force_on_j, 4 * four);
             for (row, &[i, _, target]) in pairs.iter().enumerate() {
-                let [force_i, _torque] = loads[i as usize].quads_mut();
+                let [force_i, _torque] = loads[i as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
-                let [force_j, _torque] = loads[target as usize].quads_mut();
+                let [force_j, _torque] = loads[target as usize].vectors_mut();
                 Q::load(force_j).plus(force[row]).store(force_j);
             }
         }

@@ -1,7 +1,7 @@
 //! A block of near pairs, component by component: filled from records of bodies, emptied into loads.
 
-use crate::numbers::{Quad, quad, quad_mut};
-use crate::particles::{Body, LANES, Load};
+use crate::numbers::{F64x4, four, four_mut};
+use crate::particles::{Body, ForceTorque, LANES};
 use nalgebra::Vector3;
 
 pub(super) type Lanes = [f64; LANES];
@@ -99,7 +99,7 @@ pub(super) struct Block {
 impl Block {
     /// Brings bodies into lanes; their relative spin only if it is asked for.
     #[inline(always)]
-    pub(super) fn gather<Q: Quad, S: Sizes>(
+    pub(super) fn gather<Q: F64x4, S: Sizes>(
         &mut self,
         sizes: &mut S,
         [first, second]: [&[u32; LANES]; 2],
@@ -115,7 +115,7 @@ impl Block {
                 sizes.gather(lane, [i, j]);
                 let [radius_i, radius_j] = sizes.radii(lane);
                 let ([place_i, motion_i, spin_i], [place_j, motion_j, spin_j]) =
-                    (i.quads(), j.quads());
+                    (i.vectors(), j.vectors());
                 branch[row] = Q::load(place_j).minus(Q::load(place_i));
                 velocity[row] = Q::load(motion_j).minus(Q::load(motion_i));
                 let (spin_i, spin_j) = (Q::load(spin_i), Q::load(spin_j));
@@ -134,11 +134,11 @@ impl Block {
 
     /// Puts forces and torques of the first `used` pairs on their bodies.
     #[inline(always)]
-    pub(super) fn scatter<Q: Quad, S: Sizes>(
+    pub(super) fn scatter<Q: F64x4, S: Sizes>(
         &self,
         [first, second]: [&[u32; LANES]; 2],
         used: usize,
-        loads: &mut [Load],
+        loads: &mut [ForceTorque],
     ) {
         for from in (0..used).step_by(4) {
             let force = load::<Q>(&self.force_on_j, from);
@@ -148,10 +148,10 @@ impl Block {
                 if from + row >= used {
                     break;
                 }
-                let [force_i, torque_i] = loads[first[from + row] as usize].quads_mut();
+                let [force_i, torque_i] = loads[first[from + row] as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
                 Q::load(torque_i).minus(torque_off_i[row]).store(torque_i);
-                let [force_j, torque_j] = loads[second[from + row] as usize].quads_mut();
+                let [force_j, torque_j] = loads[second[from + row] as usize].vectors_mut();
                 Q::load(force_j).plus(force[row]).store(force_j);
                 Q::load(torque_j).minus(torque_off_j[row]).store(torque_j);
             }
@@ -180,21 +180,21 @@ pub(super) fn overlap_and_normal(
 
 /// Vectors of four pairs to components in lanes.
 #[inline(always)]
-pub(super) fn store<Q: Quad>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
+pub(super) fn store<Q: F64x4>(components: &mut [Lanes; 3], from: usize, vectors: [Q; 4]) {
     let columns = Q::transposed(vectors);
     for axis in 0..3 {
-        columns[axis].store(quad_mut(&mut components[axis], from));
+        columns[axis].store(four_mut(&mut components[axis], from));
     }
 }
 
 /// Components in lanes to vectors of four pairs.
 #[inline(always)]
-pub(super) fn load<Q: Quad>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
+pub(super) fn load<Q: F64x4>(components: &[Lanes; 3], from: usize) -> [Q; 4] {
     let [x, y, z] = components;
     Q::transposed([
-        Q::load(quad(x, from)),
-        Q::load(quad(y, from)),
-        Q::load(quad(z, from)),
+        Q::load(four(x, from)),
+        Q::load(four(y, from)),
+        Q::load(four(z, from)),
         Q::splat(0.0),
     ])
 }

@@ -1,7 +1,7 @@
 //! The normal force of two bodies that are slowly pressed together and parted: what a contact law looks like.
 
-use super::{Contact, ContactForce, ContactLaw, ContactModel};
-use crate::particles::ContactMemory;
+use super::{Contact, ContactForce, ContactForceLaw, ContactLaw};
+use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
 /// One point of the loop.
@@ -19,7 +19,7 @@ pub struct LoopPoint {
 /// The loop up to a largest overlap, of `points` points per part, so slow that dashpots do not act. `attraction`
 /// is the cohesion, at a separation, that is no part of the law, and `range` where it ends.
 pub fn force_loop(
-    law: &ContactModel,
+    law: &ContactLaw,
     (reduced_mass, reduced_radius): (f64, f64),
     largest_overlap: f64,
     points: usize,
@@ -28,7 +28,7 @@ pub fn force_loop(
     // A little further than the law reaches, and than nothing if it does not.
     let apart = 1.02 * law.reach(reduced_radius).max(range).max(0.02 * largest_overlap);
     let turns = [0.5 * largest_overlap, 0.05 * largest_overlap, largest_overlap, -apart];
-    let mut memory = ContactMemory::default();
+    let mut history = ContactHistory::default();
     let mut begin = -apart;
     let mut out = Vec::with_capacity(turns.len() * points);
     for (part, end) in turns.into_iter().enumerate() {
@@ -44,10 +44,10 @@ pub fn force_loop(
                 reduced_inertia: reduced_mass * reduced_radius * reduced_radius,
                 cohesion: attraction(-overlap),
             };
-            let force = match law.touches(&contact, &memory) {
-                true => law.force(&contact, &mut memory, 0.0),
+            let force = match law.touches(&contact, &history) {
+                true => law.force(&contact, &mut history, 0.0),
                 false => {
-                    memory = ContactMemory::default();
+                    history = ContactHistory::default();
                     ContactForce::zero()
                 }
             };
@@ -74,7 +74,7 @@ mod tests {
         };
         let lost = |adhesion: f64| {
             let law = LinearHysteretic::new(parameters, adhesion).unwrap();
-            let law = ContactModel::LinearHysteretic(law);
+            let law = ContactLaw::LinearHysteretic(law);
             let points = force_loop(&law, (1.0, 1.0), 1.0, 1000, (&|_| 0.0, 0.0));
             let work = |pair: &[LoopPoint]| {
                 0.5 * (pair[0].force + pair[1].force) * (pair[1].overlap - pair[0].overlap)

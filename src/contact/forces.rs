@@ -2,9 +2,9 @@
 
 use super::apart::AttractApart;
 use super::lanes::PairWork;
-use super::{Contact, ContactForce, Interface, VanDerWaalsNow};
-use crate::numbers::{Quantum, in_quads};
-use crate::particles::{ContactMemory, Contacts, Particles, Ranges};
+use super::{Contact, ContactForce, ContactModel, VanDerWaalsNow};
+use crate::numbers::{Quantum, with_simd};
+use crate::particles::{ContactHistory, Contacts, Particles, Ranges};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -31,9 +31,9 @@ pub struct ForceOutOfRange {
 #[derive(Clone, Copy, Debug)]
 pub struct ForceLaws<'a> {
     /// Where particles touch.
-    pub contact: &'a Interface,
+    pub contact: &'a ContactModel,
     /// Where they touch the walls, by the walls' numbers; walls beyond its end are like particles.
-    pub at_walls: &'a [Interface],
+    pub at_walls: &'a [ContactModel],
     /// Attraction now.
     pub cohesion: Option<VanDerWaalsNow>,
     /// Separations of surfaces up to which contacts act, and any force.
@@ -43,9 +43,9 @@ pub struct ForceLaws<'a> {
     /// Largest component of a contact's force.
     pub limit: f64,
     /// Lattice of forces.
-    pub force_lattice: Quantum,
+    pub force_quantum: Quantum,
     /// Lattice of torques.
-    pub torque_lattice: Quantum,
+    pub torque_quantum: Quantum,
 }
 
 /// Adds the forces and torques of all pairs to both their particles.
@@ -70,16 +70,16 @@ pub fn add_pair_forces(
     let near = &mut contacts.near;
     match laws.cohesion {
         None => near.look_for_arrivals(particles),
-        Some(cohesion) => in_quads(AttractApart { particles, near, cohesion, laws })?,
+        Some(cohesion) => with_simd(AttractApart { particles, near, cohesion, laws })?,
     }
     near.let_in();
-    in_quads(PairWork { particles, near, laws })
+    with_simd(PairWork { particles, near, laws })
 }
 
 /// A contact that has ended leaves no memory.
-pub(super) fn forget(touching: &mut bool, memory: &mut ContactMemory) {
+pub(super) fn forget(touching: &mut bool, history: &mut ContactHistory) {
     *touching = false;
-    *memory = ContactMemory::default();
+    *history = ContactHistory::default();
 }
 
 /// Force on the second body: contact and attraction.

@@ -31,12 +31,12 @@ pub struct ContactForce {
     /// In the tangent plane.
     pub tangential: Vector3<f64>,
     /// Normal force that friction is proportional to, in sliding and in rolling; not negative.
-    pub grip: f64,
+    pub friction_normal: f64,
 }
 
 impl ContactForce {
     /// No force.
     pub fn zero() -> Self {
-        Self { normal: 0.0, tangential: Vector3::zeros(), grip: 0.0 }
+        Self { normal: 0.0, tangential: Vector3::zeros(), friction_normal: 0.0 }
     }
 }

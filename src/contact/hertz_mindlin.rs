@@ -6,8 +6,8 @@
 
 use super::elastic::{ContactModuli, Elastic, kept};
 use super::slider::Slider;
-use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
-use crate::particles::ContactMemory;
+use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use crate::particles::ContactHistory;
 
 /// F_n = (4/3) E* sqrt(R*) delta^(3/2) - eta_n v_n; F_t = -S_t s - eta_t v_t, at most mu |F_n|.
 ///
@@ -17,8 +17,8 @@ use crate::particles::ContactMemory;
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use talcum::contact::{Contact, ContactLaw, ContactModuli, HertzMindlin};
-/// use talcum::particles::ContactMemory;
+/// use talcum::contact::{Contact, ContactForceLaw, ContactModuli, HertzMindlin};
+/// use talcum::particles::ContactHistory;
 ///
 /// let law = HertzMindlin::new(ContactModuli { normal: 0.75e9, shear: 0.2e9 }, 1.0, 0.3)?;
 /// let at_rest = Contact {
@@ -31,7 +31,7 @@ use crate::particles::ContactMemory;
 ///     reduced_inertia: 0.05,
 ///     cohesion: 0.0,
 /// };
-/// let force = law.force(&at_rest, &mut ContactMemory::default(), 0.0);
+/// let force = law.force(&at_rest, &mut ContactHistory::default(), 0.0);
 /// assert!((force.normal - 1.0e9 * 0.1 * 1.0e-6).abs() < 1.0e-10);
 /// # Ok::<(), talcum::contact::InvalidContactLaw>(())
 /// ```
@@ -60,9 +60,9 @@ fn contact_radius(overlap: f64, reduced_radius: f64) -> f64 {
     (reduced_radius * if overlap > 0.0 { overlap } else { 0.0 }).sqrt()
 }
 
-impl ContactLaw for HertzMindlin {
+impl ContactForceLaw for HertzMindlin {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let Contact { overlap, reduced_mass, reduced_radius, .. } = *contact;
         let separation_speed = contact.normal.dot(&contact.relative_velocity);
         let radius = contact_radius(overlap, reduced_radius);
@@ -77,7 +77,11 @@ impl ContactLaw for HertzMindlin {
             limit: self.elastic.friction * normal.abs(),
             kept: kept(before, radius),
         };
-        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip: normal.abs() }
+        ContactForce {
+            normal,
+            tangential: slider.force(contact, history, dt),
+            friction_normal: normal.abs(),
+        }
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 use super::linear_spring_dashpot::require;
 use super::slider::{Slider, damping_ratio};
 use super::{Contact, ContactForce, InvalidContactLaw};
-use crate::particles::ContactMemory;
+use crate::particles::ContactHistory;
 use std::f64::consts::PI;
 
 /// Parameters of every hysteretic law.
@@ -103,23 +103,23 @@ impl Hysteresis {
     pub(super) fn force(
         &self,
         contact: &Contact,
-        memory: &mut ContactMemory,
+        history: &mut ContactHistory,
         dt: f64,
         (attraction, adhesion): (f64, f64),
     ) -> ContactForce {
         let separation_speed = contact.normal.dot(&contact.relative_velocity);
         let root_of_mass = contact.reduced_mass.sqrt();
-        let (spring, largest) = self.spring(contact.overlap, memory.largest_overlap);
-        memory.largest_overlap = largest;
+        let (spring, largest) = self.spring(contact.overlap, history.largest_overlap);
+        history.largest_overlap = largest;
         let normal = spring - attraction - self.damping_factor * root_of_mass * separation_speed;
-        let grip = (normal + adhesion).abs();
+        let friction_normal = (normal + adhesion).abs();
         let slider = Slider {
             stiffness: self.tangential_stiffness,
             damping: self.tangential_damping_factor * root_of_mass,
-            limit: self.friction * grip,
+            limit: self.friction * friction_normal,
             kept: 1.0,
         };
-        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip }
+        ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
     }
 
     /// k_load.

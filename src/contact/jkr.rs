@@ -4,9 +4,9 @@
 use super::elastic::{ContactModuli, Elastic, kept};
 use super::linear_spring_dashpot::require;
 use super::slider::Slider;
-use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
+use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
 use crate::numbers::power;
-use crate::particles::ContactMemory;
+use crate::particles::ContactHistory;
 use std::f64::consts::PI;
 
 /// With a the radius of contact and gamma the surface energy of each sphere (half the work of adhesion w of equal
@@ -30,7 +30,7 @@ use std::f64::consts::PI;
 /// (Thornton, J. Phys. D 24 (1991) 1942).
 ///
 /// ```
-/// use talcum::contact::{ContactLaw, ContactModuli, Jkr};
+/// use talcum::contact::{ContactForceLaw, ContactModuli, Jkr};
 /// let law = Jkr::new(ContactModuli { normal: 1.0e7, shear: 2.0e6 }, 0.05, 0.9, 0.3)?;
 /// assert!(law.reach(1.0e-5) < 1.0e-6);
 /// assert!((law.pull_off_force(1.0e-5) - 3.0 * std::f64::consts::PI * 0.05 * 1.0e-5).abs() < 1.0e-20);
@@ -104,9 +104,9 @@ impl Jkr {
     }
 }
 
-impl ContactLaw for Jkr {
+impl ContactForceLaw for Jkr {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let Contact { overlap, reduced_mass, reduced_radius, .. } = *contact;
         let separation_speed = contact.normal.dot(&contact.relative_velocity);
         let scale = self.scale(reduced_radius);
@@ -120,23 +120,23 @@ impl ContactLaw for Jkr {
         let dashpot = self.elastic.dashpot(self.elastic.normal_stiffness(radius), reduced_mass);
         let normal = elastic - dashpot * separation_speed;
         let stiffness = self.elastic.tangential_stiffness(radius);
-        let grip = (normal + 6.0 * PI * self.surface_energy * reduced_radius).abs();
+        let friction_normal = (normal + 6.0 * PI * self.surface_energy * reduced_radius).abs();
         let slider = Slider {
             stiffness,
             damping: self.elastic.dashpot(stiffness, reduced_mass),
-            limit: self.elastic.friction * grip,
+            limit: self.elastic.friction * friction_normal,
             kept: kept(before * before, s * s),
         };
-        let largest = memory.largest_overlap;
-        memory.largest_overlap = if overlap > largest { overlap } else { largest };
-        ContactForce { normal, tangential: slider.force(contact, memory, dt), grip }
+        let largest = history.largest_overlap;
+        history.largest_overlap = if overlap > largest { overlap } else { largest };
+        ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
     }
 
     /// At an overlap, or joined by a neck that began at one.
     #[inline(always)]
-    fn touches(&self, contact: &Contact, memory: &ContactMemory) -> bool {
+    fn touches(&self, contact: &Contact, history: &ContactHistory) -> bool {
         let spanned = contact.overlap > -self.reach(contact.reduced_radius);
-        contact.overlap > 0.0 || (memory.largest_overlap > 0.0 && spanned)
+        contact.overlap > 0.0 || (history.largest_overlap > 0.0 && spanned)
     }
 
     #[inline(always)]

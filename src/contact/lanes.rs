@@ -8,11 +8,11 @@ use super::block::{Block, Lanes, ManySizes, OneSize, Sizes, overlap_and_normal, 
 use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::{NoRolling, Rolling};
 use super::van_der_waals::{Attraction, Full, NearContact};
-use super::{CohesionExpression, Contact, ContactLaw, ContactModel};
-use crate::numbers::{Quad, QuadWork, fetch_ahead, first_flagged, within};
+use super::{CohesionExpression, Contact, ContactForceLaw, ContactLaw};
+use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
 use crate::particles::{
-    AngleLanes, ContactMemory, LANES, MEMORY_FIELDS, MemoryLanes, NearPairs, PairBlock, PairBlocks,
-    Particles,
+    AngleLanes, ContactHistory, HISTORY_FIELDS, HistoryLanes, LANES, NearPairs, PairBlock,
+    PairBlocks, Particles,
 };
 use nalgebra::Vector3;
 
@@ -26,18 +26,18 @@ pub(super) struct PairWork<'a> {
     pub(super) laws: &'a ForceLaws<'a>,
 }
 
-impl QuadWork for PairWork<'_> {
+impl SimdKernel for PairWork<'_> {
     type Output = Result<(), ForceOutOfRange>;
 
     /// Chooses the law once, for all pairs.
     #[inline(always)]
-    fn run<Q: Quad>(self) -> Self::Output {
+    fn run<Q: F64x4>(self) -> Self::Output {
         match &self.laws.contact.law {
-            ContactModel::LinearSpringDashpot(law) => self.with_rolling::<Q, _>(law),
-            ContactModel::AdhesiveElasticPlastic(law) => self.with_rolling::<Q, _>(law),
-            ContactModel::HertzMindlin(law) => self.with_rolling::<Q, _>(law),
-            ContactModel::Jkr(law) => self.with_rolling::<Q, _>(law),
-            ContactModel::LinearHysteretic(law) => self.with_rolling::<Q, _>(law),
+            ContactLaw::LinearSpringDashpot(law) => self.with_rolling::<Q, _>(law),
+            ContactLaw::AdhesiveElasticPlastic(law) => self.with_rolling::<Q, _>(law),
+            ContactLaw::HertzMindlin(law) => self.with_rolling::<Q, _>(law),
+            ContactLaw::Jkr(law) => self.with_rolling::<Q, _>(law),
+            ContactLaw::LinearHysteretic(law) => self.with_rolling::<Q, _>(law),
         }
     }
 }
@@ -45,7 +45,7 @@ impl QuadWork for PairWork<'_> {
 impl PairWork<'_> {
     /// Chooses rolling and, without it, whether all particles are alike.
     #[inline(always)]
-    fn with_rolling<Q: Quad, L: ContactLaw>(self, law: &L) -> Result<(), ForceOutOfRange> {
+    fn with_rolling<Q: F64x4, L: ContactForceLaw>(self, law: &L) -> Result<(), ForceOutOfRange> {
         match (self.laws.contact.rolling, self.near.one_size) {
             (Some(rolling), _) => self.evaluate::<Q, _, _, _>((law, rolling), ManySizes::default()),
             (None, None) => self.evaluate::<Q, _, _, _>((law, NoRolling), ManySizes::default()),
@@ -56,7 +56,7 @@ impl PairWork<'_> {
     }
 
     #[inline(always)]
-    fn evaluate<Q: Quad, L: ContactLaw, R: Rolling, S: Sizes>(
+    fn evaluate<Q: F64x4, L: ContactForceLaw, R: Rolling, S: Sizes>(
         self,
         law: (&L, R),
         mut sizes: S,
@@ -79,7 +79,7 @@ impl PairWork<'_> {
             approach(&mut block, &sizes);
             attract(&mut block, &sizes, laws);
             let angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
-            run(law, &sizes, laws, &mut block, (&mut pairs.memory, angles));
+            run(law, &sizes, laws, &mut block, (&mut pairs.history, angles));
             add_up::<R, S>(&mut block, &sizes, laws);
             block.note_touching(&mut pairs.touching);
             if let Some(lane) = first_flagged(&block.out_of_range) {
@@ -90,7 +90,7 @@ impl PairWork<'_> {
             }
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
-            block.scatter::<Q, S>(targets, used, &mut particles.load);
+            block.scatter::<Q, S>(targets, used, &mut particles.forces);
         }
         Ok(())
     }
@@ -103,7 +103,7 @@ fn fetch_particles(next: Option<&PairBlock>, particles: &Particles) {
     let Some(pairs) = next else { return };
     for index in pairs.first.into_iter().chain(pairs.second) {
         fetch_ahead(&particles.body[index as usize]);
-        fetch_ahead(&particles.load[index as usize]);
+        fetch_ahead(&particles.forces[index as usize]);
     }
 }
 
@@ -159,22 +159,22 @@ fn none_beyond(limit: f64, overlap: &Lanes) -> bool {
 
 /// All lanes, those that only fill up the last block too: what they give is not used.
 #[inline(always)]
-fn run<L: ContactLaw, R: Rolling, S: Sizes>(
+fn run<L: ContactForceLaw, R: Rolling, S: Sizes>(
     (law, rolling): (&L, R),
     sizes: &S,
     laws: &ForceLaws,
     block: &mut Block,
-    (memories, angles): (&mut MemoryLanes, &mut AngleLanes),
+    (histories, angles): (&mut HistoryLanes, &mut AngleLanes),
 ) {
     for lane in 0..LANES {
         let contact = contact_of(block, sizes, lane);
-        let mut numbers = [0.0; MEMORY_FIELDS];
-        for (number, field) in numbers.iter_mut().zip(&*memories) {
+        let mut numbers = [0.0; HISTORY_FIELDS];
+        for (number, field) in numbers.iter_mut().zip(&*histories) {
             *number = field[lane];
         }
-        let mut memory: ContactMemory = bytemuck::cast(numbers);
-        let touches = law.touches(&contact, &memory);
-        let force = law.force(&contact, &mut memory, laws.dt);
+        let mut history: ContactHistory = bytemuck::cast(numbers);
+        let touches = law.touches(&contact, &history);
+        let force = law.force(&contact, &mut history, laws.dt);
         // Apart, the law has nothing to say, whatever it gave.
         let if_touching = |value: f64| if touches { value } else { 0.0 };
         block.normal_force[lane] = if_touching(force.normal);
@@ -184,14 +184,15 @@ fn run<L: ContactLaw, R: Rolling, S: Sizes>(
         if R::ACTS {
             let mut angle = vector(angles, lane);
             let stiffness = law.stiffness_over(&contact, laws.dt);
-            let torque = rolling.torque(&contact, force.grip, stiffness, &mut angle, laws.dt);
+            let torque =
+                rolling.torque(&contact, force.friction_normal, stiffness, &mut angle, laws.dt);
             for axis in 0..3 {
                 block.rolling_torque[axis][lane] = if_touching(torque[axis]);
                 angles[axis][lane] = if_touching(angle[axis]);
             }
         }
-        let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
-        for (number, field) in numbers.into_iter().zip(&mut *memories) {
+        let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
+        for (number, field) in numbers.into_iter().zip(&mut *histories) {
             field[lane] = if_touching(number);
         }
         block.touching[lane] = u64::from(touches);
@@ -206,7 +207,7 @@ fn add_up<R: Rolling, S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) 
         let normal = vector(&block.normal, lane);
         let tangential = vector(&block.tangential_force, lane);
         let along = block.normal_force[lane] - block.cohesion[lane];
-        let on_j = laws.force_lattice.round_vector(normal * along + tangential);
+        let on_j = laws.force_quantum.round_vector(normal * along + tangential);
         let twist = normal.cross(&tangential);
         let mut twists = [twist * radius_i, twist * radius_j];
         if R::ACTS {
@@ -215,9 +216,9 @@ fn add_up<R: Rolling, S: Sizes>(block: &mut Block, sizes: &S, laws: &ForceLaws) 
         }
         for axis in 0..3 {
             block.force_on_j[axis][lane] = on_j[axis];
-            block.torque_off_i[axis][lane] = laws.torque_lattice.round(twists[0][axis]);
+            block.torque_off_i[axis][lane] = laws.torque_quantum.round(twists[0][axis]);
             if !S::EQUAL {
-                block.torque_off_j[axis][lane] = laws.torque_lattice.round(twists[1][axis]);
+                block.torque_off_j[axis][lane] = laws.torque_quantum.round(twists[1][axis]);
             }
         }
         block.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));

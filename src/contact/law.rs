@@ -4,7 +4,7 @@ use super::{
     AdhesiveElasticPlastic, Contact, ContactForce, HertzMindlin, Jkr, LinearHysteretic,
     LinearSpringDashpot, RollingFriction,
 };
-use crate::particles::ContactMemory;
+use crate::particles::ContactHistory;
 
 /// The force between two bodies in contact; a law may bring its own adhesion, van der Waals cohesion is added
 /// outside.
@@ -12,14 +12,14 @@ use crate::particles::ContactMemory;
 /// A law must be **odd**: with the bodies exchanged (normal, relative velocity and tangential spring
 /// negated) it must give the same normal force and exactly the negated tangential force, bit for bit.
 /// Sums and products of these vectors are odd by themselves.
-pub trait ContactLaw {
+pub trait ContactForceLaw {
     /// Force on the second body, after the memory has been carried on by `dt`.
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce;
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce;
 
     /// Whether the bodies are in contact, given what the contact remembers of the last step (all zero if they
-    /// were not). Where not, force and memory are zero whatever [`ContactLaw::force`] says.
+    /// were not). Where not, force and memory are zero whatever [`ContactForceLaw::force`] says.
     #[inline(always)]
-    fn touches(&self, contact: &Contact, _memory: &ContactMemory) -> bool {
+    fn touches(&self, contact: &Contact, _memory: &ContactHistory) -> bool {
         contact.overlap > 0.0
     }
 
@@ -48,7 +48,7 @@ pub trait ContactLaw {
 
 /// The contact laws a case can choose.
 #[derive(Clone, Debug, PartialEq)]
-pub enum ContactModel {
+pub enum ContactLaw {
     /// Moon 2006 eqs (1)-(3).
     LinearSpringDashpot(LinearSpringDashpot),
     /// Liu 2016.
@@ -63,14 +63,14 @@ pub enum ContactModel {
 
 /// What holds where two kinds of bodies touch: particles each other, or a wall.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Interface {
+pub struct ContactModel {
     /// Law of contact.
-    pub law: ContactModel,
+    pub law: ContactLaw,
     /// Resistance to rolling.
     pub rolling: Option<RollingFriction>,
 }
 
-impl ContactModel {
+impl ContactLaw {
     /// What the case file calls it.
     pub fn name(&self) -> &'static str {
         match self {
@@ -87,24 +87,24 @@ impl ContactModel {
 macro_rules! each_law {
     ($model:expr, $law:ident => $call:expr) => {
         match $model {
-            ContactModel::LinearSpringDashpot($law) => $call,
-            ContactModel::AdhesiveElasticPlastic($law) => $call,
-            ContactModel::HertzMindlin($law) => $call,
-            ContactModel::Jkr($law) => $call,
-            ContactModel::LinearHysteretic($law) => $call,
+            ContactLaw::LinearSpringDashpot($law) => $call,
+            ContactLaw::AdhesiveElasticPlastic($law) => $call,
+            ContactLaw::HertzMindlin($law) => $call,
+            ContactLaw::Jkr($law) => $call,
+            ContactLaw::LinearHysteretic($law) => $call,
         }
     };
 }
 
-impl ContactLaw for ContactModel {
+impl ContactForceLaw for ContactLaw {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
-        each_law!(self, law => law.force(contact, memory, dt))
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
+        each_law!(self, law => law.force(contact, history, dt))
     }
 
     #[inline(always)]
-    fn touches(&self, contact: &Contact, memory: &ContactMemory) -> bool {
-        each_law!(self, law => law.touches(contact, memory))
+    fn touches(&self, contact: &Contact, history: &ContactHistory) -> bool {
+        each_law!(self, law => law.touches(contact, history))
     }
 
     fn reach(&self, reduced_radius: f64) -> f64 {

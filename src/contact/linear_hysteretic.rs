@@ -2,8 +2,8 @@
 
 use super::hysteresis::{Hysteresis, HystereticParameters};
 use super::linear_spring_dashpot::require;
-use super::{Contact, ContactForce, ContactLaw, InvalidContactLaw};
-use crate::particles::ContactMemory;
+use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use crate::particles::ContactHistory;
 
 /// F = k_1 delta while loaded for the first time, k_2 (delta - delta_0) after, delta_0 = (1 - k_1 / k_2) delta_max,
 /// but not below -k_c delta; there delta_max is lowered, so that a contact that is pressed again climbs with k_2.
@@ -14,7 +14,7 @@ use crate::particles::ContactMemory;
 /// Without dashpot, e^2 = k_1/k_2 - k_c (k_2 - k_1)^2 / (k_1 k_2 (k_2 + k_c)); spheres stick where that is negative.
 ///
 /// ```
-/// use talcum::contact::{ContactLaw, HystereticParameters, LinearHysteretic};
+/// use talcum::contact::{ContactForceLaw, HystereticParameters, LinearHysteretic};
 /// let parameters = HystereticParameters {
 ///     loading_stiffness: 1.0,
 ///     unloading_stiffness: 4.0,
@@ -46,11 +46,11 @@ impl LinearHysteretic {
     }
 }
 
-impl ContactLaw for LinearHysteretic {
+impl ContactForceLaw for LinearHysteretic {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let adhesion = self.hysteresis.adhesion_stiffness() * contact.overlap;
-        self.hysteresis.force(contact, memory, dt, (0.0, adhesion))
+        self.hysteresis.force(contact, history, dt, (0.0, adhesion))
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {

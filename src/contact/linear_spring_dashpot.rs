@@ -1,8 +1,8 @@
 //! Linear spring and dashpot with a tangential spring and slider: Moon 2006 eqs (1)-(3); Cundall & Strack,
 //! Géotechnique 29 (1979) 47.
 
-use super::{Contact, ContactForce, ContactLaw};
-use crate::particles::ContactMemory;
+use super::{Contact, ContactForce, ContactForceLaw};
+use crate::particles::ContactHistory;
 use std::f64::consts::PI;
 use thiserror::Error;
 
@@ -26,8 +26,8 @@ pub enum FrictionCap {
 ///
 /// ```
 /// use nalgebra::Vector3;
-/// use talcum::contact::{Contact, ContactLaw, FrictionCap, LinearSpringDashpot};
-/// use talcum::particles::ContactMemory;
+/// use talcum::contact::{Contact, ContactForceLaw, FrictionCap, LinearSpringDashpot};
+/// use talcum::particles::ContactHistory;
 ///
 /// let law = LinearSpringDashpot::new(1.0e5, 0.8e5, 1.0, 0.1, FrictionCap::Contact)?;
 /// let at_rest = Contact {
@@ -40,7 +40,7 @@ pub enum FrictionCap {
 ///     reduced_inertia: 0.05,
 ///     cohesion: 0.0,
 /// };
-/// let force = law.force(&at_rest, &mut ContactMemory::default(), 1.0e-5);
+/// let force = law.force(&at_rest, &mut ContactHistory::default(), 1.0e-5);
 /// assert_eq!(force.normal, 100.0);
 /// # Ok::<(), talcum::contact::InvalidContactLaw>(())
 /// ```
@@ -111,27 +111,27 @@ impl LinearSpringDashpot {
     }
 }
 
-impl ContactLaw for LinearSpringDashpot {
+impl ContactForceLaw for LinearSpringDashpot {
     #[inline(always)]
-    fn force(&self, contact: &Contact, memory: &mut ContactMemory, dt: f64) -> ContactForce {
+    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let n = contact.normal;
         let separation_speed = n.dot(&contact.relative_velocity);
         let damping = self.damping_factor * contact.reduced_mass.sqrt();
         let normal = self.normal_stiffness * contact.overlap - damping * separation_speed;
 
         let slip = contact.relative_velocity - n * separation_speed;
-        let old = memory.tangential_spring;
+        let old = history.tangential_spring;
         let mut spring = old - n * n.dot(&old) + slip * dt;
-        let grip = match self.friction_cap {
+        let friction_normal = match self.friction_cap {
             FrictionCap::Contact => normal.abs(),
             FrictionCap::Net => (normal - contact.cohesion).abs(),
         };
-        let limit = self.friction * grip;
+        let limit = self.friction * friction_normal;
         let pull_squared = self.tangential_stiffness.powi(2) * spring.norm_squared();
         // A factor of 1 instead of a branch: contacts are evaluated side by side, in lanes.
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
-        memory.tangential_spring = spring;
-        ContactForce { normal, tangential: spring * -self.tangential_stiffness, grip }
+        history.tangential_spring = spring;
+        ContactForce { normal, tangential: spring * -self.tangential_stiffness, friction_normal }
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {
@@ -183,8 +183,8 @@ mod tests {
         ) {
             prop_assume!(direction.norm() > 0.1);
             let contact = contact(overlap, direction.normalize(), velocity);
-            let mut here = ContactMemory { tangential_spring: spring * 1.0e-3, largest_overlap: 0.0 };
-            let mut there = ContactMemory { tangential_spring: -here.tangential_spring, ..here };
+            let mut here = ContactHistory { tangential_spring: spring * 1.0e-3, largest_overlap: 0.0 };
+            let mut there = ContactHistory { tangential_spring: -here.tangential_spring, ..here };
             let mirrored = Contact { normal: -contact.normal, relative_velocity: -velocity, ..contact };
             let first = law().force(&contact, &mut here, 1.0e-4);
             let second = law().force(&mirrored, &mut there, 1.0e-4);
@@ -198,8 +198,8 @@ mod tests {
             velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
         ) {
             let contact = contact(overlap, Vector3::z(), velocity);
-            let mut memory = ContactMemory { tangential_spring: spring, largest_overlap: 0.0 };
-            let force = law().force(&contact, &mut memory, 1.0e-4);
+            let mut history = ContactHistory { tangential_spring: spring, largest_overlap: 0.0 };
+            let force = law().force(&contact, &mut history, 1.0e-4);
             prop_assert_eq!(force.tangential.z, 0.0);
             // The cut-back spring rounds a few times.
             prop_assert!(force.tangential.norm() <= 0.1 * force.normal.abs() * (1.0 + 1.0e-14));

@@ -27,7 +27,7 @@ pub use geometry::{Contact, ContactForce};
 pub use hertz_mindlin::HertzMindlin;
 pub use hysteresis::HystereticParameters;
 pub use jkr::Jkr;
-pub use law::{ContactLaw, ContactModel, Interface};
+pub use law::{ContactForceLaw, ContactLaw, ContactModel};
 pub use linear_hysteretic::LinearHysteretic;
 pub use linear_spring_dashpot::{FrictionCap, InvalidContactLaw, LinearSpringDashpot};
 pub use rolling::{RollingFriction, RollingKind};

@@ -15,7 +15,7 @@ pub enum RollingKind {
     },
 }
 
-/// Rolling friction: with F the normal force that friction is proportional to ([`super::ContactForce::grip`]) and
+/// Rolling friction: with F the normal force that friction is proportional to ([`super::ContactForce::friction_normal`]) and
 /// omega the relative spin in the tangent plane (spin about the normal is not resisted), the torque on the
 /// second body is
 ///
@@ -71,7 +71,7 @@ pub(super) trait Rolling: Copy {
     fn torque(
         &self,
         contact: &Contact,
-        grip: f64,
+        friction_normal: f64,
         stiffness: [f64; 2],
         angle: &mut Vector3<f64>,
         dt: f64,
@@ -105,7 +105,7 @@ impl Rolling for RollingFriction {
     fn torque(
         &self,
         contact: &Contact,
-        grip: f64,
+        friction_normal: f64,
         stiffness: [f64; 2],
         angle: &mut Vector3<f64>,
         dt: f64,
@@ -114,7 +114,7 @@ impl Rolling for RollingFriction {
         let spin = contact.relative_spin;
         let rolling = spin - n * n.dot(&spin);
         let arm = self.coefficient * contact.reduced_radius;
-        let limit = arm * grip;
+        let limit = arm * friction_normal;
         match self.kind {
             RollingKind::ConstantTorque => {
                 *angle = Vector3::zeros();

@@ -1,7 +1,7 @@
 //! Friction in the tangent plane: spring, dashpot and slider (Cundall & Strack, Géotechnique 29 (1979) 47).
 
 use super::Contact;
-use crate::particles::ContactMemory;
+use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
 /// F_t = -k_t s - eta_t v_t with s the tangential displacement since the contact began; where that exceeds the
@@ -24,19 +24,19 @@ impl Slider {
     pub(super) fn force(
         self,
         contact: &Contact,
-        memory: &mut ContactMemory,
+        history: &mut ContactHistory,
         dt: f64,
     ) -> Vector3<f64> {
         let n = contact.normal;
         let slip = contact.relative_velocity - n * n.dot(&contact.relative_velocity);
-        let old = memory.tangential_spring;
+        let old = history.tangential_spring;
         let spring = (old - n * n.dot(&old)) * self.kept + slip * dt;
         let trial = spring * -self.stiffness - slip * self.damping;
         let squared = trial.norm_squared();
         let slides = squared > self.limit * self.limit;
         let force = trial * if slides { self.limit / squared.sqrt() } else { 1.0 };
         let compliance = if self.stiffness > 0.0 { 1.0 / self.stiffness } else { 0.0 };
-        memory.tangential_spring = force
+        history.tangential_spring = force
             .zip_map(&spring, |force, spring| if slides { -force * compliance } else { spring });
         force
     }

@@ -2,10 +2,10 @@
 
 use super::forces::{ForceLaws, ForceOutOfRange, forget, out_of_range, total};
 use super::rolling::Rolling;
-use super::{Contact, ContactForce, ContactLaw, Interface};
+use super::{Contact, ContactForce, ContactForceLaw, ContactModel};
 use crate::domain::{Wall, WallPose};
 use crate::numbers::within;
-use crate::particles::{ContactMemory, Contacts, Particles};
+use crate::particles::{ContactHistory, Contacts, Particles};
 use nalgebra::Vector3;
 
 /// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
@@ -30,17 +30,17 @@ pub fn add_wall_forces(
         let contact = contact_with((&walls[number], &poses[number]), particles, i, laws);
         let interface = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(interface, &contact, contacts, slot, laws.dt);
-        let on_wall = laws.force_lattice.round_vector(total(&contact, &force));
+        let on_wall = laws.force_quantum.round_vector(total(&contact, &force));
         if !within(&on_wall, laws.limit) {
             let other = format!("wall \"{}\"", walls[number].name);
             let overlap = contact.overlap;
             return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
         }
-        particles.load[i].force -= on_wall;
+        particles.forces[i].force -= on_wall;
         let twist = contact.normal.cross(&force.tangential) * particles.body[i].radius + rolling;
-        particles.load[i].torque -= laws.torque_lattice.round_vector(twist);
+        particles.forces[i].torque -= laws.torque_quantum.round_vector(twist);
         for axis in 0..3 {
-            on_walls[number][axis] += laws.force_lattice.count(on_wall[axis]);
+            on_walls[number][axis] += laws.force_quantum.count(on_wall[axis]);
         }
     }
     Ok(())
@@ -74,26 +74,27 @@ fn contact_with(
 
 /// Force and rolling torque on the wall; what the contact remembers goes on, or ends.
 fn evaluate(
-    interface: &Interface,
+    interface: &ContactModel,
     contact: &Contact,
     contacts: &mut Contacts,
     slot: usize,
     dt: f64,
 ) -> (ContactForce, Vector3<f64>) {
-    let Interface { law, rolling } = interface;
-    let memory: &mut ContactMemory = &mut contacts.wall_memory[slot];
+    let ContactModel { law, rolling } = interface;
+    let history: &mut ContactHistory = &mut contacts.wall_memory[slot];
     let angle = &mut contacts.wall_rolling_angle[slot];
-    if !law.touches(contact, memory) {
-        forget(&mut contacts.wall_touching[slot], memory);
+    if !law.touches(contact, history) {
+        forget(&mut contacts.wall_touching[slot], history);
         *angle = Vector3::zeros();
         return (ContactForce::zero(), Vector3::zeros());
     }
     contacts.wall_touching[slot] = true;
-    let force = law.force(contact, memory, dt);
+    let force = law.force(contact, history, dt);
     let Some(rolling) = rolling else {
         *angle = Vector3::zeros();
         return (force, Vector3::zeros());
     };
-    let torque = rolling.torque(contact, force.grip, law.stiffness_over(contact, dt), angle, dt);
+    let torque =
+        rolling.torque(contact, force.friction_normal, law.stiffness_over(contact, dt), angle, dt);
     (force, torque)
 }

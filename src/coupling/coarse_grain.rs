@@ -2,7 +2,7 @@
 
 use super::column_block::{ColumnBlock, Lanes};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quad, QuadWork, Quantum, in_quads, quad};
+use crate::numbers::{F64x4, Quantum, SimdKernel, four, with_simd};
 use crate::parallel::Communicator;
 use crate::particles::{Body, LANES, Particles, sphere_volume};
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ pub struct CoarseGraining {
     /// Smallest and largest diameter.
     diameters: [f64; 2],
     /// Of volume and its flux; of diameter and its flux.
-    lattices: [[Quantum; 2]; 2],
+    quanta: [[Quantum; 2]; 2],
     /// The particles as they were deposited last.
     blocks: Vec<ColumnBlock>,
     /// Those of volume, then of diameter: the latter follow from the former if all are of one size.
@@ -45,10 +45,9 @@ impl CoarseGraining {
         let volume = grid.cell_volume();
         // No more spheres fit into a cell than its volume over twice that of the smallest, d^3 / 4.
         let length = 4.0 * volume / diameters[0].powi(2);
-        let lattices =
-            [volume, length].map(|most| [most, most * speed_limit].map(Quantum::spanning));
+        let quanta = [volume, length].map(|most| [most, most * speed_limit].map(Quantum::spanning));
         let (blocks, in_intervals, at_nodes) = Default::default();
-        Self { diameters, lattices, blocks, in_intervals, at_nodes }
+        Self { diameters, quanta, blocks, in_intervals, at_nodes }
     }
 
     /// Whether particles differ in size.
@@ -79,11 +78,11 @@ impl CoarseGraining {
         }
         let bodies = &particles.body[..particles.owned_count()];
         self.blocks.resize_with(bodies.len().div_ceil(LANES), ColumnBlock::default);
-        in_quads(Deposit {
+        with_simd(Deposit {
             bodies,
             blocks: &mut self.blocks,
             grid,
-            lattices: self.lattices,
+            quanta: self.quanta,
             sums: &mut self.in_intervals[..kinds],
         });
         self.add_up_nodes(kinds, grid);
@@ -140,16 +139,16 @@ struct Deposit<'a> {
     bodies: &'a [Body],
     blocks: &'a mut [ColumnBlock],
     grid: &'a ColumnGrid,
-    lattices: [[Quantum; 2]; 2],
+    quanta: [[Quantum; 2]; 2],
     /// Of volume, perhaps of diameter.
     sums: &'a mut [Vec<IntervalSums>],
 }
 
-impl QuadWork for Deposit<'_> {
+impl SimdKernel for Deposit<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<Q: Quad>(self) {
+    fn run<Q: F64x4>(self) {
         for (bodies, block) in self.bodies.chunks(LANES).zip(self.blocks) {
             block.gather::<Q>(bodies, self.grid);
             // What only fills up the last block carries nothing.
@@ -159,7 +158,7 @@ impl QuadWork for Deposit<'_> {
                 amounts[1][lane] = 2.0 * radius;
             }
             for (kind, sums) in self.sums.iter_mut().enumerate() {
-                add::<Q>(block, &amounts[kind], self.lattices[kind], sums);
+                add::<Q>(block, &amounts[kind], self.quanta[kind], sums);
             }
         }
     }
@@ -167,22 +166,22 @@ impl QuadWork for Deposit<'_> {
 
 /// Adds amounts and their fluxes, each rounded to its lattice.
 #[inline(always)]
-fn add<Q: Quad>(
+fn add<Q: F64x4>(
     block: &ColumnBlock,
     amounts: &Lanes,
     [of_amount, of_flux]: [Quantum; 2],
     sums: &mut [IntervalSums],
 ) {
     for from in (0..LANES).step_by(4) {
-        let weight = Q::load(quad(&block.of_upper, from));
-        let amount = Q::load(quad(amounts, from));
-        let flux = amount.times(Q::load(quad(&block.velocity[2], from)));
+        let weight = Q::load(four(&block.of_upper, from));
+        let amount = Q::load(four(amounts, from));
+        let flux = amount.times(Q::load(four(&block.velocity[2], from)));
         let (upper, flux_upper) = (amount.times(weight), flux.times(weight));
         let shares = Q::transposed([
-            of_amount.round_quad(amount.minus(upper)),
-            of_flux.round_quad(flux.minus(flux_upper)),
-            of_amount.round_quad(upper),
-            of_flux.round_quad(flux_upper),
+            of_amount.round_four(amount.minus(upper)),
+            of_flux.round_four(flux.minus(flux_upper)),
+            of_amount.round_four(upper),
+            of_flux.round_four(flux_upper),
         ]);
         for row in 0..4 {
             let sum = &mut sums[block.interval[from + row] as usize][row];

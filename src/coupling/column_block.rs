@@ -1,7 +1,7 @@
 //! A block of particles in the column of gas, component by component.
 
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quad, quad_mut};
+use crate::numbers::{F64x4, four_mut};
 use crate::particles::{Body, LANES};
 
 pub(super) type Lanes = [f64; LANES];
@@ -21,22 +21,22 @@ pub(super) struct ColumnBlock {
 impl ColumnBlock {
     /// Brings up to `LANES` particles, at least one, into lanes.
     #[inline(always)]
-    pub(super) fn gather<Q: Quad>(&mut self, bodies: &[Body], grid: &ColumnGrid) {
+    pub(super) fn gather<Q: F64x4>(&mut self, bodies: &[Body], grid: &ColumnGrid) {
         let last = bodies.len() - 1;
         let mut height = [0.0; LANES];
         let zero = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
             let (mut places, mut motions) = (zero, zero);
             for row in 0..4 {
-                let [place, motion, _spin] = bodies[last.min(from + row)].quads();
+                let [place, motion, _spin] = bodies[last.min(from + row)].vectors();
                 places[row] = Q::load(place);
                 motions[row] = Q::load(motion);
             }
             let [_, _, z, radius] = Q::transposed(places);
-            z.store(quad_mut(&mut height, from));
-            radius.store(quad_mut(&mut self.radius, from));
+            z.store(four_mut(&mut height, from));
+            radius.store(four_mut(&mut self.radius, from));
             for (component, lanes) in Q::transposed(motions).into_iter().zip(&mut self.velocity) {
-                component.store(quad_mut(lanes, from));
+                component.store(four_mut(lanes, from));
             }
         }
         if grid.is_periodic() {

@@ -3,9 +3,9 @@
 use super::gas_block::{AddForces, Column, SumSlopes, interval_fields};
 use super::{Bed, CoarseGraining};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, Drive, ScaledDrag, WeightBalance};
+use crate::gas::{ColumnFields, ColumnGas, DragCorrelation, Drive, WeightBalance};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, in_quads};
+use crate::numbers::{Quantum, with_simd};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use thiserror::Error;
@@ -69,8 +69,8 @@ pub struct FluidForce {
     coarse_graining: CoarseGraining,
     bed: Bed,
     superficial_velocity: f64,
-    lattice: Quantum,
-    slope_lattice: Quantum,
+    quantum: Quantum,
+    slope_quantum: Quantum,
     limit: f64,
     /// The bed between nodes: phi and u_s; then, only if sizes differ, diameters per volume and u_d.
     between_nodes: [Vec<[f64; 4]>; 2],
@@ -82,21 +82,21 @@ impl FluidForce {
     pub fn new(
         gas: &ColumnGas,
         bounds: &Bounds,
-        lattice: Quantum,
+        quantum: Quantum,
         (force_limit, speed_limit): (f64, f64),
         diameters: [f64; 2],
     ) -> Self {
         let grid = gas.grid(bounds);
         let coarse_graining = CoarseGraining::new(&grid, speed_limit, diameters);
         // Drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
-        let slope_lattice = Quantum::spanning(1024.0 * force_limit / speed_limit);
+        let slope_quantum = Quantum::spanning(1024.0 * force_limit / speed_limit);
         Self {
             grid,
             coarse_graining,
             bed: Bed::default(),
             superficial_velocity: 0.0,
-            lattice,
-            slope_lattice,
+            quantum,
+            slope_quantum,
             limit: force_limit,
             between_nodes: Default::default(),
         }
@@ -185,11 +185,11 @@ impl FluidForce {
         let work = AddForces {
             column,
             lateral: gas.lateral_drag,
-            lattice: self.lattice,
+            quantum: self.quantum,
             limit: self.limit,
-            loads: &mut particles.load[..owned],
+            loads: &mut particles.forces[..owned],
         };
-        in_quads(work).map_err(|beyond| GasForceOutOfRange::Particle {
+        with_simd(work).map_err(|beyond| GasForceOutOfRange::Particle {
             particle: particles.id[beyond.index],
             force: beyond.force,
             limit: self.limit,
@@ -214,10 +214,10 @@ impl FluidForce {
     /// Weight of all particles, as the sum of their rounded weights: exact.
     fn weight_of(&self, particles: &Particles, gravity: f64, ranks: &dyn Communicator) -> f64 {
         let counts = (0..particles.owned_count())
-            .map(|i| self.lattice.count(self.lattice.round(particles.body[i].mass * gravity)));
+            .map(|i| self.quantum.count(self.quantum.round(particles.body[i].mass * gravity)));
         let mut sum = [counts.sum()];
         ranks.sum_integers(&mut sum);
-        sum[0] as f64 * self.lattice.spacing()
+        sum[0] as f64 * self.quantum.spacing()
     }
 
     /// U_s from sum_i F_i = W, each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds number.
@@ -233,9 +233,9 @@ impl FluidForce {
     ) -> Result<f64, GasForceOutOfRange> {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
-            let [constant, slope] = in_quads(SumSlopes {
+            let [constant, slope] = with_simd(SumSlopes {
                 column: self.column(gas, velocity),
-                lattices: [self.lattice, self.slope_lattice],
+                quanta: [self.quantum, self.slope_quantum],
                 count: particles.owned_count(),
             });
             let mut sums = [constant, slope, particles.owned_count() as i64];
@@ -243,10 +243,10 @@ impl FluidForce {
             if sums[2] == 0 {
                 return Ok(0.0); // nothing to carry
             }
-            let constant = sums[0] as f64 * self.lattice.spacing();
-            let slope = sums[1] as f64 * self.slope_lattice.spacing();
+            let constant = sums[0] as f64 * self.quantum.spacing();
+            let slope = sums[1] as f64 * self.slope_quantum.spacing();
             let next = (weight - constant) / slope;
-            let rounding = (sums[2] as f64 * self.lattice.spacing()).max(1.0e-13 * weight.abs());
+            let rounding = (sums[2] as f64 * self.quantum.spacing()).max(1.0e-13 * weight.abs());
             let converged = ((next - velocity) * slope).abs() <= rounding;
             velocity = next;
             if converged || !gas.drag.depends_on_reynolds() {

@@ -3,8 +3,8 @@
 use super::column_block::{ColumnBlock, Lanes};
 use crate::gas::ParticleDrag;
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quad, QuadWork, Quantum, first_flagged, quad, quad_mut};
-use crate::particles::{LANES, Load};
+use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged, four, four_mut};
+use crate::particles::{ForceTorque, LANES};
 use std::f64::consts::PI;
 
 /// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its way to the
@@ -50,7 +50,7 @@ struct GasBlock {
 
 impl GasBlock {
     #[inline(always)]
-    fn fill<Q: Quad>(&mut self, column: &Column, particles: &ColumnBlock) {
+    fn fill<Q: F64x4>(&mut self, column: &Column, particles: &ColumnBlock) {
         let [of_volume, of_diameter] = column.between_nodes;
         let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
         interpolate::<Q>(particles, of_volume, fields);
@@ -103,7 +103,7 @@ impl GasBlock {
 
 /// Linear interpolation of two fields, with the weights of coarse graining.
 #[inline(always)]
-fn interpolate<Q: Quad>(
+fn interpolate<Q: F64x4>(
     particles: &ColumnBlock,
     in_intervals: &[[f64; 4]],
     [first, second]: [&mut Lanes; 2],
@@ -113,10 +113,10 @@ fn interpolate<Q: Quad>(
         for row in 0..4 {
             rows[row] = Q::load(&in_intervals[particles.interval[from + row] as usize]);
         }
-        let weight = Q::load(quad(&particles.of_upper, from));
-        let [lower, way, second_lower, second_way] = Q::transposed(rows);
-        lower.plus(weight.times(way)).store(quad_mut(first, from));
-        second_lower.plus(weight.times(second_way)).store(quad_mut(second, from));
+        let weight = Q::load(four(&particles.of_upper, from));
+        let [lower, displacement, second_lower, second_way] = Q::transposed(rows);
+        lower.plus(weight.times(displacement)).store(four_mut(first, from));
+        second_lower.plus(weight.times(second_way)).store(four_mut(second, from));
     }
 }
 
@@ -134,18 +134,18 @@ pub(super) struct AddForces<'a> {
     pub(super) column: Column<'a>,
     /// Whether there is lateral drag.
     pub(super) lateral: bool,
-    pub(super) lattice: Quantum,
+    pub(super) quantum: Quantum,
     /// Of a component of a force; the lattice has room for as many of them as there are lanes.
     pub(super) limit: f64,
-    pub(super) loads: &'a mut [Load],
+    pub(super) loads: &'a mut [ForceTorque],
 }
 
-impl QuadWork for AddForces<'_> {
+impl SimdKernel for AddForces<'_> {
     type Output = Result<[i64; 3], Beyond>;
 
     #[inline(always)]
-    fn run<Q: Quad>(self) -> Self::Output {
-        let Self { column, lattice, limit, .. } = self;
+    fn run<Q: F64x4>(self) -> Self::Output {
+        let Self { column, quantum, limit, .. } = self;
         let mut block = GasBlock::default();
         let (mut force, mut out_of_range) = ([0.0; LANES], [0; LANES]);
         let mut total = [0; 3];
@@ -160,7 +160,7 @@ impl QuadWork for AddForces<'_> {
                         2 => block.vertical_force(lane, velocity, column.superficial_velocity),
                         _ => -block.drag[lane] * velocity,
                     };
-                    force[lane] = lattice.round(component);
+                    force[lane] = quantum.round(component);
                     let within = force[lane].abs() <= limit; // an undefined force is not
                     out_of_range[lane] = u64::from(!within);
                 }
@@ -171,7 +171,7 @@ impl QuadWork for AddForces<'_> {
                         solids_fraction: block.solids_fraction[lane],
                     });
                 }
-                total[axis] += lattice.count(scatter::<Q>(axis, &mut force, loads));
+                total[axis] += quantum.count(scatter::<Q>(axis, &mut force, loads));
             }
         }
         Ok(total)
@@ -180,14 +180,14 @@ impl QuadWork for AddForces<'_> {
 
 /// Puts a component of the forces on the particles of a block; gives its sum.
 #[inline(always)]
-fn scatter<Q: Quad>(axis: usize, force: &mut Lanes, loads: &mut [Load]) -> f64 {
+fn scatter<Q: F64x4>(axis: usize, force: &mut Lanes, loads: &mut [ForceTorque]) -> f64 {
     force[loads.len()..].fill(0.0);
     for (load, force) in loads.iter_mut().zip(&*force) {
         load.force[axis] += force;
     }
     let mut sums = Q::splat(0.0);
     for from in (0..LANES).step_by(4) {
-        sums = sums.plus(Q::load(quad(force, from)));
+        sums = sums.plus(Q::load(four(force, from)));
     }
     let mut sum = [0.0; 4];
     sums.store(&mut sum);
@@ -198,17 +198,17 @@ fn scatter<Q: Quad>(axis: usize, force: &mut Lanes, loads: &mut [Load]) -> f64 {
 pub(super) struct SumSlopes<'a> {
     pub(super) column: Column<'a>,
     /// Of the force, of the slope.
-    pub(super) lattices: [Quantum; 2],
+    pub(super) quanta: [Quantum; 2],
     /// Particles in the blocks.
     pub(super) count: usize,
 }
 
-impl QuadWork for SumSlopes<'_> {
+impl SimdKernel for SumSlopes<'_> {
     type Output = [i64; 2];
 
     #[inline(always)]
-    fn run<Q: Quad>(self) -> [i64; 2] {
-        let [of_force, of_slope] = self.lattices;
+    fn run<Q: F64x4>(self) -> [i64; 2] {
+        let [of_force, of_slope] = self.quanta;
         let mut block = GasBlock::default();
         let mut sums = [0; 2];
         for (number, particles) in self.column.blocks.iter().enumerate() {

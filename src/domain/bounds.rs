@@ -24,15 +24,15 @@ pub enum Face {
 pub struct Bounds {
     lengths: Vector3<f64>,
     faces: [[Face; 2]; 3],
-    lattice: Quantum,
+    quantum: Quantum,
 }
 
 impl Bounds {
     /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the position lattice, which spans
     /// twice the longest: 1 part in 10^15.
     pub fn new(lengths: Vector3<f64>, faces: [[Face; 2]; 3]) -> Self {
-        let lattice = Quantum::spanning(2.0 * lengths.max());
-        Self { lengths: lattice.round_vector(lengths), faces, lattice }
+        let quantum = Quantum::spanning(2.0 * lengths.max());
+        Self { lengths: quantum.round_vector(lengths), faces, quantum }
     }
 
     /// Edge lengths.
@@ -56,8 +56,8 @@ impl Bounds {
     }
 
     /// The lattice of positions.
-    pub fn lattice(&self) -> Quantum {
-        self.lattice
+    pub fn position_quantum(&self) -> Quantum {
+        self.quantum
     }
 
     /// Horizontal cross-section, the area that gas and weight per area refer to.
@@ -99,8 +99,9 @@ impl Bounds {
             let x = position[axis];
             self.faces[axis].into_iter().zip([x, self.lengths[axis] - x])
         });
-        let ways = to_faces.filter(|&(face, _)| passable(face)).map(|(_, way)| way);
-        ways.fold(f64::INFINITY, f64::min)
+        let displacements =
+            to_faces.filter(|&(face, _)| passable(face)).map(|(_, displacement)| displacement);
+        displacements.fold(f64::INFINITY, f64::min)
     }
 
     /// The first face of this kind, as (axis, side), that a position lies beyond.
@@ -133,7 +134,7 @@ mod tests {
         #[test]
         fn wrapping_is_exact(x in -15.0..15.0f64) {
             let bounds = column();
-            let x = bounds.lattice().round(x);
+            let x = bounds.position_quantum().round(x);
             let wrapped = bounds.wrap_coordinate(0, x);
             let length = bounds.lengths().x;
             prop_assert!((0.0..length).contains(&wrapped));

@@ -45,23 +45,25 @@ impl fmt::Display for RankGrid {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decomposition {
     grid: RankGrid,
-    cuts: [Vec<f64>; 3],
+    cut_planes: [Vec<f64>; 3],
 }
 
 impl Decomposition {
     /// Blocks of equal size.
     pub fn even(grid: RankGrid, bounds: &Bounds) -> Self {
-        let cuts = std::array::from_fn(|axis| {
+        let cut_planes = std::array::from_fn(|axis| {
             let (n, length) = (grid.0[axis], bounds.lengths()[axis]);
             (0..=n).map(|plane| length * plane as f64 / n as f64).collect()
         });
-        Self { grid, cuts }
+        Self { grid, cut_planes }
     }
 
     /// The same grid with other cut planes, each list increasing from 0 to the box length.
-    pub fn with_cuts(&self, cuts: [Vec<f64>; 3]) -> Self {
-        debug_assert!((0..3).all(|a| cuts[a].len() == self.grid.0[a] + 1 && cuts[a].is_sorted()));
-        Self { grid: self.grid, cuts }
+    pub fn with_cut_planes(&self, cut_planes: [Vec<f64>; 3]) -> Self {
+        debug_assert!(
+            (0..3).all(|a| cut_planes[a].len() == self.grid.0[a] + 1 && cut_planes[a].is_sorted())
+        );
+        Self { grid: self.grid, cut_planes }
     }
 
     /// Ranks along each axis.
@@ -70,14 +72,14 @@ impl Decomposition {
     }
 
     /// Cut planes along an axis, the box's faces included.
-    pub fn cuts(&self, axis: usize) -> &[f64] {
-        &self.cuts[axis]
+    pub fn cut_planes(&self, axis: usize) -> &[f64] {
+        &self.cut_planes[axis]
     }
 
     /// Rank that owns a point of the box; points beyond a face belong to the block at that face.
     pub fn owner_of(&self, position: &Vector3<f64>) -> usize {
         let block = std::array::from_fn(|axis| {
-            let inner = &self.cuts[axis][1..self.grid.0[axis]];
+            let inner = &self.cut_planes[axis][1..self.grid.0[axis]];
             inner.partition_point(|&plane| plane <= position[axis])
         });
         self.grid.rank_of(block)
@@ -86,7 +88,7 @@ impl Decomposition {
     /// Lower and upper corner of a rank's block.
     pub fn block_bounds(&self, rank: usize) -> [Vector3<f64>; 2] {
         let block = self.grid.block_of(rank);
-        [0, 1].map(|side| Vector3::from_fn(|axis, _| self.cuts[axis][block[axis] + side]))
+        [0, 1].map(|side| Vector3::from_fn(|axis, _| self.cut_planes[axis][block[axis] + side]))
     }
 
     /// Ranks below and above along an axis; through a periodic face the one at the other end.
@@ -114,7 +116,7 @@ impl Decomposition {
 
     /// Width of the narrowest block along an axis.
     pub fn narrowest(&self, axis: usize) -> f64 {
-        self.cuts[axis].windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+        self.cut_planes[axis].windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -135,23 +137,23 @@ mod tests {
             x in 0.0..5.0f64, y in 0.0..6.0f64, z in 0.0..7.0f64,
             n in prop::array::uniform3(1usize..4),
         ) {
-            let cut = Decomposition::even(RankGrid(n), &bounds());
+            let decomposition = Decomposition::even(RankGrid(n), &bounds());
             let point = Vector3::new(x, y, z);
-            let holders: Vec<usize> = (0..cut.grid().size()).filter(|&rank| {
-                let [lower, upper] = cut.block_bounds(rank);
+            let holders: Vec<usize> = (0..decomposition.grid().size()).filter(|&rank| {
+                let [lower, upper] = decomposition.block_bounds(rank);
                 (0..3).all(|a| lower[a] <= point[a] && point[a] < upper[a])
             }).collect();
-            prop_assert_eq!(holders, vec![cut.owner_of(&point)]);
+            prop_assert_eq!(holders, vec![decomposition.owner_of(&point)]);
         }
 
         #[test]
         fn neighbourhood_is_mutual(n in prop::array::uniform3(1usize..4)) {
             let bounds = bounds();
-            let cut = Decomposition::even(RankGrid(n), &bounds);
-            for rank in 0..cut.grid().size() {
+            let decomposition = Decomposition::even(RankGrid(n), &bounds);
+            for rank in 0..decomposition.grid().size() {
                 for axis in 0..3 {
-                    if let Some(above) = cut.neighbours(rank, axis, &bounds)[1] {
-                        prop_assert_eq!(cut.neighbours(above, axis, &bounds)[0], Some(rank));
+                    if let Some(above) = decomposition.neighbours(rank, axis, &bounds)[1] {
+                        prop_assert_eq!(decomposition.neighbours(above, axis, &bounds)[0], Some(rank));
                     }
                 }
             }
@@ -160,8 +162,8 @@ mod tests {
 
     #[test]
     fn points_beyond_a_face_belong_to_the_outer_block() {
-        let cut = Decomposition::even(RankGrid([1, 1, 3]), &bounds());
-        assert_eq!(cut.owner_of(&Vector3::new(0.0, 0.0, 99.0)), 2);
-        assert_eq!(cut.owner_of(&Vector3::new(0.0, 0.0, -1.0)), 0);
+        let decomposition = Decomposition::even(RankGrid([1, 1, 3]), &bounds());
+        assert_eq!(decomposition.owner_of(&Vector3::new(0.0, 0.0, 99.0)), 2);
+        assert_eq!(decomposition.owner_of(&Vector3::new(0.0, 0.0, -1.0)), 0);
     }
 }

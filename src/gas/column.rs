@@ -1,6 +1,6 @@
 //! A column of gas: one-dimensional, incompressible, without inertia.
 
-use super::{DragLaw, ScaledDrag};
+use super::{DragCorrelation, DragLaw};
 use crate::domain::Bounds;
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;

@@ -7,6 +7,6 @@ pub mod volume_averaged;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
 pub use drag::{
-    Beetstra, DiFelice, DragLaw, Ergun, Gidaspow, ScaledDrag, SingleSphere, Switch, Tenneti, WenYu,
-    WenYuCreeping,
+    Beetstra, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow, SingleSphere, Switch, Tenneti,
+    WenYu, WenYuCreeping,
 };

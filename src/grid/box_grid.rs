@@ -15,7 +15,7 @@ pub struct BoxGrid {
 ///
 /// Parts know global numbers only, so that what a cell does never depends on where the cuts are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct GridPart {
+pub struct LocalCells {
     /// Cells of the whole grid along x, y, z.
     pub counts: [usize; 3],
     /// First owned cell along each axis.
@@ -60,15 +60,15 @@ impl BoxGrid {
     /// The same cut with every plane moved to a cell face, blocks being at least `least` cells wide.
     ///
     /// Returns nothing if the grid has too few cells for that.
-    pub fn aligned(&self, cut: &Decomposition, least: usize) -> Option<Decomposition> {
-        let mut cuts: [Vec<f64>; 3] = Default::default();
-        for (axis, planes) in cuts.iter_mut().enumerate() {
-            let (blocks, cells) = (cut.grid().0[axis], self.counts[axis]);
+    pub fn aligned(&self, decomposition: &Decomposition, least: usize) -> Option<Decomposition> {
+        let mut cut_planes: [Vec<f64>; 3] = Default::default();
+        for (axis, planes) in cut_planes.iter_mut().enumerate() {
+            let (blocks, cells) = (decomposition.grid().0[axis], self.counts[axis]);
             if blocks > 1 && blocks * least > cells {
                 return None;
             }
             let mut face = 0;
-            for (plane, &wanted) in cut.cuts(axis).iter().enumerate() {
+            for (plane, &wanted) in decomposition.cut_planes(axis).iter().enumerate() {
                 face = match plane {
                     0 => 0,
                     last if last == blocks => cells,
@@ -81,20 +81,22 @@ impl BoxGrid {
                 planes.push(if ends { wanted } else { face as f64 * self.spacing[axis] });
             }
         }
-        Some(cut.with_cuts(cuts))
+        Some(decomposition.with_cut_planes(cut_planes))
     }
 
     /// The cells of a rank, from a cut whose planes lie on cell faces.
-    pub fn part_of(&self, cut: &Decomposition, rank: usize) -> GridPart {
-        let block = cut.grid().block_of(rank);
-        let face = |axis: usize, plane: usize| self.nearest_face(axis, cut.cuts(axis)[plane]);
+    pub fn local_cells(&self, decomposition: &Decomposition, rank: usize) -> LocalCells {
+        let block = decomposition.grid().block_of(rank);
+        let face = |axis: usize, plane: usize| {
+            self.nearest_face(axis, decomposition.cut_planes(axis)[plane])
+        };
         let start = std::array::from_fn(|axis| face(axis, block[axis]));
         let count = std::array::from_fn(|axis| face(axis, block[axis] + 1) - start[axis]);
-        GridPart { counts: self.counts, start, count }
+        LocalCells { counts: self.counts, start, count }
     }
 }
 
-impl GridPart {
+impl LocalCells {
     /// A grid that one rank owns whole.
     pub fn whole(counts: [usize; 3]) -> Self {
         Self { counts, start: [0; 3], count: counts }
@@ -138,11 +140,11 @@ mod tests {
             wanted.extend_from_slice(&planes[..ranks - 1]);
             wanted.push(bounds().lengths().z);
             wanted.sort_by(f64::total_cmp);
-            let cut = even.with_cuts([even.cuts(0).to_vec(), even.cuts(1).to_vec(), wanted]);
-            let cut = grid.aligned(&cut, 2).expect("there are enough cells");
+            let decomposition = even.with_cut_planes([even.cut_planes(0).to_vec(), even.cut_planes(1).to_vec(), wanted]);
+            let decomposition = grid.aligned(&decomposition, 2).expect("there are enough cells");
             let mut next = 0;
             for rank in 0..ranks {
-                let part = grid.part_of(&cut, rank);
+                let part = grid.local_cells(&decomposition, rank);
                 prop_assert_eq!(part.start, [0, 0, next]);
                 prop_assert!(part.count[2] >= 2);
                 next = part.end(2);
@@ -154,7 +156,7 @@ mod tests {
     #[test]
     fn too_few_cells_for_the_ranks_are_refused() {
         let grid = BoxGrid::new(&bounds(), [3, 4, 5]);
-        let cut = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
-        assert_eq!(grid.aligned(&cut, 2), None);
+        let decomposition = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
+        assert_eq!(grid.aligned(&decomposition, 2), None);
     }
 }

@@ -1,6 +1,6 @@
 //! The cells around a point, and how much of it each takes.
 
-use super::{BoxGrid, GridPart};
+use super::{BoxGrid, LocalCells};
 use nalgebra::Vector3;
 
 /// Finds the cells of a rank's part around points near it.
@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// so that weights add up to 1 everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellLocator {
-    part: GridPart,
+    part: LocalCells,
     periodic: [bool; 3],
     spacing: Vector3<f64>,
 }
@@ -32,7 +32,7 @@ impl CellLocator {
     pub const STRAY: f64 = 1.5;
 
     /// For a rank's part of a grid.
-    pub fn new(grid: &BoxGrid, part: GridPart) -> Self {
+    pub fn new(grid: &BoxGrid, part: LocalCells) -> Self {
         let spacing = grid.spacing();
         let periodic = std::array::from_fn(|axis| grid.is_periodic(axis));
         Self { part, periodic, spacing }
@@ -71,7 +71,7 @@ impl CellLocator {
     }
 
     /// The part.
-    pub fn part(&self) -> &GridPart {
+    pub fn part(&self) -> &LocalCells {
         &self.part
     }
 }
@@ -117,7 +117,7 @@ mod tests {
             // A part that the point lies in or near, along x.
             let cell = ((x / 0.55) as usize).min(5);
             let start = cell.saturating_sub(start);
-            let part = GridPart { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9] };
+            let part = LocalCells { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9] };
             let weights = CellLocator::new(&grid, part).weights(&position);
             let mut sum = 0.0;
             let mut mean = Vector3::zeros();
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn at_a_wall_the_inner_cell_takes_all() {
         let grid = BoxGrid::new(&bounds(), COUNTS);
-        let locator = CellLocator::new(&grid, GridPart::whole(COUNTS));
+        let locator = CellLocator::new(&grid, LocalCells::whole(COUNTS));
         for (z, cell) in [(0.2, 0), (-0.7, 0), (8.9, 8), (9.8, 8)] {
             let weights = locator.weights(&Vector3::new(1.0, 0.3, z));
             assert_eq!((weights.lower[2], weights.upper[2]), (cell, cell), "at {z}");
@@ -155,8 +155,11 @@ mod tests {
     #[test]
     fn images_beyond_a_cut_are_near_the_part() {
         let grid = BoxGrid::new(&bounds(), COUNTS);
-        let part =
-            |start, count| GridPart { counts: COUNTS, start: [start, 0, 0], count: [count, 1, 9] };
+        let part = |start, count| LocalCells {
+            counts: COUNTS,
+            start: [start, 0, 0],
+            count: [count, 1, 9],
+        };
         let at =
             |part, x| CellLocator::new(&grid, part).weights(&Vector3::new(x, 0.3, 4.0)).lower[0];
         // x = 3.2 is in cell 5, its neighbour above is cell 0.

@@ -1,6 +1,6 @@
 //! Numbers on the cells of a rank's part of the grid, with a halo around it.
 
-use super::GridPart;
+use super::LocalCells;
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ pub struct Field {
 
 impl Field {
     /// Zero everywhere.
-    pub fn new(part: &GridPart, halo: usize) -> Self {
+    pub fn new(part: &LocalCells, halo: usize) -> Self {
         let cells = part.count.iter().map(|count| count + 2 * halo).product();
         Self { count: part.count, halo, values: vec![0.0; cells] }
     }
@@ -142,8 +142,8 @@ impl Field {
 mod tests {
     use super::*;
 
-    fn part() -> GridPart {
-        GridPart { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] }
+    fn part() -> LocalCells {
+        LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] }
     }
 
     #[test]

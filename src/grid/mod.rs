@@ -5,7 +5,7 @@ mod cell_weights;
 mod column_grid;
 mod field;
 
-pub use box_grid::{BoxGrid, GridPart};
+pub use box_grid::{BoxGrid, LocalCells};
 pub use cell_weights::{CellLocator, CellWeights};
 pub use column_grid::{ColumnGrid, Place};
 pub use field::Field;

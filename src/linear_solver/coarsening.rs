@@ -1,7 +1,7 @@
 //! Which cells are left on the coarser grids. Follows from the whole grid alone.
 
 use crate::domain::Decomposition;
-use crate::grid::{BoxGrid, GridPart};
+use crate::grid::{BoxGrid, LocalCells};
 
 /// Axes along which cells are at most this much wider than along the narrowest are coarsened with it: beyond, the
 /// coupling along them, which goes with the inverse square, is below half of the strongest.
@@ -24,10 +24,14 @@ pub(super) struct LevelGrid {
 }
 
 impl LevelGrid {
-    pub(super) fn finest(grid: &BoxGrid, cut: &Decomposition) -> Self {
+    pub(super) fn finest(grid: &BoxGrid, decomposition: &Decomposition) -> Self {
         let counts = grid.counts();
         let blocks = [0, 1, 2].map(|axis| {
-            cut.cuts(axis).iter().map(|&plane| grid.nearest_face(axis, plane)).collect()
+            decomposition
+                .cut_planes(axis)
+                .iter()
+                .map(|&plane| grid.nearest_face(axis, plane))
+                .collect()
         });
         let periodic = [0, 1, 2].map(|axis| grid.is_periodic(axis));
         Self { counts, spacing: grid.spacing().into(), periodic, blocks }
@@ -76,9 +80,9 @@ impl LevelGrid {
     }
 
     /// The cells of a block.
-    pub(super) fn part(&self, block: [usize; 3]) -> GridPart {
+    pub(super) fn part(&self, block: [usize; 3]) -> LocalCells {
         let start = [0, 1, 2].map(|axis| self.blocks[axis][block[axis]]);
         let count = [0, 1, 2].map(|axis| self.blocks[axis][block[axis] + 1] - start[axis]);
-        GridPart { counts: self.counts, start, count }
+        LocalCells { counts: self.counts, start, count }
     }
 }

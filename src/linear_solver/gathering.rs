@@ -1,19 +1,19 @@
 //! Fields of which every rank holds the whole.
 
 use super::operator::Coefficients;
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
 
 /// Brings the parts of a field together on every rank, and takes a rank's part out again.
 #[derive(Clone, Debug)]
 pub(super) struct Gathering {
-    part: GridPart,
+    part: LocalCells,
     periodic: [bool; 3],
     buffer: Vec<f64>,
 }
 
 impl Gathering {
-    pub(super) fn new(part: GridPart, periodic: [bool; 3]) -> Self {
+    pub(super) fn new(part: LocalCells, periodic: [bool; 3]) -> Self {
         Self { part, periodic, buffer: vec![0.0; part.counts.iter().product()] }
     }
 

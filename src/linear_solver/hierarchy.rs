@@ -69,11 +69,11 @@ pub(super) struct Hierarchy {
 impl Hierarchy {
     pub(super) fn new(
         finest: &LevelGrid,
-        cut: &Decomposition,
+        decomposition: &Decomposition,
         bounds: &Bounds,
         rank: usize,
     ) -> Self {
-        let place = Place { cut, bounds, rank };
+        let place = Place { decomposition, bounds, rank };
         let whole = finest.is_held_whole().then(|| {
             let part = place.part(&finest.whole(), true);
             Whole {
@@ -123,13 +123,13 @@ impl Hierarchy {
         ranks: &dyn Communicator,
     ) {
         let Some(whole) = &mut self.whole else {
-            let way = Way { kind, ranks };
-            return way.through(&mut self.levels, coefficients, (right, solution), true);
+            let displacement = Way { kind, ranks };
+            return displacement.through(&mut self.levels, coefficients, (right, solution), true);
         };
         whole.gathering.gather(right, &mut whole.right, ranks);
-        let way = Way { kind, ranks: &OneRank };
+        let displacement = Way { kind, ranks: &OneRank };
         let equation = (&whole.right, &mut whole.solution);
-        way.through(&mut self.levels, &whole.coefficients, equation, true);
+        displacement.through(&mut self.levels, &whole.coefficients, equation, true);
         whole.gathering.take_part(&whole.solution, solution);
     }
 }
@@ -227,7 +227,7 @@ impl Way<'_> {
 mod tests {
     use super::*;
     use crate::domain::{Face, RankGrid};
-    use crate::grid::{BoxGrid, GridPart};
+    use crate::grid::{BoxGrid, LocalCells};
     use nalgebra::Vector3;
 
     const COUNTS: [usize; 3] = [19, 16, 23];
@@ -238,13 +238,13 @@ mod tests {
     }
 
     /// A closed or open box, coefficients between 10^-6 and 1 at random.
-    fn hierarchy(outlet: f64) -> (Hierarchy, Coefficients, GridPart) {
+    fn hierarchy(outlet: f64) -> (Hierarchy, Coefficients, LocalCells) {
         let periodic = [Face::Periodic; 2];
         let lengths = Vector3::new(19.0, 16.0, 23.0);
         let bounds = Bounds::new(lengths, [[Face::Wall; 2], periodic, [Face::Wall; 2]]);
         let grid = BoxGrid::new(&bounds, COUNTS);
-        let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
-        let part = grid.part_of(&cut, 0);
+        let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
+        let part = grid.local_cells(&decomposition, 0);
         let mut coefficients = Coefficients::new(&part);
         for (axis, face) in coefficients.faces.iter_mut().enumerate() {
             let number = |cell: usize| 10.0_f64.powf(-6.0 * drawn(0.1 * axis as f64, cell));
@@ -255,10 +255,10 @@ mod tests {
             }
         }
         *coefficients.diagonal.at_mut([3, 3, 22]) = outlet;
-        let mut halo = FieldHalo::new(&cut, &bounds, 0);
+        let mut halo = FieldHalo::new(&decomposition, &bounds, 0);
         halo.refresh(&mut coefficients.fields(), &OneRank);
-        let finest = LevelGrid::finest(&grid, &cut);
-        let mut hierarchy = Hierarchy::new(&finest, &cut, &bounds, 0);
+        let finest = LevelGrid::finest(&grid, &decomposition);
+        let mut hierarchy = Hierarchy::new(&finest, &decomposition, &bounds, 0);
         hierarchy.set_coefficients(&coefficients, &OneRank);
         (hierarchy, coefficients, part)
     }

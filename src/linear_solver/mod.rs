@@ -16,7 +16,7 @@
 //! * smoothing by Chebyshev polynomials of the Jacobi iteration, every cell by itself;
 //! * small levels are held by every rank; the smallest is factorised.
 //!
-//! Dot products are summed as integers (`lattice_sum`), so that nothing depends on the order of cells.
+//! Dot products are summed as integers (`exact_dot`), so that nothing depends on the order of cells.
 //!
 //! * Hestenes1952: M. R. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems", J. Res.
 //!   Nat. Bur. Stand. 49 (1952) 409-436.
@@ -26,9 +26,9 @@
 mod coarsening;
 mod convergence;
 mod direct;
+mod exact_dot;
 mod gathering;
 mod hierarchy;
-mod lattice_sum;
 mod operator;
 mod pairs;
 mod place;

@@ -1,8 +1,8 @@
 //! The operator on the cells of a part, row by row.
 
-use super::lattice_sum::RunningDot;
+use super::exact_dot::RunningDot;
 use super::rows::rows;
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 
 /// a_f on the lower faces of cells, axis by axis, and d_c. Halo: two cells; faces on the box's own faces are zero, but
@@ -14,7 +14,7 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    pub(super) fn new(part: &GridPart) -> Self {
+    pub(super) fn new(part: &LocalCells) -> Self {
         let zero = || Field::new(part, 2);
         Self { faces: [zero(), zero(), zero()], diagonal: zero() }
     }

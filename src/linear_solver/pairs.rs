@@ -1,7 +1,7 @@
 //! Numbers handed between cells and the pairs that they form along one axis.
 
 use super::transfer::Transfer;
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use std::ops::Range;
 
@@ -9,8 +9,8 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pairs {
     pub(super) axis: usize,
-    pub(super) fine: GridPart,
-    pub(super) coarse: GridPart,
+    pub(super) fine: LocalCells,
+    pub(super) coarse: LocalCells,
     pub(super) periodic: bool,
 }
 

@@ -2,13 +2,13 @@
 
 use super::coarsening::LevelGrid;
 use crate::domain::{Bounds, Decomposition, RankGrid};
-use crate::grid::GridPart;
+use crate::grid::LocalCells;
 use crate::parallel::FieldHalo;
 
 /// A rank in its cut of the box.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
-    pub(super) cut: &'a Decomposition,
+    pub(super) decomposition: &'a Decomposition,
     pub(super) bounds: &'a Bounds,
     pub(super) rank: usize,
 }
@@ -20,13 +20,13 @@ impl Place<'_> {
             let uncut = Decomposition::even(RankGrid([1; 3]), self.bounds);
             FieldHalo::new(&uncut, self.bounds, 0)
         } else {
-            FieldHalo::new(self.cut, self.bounds, self.rank)
+            FieldHalo::new(self.decomposition, self.bounds, self.rank)
         }
     }
 
     /// The cells of a level that the rank has.
-    pub(super) fn part(self, grid: &LevelGrid, whole: bool) -> GridPart {
-        let block = if whole { [0; 3] } else { self.cut.grid().block_of(self.rank) };
+    pub(super) fn part(self, grid: &LevelGrid, whole: bool) -> LocalCells {
+        let block = if whole { [0; 3] } else { self.decomposition.grid().block_of(self.rank) };
         grid.part(block)
     }
 }

@@ -2,12 +2,12 @@
 
 use super::coarsening::LevelGrid;
 use super::convergence::{Convergence, LinearSolverError, Tolerance};
+use super::exact_dot::{DotProduct, RunningDot};
 use super::hierarchy::{Cycle, Hierarchy};
-use super::lattice_sum::{DotProduct, RunningDot};
 use super::operator::{Coefficients, apply, residual};
 use super::rows::rows;
 use crate::domain::{Bounds, Decomposition};
-use crate::grid::{BoxGrid, Field, GridPart};
+use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
 
@@ -27,7 +27,7 @@ const ITERATION_LIMIT: usize = 200;
 /// let bounds = Bounds::new(Vector3::new(1.0, 1.0, 10.0), [[Face::Wall; 2]; 3]);
 /// let grid = BoxGrid::new(&bounds, [1, 1, 10]);
 /// let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
-/// let part = grid.part_of(&cut, 0);
+/// let part = grid.local_cells(&cut, 0);
 /// let field = |value: f64| {
 ///     let mut field = Field::new(&part, 1);
 ///     field.set_owned((0..10).map(|_| value));
@@ -46,7 +46,7 @@ const ITERATION_LIMIT: usize = 200;
 /// ```
 #[derive(Clone, Debug)]
 pub struct PressureSolver {
-    part: GridPart,
+    part: LocalCells,
     periodic: [bool; 3],
     halo: FieldHalo,
     coefficients: Coefficients,
@@ -65,16 +65,26 @@ impl PressureSolver {
     /// For a grid whose cut has its planes on cell faces ([`BoxGrid::aligned`]); `rank` is this rank's number.
     ///
     /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is taken here.
-    pub fn new(grid: &BoxGrid, cut: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
-        let part = grid.part_of(cut, rank);
+    pub fn new(
+        grid: &BoxGrid,
+        decomposition: &Decomposition,
+        bounds: &Bounds,
+        rank: usize,
+    ) -> Self {
+        let part = grid.local_cells(decomposition, rank);
         let zero = || Field::new(&part, 1);
         Self {
             part,
             periodic: [0, 1, 2].map(|axis| grid.is_periodic(axis)),
-            halo: FieldHalo::new(cut, bounds, rank),
+            halo: FieldHalo::new(decomposition, bounds, rank),
             coefficients: Coefficients::new(&part),
             closed: true,
-            hierarchy: Hierarchy::new(&LevelGrid::finest(grid, cut), cut, bounds, rank),
+            hierarchy: Hierarchy::new(
+                &LevelGrid::finest(grid, decomposition),
+                decomposition,
+                bounds,
+                rank,
+            ),
             right: zero(),
             solution: zero(),
             residual: zero(),

@@ -59,11 +59,11 @@ impl<const N: usize> Iterator for Rows<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::GridPart;
+    use crate::grid::LocalCells;
 
     #[test]
     fn rows_are_those_of_each_field() {
-        let part = GridPart { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] };
+        let part = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] };
         let [narrow, wide] = [1, 2].map(|halo| Field::new(&part, halo));
         let expected: Vec<_> = narrow.rows().zip(wide.rows()).map(|(a, b)| [a, b]).collect();
         assert_eq!(rows([&narrow, &wide]).collect::<Vec<_>>(), expected);

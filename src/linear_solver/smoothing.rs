@@ -22,7 +22,7 @@ const NEXT: [Momentum; 2] = Momentum::chebyshev(SMOOTHED);
 /// x_(n+1) = x_n + memory (x_n - x_(n-1)) + step D^-1 r_n.
 #[derive(Clone, Copy, Debug)]
 struct Momentum {
-    memory: f64,
+    history: f64,
     step: f64,
 }
 
@@ -35,8 +35,8 @@ impl Momentum {
         let second = 1.0 / (2.0 * sigma - first);
         let third = 1.0 / (2.0 * sigma - second);
         [
-            Self { memory: second * first, step: 2.0 * second / half_width },
-            Self { memory: third * second, step: 2.0 * third / half_width },
+            Self { history: second * first, step: 2.0 * second / half_width },
+            Self { history: third * second, step: 2.0 * third / half_width },
         ]
     }
 }
@@ -130,7 +130,7 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { system, by: Momentum { memory, step }, present, last } = self;
+        let Self { system, by: Momentum { history, step }, present, last } = self;
         let length = last.count()[0];
         for [row, place, right] in rows([&*last, &system.coefficients.diagonal, system.right]) {
             let stencil = StencilRow::new((system.coefficients, place), (present, row), length);
@@ -140,7 +140,7 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
             for (i, value) in last.values_mut()[row..][..length].iter_mut().enumerate() {
                 let last = if FROM_ZERO { 0.0 } else { *value };
                 let scaled = inverse[i] * (right[i] - stencil.apply(i));
-                *value = x[i] + (memory * (x[i] - last) + step * scaled);
+                *value = x[i] + (history * (x[i] - last) + step * scaled);
             }
         }
     }

@@ -65,10 +65,10 @@ impl ExactSum {
     }
 
     /// Adds `count` spacings of a lattice, exactly.
-    pub fn add_count(&mut self, count: i64, lattice: Quantum) {
+    pub fn add_count(&mut self, count: i64, quantum: Quantum) {
         const SPLIT: i64 = 1 << 32;
-        self.add((count.div_euclid(SPLIT) * SPLIT) as f64 * lattice.spacing());
-        self.add(count.rem_euclid(SPLIT) as f64 * lattice.spacing());
+        self.add((count.div_euclid(SPLIT) * SPLIT) as f64 * quantum.spacing());
+        self.add(count.rem_euclid(SPLIT) as f64 * quantum.spacing());
     }
 
     /// The sum, rounded once to the nearest double below 1 part in 2^52; undefined (NaN) if an addend was.
@@ -146,10 +146,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn split_over_ranks_gives_the_same_bits(values in prop::collection::vec(-1.0e9..1.0e9f64, 1..50), cut in 0usize..50) {
+        fn split_over_ranks_gives_the_same_bits(values in prop::collection::vec(-1.0e9..1.0e9f64, 1..50), decomposition in 0usize..50) {
             let whole = sum_of(&values);
-            let cut = cut.min(values.len());
-            let (left, right) = values.split_at(cut);
+            let decomposition = decomposition.min(values.len());
+            let (left, right) = values.split_at(decomposition);
             let integers: Vec<i64> = sum_of(left).to_integers().iter()
                 .zip(sum_of(right).to_integers()).map(|(a, b)| a + b).collect();
             prop_assert_eq!(ExactSum::from_integers(&integers).value().to_bits(), whole.value().to_bits());
@@ -174,10 +174,10 @@ mod tests {
 
     #[test]
     fn counts_of_a_lattice_are_added_exactly() {
-        let lattice = Quantum::spanning(1.0);
+        let quantum = Quantum::spanning(1.0);
         let mut sum = ExactSum::default();
-        sum.add_count(i64::MAX, lattice);
-        sum.add_count(-(i64::MAX - 3), lattice);
-        assert_eq!(sum.value(), 3.0 * lattice.spacing());
+        sum.add_count(i64::MAX, quantum);
+        sum.add_count(-(i64::MAX - 3), quantum);
+        assert_eq!(sum.value(), 3.0 * quantum.spacing());
     }
 }

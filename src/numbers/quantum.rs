@@ -1,6 +1,6 @@
 //! Rounding to a lattice: what makes floating-point sums exact, and so independent of their order.
 
-use super::Quad;
+use super::F64x4;
 use nalgebra::Vector3;
 
 /// A lattice of numbers `k * spacing`, k an integer, with `spacing` a power of two.
@@ -65,7 +65,7 @@ impl Quantum {
 
     /// Number by number.
     #[inline(always)]
-    pub fn round_quad<Q: Quad>(self, values: Q) -> Q {
+    pub fn round_four<Q: F64x4>(self, values: Q) -> Q {
         let shift = Q::splat(self.shift);
         values.plus(shift).minus(shift)
     }
@@ -78,8 +78,8 @@ impl Quantum {
 
     /// The integer k of a lattice number `k * spacing`.
     #[inline(always)]
-    pub fn count(self, lattice_number: f64) -> i64 {
-        (lattice_number * self.inverse) as i64
+    pub fn count(self, multiple: f64) -> i64 {
+        (multiple * self.inverse) as i64
     }
 }
 
@@ -105,17 +105,17 @@ mod tests {
     proptest! {
         #[test]
         fn rounding_is_odd_and_within_half_a_spacing(x in -1.0e4..1.0e4f64) {
-            let lattice = Quantum::spanning(1.0e4);
-            prop_assert_eq!(lattice.round(-x), -lattice.round(x));
-            prop_assert!((lattice.round(x) - x).abs() <= 0.5 * lattice.spacing());
-            prop_assert_eq!(lattice.count(lattice.round(x)) as f64 * lattice.spacing(), lattice.round(x));
+            let quantum = Quantum::spanning(1.0e4);
+            prop_assert_eq!(quantum.round(-x), -quantum.round(x));
+            prop_assert!((quantum.round(x) - x).abs() <= 0.5 * quantum.spacing());
+            prop_assert_eq!(quantum.count(quantum.round(x)) as f64 * quantum.spacing(), quantum.round(x));
         }
 
         #[test]
         fn sums_do_not_depend_on_order(mut values in prop::collection::vec(-1.0e3..1.0e3f64, 2..60)) {
-            let lattice = Quantum::spanning(1.0e5);
+            let quantum = Quantum::spanning(1.0e5);
             for value in &mut values {
-                *value = lattice.round(*value);
+                *value = quantum.round(*value);
             }
             let forwards: f64 = values.iter().sum();
             let backwards: f64 = values.iter().rev().sum();

@@ -128,8 +128,8 @@ fn make(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -
     file.set_numbers("/VTKHDF", "Direction", &[1.0_f64, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, words) in provenance.entries() {
-        file.set_text("/talcum", name, &words)?;
+    for (name, message) in provenance.entries() {
+        file.set_text("/talcum", name, &message)?;
     }
     file.set_text("/talcum", "case", case_text)?;
     make_tables(&file, [nz, ny, nx], &ColumnUnits::of_system(&provenance.units))?;

@@ -27,12 +27,12 @@ pub use units::ColumnUnits;
 
 /// A file that could not be written, or is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: {words}", path.display())]
+#[error("{}: {message}", path.display())]
 pub struct OutputError {
     /// The file.
     pub path: PathBuf,
     /// What is wrong with it.
-    pub words: String,
+    pub message: String,
 }
 
 /// A result whose error does not yet know which file it speaks of.
@@ -40,7 +40,7 @@ pub(crate) type InWords<T> = Result<T, String>;
 
 /// Makes an error on one rank an error on all. Collective.
 fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Result<T, OutputError> {
-    agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), words: error.0 })
+    agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), message: error.0 })
 }
 
 /// Does on rank 0 what is not done together; the others wait and learn of errors. Collective.

@@ -59,7 +59,7 @@ impl ParticleSnapshots {
         provenance: &Provenance,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let cut = on_root(path, ranks, || {
+        let decomposition = on_root(path, ranks, || {
             if path.exists() {
                 match cut_after(path, time) {
                     Ok(kept) => return metadata_copy::keep(path, &tables()).map(|()| kept),
@@ -69,7 +69,7 @@ impl ParticleSnapshots {
             create(path, case_text, provenance)?;
             Ok([0, 0])
         })?;
-        let mut counts = cut.unwrap_or_default().map(|count| count as i64);
+        let mut counts = decomposition.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
         let [steps, points] = counts.map(|count| count as u64);
         Ok(Self { path: path.to_owned(), steps, points })
@@ -158,8 +158,8 @@ fn make(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
     file.set_format_name("/VTKHDF", "Type", b"PolyData")?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, words) in provenance.entries() {
-        file.set_text("/talcum", name, &words)?;
+    for (name, message) in provenance.entries() {
+        file.set_text("/talcum", name, &message)?;
     }
     file.set_text("/talcum", "case", case_text)?;
     make_point_tables(&file, &ColumnUnits::of_system(&provenance.units))?;

@@ -115,8 +115,8 @@ fn create(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance
 
 fn make(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
     let file = SerialFile::create(path)?;
-    for (name, words) in provenance.entries() {
-        file.set_text("/", name, &words)?;
+    for (name, message) in provenance.entries() {
+        file.set_text("/", name, &message)?;
     }
     file.set_text("/", "case", case_text)?;
     let units = ColumnUnits::of_system(&provenance.units);

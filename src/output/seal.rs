@@ -104,8 +104,8 @@ fn seal_by(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), Outp
 pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
     let Seal { kind, length, hash } = agreed(path, read_seal(path), ranks)?;
     let same = hash_of(kind, path, length, ranks)? == hash;
-    let words = "the file is damaged: its bytes are not those that were written";
-    agreed(path, if same { Ok(()) } else { Err(words.to_owned()) }, ranks)
+    let message = "the file is damaged: its bytes are not those that were written";
+    agreed(path, if same { Ok(()) } else { Err(message.to_owned()) }, ranks)
 }
 
 fn read_seal(path: &Path) -> InWords<Seal> {
@@ -217,7 +217,7 @@ mod tests {
             damaged[BLOCK as usize + 5] ^= 1;
             std::fs::write(&path, &damaged).unwrap();
             run_on_threads(3, |ranks| {
-                assert!(check(&path, ranks).unwrap_err().words.contains("damaged"));
+                assert!(check(&path, ranks).unwrap_err().message.contains("damaged"));
             });
         }
     }

@@ -133,8 +133,8 @@ fn create(
     units: &ColumnUnits,
 ) -> InWords<File> {
     let mut text = String::new();
-    for (name, words) in provenance.entries() {
-        text += &format!("# {name}: {}\n", words.replace(['\n', '\r'], " "));
+    for (name, message) in provenance.entries() {
+        text += &format!("# {name}: {}\n", message.replace(['\n', '\r'], " "));
     }
     for line in case_text.lines() {
         text += format!("# case: {line}").trim_end();

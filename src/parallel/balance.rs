@@ -53,17 +53,17 @@ impl RankLoad {
     /// The planes change who works on what, never a result.
     pub fn balanced(
         &self,
-        cut: &Decomposition,
+        decomposition: &Decomposition,
         positions: impl Iterator<Item = Vector3<f64>> + Clone,
         bounds: &Bounds,
         least_width: f64,
         ranks: &dyn Communicator,
     ) -> Decomposition {
         let weight = (self.cost * UNIT).round() as i64;
-        let cuts = std::array::from_fn(|axis| {
-            let n = cut.grid().0[axis];
+        let cut_planes = std::array::from_fn(|axis| {
+            let n = decomposition.grid().0[axis];
             if n == 1 {
-                return cut.cuts(axis).to_vec();
+                return decomposition.cut_planes(axis).to_vec();
             }
             let length = bounds.lengths()[axis];
             let mut histogram = vec![0_i64; BINS];
@@ -74,7 +74,7 @@ impl RankLoad {
             ranks.sum_integers(&mut histogram);
             quantiles(&histogram, n, length, least_width)
         });
-        cut.with_cuts(cuts)
+        decomposition.with_cut_planes(cut_planes)
     }
 }
 
@@ -115,16 +115,17 @@ mod tests {
         let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
         let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
         let found = run_on_threads(4, |ranks| {
-            let mut cut = Decomposition::even(RankGrid([1, 1, 4]), &bounds);
+            let mut decomposition = Decomposition::even(RankGrid([1, 1, 4]), &bounds);
             let mut load = RankLoad::UNKNOWN;
             for _ in 0..6 {
-                let here = |z: &f64| cut.owner_of(&Vector3::new(2.0, 2.0, *z)) == ranks.rank();
+                let here =
+                    |z: &f64| decomposition.owner_of(&Vector3::new(2.0, 2.0, *z)) == ranks.rank();
                 let own: Vec<f64> = heights.iter().copied().filter(here).collect();
                 let cost: u64 = own.iter().map(|z| if *z < 16.0 / 3.0 { 30 } else { 10 }).sum();
                 load = RankLoad::measured(own.len(), Duration::from_micros(cost), ranks);
                 let positions = own.iter().map(|&z| Vector3::new(2.0, 2.0, z));
                 let seen = if see_time { load } else { RankLoad::UNKNOWN };
-                cut = seen.balanced(&cut, positions, &bounds, 0.5, ranks);
+                decomposition = seen.balanced(&decomposition, positions, &bounds, 0.5, ranks);
             }
             load.imbalance
         });

@@ -3,12 +3,12 @@
 use super::migrate::deliver;
 use super::{CellRecord, Communicator};
 use crate::domain::Decomposition;
-use crate::grid::{BoxGrid, GridPart};
+use crate::grid::{BoxGrid, LocalCells};
 use nalgebra::Vector3;
 
 impl CellRecord {
     /// The record of a cell of a part, counted from the part's first one.
-    pub fn new(part: &GridPart, cell: [isize; 3], numbers: [f64; Self::NUMBERS]) -> Self {
+    pub fn new(part: &LocalCells, cell: [isize; 3], numbers: [f64; Self::NUMBERS]) -> Self {
         let [i, j, k] = [0, 1, 2].map(|axis| part.start[axis] + cell[axis] as usize);
         Self { cell: (i + part.counts[0] * (j + part.counts[1] * k)) as u64, numbers }
     }
@@ -20,7 +20,7 @@ impl CellRecord {
     }
 
     /// Where the cell is in a part that owns it.
-    pub fn place_in(&self, part: &GridPart) -> [isize; 3] {
+    pub fn place_in(&self, part: &LocalCells) -> [isize; 3] {
         let place = self.place(part.counts);
         [0, 1, 2].map(|axis| place[axis] as isize - part.start[axis] as isize)
     }
@@ -30,14 +30,14 @@ impl CellRecord {
 pub fn send_cells_to_owners(
     records: &[CellRecord],
     grid: &BoxGrid,
-    cut: &Decomposition,
+    decomposition: &Decomposition,
     ranks: &dyn Communicator,
 ) -> Vec<CellRecord> {
     let mut outgoing = vec![Vec::new(); ranks.size()];
     for record in records {
         let place = record.place(grid.counts());
         let centre = Vector3::from_fn(|axis, _| (place[axis] as f64 + 0.5) * grid.spacing()[axis]);
-        outgoing[cut.owner_of(&centre)].push(*record);
+        outgoing[decomposition.owner_of(&centre)].push(*record);
     }
     deliver(outgoing, ranks)
 }
@@ -53,12 +53,12 @@ mod tests {
         let faces = [[Face::Periodic; 2], [Face::Wall; 2], [Face::Periodic; 2]];
         let bounds = Bounds::new(Vector3::new(1.1, 0.7, 2.3), faces);
         let grid = BoxGrid::new(&bounds, [4, 5, 9]);
-        let cut = |shape: [usize; 3]| {
+        let decomposition = |shape: [usize; 3]| {
             grid.aligned(&Decomposition::even(RankGrid(shape), &bounds), 2).expect("cells suffice")
         };
-        let (old, new) = (cut([2, 2, 1]), cut([1, 1, 4]));
+        let (old, new) = (decomposition([2, 2, 1]), decomposition([1, 1, 4]));
         run_on_threads(4, |ranks| {
-            let part = grid.part_of(&old, ranks.rank());
+            let part = grid.local_cells(&old, ranks.rank());
             let [nx, ny, _] = part.count;
             let records: Vec<CellRecord> = (0..part.cells())
                 .map(|n| {
@@ -69,7 +69,7 @@ mod tests {
                 })
                 .collect();
             let received = send_cells_to_owners(&records, &grid, &new, ranks);
-            let part = grid.part_of(&new, ranks.rank());
+            let part = grid.local_cells(&new, ranks.rank());
             assert_eq!(received.len(), part.cells());
             for record in received {
                 let place = record.place_in(&part);

@@ -35,8 +35,8 @@ impl Slabs {
 
 impl FieldHalo {
     /// The neighbours of a rank in a cut of the box.
-    pub fn new(cut: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
-        let neighbours = [0, 1, 2].map(|axis| cut.neighbours(rank, axis, bounds));
+    pub fn new(decomposition: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
+        let neighbours = [0, 1, 2].map(|axis| decomposition.neighbours(rank, axis, bounds));
         Self { rank, neighbours, outgoing: Default::default(), incoming: Default::default() }
     }
 
@@ -169,7 +169,7 @@ mod tests {
     use super::super::run_on_threads;
     use super::*;
     use crate::domain::{Face, RankGrid};
-    use crate::grid::{BoxGrid, GridPart};
+    use crate::grid::{BoxGrid, LocalCells};
     use nalgebra::Vector3;
 
     const COUNTS: [usize; 3] = [6, 5, 9];
@@ -181,7 +181,7 @@ mod tests {
 
     /// Calls `check` with each cell of part and halo, and the number of its owner, if there is one.
     fn for_each_cell(
-        part: &GridPart,
+        part: &LocalCells,
         halo: isize,
         mut check: impl FnMut([isize; 3], Option<usize>),
     ) {
@@ -199,13 +199,13 @@ mod tests {
         }
     }
 
-    fn on_ranks(grid: [usize; 3], work: impl Fn(GridPart, FieldHalo, &dyn Communicator) + Sync) {
+    fn on_ranks(grid: [usize; 3], work: impl Fn(LocalCells, FieldHalo, &dyn Communicator) + Sync) {
         run_on_threads(grid.iter().product(), |ranks| {
             let cells = BoxGrid::new(&bounds(), COUNTS);
             let even = Decomposition::even(RankGrid(grid), &bounds());
-            let cut = cells.aligned(&even, 2).expect("there are enough cells");
-            let part = cells.part_of(&cut, ranks.rank());
-            work(part, FieldHalo::new(&cut, &bounds(), ranks.rank()), ranks);
+            let decomposition = cells.aligned(&even, 2).expect("there are enough cells");
+            let part = cells.local_cells(&decomposition, ranks.rank());
+            work(part, FieldHalo::new(&decomposition, &bounds(), ranks.rank()), ranks);
         });
     }
 
@@ -283,10 +283,10 @@ mod tests {
     fn a_periodic_axis_may_be_one_cell_wide() {
         let bounds = bounds();
         let grid = BoxGrid::new(&bounds, [1, 2, 4]);
-        let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
+        let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
         run_on_threads(1, |ranks| {
-            let mut halo = FieldHalo::new(&cut, &bounds, 0);
-            let mut field = Field::new(&grid.part_of(&cut, 0), 2);
+            let mut halo = FieldHalo::new(&decomposition, &bounds, 0);
+            let mut field = Field::new(&grid.local_cells(&decomposition, 0), 2);
             *field.at_mut([0, 0, 1]) = 3.0;
             *field.at_mut([0, 1, 1]) = 5.0;
             halo.refresh(&mut [&mut field], ranks);

@@ -1,9 +1,9 @@
 //! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
 
-use super::parcel::Parcel;
-use super::{Communicator, Letter, ParticleRecord, records_of_bytes};
+use super::migration_message::MigrationMessage;
+use super::{Communicator, Message, ParticleRecord, records_of_bytes};
 use crate::domain::Decomposition;
-use crate::particles::{PairMemory, Particles, WallMemory};
+use crate::particles::{PairHistory, Particles, WallHistory};
 use bytemuck::Pod;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -17,9 +17,9 @@ use std::collections::BTreeMap;
 /// of pairs that it no longer owns a part of are gone. A pair may be there twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
-    pairs: &mut Vec<PairMemory>,
-    walls: &mut Vec<WallMemory>,
-    cut: &Decomposition,
+    pairs: &mut Vec<PairHistory>,
+    walls: &mut Vec<WallHistory>,
+    decomposition: &Decomposition,
     ranks: &dyn Communicator,
 ) {
     if ranks.size() == 1 {
@@ -27,28 +27,28 @@ pub fn migrate(
     }
     let here = ranks.rank();
     let owner: Vec<usize> =
-        particles.body.iter().map(|body| cut.owner_of(&body.position)).collect();
-    let mut parcels = Parcels::new();
+        particles.body.iter().map(|body| decomposition.owner_of(&body.position)).collect();
+    let mut messages = OutgoingMessages::new();
     if owner.iter().any(|&rank| rank != here) {
         let owner_of: FxHashMap<u64, usize> =
             particles.id.iter().copied().zip(owner.iter().copied()).collect();
-        pack_memories(&mut parcels, pairs, walls, &owner_of, here);
-        pack_particles(&mut parcels, particles, &owner, here);
+        pack_histories(&mut messages, pairs, walls, &owner_of, here);
+        pack_particles(&mut messages, particles, &owner, here);
     }
-    let letters: Vec<Letter> =
-        parcels.iter().map(|(&rank, parcel)| parcel.letter_to(rank)).collect();
-    for letter in ranks.exchange_letters(&letters) {
-        let parcel = Parcel::of(&letter);
-        parcel.particles.iter().for_each(|record| record.push_to(particles));
-        pairs.extend(parcel.pairs.into_iter().map(PairMemory::from));
-        walls.extend(parcel.walls.into_iter().map(WallMemory::from));
+    let messages: Vec<Message> =
+        messages.iter().map(|(&rank, message)| message.message_to(rank)).collect();
+    for message in ranks.sparse_exchange(&messages) {
+        let message = MigrationMessage::of(&message);
+        message.particles.iter().for_each(|record| record.push_to(particles));
+        pairs.extend(message.pairs.into_iter().map(PairHistory::from));
+        walls.extend(message.walls.into_iter().map(WallHistory::from));
     }
 }
 
 /// Sends records to the ranks whose blocks hold them, wherever they are now: the start of a run.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
-    cut: &Decomposition,
+    decomposition: &Decomposition,
     ranks: &dyn Communicator,
 ) -> Vec<ParticleRecord> {
     if ranks.size() == 1 {
@@ -56,7 +56,7 @@ pub fn send_to_owners(
     }
     let mut outgoing = vec![Vec::new(); ranks.size()];
     for record in records {
-        outgoing[cut.owner_of(&Vector3::from(record.position))].push(record);
+        outgoing[decomposition.owner_of(&Vector3::from(record.position))].push(record);
     }
     deliver(outgoing, ranks)
 }
@@ -84,13 +84,13 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
 }
 
 /// What goes to each rank that gets something.
-type Parcels = BTreeMap<usize, Parcel>;
+type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 
 /// A memory goes where its particles go, and stays where one of them stays.
-fn pack_memories(
-    parcels: &mut Parcels,
-    pairs: &mut Vec<PairMemory>,
-    walls: &mut Vec<WallMemory>,
+fn pack_histories(
+    messages: &mut OutgoingMessages,
+    pairs: &mut Vec<PairHistory>,
+    walls: &mut Vec<WallHistory>,
     owner_of: &FxHashMap<u64, usize>,
     here: usize,
 ) {
@@ -100,23 +100,28 @@ fn pack_memories(
             owners[1] = None;
         }
         for &&rank in owners.iter().flatten().filter(|&&&rank| rank != here) {
-            parcels.entry(rank).or_default().pairs.push(pair.into());
+            messages.entry(rank).or_default().pairs.push(pair.into());
         }
         owners.contains(&Some(&here))
     });
     walls.retain(|&contact| {
         let rank = owner_of.get(&contact.particle).copied().unwrap_or(here);
         if rank != here {
-            parcels.entry(rank).or_default().walls.push(contact.into());
+            messages.entry(rank).or_default().walls.push(contact.into());
         }
         rank == here
     });
 }
 
 /// Particles go to their owners; those that stay are kept in their order.
-fn pack_particles(parcels: &mut Parcels, particles: &mut Particles, owner: &[usize], here: usize) {
+fn pack_particles(
+    messages: &mut OutgoingMessages,
+    particles: &mut Particles,
+    owner: &[usize],
+    here: usize,
+) {
     for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
-        parcels.entry(rank).or_default().particles.push(ParticleRecord::of(particles, index));
+        messages.entry(rank).or_default().particles.push(ParticleRecord::of(particles, index));
     }
     let staying: Vec<u32> =
         (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();
@@ -131,13 +136,14 @@ pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicato
         return own;
     }
     let written = outgoing.into_iter().enumerate().filter(|(_, records)| !records.is_empty());
-    let letters: Vec<Letter> = written.map(|(rank, records)| Letter::of(rank, &records)).collect();
-    let incoming = ranks.exchange_letters(&letters);
-    drop(letters);
-    let from_below = incoming.partition_point(|letter| letter.rank < ranks.rank());
+    let messages: Vec<Message> =
+        written.map(|(rank, records)| Message::of(rank, &records)).collect();
+    let incoming = ranks.sparse_exchange(&messages);
+    drop(messages);
+    let from_below = incoming.partition_point(|message| message.rank < ranks.rank());
     let (below, above) = incoming.split_at(from_below);
-    let records = |letters: &[Letter]| -> Vec<T> {
-        letters.iter().flat_map(|letter| records_of_bytes(&letter.bytes)).collect()
+    let records = |messages: &[Message]| -> Vec<T> {
+        messages.iter().flat_map(|message| records_of_bytes(&message.bytes)).collect()
     };
     let mut delivered = records(below);
     delivered.append(&mut own);

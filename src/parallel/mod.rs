@@ -9,10 +9,10 @@ mod balance;
 mod cells;
 mod field_halo;
 mod migrate;
+mod migration_message;
 mod mpi_ranks;
 mod one_rank;
 mod owners;
-mod parcel;
 mod particle_halo;
 mod records;
 mod sort_by_id;
@@ -47,14 +47,14 @@ pub type AxisNeighbours = [Option<usize>; 2];
 
 /// Bytes to a rank, or from one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Letter {
-    /// The other rank: the one that gets it or, of a letter that has come, the one that sent it.
+pub struct Message {
+    /// The other rank: the one that gets it or, of a message that has come, the one that sent it.
     pub rank: usize,
     /// What it says.
     pub bytes: Vec<u8>,
 }
 
-impl Letter {
+impl Message {
     /// Of records, one after another.
     pub fn of<T: Pod>(rank: usize, records: &[T]) -> Self {
         Self { rank, bytes: bytemuck::cast_slice(records).to_vec() }
@@ -81,10 +81,10 @@ pub trait Communicator {
         incoming: &mut [Vec<u8>; 2],
     );
 
-    /// Sends letters to any ranks, at most one to each, also to this one; returns those to this rank by the rank that
-    /// sent them, from the lowest. An empty letter is not sent. Ranks need not know who writes to them, and what it
-    /// costs follows the number of letters and the logarithm of the number of ranks.
-    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter>;
+    /// Sends messages to any ranks, at most one to each, also to this one; returns those to this rank by the rank that
+    /// sent them, from the lowest. An empty message is not sent. Ranks need not know who writes to them, and what it
+    /// costs follows the number of messages and the logarithm of the number of ranks.
+    fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message>;
 
     /// Replaces each number by its sum over ranks. The numbers must be multiples of one [lattice] and
     /// their sums within its range: then the result is exact, and so the same for any number of ranks.
@@ -150,8 +150,8 @@ pub fn agree<T, E: fmt::Display>(
     if !ranks.any(result.is_err()) {
         return result.map_err(|error| CollectiveError(error.to_string()));
     }
-    let words = result.err().map(|error| format!("{error}")).unwrap_or_default();
-    let gathered = ranks.gather_to_root(words.as_bytes());
+    let message = result.err().map(|error| format!("{error}")).unwrap_or_default();
+    let gathered = ranks.gather_to_root(message.as_bytes());
     let mut first = gathered
         .and_then(|all| all.into_iter().find(|bytes| !bytes.is_empty()))
         .unwrap_or_default();

@@ -1,6 +1,6 @@
 //! Ranks as processes of MPI. The only place that names the `mpi` crate.
 
-mod letters;
+mod sparse_exchange;
 
 use std::cell::{Cell, RefCell};
 use std::io::Write;
@@ -10,12 +10,12 @@ use mpi::Tag;
 use mpi::collective::SystemOperation;
 use mpi::datatype::Equivalence;
 use mpi::environment::{Threading, Universe};
-use mpi::point_to_point::{Message, Status};
+use mpi::point_to_point::{Message as MatchedMessage, Status};
 use mpi::request::{WaitGuard, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
 
-use super::{AxisNeighbours, Communicator, FileAccess, Letter};
+use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
 /// The communicator as the HDF5 library takes it.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
@@ -52,7 +52,7 @@ pub struct MpiRanks {
     rank: usize,
     size: usize,
     longest_message: usize,
-    /// Which of the tags of letters is next.
+    /// Which of the tags of messages is next.
     turn: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
@@ -122,7 +122,11 @@ impl MpiRanks {
     }
 
     /// Receives a piece behind those that are there; whether another follows.
-    fn append_piece(&self, (message, status): (Message, Status), incoming: &mut Vec<u8>) -> bool {
+    fn append_piece(
+        &self,
+        (message, status): (MatchedMessage, Status),
+        incoming: &mut Vec<u8>,
+    ) -> bool {
         let length = status.count(u8::equivalent_datatype()) as usize;
         let before = incoming.len();
         incoming.resize(before + length, 0);
@@ -187,8 +191,8 @@ impl Communicator for MpiRanks {
         });
     }
 
-    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter> {
-        self.letters_by_consensus(outgoing)
+    fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
+        self.exchange_by_consensus(outgoing)
     }
 
     fn sum_exact(&self, values: &mut [f64]) {

@@ -1,6 +1,6 @@
 //! A single rank without MPI.
 
-use super::{AxisNeighbours, Communicator, FileAccess, Letter};
+use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
 /// One rank that talks to itself: unit tests, and tools that read files.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,8 +30,8 @@ impl Communicator for OneRank {
         }
     }
 
-    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter> {
-        outgoing.iter().filter(|letter| !letter.bytes.is_empty()).cloned().collect()
+    fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
+        outgoing.iter().filter(|message| !message.bytes.is_empty()).cloned().collect()
     }
 
     fn sum_exact(&self, values: &mut [f64]) {

@@ -7,8 +7,8 @@
 
 use super::migrate::deliver;
 use super::sort_by_id::Range;
-use super::{Communicator, ContactRecord, Letter, WallContactRecord, records_of_bytes};
-use crate::particles::{PairMemory, WallMemory};
+use super::{Communicator, ContactRecord, Message, WallContactRecord, records_of_bytes};
+use crate::particles::{PairHistory, WallHistory};
 use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub fn send_memories_to_owners(
     mut wall_contacts: Vec<WallContactRecord>,
     owned: &[u64],
     ranks: &dyn Communicator,
-) -> (Vec<PairMemory>, Vec<WallMemory>) {
+) -> (Vec<PairHistory>, Vec<WallHistory>) {
     if ranks.size() > 1 {
         let ids_of_pair = |record: &ContactRecord| [record.lower, record.higher];
         let ids_at_wall = |record: &WallContactRecord| [record.particle; 2];
@@ -35,8 +35,8 @@ pub fn send_memories_to_owners(
         contacts = to_owners(contacts, ids_of_pair, &owners, ranks);
         wall_contacts = to_owners(wall_contacts, ids_at_wall, &owners, ranks);
     }
-    let pairs = contacts.into_iter().map(PairMemory::from).collect();
-    (pairs, wall_contacts.into_iter().map(WallMemory::from).collect())
+    let pairs = contacts.into_iter().map(PairHistory::from).collect();
+    (pairs, wall_contacts.into_iter().map(WallHistory::from).collect())
 }
 
 /// The owners of the particles that these ids name, if they have one. Collective.
@@ -45,25 +45,25 @@ fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
     let to_homes = |ids: &[u64]| {
         let mut by_home = BTreeMap::<usize, Vec<u64>>::new();
         for &id in ids {
-            by_home.entry(range.part_of(id, ranks.size())).or_default().push(id);
+            by_home.entry(range.local_cells(id, ranks.size())).or_default().push(id);
         }
-        ranks.exchange_letters(&letters(by_home))
+        ranks.sparse_exchange(&messages(by_home))
     };
     let mut directory = Owners::default();
-    for letter in to_homes(owned) {
-        directory.extend(records_of_bytes(&letter.bytes).map(|id: u64| (id, letter.rank)));
+    for message in to_homes(owned) {
+        directory.extend(records_of_bytes(&message.bytes).map(|id: u64| (id, message.rank)));
     }
-    let answers = to_homes(ids).into_iter().map(|letter| {
+    let answers = to_homes(ids).into_iter().map(|message| {
         let known = |id: u64| directory.get(&id).map(|&owner| [id, owner as u64]);
-        (letter.rank, records_of_bytes(&letter.bytes).filter_map(known).collect())
+        (message.rank, records_of_bytes(&message.bytes).filter_map(known).collect())
     });
-    let answers = ranks.exchange_letters(&letters::<[u64; 2]>(answers.collect()));
-    let answers = answers.iter().flat_map(|letter| records_of_bytes::<[u64; 2]>(&letter.bytes));
+    let answers = ranks.sparse_exchange(&messages::<[u64; 2]>(answers.collect()));
+    let answers = answers.iter().flat_map(|message| records_of_bytes::<[u64; 2]>(&message.bytes));
     answers.map(|[id, owner]| (id, owner as usize)).collect()
 }
 
-fn letters<T: Pod>(words: BTreeMap<usize, Vec<T>>) -> Vec<Letter> {
-    words.into_iter().map(|(rank, words)| Letter::of(rank, &words)).collect()
+fn messages<T: Pod>(message: BTreeMap<usize, Vec<T>>) -> Vec<Message> {
+    message.into_iter().map(|(rank, message)| Message::of(rank, &message)).collect()
 }
 
 fn to_owners<T: Pod>(

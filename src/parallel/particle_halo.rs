@@ -61,15 +61,15 @@ impl ParticleHalo {
         &mut self,
         particles: &mut Particles,
         bounds: &Bounds,
-        cut: &Decomposition,
+        decomposition: &Decomposition,
         width: f64,
         ranks: &dyn Communicator,
     ) {
         let here = ranks.rank();
-        let [lower, upper] = cut.block_bounds(here);
+        let [lower, upper] = decomposition.block_bounds(here);
         for axis in 0..3 {
             let plan = &mut self.plans[axis];
-            plan.neighbours = cut.neighbours(here, axis, bounds);
+            plan.neighbours = decomposition.neighbours(here, axis, bounds);
             let length = bounds.lengths()[axis];
             let at_end = [lower[axis] == 0.0, upper[axis] == length];
             for (side, shipment) in plan.shipments.iter_mut().enumerate() {

@@ -1,6 +1,6 @@
 //! What travels between ranks and into checkpoints, byte for byte.
 
-use crate::particles::{ContactMemory, PairMemory, Particles, WallMemory};
+use crate::particles::{ContactHistory, PairHistory, Particles, WallHistory};
 use bytemuck::{Pod, Zeroable};
 
 /// Records that are there, or that are made when one asks for them, so that they take no memory.
@@ -116,8 +116,8 @@ impl ParticleRecord {
             position: particles.body[index].position.into(),
             velocity: particles.body[index].velocity.into(),
             angular_velocity: particles.body[index].angular_velocity.into(),
-            force: particles.load[index].force.into(),
-            torque: particles.load[index].torque.into(),
+            force: particles.forces[index].force.into(),
+            torque: particles.forces[index].torque.into(),
             radius: particles.body[index].radius,
             mass: particles.body[index].mass,
             gas_force: particles.gas_force[index].into(),
@@ -130,53 +130,53 @@ impl ParticleRecord {
         let (position, velocity) = (self.position.into(), self.velocity.into());
         particles.push(self.id, position, velocity, self.radius, self.mass);
         particles.body[index].angular_velocity = self.angular_velocity.into();
-        particles.load[index].force = self.force.into();
-        particles.load[index].torque = self.torque.into();
+        particles.forces[index].force = self.force.into();
+        particles.forces[index].torque = self.torque.into();
         particles.gas_force[index] = self.gas_force.into();
     }
 }
 
-fn memory_of(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactMemory {
-    ContactMemory { tangential_spring: tangential_spring.into(), largest_overlap }
+fn memory_of(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactHistory {
+    ContactHistory { tangential_spring: tangential_spring.into(), largest_overlap }
 }
 
-impl From<PairMemory> for ContactRecord {
-    fn from(pair: PairMemory) -> Self {
+impl From<PairHistory> for ContactRecord {
+    fn from(pair: PairHistory) -> Self {
         Self {
             lower: pair.lower,
             higher: pair.higher,
-            tangential_spring: pair.memory.tangential_spring.into(),
-            largest_overlap: pair.memory.largest_overlap,
+            tangential_spring: pair.history.tangential_spring.into(),
+            largest_overlap: pair.history.largest_overlap,
             rolling_angle: pair.rolling_angle.into(),
         }
     }
 }
 
-impl From<ContactRecord> for PairMemory {
+impl From<ContactRecord> for PairHistory {
     fn from(record: ContactRecord) -> Self {
-        let memory = memory_of(record.tangential_spring, record.largest_overlap);
+        let history = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
-        Self { lower: record.lower, higher: record.higher, memory, rolling_angle }
+        Self { lower: record.lower, higher: record.higher, history, rolling_angle }
     }
 }
 
-impl From<WallMemory> for WallContactRecord {
-    fn from(contact: WallMemory) -> Self {
+impl From<WallHistory> for WallContactRecord {
+    fn from(contact: WallHistory) -> Self {
         Self {
             particle: contact.particle,
             wall: u64::from(contact.wall),
-            tangential_spring: contact.memory.tangential_spring.into(),
-            largest_overlap: contact.memory.largest_overlap,
+            tangential_spring: contact.history.tangential_spring.into(),
+            largest_overlap: contact.history.largest_overlap,
             rolling_angle: contact.rolling_angle.into(),
         }
     }
 }
 
-impl From<WallContactRecord> for WallMemory {
+impl From<WallContactRecord> for WallHistory {
     fn from(record: WallContactRecord) -> Self {
-        let memory = memory_of(record.tangential_spring, record.largest_overlap);
+        let history = memory_of(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
-        Self { particle: record.particle, wall: record.wall as u32, memory, rolling_angle }
+        Self { particle: record.particle, wall: record.wall as u32, history, rolling_angle }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use super::{Communicator, Letter, Records, records_of_bytes};
+use super::{Communicator, Message, Records, records_of_bytes};
 
 /// One rank's rows of a table that is sorted over all ranks: the ranks' blocks, one after another in the
 /// order of the ranks, are the table.
@@ -60,7 +60,7 @@ fn sort_in_bands<T: Pod>(
     // The parts of a band lie side by side, one for each rank.
     let mut members = vec![Vec::new(); bands * size];
     for (index, id) in first_ids.into_iter().enumerate() {
-        members[ids.part_of(id, bands * size)].push(index as u32);
+        members[ids.local_cells(id, bands * size)].push(index as u32);
     }
     let mut rows: Vec<i64> = members.iter().map(|part| part.len() as i64).collect();
     ranks.sum_integers(&mut rows);
@@ -70,9 +70,10 @@ fn sort_in_bands<T: Pod>(
         let own = &parts[ranks.rank()];
         let own: Vec<T> = own.iter().map(|&at| records.at(at as usize)).collect();
         let to_others = (0..size).filter(|&rank| rank != ranks.rank() && !parts[rank].is_empty());
-        let letters: Vec<Letter> =
-            to_others.map(|rank| Letter { rank, bytes: bytes_of(records, &parts[rank]) }).collect();
-        let incoming = ranks.exchange_letters(&letters);
+        let messages: Vec<Message> = to_others
+            .map(|rank| Message { rank, bytes: bytes_of(records, &parts[rank]) })
+            .collect();
+        let incoming = ranks.sparse_exchange(&messages);
         let before = rows[..ranks.rank()].iter().sum::<i64>() as u64;
         let rows_here = sorted(&own, &incoming, &ids_of);
         take(SortedBlock { rows: rows_here, offset: offset + before, total });
@@ -88,28 +89,28 @@ fn bytes_of<T: Pod>(records: &(impl Records<T> + ?Sized), part: &[u32]) -> Vec<u
     bytes
 }
 
-/// Records of this rank and those in letters. Ids are sorted with the places of their records, since records are long.
-fn sorted<T: Pod>(own: &[T], letters: &[Letter], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
+/// Records of this rank and those in messages. Ids are sorted with the places of their records, since records are long.
+fn sorted<T: Pod>(own: &[T], messages: &[Message], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
     let key = |record: &T| {
         let [first, second] = ids_of(record).map(u128::from);
         first << 64 | second
     };
     let mut order: Vec<(u128, [u32; 2])> = Vec::with_capacity(own.len());
     order.extend(own.iter().zip(0..).map(|(record, place)| (key(record), [0, place])));
-    for (letter, source) in letters.iter().zip(1..) {
-        let records = records_of_bytes::<T>(&letter.bytes).zip(0..);
+    for (message, source) in messages.iter().zip(1..) {
+        let records = records_of_bytes::<T>(&message.bytes).zip(0..);
         order.extend(records.map(|(record, place)| (key(&record), [source, place])));
     }
     order.sort_unstable_by_key(|&(key, _)| key);
     let record = |[source, place]: [u32; 2]| match source {
         0 => own[place as usize],
-        _ => record_in(&letters[source as usize - 1], place as usize),
+        _ => record_in(&messages[source as usize - 1], place as usize),
     };
     order.into_iter().map(|(_, at)| record(at)).collect()
 }
 
-fn record_in<T: Pod>(letter: &Letter, place: usize) -> T {
-    bytemuck::pod_read_unaligned(&letter.bytes[place * size_of::<T>()..][..size_of::<T>()])
+fn record_in<T: Pod>(message: &Message, place: usize) -> T {
+    bytemuck::pod_read_unaligned(&message.bytes[place * size_of::<T>()..][..size_of::<T>()])
 }
 
 /// The lowest and the highest id of all ranks; zeros if there is none.
@@ -141,7 +142,7 @@ impl Range {
     }
 
     /// In which of so many parts, evenly cut, an id lies; the nearest part if it lies beyond.
-    pub(super) fn part_of(self, id: u64, parts: usize) -> usize {
+    pub(super) fn local_cells(self, id: u64, parts: usize) -> usize {
         let width = ((self.highest - self.lowest) / parts as u64).saturating_add(1);
         ((id.saturating_sub(self.lowest) / width) as usize).min(parts - 1)
     }

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::panic::resume_unwind;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use super::{AxisNeighbours, Communicator, FileAccess, Letter, records_of_bytes};
+use super::{AxisNeighbours, Communicator, FileAccess, Message, records_of_bytes};
 
 /// Messages to the neighbour below.
 const DOWNWARDS: usize = 0;
@@ -131,13 +131,13 @@ impl Communicator for ThreadRank {
         }
     }
 
-    fn exchange_letters(&self, outgoing: &[Letter]) -> Vec<Letter> {
+    fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
         // Threads are few: each hears from each, and an empty message is none.
         let mut messages = vec![Vec::new(); self.size()];
-        outgoing.iter().for_each(|letter| messages[letter.rank].clone_from(&letter.bytes));
+        outgoing.iter().for_each(|message| messages[message.rank].clone_from(&message.bytes));
         let incoming = self.all_to_all(&messages).into_iter().enumerate();
-        let letters = incoming.map(|(rank, bytes)| Letter { rank, bytes });
-        letters.filter(|letter| !letter.bytes.is_empty()).collect()
+        let messages = incoming.map(|(rank, bytes)| Message { rank, bytes });
+        messages.filter(|message| !message.bytes.is_empty()).collect()
     }
 
     fn sum_exact(&self, values: &mut [f64]) {

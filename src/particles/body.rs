@@ -25,7 +25,7 @@ pub struct Body {
 /// What acts on a particle. In memory: twice four numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub struct Load {
+pub struct ForceTorque {
     /// Total force, on the force lattice.
     pub force: Vector3<f64>,
     /// Zero.
@@ -59,18 +59,18 @@ impl Body {
 
     /// Position and radius, velocity and mass, angular velocity and zero.
     #[inline(always)]
-    pub fn quads(&self) -> &[[f64; 4]; 3] {
+    pub fn vectors(&self) -> &[[f64; 4]; 3] {
         bytemuck::cast_ref(self)
     }
 
     /// The same, to be changed.
     #[inline(always)]
-    pub fn quads_mut(&mut self) -> &mut [[f64; 4]; 3] {
+    pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 3] {
         bytemuck::cast_mut(self)
     }
 }
 
-impl Load {
+impl ForceTorque {
     /// A force without torque.
     #[inline(always)]
     pub fn of(force: Vector3<f64>) -> Self {
@@ -85,13 +85,13 @@ impl Load {
 
     /// Force and zero, torque and zero.
     #[inline(always)]
-    pub fn quads(&self) -> &[[f64; 4]; 2] {
+    pub fn vectors(&self) -> &[[f64; 4]; 2] {
         bytemuck::cast_ref(self)
     }
 
     /// The same, to be changed; the zeros remain.
     #[inline(always)]
-    pub fn quads_mut(&mut self) -> &mut [[f64; 4]; 2] {
+    pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 2] {
         bytemuck::cast_mut(self)
     }
 }

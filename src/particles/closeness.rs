@@ -1,18 +1,18 @@
 //! Which bodies are near each other, four pairs at a time.
 
 use super::Body;
-use crate::numbers::Quad;
+use crate::numbers::F64x4;
 
 /// From one body to another, and the sum of their radii.
 #[inline(always)]
-pub(super) fn branch<Q: Quad>(one: &Body, other: &Body) -> Q {
+pub(super) fn branch<Q: F64x4>(one: &Body, other: &Body) -> Q {
     let but_the_last = Q::load(&[1.0, 1.0, 1.0, -1.0]);
-    Q::load(&other.quads()[0]).minus(Q::load(&one.quads()[0]).times(but_the_last))
+    Q::load(&other.vectors()[0]).minus(Q::load(&one.vectors()[0]).times(but_the_last))
 }
 
 /// Bit k says whether branch k is one of bodies whose surfaces are closer than `margin`.
 #[inline(always)]
-pub(super) fn near_branches<Q: Quad>(branches: [Q; 4], margin: Q) -> u32 {
+pub(super) fn near_branches<Q: F64x4>(branches: [Q; 4], margin: Q) -> u32 {
     let [x, y, z, radii] = Q::transposed(branches);
     let reach = radii.plus(margin);
     let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
@@ -21,7 +21,7 @@ pub(super) fn near_branches<Q: Quad>(branches: [Q; 4], margin: Q) -> u32 {
 
 /// Bit k says whether the surface of partner k, of one to four, is closer than `margin` to that of the body.
 #[inline(always)]
-pub(super) fn near_partners<Q: Quad>(
+pub(super) fn near_partners<Q: F64x4>(
     body: &Body,
     partners: &[u32],
     bodies: &[Body],
@@ -62,21 +62,21 @@ impl Iterator for Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::{QuadWork, in_quads, random_of, uniform};
+    use crate::numbers::{SimdKernel, random_of, uniform, with_simd};
     use nalgebra::Vector3;
 
     struct Search<'a>(&'a [Body]);
 
-    impl QuadWork for Search<'_> {
+    impl SimdKernel for Search<'_> {
         type Output = Vec<usize>;
 
         #[inline(always)]
-        fn run<Q: Quad>(self) -> Vec<usize> {
+        fn run<Q: F64x4>(self) -> Vec<usize> {
             let mut found = Vec::new();
             let all: Vec<u32> = (0..self.0.len() as u32).collect();
-            for (quad, partners) in all.chunks(4).enumerate() {
+            for (four, partners) in all.chunks(4).enumerate() {
                 let near = near_partners(&self.0[0], partners, self.0, Q::splat(0.2));
-                found.extend(Places(near).map(|place| 4 * quad + place));
+                found.extend(Places(near).map(|place| 4 * four + place));
             }
             found
         }
@@ -95,7 +95,7 @@ mod tests {
         let near = |margin: f64| -> Vec<usize> {
             (0..203).filter(|&k| is_near([&bodies[0], &bodies[k]], margin)).collect()
         };
-        assert_eq!(in_quads(Search(&bodies)), near(0.2));
+        assert_eq!(with_simd(Search(&bodies)), near(0.2));
         assert!(near(0.2).len() > 5);
         assert_ne!(near(0.25), near(0.2)); // another margin is seen
     }

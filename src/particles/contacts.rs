@@ -18,7 +18,7 @@ use thiserror::Error;
 /// What a touching pair remembers: one record for all contact laws, of numbers (`f64`) only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct ContactMemory {
+pub struct ContactHistory {
     /// Tangential displacement of the second body relative to the first since the contact began.
     pub tangential_spring: Vector3<f64>,
     /// Largest overlap since the contact began.
@@ -27,26 +27,26 @@ pub struct ContactMemory {
 
 /// What is known of the touching pair of particles `lower` < `higher`, seen from the lower id.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairMemory {
+pub struct PairHistory {
     /// The lower global id.
     pub lower: u64,
     /// The higher global id.
     pub higher: u64,
     /// Spring of the higher relative to the lower.
-    pub memory: ContactMemory,
+    pub history: ContactHistory,
     /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
     pub rolling_angle: Vector3<f64>,
 }
 
 /// What is known of a particle that touches a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallMemory {
+pub struct WallHistory {
     /// The particle's global id.
     pub particle: u64,
     /// The wall's number.
     pub wall: u32,
     /// Spring of the wall relative to the particle.
-    pub memory: ContactMemory,
+    pub history: ContactHistory,
     /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
     pub rolling_angle: Vector3<f64>,
 }
@@ -74,13 +74,13 @@ pub struct Contacts {
     pub(crate) near: NearPairs,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
-    pub(crate) wall_memory: Vec<ContactMemory>,
+    pub(crate) wall_memory: Vec<ContactHistory>,
     pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
 }
 
 /// A memory seen from the other side.
-fn reversed(memory: ContactMemory) -> ContactMemory {
-    ContactMemory { tangential_spring: -memory.tangential_spring, ..memory }
+fn reversed(history: ContactHistory) -> ContactHistory {
+    ContactHistory { tangential_spring: -history.tangential_spring, ..history }
 }
 
 /// The same without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
@@ -89,25 +89,25 @@ fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
     vector.map(|component| component + 0.0)
 }
 
-impl PairMemory {
+impl PairHistory {
     /// What the slot of particle `here` remembers of `there`, seen from the lower id.
     fn of([here, there]: [u64; 2], remembered: Remembered) -> Self {
-        let Remembered { mut memory, mut rolling_angle } = remembered;
+        let Remembered { mut history, mut rolling_angle } = remembered;
         if here > there {
-            (memory, rolling_angle) = (reversed(memory), -rolling_angle);
+            (history, rolling_angle) = (reversed(history), -rolling_angle);
         }
-        memory.tangential_spring = without_negative_zeros(memory.tangential_spring);
+        history.tangential_spring = without_negative_zeros(history.tangential_spring);
         rolling_angle = without_negative_zeros(rolling_angle);
-        Self { lower: here.min(there), higher: here.max(there), memory, rolling_angle }
+        Self { lower: here.min(there), higher: here.max(there), history, rolling_angle }
     }
 
     /// The same, seen from the particle `here`.
     fn seen_from(&self, here: u64) -> Remembered {
-        let Self { memory, rolling_angle, .. } = *self;
+        let Self { history, rolling_angle, .. } = *self;
         if here == self.lower {
-            Remembered { memory, rolling_angle }
+            Remembered { history, rolling_angle }
         } else {
-            Remembered { memory: reversed(memory), rolling_angle: -rolling_angle }
+            Remembered { history: reversed(history), rolling_angle: -rolling_angle }
         }
     }
 }
@@ -134,8 +134,8 @@ impl Contacts {
     }
 
     /// Takes note that no particle has moved farther than this since the last time.
-    pub fn moved(&mut self, way: f64) {
-        self.near.moved(way);
+    pub fn moved(&mut self, displacement: f64) {
+        self.near.moved(displacement);
     }
 
     /// Makes sure that all pairs whose surfaces are closer than the ranges of forces are evaluated.
@@ -146,28 +146,28 @@ impl Contacts {
 
     /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
     /// both, with the same contents; `once` leaves it to the owner of the lower id.
-    pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairMemory> {
+    pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
         let touching = self.near.acting.touching();
         touching
             .filter_map(|(pair, remembered)| {
                 let [here, there] = pair.map(|index| particles.id[index as usize]);
                 let left_to_other = || particles.owned_original(pair[1] as usize).is_none();
                 let leave = once && here > there && left_to_other();
-                (!leave).then(|| PairMemory::of([here, there], remembered))
+                (!leave).then(|| PairHistory::of([here, there], remembered))
             })
             .collect()
     }
 
     /// Memories of all owned particles that touch a wall.
-    pub fn wall_records(&self, particles: &Particles) -> Vec<WallMemory> {
+    pub fn wall_records(&self, particles: &Particles) -> Vec<WallHistory> {
         (0..self.wall_pairs.len())
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
                 let WallPair { particle, wall } = self.wall_pairs[slot];
                 let particle = particles.id[particle as usize];
-                let (memory, rolling_angle) =
+                let (history, rolling_angle) =
                     (self.wall_memory[slot], self.wall_rolling_angle[slot]);
-                WallMemory { particle, wall, memory, rolling_angle }
+                WallHistory { particle, wall, history, rolling_angle }
             })
             .collect()
     }
@@ -193,7 +193,7 @@ impl Contacts {
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_memory.clear();
-        self.wall_memory.resize(self.wall_pairs.len(), ContactMemory::default());
+        self.wall_memory.resize(self.wall_pairs.len(), ContactHistory::default());
         self.wall_rolling_angle.clear();
         self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
@@ -205,8 +205,8 @@ impl Contacts {
     pub(crate) fn recall(
         &mut self,
         particles: &Particles,
-        pairs: &[PairMemory],
-        walls: &[WallMemory],
+        pairs: &[PairHistory],
+        walls: &[WallHistory],
     ) -> Result<(), LostContact> {
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
@@ -239,7 +239,7 @@ impl Contacts {
     fn recall_walls(
         &mut self,
         index_of: &FxHashMap<u64, usize>,
-        walls: &[WallMemory],
+        walls: &[WallHistory],
     ) -> Result<(), LostContact> {
         for record in walls {
             let lost = || LostContact(record.particle, format!("wall {}", record.wall));
@@ -250,7 +250,7 @@ impl Contacts {
                     (pair.particle, pair.wall)
                 })
                 .map_err(|_| lost())?;
-            self.wall_memory[slot] = record.memory;
+            self.wall_memory[slot] = record.history;
             self.wall_rolling_angle[slot] = record.rolling_angle;
             self.wall_touching[slot] = true;
         }

@@ -1,7 +1,7 @@
 //! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half.
 
-use super::{Body, Load, Particles};
-use crate::numbers::{Quad, QuadWork, Quantum, in_quads};
+use super::{Body, ForceTorque, Particles};
+use crate::numbers::{F64x4, Quantum, SimdKernel, with_simd};
 use bytemuck::Zeroable;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
@@ -25,8 +25,8 @@ pub fn kick_and_drift(particles: &mut Particles, late: Option<f64>, step: Step) 
 /// Sets the force on each owned particle to its weight.
 pub fn begin_with_weight(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
-    for (body, load) in particles.body[..owned].iter().zip(&mut particles.load[..owned]) {
-        *load = Load::along_z(-weight.of(body.mass));
+    for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
+        *load = ForceTorque::along_z(-weight.of(body.mass));
     }
 }
 
@@ -36,7 +36,7 @@ pub struct Step {
     /// Length.
     pub dt: f64,
     /// Lattice of positions.
-    pub lattice: Quantum,
+    pub quantum: Quantum,
     /// Weight at its end.
     pub weight: Weight,
 }
@@ -47,21 +47,21 @@ pub struct Weight {
     /// g, downwards, in the frame of the plate.
     pub gravity: f64,
     /// Lattice of forces.
-    pub lattice: Quantum,
+    pub quantum: Quantum,
 }
 
 impl Weight {
     /// Of a particle of this mass.
     #[inline(always)]
     pub fn of(&self, mass: f64) -> f64 {
-        self.lattice.round(mass * self.gravity)
+        self.quantum.round(mass * self.gravity)
     }
 }
 
 fn move_on(particles: &mut Particles, motion: Motion) -> f64 {
     let owned = particles.owned_count();
-    let (bodies, loads) = (&mut particles.body[..owned], &mut particles.load[..owned]);
-    in_quads(Moving { bodies, loads, motion })
+    let (bodies, loads) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
+    with_simd(Moving { bodies, loads, motion })
 }
 
 /// The second half of a kick, if it is due; half of another; and a drift, if there is one.
@@ -74,7 +74,7 @@ struct Motion {
 
 struct Moving<'a> {
     bodies: &'a mut [Body],
-    loads: &'a mut [Load],
+    loads: &'a mut [ForceTorque],
     motion: Motion,
 }
 
@@ -98,19 +98,19 @@ impl HalfKick {
 
     /// The mass, which stands behind the velocity, stays: zero is added.
     #[inline(always)]
-    fn change<Q: Quad>(&self, [velocity, spin]: &mut [Q; 2], load: &Load) {
-        let [force, torque] = load.quads();
+    fn change<Q: F64x4>(&self, [velocity, spin]: &mut [Q; 2], load: &ForceTorque) {
+        let [force, torque] = load.vectors();
         *velocity = velocity.plus(Q::load(force).times(Q::splat(self.per_mass)));
         *spin = spin.plus(Q::load(torque).times(Q::splat(self.per_inertia)));
     }
 }
 
-impl QuadWork for Moving<'_> {
+impl SimdKernel for Moving<'_> {
     /// A bound of the ways.
     type Output = f64;
 
     #[inline(always)]
-    fn run<Q: Quad>(self) -> f64 {
+    fn run<Q: F64x4>(self) -> f64 {
         let Self { bodies, loads, motion } = self;
         let mut mover = Mover::<Q>::new(motion);
         let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
@@ -130,15 +130,15 @@ struct Mover<Q> {
     size: [f64; 2],
     late: HalfKick,
     kick: HalfKick,
-    weight: Load,
+    weight: ForceTorque,
     farthest: Farthest<Q>,
 }
 
-impl<Q: Quad> Mover<Q> {
+impl<Q: F64x4> Mover<Q> {
     #[inline(always)]
     fn new(motion: Motion) -> Self {
         let late = HalfKick::new(motion.late.unwrap_or(0.0));
-        let (kick, weight) = (HalfKick::new(motion.dt), Load::zeroed());
+        let (kick, weight) = (HalfKick::new(motion.dt), ForceTorque::zeroed());
         Self { motion, size: [0.0; 2], late, kick, weight, farthest: Farthest::new() }
     }
 
@@ -150,27 +150,27 @@ impl<Q: Quad> Mover<Q> {
             self.late.of_size(body);
             self.kick.of_size(body);
             if let Some(step) = self.motion.drift {
-                self.weight = Load::along_z(-step.weight.of(body.mass));
+                self.weight = ForceTorque::along_z(-step.weight.of(body.mass));
             }
         }
     }
 
     #[inline(always)]
-    fn move_up_to_four(&mut self, bodies: &mut [Body], loads: &mut [Load]) {
-        let mut ways = [Q::splat(0.0); 4];
-        for ((body, load), way) in bodies.iter_mut().zip(loads).zip(&mut ways) {
+    fn move_up_to_four(&mut self, bodies: &mut [Body], loads: &mut [ForceTorque]) {
+        let mut displacements = [Q::splat(0.0); 4];
+        for ((body, load), displacement) in bodies.iter_mut().zip(loads).zip(&mut displacements) {
             self.of_size(body);
-            *way = self.move_one(body, load);
+            *displacement = self.move_one(body, load);
         }
         if self.motion.drift.is_some() {
-            self.farthest.see(ways);
+            self.farthest.see(displacements);
         }
     }
 
     /// Returns the body's way; zero without a drift.
     #[inline(always)]
-    fn move_one(&self, body: &mut Body, load: &mut Load) -> Q {
-        let [place, velocity, spin] = body.quads_mut();
+    fn move_one(&self, body: &mut Body, load: &mut ForceTorque) -> Q {
+        let [place, velocity, spin] = body.vectors_mut();
         let mut motion = [Q::load(velocity), Q::load(spin)];
         if self.motion.late.is_some() {
             self.late.change(&mut motion, load);
@@ -178,11 +178,11 @@ impl<Q: Quad> Mover<Q> {
         self.kick.change(&mut motion, load);
         motion[0].store(velocity);
         motion[1].store(spin);
-        let Some(Step { dt, lattice, .. }) = self.motion.drift else { return Q::splat(0.0) };
-        let way = lattice.round_quad(motion[0].times(Q::load(&[dt, dt, dt, 0.0]))); // the radius stays
-        Q::load(place).plus(way).store(place);
+        let Some(Step { dt, quantum, .. }) = self.motion.drift else { return Q::splat(0.0) };
+        let displacement = quantum.round_four(motion[0].times(Q::load(&[dt, dt, dt, 0.0]))); // the radius stays
+        Q::load(place).plus(displacement).store(place);
         *load = self.weight;
-        way
+        displacement
     }
 }
 
@@ -194,15 +194,15 @@ struct Farthest<Q> {
     flag: Q,
 }
 
-impl<Q: Quad> Farthest<Q> {
+impl<Q: F64x4> Farthest<Q> {
     #[inline(always)]
     fn new() -> Self {
         Self { squared: Q::splat(0.0), flag: Q::splat(0.0) }
     }
 
     #[inline(always)]
-    fn see(&mut self, ways: [Q; 4]) {
-        let [x, y, z, _] = Q::transposed(ways);
+    fn see(&mut self, displacements: [Q; 4]) {
+        let [x, y, z, _] = Q::transposed(displacements);
         let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
         self.squared = self.squared.larger(squared);
         self.flag = self.flag.plus(squared.times(Q::splat(0.0)));
@@ -224,19 +224,19 @@ mod tests {
     use crate::numbers::{random_of, uniform};
     use nalgebra::Vector3;
 
-    fn step(dt: f64, lattice: Quantum) -> Step {
-        Step { dt, lattice, weight: Weight { gravity: 0.0, lattice } }
+    fn step(dt: f64, quantum: Quantum) -> Step {
+        Step { dt, quantum, weight: Weight { gravity: 0.0, quantum } }
     }
 
     /// Energy error after one collision-like half period of a unit oscillator with n steps.
     fn oscillator_error(steps: usize) -> f64 {
-        let lattice = Quantum::spanning(2.0);
+        let quantum = Quantum::spanning(2.0);
         let mut particles = Particles::default();
         particles.push(0, Vector3::zeros(), Vector3::new(0.0, 0.0, 1.0), 0.5, 1.0);
         let dt = std::f64::consts::PI / steps as f64;
         for _ in 0..steps {
-            kick_and_drift(&mut particles, None, step(dt, lattice));
-            particles.load[0].force = -particles.body[0].position;
+            kick_and_drift(&mut particles, None, step(dt, quantum));
+            particles.forces[0].force = -particles.body[0].position;
             kick(&mut particles, dt);
         }
         particles.body[0].position.z.abs()
@@ -252,18 +252,18 @@ mod tests {
     /// A particle on its way out of a periodic box, and its image inside: not one of many may part from it.
     #[test]
     fn a_particle_moves_like_its_periodic_images() {
-        let lattice = Quantum::spanning(60.0);
-        let length = lattice.round(5.0);
+        let quantum = Quantum::spanning(60.0);
+        let length = quantum.round(5.0);
         let mut generator = random_of(3, 0, "images");
         let mut particles = Particles::default();
         for id in 0..2000 {
-            let x = lattice.round(0.1 * uniform(&mut generator));
+            let x = quantum.round(0.1 * uniform(&mut generator));
             let velocity = Vector3::x() * uniform(&mut generator);
             for image in [x, x - length, x + length] {
                 particles.push(id, Vector3::x() * image, velocity, 0.5, 1.0);
             }
         }
-        kick_and_drift(&mut particles, None, step(2.5e-4, lattice));
+        kick_and_drift(&mut particles, None, step(2.5e-4, quantum));
         for images in particles.body.chunks(3) {
             let [inside, below, above] = [0, 1, 2].map(|image| images[image].position.x);
             assert_eq!(below, inside - length);

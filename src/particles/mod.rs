@@ -10,12 +10,14 @@ mod neighbours;
 mod pair_blocks;
 mod store;
 
-pub use body::{Body, Load, sphere_volume};
+pub use body::{Body, ForceTorque, sphere_volume};
 pub use cell_grid::CellGrid;
-pub use contacts::{ContactMemory, Contacts, LostContact, PairMemory, WallMemory};
+pub use contacts::{ContactHistory, Contacts, LostContact, PairHistory, WallHistory};
 pub use integrate::{Step, Weight, begin_with_weight, kick, kick_and_drift};
 pub(crate) use near_pairs::Waiting;
 pub use near_pairs::{NearPairs, Ranges};
 pub use neighbours::{Neighbours, Reach};
-pub use pair_blocks::{AngleLanes, LANES, MEMORY_FIELDS, MemoryLanes, Pair, PairBlock, PairBlocks};
+pub use pair_blocks::{
+    AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks,
+};
 pub use store::Particles;

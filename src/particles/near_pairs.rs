@@ -8,7 +8,7 @@
 use super::closeness::{Places, branch, is_near, near_branches, near_partners};
 use super::pair_blocks::{PairBlocks, Remembered};
 use super::{Body, Pair, Particles};
-use crate::numbers::{Quad, QuadWork, in_quads};
+use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 /// Separations of surfaces up to which pairs act on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,7 +62,7 @@ struct Validity {
     /// The ranges they were found for.
     ranges: Ranges,
     /// How far a particle may have moved since.
-    way: f64,
+    displacement: f64,
     /// Evaluations since; none if the list is a new one.
     age: u32,
 }
@@ -80,25 +80,26 @@ const ALLOWANCE: f64 = 1.0e-9;
 impl Validity {
     /// Whether every pair within the ranges is in the list.
     fn holds(&self, ranges: Ranges) -> bool {
-        self.age > 0 && ranges == self.ranges && 2.0 * self.way < 0.999 * self.margin
+        self.age > 0 && ranges == self.ranges && 2.0 * self.displacement < 0.999 * self.margin
     }
 
     /// With s the way of a step, a margin m lasts m / 2s steps: 2 s a / m + b m is least for m^2 = 2 s a / b.
     fn renew(&mut self, diameter: f64, ranges: Ranges) {
         if self.age > 0 {
-            let margin = (2.0 * COST_RATIO * diameter * self.way / f64::from(self.age)).sqrt();
+            let margin =
+                (2.0 * COST_RATIO * diameter * self.displacement / f64::from(self.age)).sqrt();
             self.margin = margin.clamp(1.0e-5 * diameter, 0.05 * diameter);
         } else if self.margin == 0.0 {
             self.margin = FIRST_MARGIN * diameter;
         }
-        (self.ranges, self.way, self.age) = (ranges, 0.0, 0);
+        (self.ranges, self.displacement, self.age) = (ranges, 0.0, 0);
     }
 }
 
 impl NearPairs {
     /// Takes note that no particle has moved farther than this since the last time.
-    pub(super) fn moved(&mut self, way: f64) {
-        self.validity.way += way;
+    pub(super) fn moved(&mut self, displacement: f64) {
+        self.validity.displacement += displacement;
     }
 
     /// Begins with a new list, of which no pair remembers anything.
@@ -140,7 +141,7 @@ impl NearPairs {
         let just_found = self.validity.age == 1; // then those within reach do not wait
         let waiting = self.waiting();
         if !just_found {
-            in_quads(Arrivals { bodies: &particles.body, waiting });
+            with_simd(Arrivals { bodies: &particles.body, waiting });
         }
     }
 
@@ -174,7 +175,7 @@ impl NearPairs {
             }
         };
         let margin = validity.ranges.any + validity.margin;
-        in_quads(Candidates { bodies, rows, margin, take });
+        with_simd(Candidates { bodies, rows, margin, take });
     }
 }
 
@@ -202,21 +203,21 @@ struct Arrivals<'a> {
     waiting: Waiting<'a>,
 }
 
-impl QuadWork for Arrivals<'_> {
+impl SimdKernel for Arrivals<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<Q: Quad>(self) {
+    fn run<Q: F64x4>(self) {
         let Self { bodies, waiting: Waiting { pairs, reach, arrived } } = self;
         let reach = Q::splat(reach);
-        for (quad, pairs) in pairs.chunks(4).enumerate() {
+        for (four, pairs) in pairs.chunks(4).enumerate() {
             let mut branches = [Q::splat(0.0); 4];
             for (place, of_pair) in branches.iter_mut().enumerate() {
                 let [one, other, _] = pairs[place.min(pairs.len() - 1)];
                 *of_pair = branch(&bodies[one as usize], &bodies[other as usize]);
             }
             let near = near_branches(branches, reach) & ((1 << pairs.len()) - 1);
-            arrived.extend(Places(near).map(|place| (4 * quad + place) as u32));
+            arrived.extend(Places(near).map(|place| (4 * four + place) as u32));
         }
     }
 }
@@ -229,11 +230,11 @@ struct Candidates<'a, F> {
     take: F,
 }
 
-impl<F: FnMut(usize, [u32; 2])> QuadWork for Candidates<'_, F> {
+impl<F: FnMut(usize, [u32; 2])> SimdKernel for Candidates<'_, F> {
     type Output = ();
 
     #[inline(always)]
-    fn run<Q: Quad>(mut self) {
+    fn run<Q: F64x4>(mut self) {
         let margin = Q::splat(self.margin);
         for (row, ends) in self.rows.start.windows(2).enumerate() {
             let body = &self.bodies[row];

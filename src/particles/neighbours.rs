@@ -1,10 +1,10 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
 use super::closeness::{Places, near_partners};
-use super::contacts::{LostContact, PairMemory, WallMemory};
+use super::contacts::{LostContact, PairHistory, WallHistory};
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, Wall, WallPose};
-use crate::numbers::{Quad, QuadWork, in_quads};
+use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 /// How far the list looks beyond touching.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Reach {
 #[derive(Clone, Debug, Default)]
 pub struct Neighbours {
     /// How far a particle may have moved since.
-    way: f64,
+    displacement: f64,
     /// How far it must move to pass a face that particles leave through, or that ends the run.
     clearance: f64,
     reference_poses: Vec<WallPose>,
@@ -36,13 +36,13 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// Takes note that no particle of any rank has moved farther than this since the last time.
-    pub fn moved(&mut self, way: f64) {
-        self.way += way;
+    pub fn moved(&mut self, displacement: f64) {
+        self.displacement += displacement;
     }
 
     /// Whether a particle may have moved more than half the skin since the list was built.
     pub fn outdated(&self, reach: Reach) -> bool {
-        self.way >= 0.499 * reach.skin
+        self.displacement >= 0.499 * reach.skin
     }
 
     /// Takes note of how near the owned particles are to faces that they may pass.
@@ -52,20 +52,20 @@ impl Neighbours {
         self.clearance = clearances.fold(f64::INFINITY, f64::min);
     }
 
-    /// Whether an owned particle may have passed such a face, if none has moved farther than `way` since
+    /// Whether an owned particle may have passed such a face, if none has moved farther than `displacement` since
     /// [`Neighbours::moved`] was last called.
-    pub fn may_have_passed(&self, way: f64) -> bool {
-        let kept_clear = self.way + way < 0.999 * self.clearance;
+    pub fn may_have_passed(&self, displacement: f64) -> bool {
+        let kept_clear = self.displacement + displacement < 0.999 * self.clearance;
         !kept_clear
     }
 
     /// Whether a wall has moved more than half the skin towards particles since the list was built.
     pub fn outdated_by_walls(&self, (walls, poses): (&[Wall], &[WallPose]), reach: Reach) -> bool {
         let moved = walls.iter().zip(poses.iter().zip(&self.reference_poses));
-        let way = |(wall, (now, then)): (&Wall, (&WallPose, &WallPose))| {
+        let displacement = |(wall, (now, then)): (&Wall, (&WallPose, &WallPose))| {
             wall.approach(&(now.displacement - then.displacement))
         };
-        !moved.map(way).all(|way| way < 0.5 * reach.skin)
+        !moved.map(displacement).all(|displacement| displacement < 0.5 * reach.skin)
     }
 
     /// Sorts the owned particles by cells, so that near particles are near in memory.
@@ -87,9 +87,9 @@ impl Neighbours {
         contacts: &mut Contacts,
         walls: (&[Wall], &[WallPose]),
         reach: Reach,
-        remembered: (&[PairMemory], &[WallMemory]),
+        remembered: (&[PairHistory], &[WallHistory]),
     ) -> Result<(), LostContact> {
-        self.way = 0.0;
+        self.displacement = 0.0;
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.1);
         let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);
@@ -101,7 +101,7 @@ impl Neighbours {
 
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, reach: Reach) {
         contacts.clear_pairs();
-        in_quads(PairSearch { cells: &self.cells, particles, reach, contacts });
+        with_simd(PairSearch { cells: &self.cells, particles, reach, contacts });
     }
 }
 
@@ -113,11 +113,11 @@ struct PairSearch<'a> {
     contacts: &'a mut Contacts,
 }
 
-impl QuadWork for PairSearch<'_> {
+impl SimdKernel for PairSearch<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<Q: Quad>(self) {
+    fn run<Q: F64x4>(self) {
         let Self { cells, particles, reach, contacts } = self;
         let margin = Q::splat(reach.range + reach.skin);
         let bodies = &particles.body[..];

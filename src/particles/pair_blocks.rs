@@ -1,6 +1,6 @@
 //! Pairs side by side in blocks, with what they remember: what the loop over forces streams through.
 
-use super::ContactMemory;
+use super::ContactHistory;
 use nalgebra::Vector3;
 
 /// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
@@ -8,10 +8,10 @@ use nalgebra::Vector3;
 pub const LANES: usize = 32;
 
 /// Numbers that a contact remembers.
-pub const MEMORY_FIELDS: usize = size_of::<ContactMemory>() / size_of::<f64>();
+pub const HISTORY_FIELDS: usize = size_of::<ContactHistory>() / size_of::<f64>();
 
 /// What the pairs of one block remember, number by number.
-pub type MemoryLanes = [[f64; LANES]; MEMORY_FIELDS];
+pub type HistoryLanes = [[f64; LANES]; HISTORY_FIELDS];
 
 /// Angles of rolling springs, axis by axis.
 pub type AngleLanes = [[f64; LANES]; 3];
@@ -21,7 +21,7 @@ pub type AngleLanes = [[f64; LANES]; 3];
 #[repr(C, align(64))]
 pub struct PairBlock {
     /// What they remember, seen from the first.
-    pub memory: MemoryLanes,
+    pub history: HistoryLanes,
     /// Row particle of each pair.
     pub first: [u32; LANES],
     /// Its partner, an owned particle or a ghost.
@@ -38,7 +38,7 @@ pub type Pair = [u32; 3];
 /// What a touching pair remembers, seen from the row's particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Remembered {
-    pub(super) memory: ContactMemory,
+    pub(super) history: ContactHistory,
     /// Zero without a rolling spring.
     pub(super) rolling_angle: Vector3<f64>,
 }
@@ -59,7 +59,7 @@ impl PairBlock {
     /// A block full of a pair that remembers nothing.
     fn of([first, second, target]: Pair) -> Self {
         Self {
-            memory: [[0.0; LANES]; MEMORY_FIELDS],
+            history: [[0.0; LANES]; HISTORY_FIELDS],
             first: [first; LANES],
             second: [second; LANES],
             target: [target; LANES],
@@ -104,14 +104,14 @@ impl PairBlocks {
     /// The touching pairs, first and second particle, and what they remember.
     pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
         let pairs = self.pairs().enumerate();
-        pairs.filter_map(|(place, pair)| self.remembered(place).map(|memory| (pair, memory)))
+        pairs.filter_map(|(place, pair)| self.remembered(place).map(|history| (pair, history)))
     }
 
     /// What the pair at a place remembers, if it touches.
     fn remembered(&self, place: usize) -> Option<Remembered> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);
         block.touching[lane].then(|| Remembered {
-            memory: bytemuck::cast(block.memory.map(|field| field[lane])),
+            history: bytemuck::cast(block.history.map(|field| field[lane])),
             rolling_angle: match self.rolling_angle.get(place / LANES) {
                 Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
                 None => Vector3::zeros(),
@@ -135,9 +135,9 @@ impl PairBlocks {
         let block = &mut self.blocks[index];
         [block.first[lane], block.second[lane], block.target[lane]] = pair;
         block.touching[lane] = remembered.is_some();
-        let Remembered { memory, rolling_angle } = remembered.unwrap_or(Remembered::NOTHING);
-        let numbers: [f64; MEMORY_FIELDS] = bytemuck::cast(memory);
-        for (field, number) in block.memory.iter_mut().zip(numbers) {
+        let Remembered { history, rolling_angle } = remembered.unwrap_or(Remembered::NOTHING);
+        let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
+        for (field, number) in block.history.iter_mut().zip(numbers) {
             field[lane] = number;
         }
         if rolling_angle != Vector3::zeros() {
@@ -179,7 +179,7 @@ impl PairBlocks {
 
 impl Remembered {
     const NOTHING: Self = Self {
-        memory: ContactMemory {
+        history: ContactHistory {
             tangential_spring: Vector3::new(0.0, 0.0, 0.0),
             largest_overlap: 0.0,
         },
@@ -193,11 +193,11 @@ mod tests {
 
     fn remembered(number: u32) -> Remembered {
         let number = f64::from(number);
-        let memory = ContactMemory {
+        let history = ContactHistory {
             tangential_spring: Vector3::new(number, 2.0 * number, 0.0),
             largest_overlap: 0.5 * number,
         };
-        Remembered { memory, rolling_angle: Vector3::x() * number }
+        Remembered { history, rolling_angle: Vector3::x() * number }
     }
 
     /// Pairs (k, k + 1000), each third of them touching.
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!((pairs.count(), pairs.blocks.len(), pairs.rolling_angle.len()), (100, 4, 4));
         assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
         for ([first, _], found) in pairs.touching() {
-            assert_eq!(found.memory, remembered(first).memory);
+            assert_eq!(found.history, remembered(first).history);
             assert_eq!(found.rolling_angle, remembered(first).rolling_angle);
         }
         assert_eq!(pairs.touching().count(), 34);
@@ -227,12 +227,12 @@ mod tests {
         pairs.retain(|[first, second]| first.is_multiple_of(7) && second == first + 1000);
         let expected = (0..100).filter(|k| k % 3 == 0 || k % 7 == 0);
         assert!(pairs.pairs().map(|[first, _]| first).eq(expected));
-        assert!(pairs.touching().all(|([k, _], found)| found.memory == remembered(k).memory));
+        assert!(pairs.touching().all(|([k, _], found)| found.history == remembered(k).history));
         assert_eq!(pairs.touching().count(), 34);
         let last = pairs.blocks.last().unwrap();
         let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());
         assert!(last.touching[used..].iter().all(|touching| !touching));
-        assert!(last.memory.iter().all(|field| field[used..] == [0.0; LANES][used..]));
+        assert!(last.history.iter().all(|field| field[used..] == [0.0; LANES][used..]));
         pairs.retain(|_| false);
         assert_eq!(pairs.count(), 34);
     }

@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, Load, sphere_volume};
+use super::{Body, ForceTorque, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -16,7 +16,7 @@ pub struct Particles {
     /// Size and motion of each.
     pub body: Vec<Body>,
     /// What acts on each; on ghosts, scratch.
-    pub load: Vec<Load>,
+    pub forces: Vec<ForceTorque>,
     /// Of owned particles: force of a gas in three dimensions, on the force lattice, as of its last step; it is
     /// held until the next. Zero without such a gas.
     pub gas_force: Vec<Vector3<f64>>,
@@ -31,7 +31,7 @@ impl Particles {
         let mut particles = Self::default();
         particles.id.reserve_exact(count);
         particles.body.reserve_exact(count);
-        particles.load.reserve_exact(count);
+        particles.forces.reserve_exact(count);
         particles.gas_force.reserve_exact(count);
         particles
     }
@@ -107,7 +107,7 @@ impl Particles {
     fn push_body(&mut self, id: u64, body: Body) {
         self.id.push(id);
         self.body.push(body);
-        self.load.push(Load::zeroed());
+        self.forces.push(ForceTorque::zeroed());
     }
 
     /// Forgets the ghosts.
@@ -130,7 +130,7 @@ impl Particles {
         }
         reorder(&mut self.id, order);
         reorder(&mut self.body, order);
-        reorder(&mut self.load, order);
+        reorder(&mut self.forces, order);
         reorder(&mut self.gas_force, order);
         self.owned = order.len();
     }
@@ -139,6 +139,6 @@ impl Particles {
         self.image_of.clear();
         self.id.truncate(count);
         self.body.truncate(count);
-        self.load.truncate(count);
+        self.forces.truncate(count);
     }
 }

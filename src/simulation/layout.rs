@@ -75,8 +75,8 @@ pub fn lay_out(
             return Err(LayoutError::TooNarrow { axis, ranks, width, needed, most });
         }
     }
-    let cut = Decomposition::even(grid, bounds);
-    aligned(case, cut, needed)
+    let decomposition = Decomposition::even(grid, bounds);
+    aligned(case, decomposition, needed)
 }
 
 /// The cut with its planes on cell faces, if a gas in the case asks for that.
@@ -85,12 +85,13 @@ pub fn lay_out(
 /// If there are too few cells.
 pub(super) fn aligned(
     case: &Case,
-    cut: Decomposition,
+    decomposition: Decomposition,
     width: f64,
 ) -> Result<Decomposition, LayoutError> {
-    let Some(model) = case.flow() else { return Ok(cut) };
-    let too_few = || LayoutError::TooFewCells { grid: cut.grid(), cells: model.grid.counts() };
-    model.aligned(&cut, width).ok_or_else(too_few)
+    let Some(model) = case.flow() else { return Ok(decomposition) };
+    let too_few =
+        || LayoutError::TooFewCells { grid: decomposition.grid(), cells: model.grid.counts() };
+    model.aligned(&decomposition, width).ok_or_else(too_few)
 }
 
 /// Width of the ghost layer in the stage that needs the widest.

@@ -9,7 +9,7 @@ use crate::parallel::{
     CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
     WallContactRecord, agree, send_cells_to_owners, send_memories_to_owners, send_to_owners,
 };
-use crate::particles::{Contacts, PairMemory, Particles, WallMemory};
+use crate::particles::{Contacts, PairHistory, Particles, WallHistory};
 use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -27,12 +27,12 @@ pub enum StartError {
     #[error(transparent)]
     Checkpoint(#[from] crate::output::OutputError),
     /// The particles do not fit the case.
-    #[error("{key}: {words}")]
+    #[error("{key}: {message}")]
     Sizes {
         /// Which key of the case.
         key: &'static str,
         /// What is wrong.
-        words: String,
+        message: String,
     },
 }
 
@@ -49,7 +49,7 @@ pub struct Beginning {
 /// How the first step is prepared.
 pub struct Start {
     /// What contacts remember.
-    pub remembered: (Vec<PairMemory>, Vec<WallMemory>),
+    pub remembered: (Vec<PairHistory>, Vec<WallHistory>),
     /// Whether forces are still to be found.
     pub new_bed: bool,
     /// Whether results are continued from this time on.
@@ -139,7 +139,7 @@ fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> Siz
     SizeRange { smallest_diameter: -smallest, largest_diameter, largest_mass }
 }
 
-type Spread = (State, Workspace, (Vec<PairMemory>, Vec<WallMemory>));
+type Spread = (State, Workspace, (Vec<PairHistory>, Vec<WallHistory>));
 
 fn spread(
     case: &Case,
@@ -148,37 +148,37 @@ fn spread(
     grid: Option<RankGrid>,
     ranks: &dyn Communicator,
 ) -> Result<Spread, StartError> {
-    if let Some((key, words)) = case.check_sizes(&sizes).into_iter().next() {
-        return Err(StartError::Sizes { key, words });
+    if let Some((key, message)) = case.check_sizes(&sizes).into_iter().next() {
+        return Err(StartError::Sizes { key, message });
     }
-    let mut cut = lay_out(case, &sizes, grid, ranks.size())?;
+    let mut decomposition = lay_out(case, &sizes, grid, ranks.size())?;
     let skin = case.parallel.skin * sizes.largest_diameter;
     if case.parallel.balance.is_some() {
-        cut = balanced_at_start(case, &cut, &share.particles, &sizes, ranks);
-        cut = aligned(case, cut, ghost_width(case, &sizes))?;
+        decomposition = balanced_at_start(case, &decomposition, &share.particles, &sizes, ranks);
+        decomposition = aligned(case, decomposition, ghost_width(case, &sizes))?;
     }
     let Share { particles: records, contacts, wall_contacts, cells, report } = share;
-    let records = send_to_owners(records, &cut, ranks);
+    let records = send_to_owners(records, &decomposition, ranks);
     let mut particles = Particles::with_room_for(records.len());
     for record in records {
         record.push_to(&mut particles);
     }
-    let memories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
+    let histories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
     let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
-        let cells = send_cells_to_owners(&cells, &model.grid, &cut, ranks);
-        Flow::of_records(&model.grid.part_of(&cut, ranks.rank()), &cells, report)
+        let cells = send_cells_to_owners(&cells, &model.grid, &decomposition, ranks);
+        Flow::of_records(&model.grid.local_cells(&decomposition, ranks.rank()), &cells, report)
     });
     if flow.is_none() {
         particles.gas_force.fill(Vector3::zeros());
     }
     let contacts = Contacts::default();
     let state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
-    Ok((state, Workspace::new(cut, skin, case.parallel.balance), memories))
+    Ok((state, Workspace::new(decomposition, skin, case.parallel.balance), histories))
 }
 
 fn balanced_at_start(
     case: &Case,
-    cut: &Decomposition,
+    decomposition: &Decomposition,
     particles: &[ParticleRecord],
     sizes: &SizeRange,
     ranks: &dyn Communicator,
@@ -186,5 +186,11 @@ fn balanced_at_start(
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
     let width = ghost_width(case, sizes);
-    RankLoad::UNKNOWN.balanced(cut, positions.iter().copied(), &case.domain.bounds, width, ranks)
+    RankLoad::UNKNOWN.balanced(
+        decomposition,
+        positions.iter().copied(),
+        &case.domain.bounds,
+        width,
+        ranks,
+    )
 }

@@ -12,14 +12,17 @@ use nalgebra::Vector3;
 /// # Errors
 /// If the gas has too few cells for the ranks.
 pub(super) fn aligned(
-    cut: Decomposition,
+    decomposition: Decomposition,
     models: &Models,
     width: f64,
 ) -> Result<Decomposition, CollectiveError> {
-    let Some(GasModel::VolumeAveraged(model)) = &models.gas else { return Ok(cut) };
-    model.aligned(&cut, width).ok_or_else(|| {
+    let Some(GasModel::VolumeAveraged(model)) = &models.gas else { return Ok(decomposition) };
+    model.aligned(&decomposition, width).ok_or_else(|| {
         let cells = model.grid.counts();
-        CollectiveError(format!("the gas's cells, {cells:?}, are too few for {} ranks", cut.grid()))
+        CollectiveError(format!(
+            "the gas's cells, {cells:?}, are too few for {} ranks",
+            decomposition.grid()
+        ))
     })
 }
 
@@ -42,7 +45,7 @@ pub(super) fn settle(
         work.flow = None;
         return Ok(());
     };
-    if work.flow.is_some() && *old == work.cut {
+    if work.flow.is_some() && *old == work.decomposition {
         return Ok(());
     }
     let limits = ParticleLimits {
@@ -51,7 +54,7 @@ pub(super) fn settle(
         speed: models.limits.speed,
         stray: 0.5 * work.reach.skin,
     };
-    let place = (&work.cut, ranks.rank());
+    let place = (&work.decomposition, ranks.rank());
     let solver = FlowSolver::new(model, limits, &domain.bounds, place).map_err(CollectiveError)?;
     let solver = work.flow.insert(solver);
     let time = state.clock.time();
@@ -59,8 +62,8 @@ pub(super) fn settle(
         None => solver.at_rest(model, &state.particles, time, ranks),
         Some(flow) => {
             let records = flow.records(model, old, ranks.rank());
-            let records = send_cells_to_owners(&records, &model.grid, &work.cut, ranks);
-            let part = model.grid.part_of(&work.cut, ranks.rank());
+            let records = send_cells_to_owners(&records, &model.grid, &work.decomposition, ranks);
+            let part = model.grid.local_cells(&work.decomposition, ranks.rank());
             let mut flow = Flow::of_records(&part, &records, flow.report);
             solver.complete(model, &mut flow, time, ranks);
             flow
@@ -87,7 +90,7 @@ pub(super) fn advance(
         time,
         dt: models.time_step * model.substeps as f64,
         gravity: models.gravity.at(time),
-        lattice: models.force_lattice,
+        quantum: models.force_quantum,
     };
     solver.step(model, &mut state.particles, flow, step, ranks)
 }
@@ -97,9 +100,9 @@ pub(super) fn add_held_forces(particles: &mut Particles, models: &Models) -> [i6
     let mut total = [0; 3];
     for i in 0..particles.owned_count() {
         let force = particles.gas_force[i];
-        particles.load[i].force += force;
+        particles.forces[i].force += force;
         for axis in 0..3 {
-            total[axis] += models.force_lattice.count(force[axis]);
+            total[axis] += models.force_quantum.count(force[axis]);
         }
     }
     total

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use talcum::contact::{
-    CohesionExpression, ContactModel, FrictionCap, Interface, LinearSpringDashpot, VanDerWaals,
+    CohesionExpression, ContactLaw, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
 };
 use talcum::coupling::{Flow, FlowModel, FlowReport};
 use talcum::domain::{Bounds, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall};
@@ -15,7 +15,7 @@ use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
     run_on_threads, send_cells_to_owners, send_to_owners, share_with_all,
 };
-use talcum::particles::{Contacts, PairMemory, Particles, WallMemory};
+use talcum::particles::{Contacts, PairHistory, Particles, WallHistory};
 use talcum::state::{
     Balance, Clock, Departed, Domain, GasModel, Limits, Models, SizeRange, State, Workspace,
 };
@@ -32,9 +32,9 @@ pub(crate) struct Bench {
     pub(crate) domain: Domain,
     pub(crate) contact: LinearSpringDashpot,
     /// What holds between particles instead of `contact`.
-    pub(crate) interface: Option<Interface>,
+    pub(crate) interface: Option<ContactModel>,
     /// What holds at the walls, by their numbers; walls beyond are like particles.
-    pub(crate) at_walls: Vec<Interface>,
+    pub(crate) at_walls: Vec<ContactModel>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
     /// A gas in three dimensions, in the place of the column.
@@ -99,8 +99,13 @@ pub(crate) fn branch(
     other: &ParticleRecord,
 ) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| {
-        let (way, length) = (other.position[axis] - one.position[axis], bounds.lengths()[axis]);
-        if bounds.is_periodic(axis) { way - length * (way / length).round() } else { way }
+        let (displacement, length) =
+            (other.position[axis] - one.position[axis], bounds.lengths()[axis]);
+        if bounds.is_periodic(axis) {
+            displacement - length * (displacement / length).round()
+        } else {
+            displacement
+        }
     })
 }
 
@@ -149,7 +154,7 @@ impl Bench {
 
     /// Adds a particle of the bench's density, without spin; its id is its number.
     pub(crate) fn add(&mut self, position: [f64; 3], velocity: [f64; 3], radius: f64) -> &mut Self {
-        let lattice = self.domain.bounds.lattice();
+        let lattice = self.domain.bounds.position_quantum();
         let zero = [0.0; 3];
         self.particles.push(ParticleRecord {
             id: self.particles.len() as u64,
@@ -208,8 +213,8 @@ impl Bench {
     }
 
     pub(crate) fn models(&self) -> Models {
-        let law = ContactModel::LinearSpringDashpot(self.contact);
-        let contact = self.interface.clone().unwrap_or(Interface { law, rolling: None });
+        let law = ContactLaw::LinearSpringDashpot(self.contact);
+        let contact = self.interface.clone().unwrap_or(ContactModel { law, rolling: None });
         let at_walls = self.at_walls.clone();
         let SizeRange { smallest_diameter, largest_diameter, largest_mass } = self.sizes();
         let diameters = [smallest_diameter, largest_diameter];
@@ -234,8 +239,8 @@ impl Bench {
             gravity: self.gravity,
             time_step: dt,
             limits,
-            force_lattice: limits.force_lattice(),
-            torque_lattice: limits.torque_lattice(0.5 * largest_diameter),
+            force_quantum: limits.force_quantum(),
+            torque_quantum: limits.torque_quantum(0.5 * largest_diameter),
         }
     }
 
@@ -265,20 +270,21 @@ impl Bench {
     ) -> Run<'a> {
         let (here, size) = (ranks.rank(), ranks.size());
         assert_eq!(grid.size(), size, "the rank grid is of all ranks");
-        let mut cut = Decomposition::even(grid, &self.domain.bounds);
+        let mut decomposition = Decomposition::even(grid, &self.domain.bounds);
         if let Some(flow) = &self.flow {
             let width = self.sizes().largest_diameter + self.skin;
-            cut = flow.aligned(&cut, width).expect("the test's gas has enough cells");
+            decomposition =
+                flow.aligned(&decomposition, width).expect("the test's gas has enough cells");
         }
         let share: Vec<ParticleRecord> =
             whole.particles.iter().copied().skip(here).step_by(size).collect();
         let mut particles = Particles::default();
-        for record in send_to_owners(share, &cut, ranks) {
+        for record in send_to_owners(share, &decomposition, ranks) {
             record.push_to(&mut particles);
         }
         let owned: HashSet<u64> = particles.id.iter().copied().collect();
-        let pairs = whole.pairs.iter().copied().map(PairMemory::from);
-        let walls = whole.walls.iter().copied().map(WallMemory::from);
+        let pairs = whole.pairs.iter().copied().map(PairHistory::from);
+        let walls = whole.walls.iter().copied().map(WallHistory::from);
         let remembered = (
             pairs.filter(|it| owned.contains(&it.lower) || owned.contains(&it.higher)).collect(),
             walls.filter(|it| owned.contains(&it.particle)).collect(),
@@ -288,12 +294,16 @@ impl Bench {
         let model = self.flow.as_ref().filter(|_| !whole.cells.is_empty());
         let flow = model.map(|model| {
             let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
-            let cells = send_cells_to_owners(&share, &model.grid, &cut, ranks);
-            Flow::of_records(&model.grid.part_of(&cut, here), &cells, FlowReport::default())
+            let cells = send_cells_to_owners(&share, &model.grid, &decomposition, ranks);
+            Flow::of_records(
+                &model.grid.local_cells(&decomposition, here),
+                &cells,
+                FlowReport::default(),
+            )
         });
         let mut state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
         let (domain, models) = (self.domain.clone(), self.models());
-        let mut work = Workspace::new(cut, self.skin, self.balance);
+        let mut work = Workspace::new(decomposition, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
         begin(&mut state, &domain, &models, &mut work, remembered, new_bed, ranks)
             .expect("the test's bed can begin");
@@ -372,7 +382,7 @@ impl Run<'_> {
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
         let cells = match self.models.flow().zip(self.state.flow.as_ref()) {
-            Some((model, flow)) => flow.records(model, &self.work.cut, self.ranks.rank()),
+            Some((model, flow)) => flow.records(model, &self.work.decomposition, self.ranks.rank()),
             None => Vec::new(),
         };
         let mut cells = share_with_all(cells, self.ranks);

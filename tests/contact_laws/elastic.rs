@@ -3,11 +3,11 @@
 use crate::beds::{Bench, OPEN, PERIODIC};
 use crate::{HeadOn, rebound_from_plate, smooth};
 use std::f64::consts::PI;
-use talcum::contact::{ContactLaw, ContactModel, ContactModuli, Elasticity, HertzMindlin, Jkr};
+use talcum::contact::{ContactForceLaw, ContactLaw, ContactModuli, Elasticity, HertzMindlin, Jkr};
 
-fn hertz(body: Elasticity, other: Elasticity, restitution: f64, friction: f64) -> ContactModel {
+fn hertz(body: Elasticity, other: Elasticity, restitution: f64, friction: f64) -> ContactLaw {
     let moduli = ContactModuli::between(body, other).unwrap();
-    ContactModel::HertzMindlin(HertzMindlin::new(moduli, restitution, friction).unwrap())
+    ContactLaw::HertzMindlin(HertzMindlin::new(moduli, restitution, friction).unwrap())
 }
 
 fn material(young_modulus: f64, poisson_ratio: f64) -> Elasticity {
@@ -87,7 +87,7 @@ fn restitution_of_hertz_impacts_is_the_one_given_at_any_speed() {
 }
 
 /// 0.5 radius, density 1: stiff enough for the overlap to stay below a thousandth.
-fn stiff(restitution: f64, friction: f64) -> ContactModel {
+fn stiff(restitution: f64, friction: f64) -> ContactLaw {
     let body = material(1.0e7, 0.3);
     hertz(body, RIGID, restitution, friction)
 }
@@ -129,7 +129,7 @@ fn tearing_work(moduli: ContactModuli) -> f64 {
 #[test]
 fn jkr_spheres_stick_below_the_speed_that_the_neck_can_hold() {
     let (law, moduli) = jkr(ENERGY);
-    let law = ContactModel::Jkr(law);
+    let law = ContactLaw::Jkr(law);
     let density = 1000.0;
     let pair = HeadOn { law: &law, radius: SMALL, density, steps: 4000.0 };
     let stick = (2.0 * tearing_work(moduli) / (0.5 * pair.mass())).sqrt();
@@ -158,7 +158,7 @@ fn the_pull_off_force_of_jkr_holds_a_weight() {
     let damped = {
         let body = material(1.0e8, 0.3);
         let moduli = ContactModuli::between(body, body).unwrap();
-        ContactModel::Jkr(Jkr::new(moduli, ENERGY, 0.05, 0.3).unwrap())
+        ContactLaw::Jkr(Jkr::new(moduli, ENERGY, 0.05, 0.3).unwrap())
     };
     let hangs = |weight: f64| {
         let faces = [talcum::domain::Face::Open, talcum::domain::Face::Wall];

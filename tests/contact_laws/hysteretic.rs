@@ -3,9 +3,7 @@
 
 use crate::{HeadOn, Rebound};
 use std::f64::consts::PI;
-use talcum::contact::{
-    AdhesiveElasticPlastic, ContactModel, HystereticParameters, LinearHysteretic,
-};
+use talcum::contact::{AdhesiveElasticPlastic, ContactLaw, HystereticParameters, LinearHysteretic};
 
 const RADIUS: f64 = 20.0e-6;
 const DENSITY: f64 = 250.0;
@@ -27,13 +25,13 @@ fn attraction() -> f64 {
     20.0 * DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3) * 9.81
 }
 
-fn adhesive(primary_diameter: f64) -> ContactModel {
+fn adhesive(primary_diameter: f64) -> ContactLaw {
     let law =
         AdhesiveElasticPlastic::new(parameters(LOADING, UNLOADING), attraction(), primary_diameter);
-    ContactModel::AdhesiveElasticPlastic(law.unwrap())
+    ContactLaw::AdhesiveElasticPlastic(law.unwrap())
 }
 
-fn pair(law: &ContactModel, steps: f64) -> HeadOn<'_> {
+fn pair(law: &ContactLaw, steps: f64) -> HeadOn<'_> {
     HeadOn { law, radius: RADIUS, density: DENSITY, steps }
 }
 
@@ -125,7 +123,7 @@ fn adhesive_spheres_stick_below_the_speed_that_they_should() {
     }
     // Negative control: a force of half the size lets go.
     let half = AdhesiveElasticPlastic::new(parameters(LOADING, UNLOADING), 0.5 * attraction(), 1.0);
-    let half = ContactModel::AdhesiveElasticPlastic(half.unwrap());
+    let half = ContactLaw::AdhesiveElasticPlastic(half.unwrap());
     assert!(pair(&half, 4000.0).at(0.69e-3).restitution.is_some());
 }
 
@@ -140,7 +138,7 @@ fn restitution_of_the_linear_hysteretic_law() {
     ];
     for ([k1, k2, kc], expected) in table {
         let law = LinearHysteretic::new(parameters(k1, k2), kc).unwrap();
-        let law = ContactModel::LinearHysteretic(law);
+        let law = ContactLaw::LinearHysteretic(law);
         for speed in [0.01, 0.05] {
             let steps = 4000.0;
             let found = pair(&law, steps).at(speed).restitution;
@@ -155,6 +153,6 @@ fn restitution_of_the_linear_hysteretic_law() {
     }
     // Negative control: adhesion of 2 % more is seen.
     let law =
-        ContactModel::LinearHysteretic(LinearHysteretic::new(parameters(1.0, 2.0), 1.02).unwrap());
+        ContactLaw::LinearHysteretic(LinearHysteretic::new(parameters(1.0, 2.0), 1.02).unwrap());
     assert!((pair(&law, 4000.0).at(0.01).restitution.unwrap() - 0.577350).abs() > 4.0e-4);
 }

@@ -4,10 +4,10 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use talcum::contact::{
-    AdhesiveElasticPlastic, Contact, ContactForce, ContactLaw, ContactModel, ContactModuli,
+    AdhesiveElasticPlastic, Contact, ContactForce, ContactForceLaw, ContactLaw, ContactModuli,
     FrictionCap, HertzMindlin, HystereticParameters, Jkr, LinearHysteretic, LinearSpringDashpot,
 };
-use talcum::particles::ContactMemory;
+use talcum::particles::ContactHistory;
 
 const F0: f64 = 0.3;
 const PRIMARY: f64 = 0.5;
@@ -30,22 +30,22 @@ fn adhesive(primary_diameter: f64) -> AdhesiveElasticPlastic {
 const MODULI: ContactModuli = ContactModuli { normal: 1.0, shear: 0.3 };
 
 /// One of each, without dashpots, for R* = 1 and overlaps of order 1.
-fn laws() -> Vec<ContactModel> {
+fn laws() -> Vec<ContactLaw> {
     let linear = LinearSpringDashpot::new(1.0, 0.8, 1.0, 0.4, FrictionCap::Contact).unwrap();
     vec![
-        ContactModel::LinearSpringDashpot(linear),
-        ContactModel::AdhesiveElasticPlastic(adhesive(PRIMARY)),
-        ContactModel::AdhesiveElasticPlastic(adhesive(0.0)),
-        ContactModel::LinearHysteretic(LinearHysteretic::new(parameters(), 0.7).unwrap()),
-        ContactModel::HertzMindlin(HertzMindlin::new(MODULI, 1.0, 0.4).unwrap()),
-        ContactModel::Jkr(Jkr::new(MODULI, 0.05, 1.0, 0.4).unwrap()),
+        ContactLaw::LinearSpringDashpot(linear),
+        ContactLaw::AdhesiveElasticPlastic(adhesive(PRIMARY)),
+        ContactLaw::AdhesiveElasticPlastic(adhesive(0.0)),
+        ContactLaw::LinearHysteretic(LinearHysteretic::new(parameters(), 0.7).unwrap()),
+        ContactLaw::HertzMindlin(HertzMindlin::new(MODULI, 1.0, 0.4).unwrap()),
+        ContactLaw::Jkr(Jkr::new(MODULI, 0.05, 1.0, 0.4).unwrap()),
     ]
 }
 
 /// Two bodies that are moved by hand.
 struct Hand<'a> {
-    law: &'a ContactModel,
-    memory: ContactMemory,
+    law: &'a ContactLaw,
+    history: ContactHistory,
     overlap: f64,
     /// Work done on the contact so far.
     work: f64,
@@ -53,29 +53,29 @@ struct Hand<'a> {
 }
 
 impl<'a> Hand<'a> {
-    fn new(law: &'a ContactModel) -> Self {
-        let (memory, last) = (ContactMemory::default(), ContactForce::zero());
-        Self { law, memory, overlap: 0.0, work: 0.0, last }
+    fn new(law: &'a ContactLaw) -> Self {
+        let (history, last) = (ContactHistory::default(), ContactForce::zero());
+        Self { law, history, overlap: 0.0, work: 0.0, last }
     }
 
     /// A step to another overlap, with a slip on the way; in a time of 1.
     fn step(&mut self, overlap: f64, slip: [f64; 2]) -> ContactForce {
         let separation = self.overlap - overlap;
-        let way = Vector3::new(slip[0], slip[1], separation);
+        let displacement = Vector3::new(slip[0], slip[1], separation);
         let contact = Contact {
             overlap,
             normal: Vector3::z(),
-            relative_velocity: way,
+            relative_velocity: displacement,
             relative_spin: Vector3::zeros(),
             reduced_mass: 1.0,
             reduced_radius: 1.0,
             reduced_inertia: 0.4,
             cohesion: 0.0,
         };
-        let force = match self.law.touches(&contact, &self.memory) {
-            true => self.law.force(&contact, &mut self.memory, 1.0),
+        let force = match self.law.touches(&contact, &self.history) {
+            true => self.law.force(&contact, &mut self.history, 1.0),
             false => {
-                self.memory = ContactMemory::default();
+                self.history = ContactHistory::default();
                 ContactForce::zero()
             }
         };
@@ -86,7 +86,7 @@ impl<'a> Hand<'a> {
             (_, 0.0) => total(&self.last),
             _ => 0.5 * (total(&self.last) + total(&force)),
         };
-        self.work -= mean.dot(&way);
+        self.work -= mean.dot(&displacement);
         (self.overlap, self.last) = (overlap, force);
         force
     }
@@ -97,7 +97,10 @@ impl<'a> Hand<'a> {
         let begin = self.overlap;
         for step in 1..=STEPS {
             let part = f64::from(step) / f64::from(STEPS);
-            self.step(begin + part * (overlap - begin), slip.map(|way| way / f64::from(STEPS)));
+            self.step(
+                begin + part * (overlap - begin),
+                slip.map(|displacement| displacement / f64::from(STEPS)),
+            );
         }
         self.last
     }
@@ -105,7 +108,7 @@ impl<'a> Hand<'a> {
 
 #[test]
 fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
-    let law = ContactModel::AdhesiveElasticPlastic(adhesive(PRIMARY));
+    let law = ContactLaw::AdhesiveElasticPlastic(adhesive(PRIMARY));
     let mut hand = Hand::new(&law);
     let near = |force: ContactForce, expected: f64| {
         assert!((force.normal - expected).abs() < 1.0e-12, "{} for {expected}", force.normal);
@@ -131,10 +134,10 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
     near(hand.go(crossing + 0.1, [0.0; 2]), 0.8 * (crossing + 0.1) - F0);
     // Parted, everything is forgotten.
     hand.go(-0.1, [0.0; 2]);
-    assert_eq!(hand.memory, ContactMemory::default());
+    assert_eq!(hand.history, ContactHistory::default());
     near(hand.go(0.1, [0.0; 2]), 0.08 - F0);
     // Negative control: with larger primary particles the limit lies higher.
-    let other = ContactModel::AdhesiveElasticPlastic(adhesive(2.0 * PRIMARY));
+    let other = ContactLaw::AdhesiveElasticPlastic(adhesive(2.0 * PRIMARY));
     let mut hand = Hand::new(&other);
     hand.go(2.0, [0.0; 2]);
     assert!((hand.go(at_limit, [0.0; 2]).normal - limit).abs() > 0.05);
@@ -144,7 +147,7 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
 fn the_pull_of_jkr_is_8_9_at_zero_overlap_1_at_most_and_5_9_at_the_end() {
     let law = Jkr::new(MODULI, 0.05, 1.0, 0.4).unwrap();
     let (pull_off, reach) = (3.0 * PI * 0.05, law.reach(1.0));
-    let model = ContactModel::Jkr(law);
+    let model = ContactLaw::Jkr(law);
     let mut hand = Hand::new(&model);
     // In the curve of the two formulas: delta of a, for the F of a.
     for a in [0.7, 0.9, 1.2, 2.0] {
@@ -216,15 +219,15 @@ proptest! {
             let mirrored = Contact {
                 normal: -contact.normal, relative_velocity: -contact.relative_velocity, ..contact
             };
-            let mut here = ContactMemory { tangential_spring: spring.into(), largest_overlap: largest };
-            let mut there = ContactMemory { tangential_spring: -here.tangential_spring, ..here };
+            let mut here = ContactHistory { tangential_spring: spring.into(), largest_overlap: largest };
+            let mut there = ContactHistory { tangential_spring: -here.tangential_spring, ..here };
             prop_assert_eq!(law.touches(&contact, &here), law.touches(&mirrored, &there));
             if !law.touches(&contact, &here) {
                 continue;
             }
             let first = law.force(&contact, &mut here, 1.0e-2);
             let second = law.force(&mirrored, &mut there, 1.0e-2);
-            prop_assert_eq!((first.normal, first.grip), (second.normal, second.grip));
+            prop_assert_eq!((first.normal, first.friction_normal), (second.normal, second.friction_normal));
             prop_assert_eq!(first.tangential, -second.tangential);
             prop_assert_eq!(here.tangential_spring, -there.tangential_spring);
             prop_assert_eq!(here.largest_overlap, there.largest_overlap);
@@ -235,11 +238,11 @@ proptest! {
 /// Negative control of the energy test: a law that forgets its plastic overlap at the turn gives work back.
 #[test]
 fn a_law_that_makes_energy_is_seen() {
-    let law = ContactModel::AdhesiveElasticPlastic(adhesive(1.0e9));
+    let law = ContactLaw::AdhesiveElasticPlastic(adhesive(1.0e9));
     let mut hand = Hand::new(&law);
     hand.go(0.5, [0.0; 2]);
     // Unloads along k_unload through the point of loading of a deeper past.
-    hand.memory.largest_overlap = 0.0;
+    hand.history.largest_overlap = 0.0;
     hand.step(1.5, [0.0; 2]);
     hand.work = 0.5 * hand.law.stiffness(0.0, 1.0) * 0.25 - F0 * 0.5;
     hand.go(-0.1, [0.0; 2]);

@@ -12,22 +12,22 @@ mod rolling;
 mod walls;
 
 use beds::{Bench, OPEN, PERIODIC, PLATE};
-use talcum::contact::{ContactLaw, ContactModel, Interface, RollingFriction};
+use talcum::contact::{ContactForceLaw, ContactLaw, ContactModel, RollingFriction};
 use talcum::parallel::ParticleRecord;
 
 /// A law without rolling friction.
-fn smooth(law: ContactModel) -> Interface {
-    Interface { law, rolling: None }
+fn smooth(law: ContactLaw) -> ContactModel {
+    ContactModel { law, rolling: None }
 }
 
 /// A law with rolling friction.
-fn rough(law: ContactModel, rolling: RollingFriction) -> Interface {
-    Interface { law, rolling: Some(rolling) }
+fn rough(law: ContactLaw, rolling: RollingFriction) -> ContactModel {
+    ContactModel { law, rolling: Some(rolling) }
 }
 
 /// Two equal spheres that meet head on, without anything else.
 struct HeadOn<'a> {
-    law: &'a ContactModel,
+    law: &'a ContactLaw,
     radius: f64,
     density: f64,
     /// Time steps per contact, as the law tells its duration.
@@ -94,7 +94,7 @@ impl HeadOn<'_> {
 
 /// A weightless sphere of radius 0.5 and density 1 that has met the plate at (v_x, -v_z) with a spin about y.
 fn rebound_from_plate(
-    law: &ContactModel,
+    law: &ContactLaw,
     velocity: [f64; 2],
     spin: f64,
     step: f64,

@@ -4,7 +4,7 @@ use crate::beds::{Bench, OPEN, PERIODIC, PLATE};
 use crate::rough;
 use nalgebra::Vector3;
 use talcum::contact::{
-    ContactModel, FrictionCap, Interface, LinearSpringDashpot, RollingFriction, RollingKind,
+    ContactLaw, ContactModel, FrictionCap, LinearSpringDashpot, RollingFriction, RollingKind,
 };
 use talcum::domain::{Bounds, EffectiveGravity, Wall};
 
@@ -14,15 +14,15 @@ const STIFFNESS: f64 = 1.0e6;
 const ROLLING: f64 = 0.05;
 const ELASTIC: RollingKind = RollingKind::ElasticPlastic { damping: 0.3 };
 
-fn interface(friction: f64, kind: RollingKind, coefficient: f64) -> Interface {
+fn interface(friction: f64, kind: RollingKind, coefficient: f64) -> ContactModel {
     let law =
         LinearSpringDashpot::new(STIFFNESS, 0.8 * STIFFNESS, 0.5, friction, FrictionCap::Contact);
     let rolling = RollingFriction::new(kind, coefficient).unwrap();
-    rough(ContactModel::LinearSpringDashpot(law.unwrap()), rolling)
+    rough(ContactLaw::LinearSpringDashpot(law.unwrap()), rolling)
 }
 
 /// A sphere at rest in its hollow on a plate inclined by an angle in x.
-fn sphere(interface: Interface, angle: f64) -> Bench {
+fn sphere(interface: ContactModel, angle: f64) -> Bench {
     let mut bench = Bench::new([1.0, 1.0, 1.0], [PERIODIC, PERIODIC, PLATE]);
     bench.interface = Some(interface);
     bench.gravity = EffectiveGravity { magnitude: GRAVITY, vibration: None };
@@ -99,7 +99,7 @@ fn a_sphere_rolls_down_an_incline_against_rolling_friction() {
 #[test]
 fn a_rolling_spring_holds_a_sphere_on_a_flat_incline_and_a_torque_only_slows_it() {
     let angle = 0.5 * ROLLING; // below the angle of rolling friction
-    let way = |kind, coefficient| {
+    let displacement = |kind, coefficient| {
         let bench = sphere(interface(0.6, kind, coefficient), angle);
         let mut run = bench.alone();
         run.steps(40_000);
@@ -107,12 +107,12 @@ fn a_rolling_spring_holds_a_sphere_on_a_flat_incline_and_a_torque_only_slows_it(
             Vector3::from(run.particle(0).position) - Vector3::from(bench.particles[0].position);
         (moved.norm(), Vector3::from(run.particle(0).velocity).norm())
     };
-    let (held, speed) = way(RollingKind::ElasticPlastic { damping: 1.0 }, ROLLING);
+    let (held, speed) = displacement(RollingKind::ElasticPlastic { damping: 1.0 }, ROLLING);
     println!("rolling spring on an incline: moved {held:.2e}, speed {speed:.2e}");
     // It bends by M / k_r, the arm R: m g sin R / (2.25 k (mu R)^2) R = 1.4e-4, and rests.
     assert!(held < 3.0e-4 && speed < 1.0e-5, "{held} {speed}");
     // Negative control: without it the sphere rolls.
-    let (rolled, _) = way(RollingKind::ElasticPlastic { damping: 1.0 }, 0.0);
+    let (rolled, _) = displacement(RollingKind::ElasticPlastic { damping: 1.0 }, 0.0);
     assert!(rolled > 0.04, "{rolled}");
 }
 
@@ -124,7 +124,7 @@ fn rolling_friction_of_a_pair_is_opposite_on_both() {
         let mut bench = Bench::new([4.0; 3], [PERIODIC; 3]);
         let law = LinearSpringDashpot::new(2.0e5, 1.0e5, 1.0, 0.0, FrictionCap::Contact).unwrap();
         let rolling = RollingFriction::new(kind, 0.3).unwrap();
-        bench.interface = Some(rough(ContactModel::LinearSpringDashpot(law), rolling));
+        bench.interface = Some(rough(ContactLaw::LinearSpringDashpot(law), rolling));
         bench.add([2.0, 2.0, 1.0], [0.0, 0.0, 0.2], 0.5);
         bench.add([2.0, 2.0, 1.9999], [0.0, 0.0, -0.2], 0.5);
         bench.particles[0].angular_velocity = [3.0, -1.0, 2.0];

@@ -5,14 +5,13 @@ use crate::{rough, smooth};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use talcum::contact::{
-    AdhesiveElasticPlastic, ContactModel, ContactModuli, FrictionCap, HertzMindlin,
-    HystereticParameters, Interface, Jkr, LinearHysteretic, LinearSpringDashpot, RollingFriction,
-    RollingKind,
+    AdhesiveElasticPlastic, ContactLaw, ContactModel, ContactModuli, FrictionCap, HertzMindlin,
+    HystereticParameters, Jkr, LinearHysteretic, LinearSpringDashpot, RollingFriction, RollingKind,
 };
 use talcum::domain::{EffectiveGravity, Vibration, Wall, WallMotion};
 use talcum::parallel::ParticleRecord;
 
-fn linear(stiffness: f64, restitution: f64, friction: f64) -> Interface {
+fn linear(stiffness: f64, restitution: f64, friction: f64) -> ContactModel {
     let law = LinearSpringDashpot::new(
         stiffness,
         0.8 * stiffness,
@@ -20,13 +19,13 @@ fn linear(stiffness: f64, restitution: f64, friction: f64) -> Interface {
         friction,
         FrictionCap::Contact,
     );
-    smooth(ContactModel::LinearSpringDashpot(law.unwrap()))
+    smooth(ContactLaw::LinearSpringDashpot(law.unwrap()))
 }
 
 const GRAVITY: EffectiveGravity = EffectiveGravity { magnitude: 1.0, vibration: None };
 
 /// Every law, with rolling friction, for spheres of radius 0.5 and density 1.
-fn all_laws() -> Vec<Interface> {
+fn all_laws() -> Vec<ContactModel> {
     let parameters = HystereticParameters {
         loading_stiffness: 1.6e5,
         unloading_stiffness: 2.0e5,
@@ -38,13 +37,13 @@ fn all_laws() -> Vec<Interface> {
     let rolling = RollingFriction::new(RollingKind::ElasticPlastic { damping: 0.2 }, 0.1).unwrap();
     let linear = LinearSpringDashpot::new(2.0e5, 1.5e5, 0.9, 0.3, FrictionCap::Contact).unwrap();
     [
-        ContactModel::LinearSpringDashpot(linear),
-        ContactModel::AdhesiveElasticPlastic(
+        ContactLaw::LinearSpringDashpot(linear),
+        ContactLaw::AdhesiveElasticPlastic(
             AdhesiveElasticPlastic::new(parameters, 10.0, 1.0e-3).unwrap(),
         ),
-        ContactModel::LinearHysteretic(LinearHysteretic::new(parameters, 3.0e4).unwrap()),
-        ContactModel::HertzMindlin(HertzMindlin::new(moduli, 0.9, 0.3).unwrap()),
-        ContactModel::Jkr(Jkr::new(moduli, 2.0, 0.9, 0.3).unwrap()),
+        ContactLaw::LinearHysteretic(LinearHysteretic::new(parameters, 3.0e4).unwrap()),
+        ContactLaw::HertzMindlin(HertzMindlin::new(moduli, 0.9, 0.3).unwrap()),
+        ContactLaw::Jkr(Jkr::new(moduli, 2.0, 0.9, 0.3).unwrap()),
     ]
     .map(|law| rough(law, rolling))
     .to_vec()
@@ -89,7 +88,7 @@ fn a_wall_is_the_limit_of_a_large_sphere() {
 
 #[test]
 fn each_wall_has_its_own_material() {
-    let rebound = |at_walls: Vec<Interface>, cohesive: bool| {
+    let rebound = |at_walls: Vec<ContactModel>, cohesive: bool| {
         let mut bench = Bench::new([4.0; 3], [PERIODIC, PERIODIC, PLATE]);
         let parameters = HystereticParameters {
             loading_stiffness: 1.0e5,
@@ -99,7 +98,7 @@ fn each_wall_has_its_own_material() {
             friction: 0.3,
         };
         let law = AdhesiveElasticPlastic::new(parameters, if cohesive { 200.0 } else { 0.0 }, 0.0);
-        bench.interface = Some(smooth(ContactModel::AdhesiveElasticPlastic(law.unwrap())));
+        bench.interface = Some(smooth(ContactLaw::AdhesiveElasticPlastic(law.unwrap())));
         bench.at_walls = at_walls;
         bench.time_step = 2.0e-6;
         bench.add([2.0, 2.0, 0.5 + 1.0e-5], [0.0, 0.0, -1.0], 0.5);
@@ -135,7 +134,7 @@ fn a_moving_plate_carries_a_sphere_along() {
         let before = run.work.tallies.on_walls[0][0];
         run.steps(1);
         let after = run.work.tallies.on_walls[0][0];
-        impulse -= 0.5 * dt * (before + after) as f64 * run.models.force_lattice.spacing();
+        impulse -= 0.5 * dt * (before + after) as f64 * run.models.force_quantum.spacing();
         let sphere = run.particle(0);
         let gained = sphere.mass * sphere.velocity[0];
         assert!((gained - impulse).abs() < 1.0e-12, "{gained} {impulse}"); // sums of 7000 roundings
@@ -222,7 +221,7 @@ fn a_wall_that_comes_towards_a_sphere_is_found_by_the_list() {
 }
 
 /// A sphere in a round column of radius 3, weightless or falling.
-fn in_column(interface: Interface, speed: f64) -> Bench {
+fn in_column(interface: ContactModel, speed: f64) -> Bench {
     let mut bench = Bench::new([8.0, 8.0, 60.0], [OPEN; 3]);
     bench.interface = Some(interface);
     bench.time_step = 1.0e-4;

@@ -65,7 +65,7 @@ fn next_cycle(run: &mut Run) -> Cycle {
     let mut profile = BedProfile::new(grid, run.models.limits.speed, [1.0, 1.0], 0.3);
     let weight = run.state.particles.owned_count() as f64 * PI / 6.0;
     let steps = PERIOD / ROWS as u64;
-    let force = run.models.force_lattice.spacing() / (weight * steps as f64);
+    let force = run.models.force_quantum.spacing() / (weight * steps as f64);
     let samples = 8;
     let mut cycle = [[0.0; 3]; ROWS];
     for row in &mut cycle {

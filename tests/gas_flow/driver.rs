@@ -6,7 +6,7 @@ use talcum::gas::volume_averaged::{
     BedOnGrid, Boundary, GAS_HALO, GasError, GasReport, GasSolver, GasState, GasStep, Inlet,
     Profile, VolumeAveragedGas,
 };
-use talcum::grid::{BoxGrid, Field, GridPart};
+use talcum::grid::{BoxGrid, Field, LocalCells};
 use talcum::linear_solver::Tolerance;
 use talcum::numbers::Schedule;
 use talcum::parallel::{Communicator, OneRank};
@@ -66,8 +66,8 @@ impl Problem {
 
     /// The whole box on one rank.
     pub(crate) fn start(&self) -> Flow<'static> {
-        let cut = Decomposition::even(RankGrid([1; 3]), &self.bounds());
-        self.start_on(&cut, &OneRank)
+        let decomposition = Decomposition::even(RankGrid([1; 3]), &self.bounds());
+        self.start_on(&decomposition, &OneRank)
     }
 
     /// Cut into blocks of equal size.
@@ -78,13 +78,13 @@ impl Problem {
     /// A rank's part of the box, cut near the planes of `cut`.
     pub(crate) fn start_on<'r>(
         &self,
-        cut: &Decomposition,
+        decomposition: &Decomposition,
         ranks: &'r dyn Communicator,
     ) -> Flow<'r> {
         let grid = self.grid();
         self.gas.check(&grid).unwrap();
-        let cut = grid.aligned(cut, GAS_HALO).unwrap();
-        let solver = GasSolver::new(&grid, &cut, &self.bounds(), ranks.rank());
+        let decomposition = grid.aligned(decomposition, GAS_HALO).unwrap();
+        let solver = GasSolver::new(&grid, &decomposition, &self.bounds(), ranks.rank());
         let part = *solver.part();
         let (state, bed) = (GasState::at_rest(&part), BedOnGrid::empty(&part));
         let spacing = grid.spacing();
@@ -100,7 +100,7 @@ pub(crate) struct Flow<'r> {
     pub(crate) bed: BedOnGrid,
     pub(crate) time: f64,
     pub(crate) spacing: Vector3<f64>,
-    pub(crate) part: GridPart,
+    pub(crate) part: LocalCells,
     pub(crate) ranks: &'r dyn Communicator,
 }
 

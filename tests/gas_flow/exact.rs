@@ -285,10 +285,10 @@ fn what_cannot_be_is_said() {
         let problem = Problem::new([1.0; 3], [4, 4, 4], boundaries);
         problem.gas.check(&problem.grid()).unwrap_err()
     };
-    let words = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Uniform), Boundary::FreeSlip]]);
-    assert!(words.contains("outlet"), "{words}");
-    let words = wrong([PERIODIC, [wall(Vector3::y()), Boundary::FreeSlip], FREE_SLIP]);
-    assert!(words.contains("lower y") && words.contains("normal"), "{words}");
-    let words = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Table(vec![1.0; 15])), OUTLET]]);
-    assert!(words.contains("15 numbers for 16 cells"), "{words}");
+    let message = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Uniform), Boundary::FreeSlip]]);
+    assert!(message.contains("outlet"), "{message}");
+    let message = wrong([PERIODIC, [wall(Vector3::y()), Boundary::FreeSlip], FREE_SLIP]);
+    assert!(message.contains("lower y") && message.contains("normal"), "{message}");
+    let message = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Table(vec![1.0; 15])), OUTLET]]);
+    assert!(message.contains("15 numbers for 16 cells"), "{message}");
 }

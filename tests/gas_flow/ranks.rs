@@ -63,12 +63,12 @@ fn records(flow: &Flow) -> Vec<([usize; 3], Record)> {
 
 fn run(
     problem: &Problem,
-    cut: &Decomposition,
+    decomposition: &Decomposition,
     steps: usize,
     from: Option<&[Record]>,
 ) -> Vec<Record> {
-    let parts = run_on_threads(cut.grid().size(), |ranks| {
-        let mut flow = problem.start_on(cut, ranks);
+    let parts = run_on_threads(decomposition.grid().size(), |ranks| {
+        let mut flow = problem.start_on(decomposition, ranks);
         match from {
             None => flow.set(|_| [0.0; 3], |_| 0.0, |x| rough(x, 0.0)),
             Some(all) => restore(&mut flow, all),
@@ -100,7 +100,7 @@ fn all_cuts_give_the_same_bits() {
         }
         let even = problem.even_cut([2, 1, 3]);
         let uneven =
-            even.with_cuts([vec![0.0, 0.3, 1.0], vec![0.0, 0.7], vec![0.0, 0.3, 1.6, 2.1]]);
+            even.with_cut_planes([vec![0.0, 0.3, 1.0], vec![0.0, 0.7], vec![0.0, 0.3, 1.6, 2.1]]);
         assert!(run(&problem, &uneven, 10, None) == one);
     }
 }

@@ -45,7 +45,7 @@ impl Ended {
         assert_eq!(self.code(), Some(0), "{}\n{}", self.output, self.errors);
         let last = self.output.lines().last().unwrap_or_default();
         let hex = last.strip_prefix("digest ").unwrap_or_else(|| panic!("no digest: {last}"));
-        let is_hex = hex.len() == 32 && hex.chars().all(|letter| letter.is_ascii_hexdigit());
+        let is_hex = hex.len() == 32 && hex.chars().all(|message| message.is_ascii_hexdigit());
         assert!(is_hex, "{last}");
         hex.to_owned()
     }
@@ -106,8 +106,8 @@ impl Running {
             if let Some(status) = self.child.try_wait().unwrap() {
                 break status;
             }
-            let words = || format!("no end within {PATIENCE:?}: {}", self.errors());
-            assert!(begin.elapsed() < PATIENCE, "{}", words());
+            let message = || format!("no end within {PATIENCE:?}: {}", self.errors());
+            assert!(begin.elapsed() < PATIENCE, "{}", message());
             std::thread::sleep(PAUSE);
         };
         Ended { status, output: self.read("output"), errors: self.errors() }

@@ -128,11 +128,11 @@ fn narrow_and_odd_grids_are_solved() {
 #[test]
 fn a_good_start_value_needs_no_iteration_and_no_source_means_no_pressure() {
     let mut equation = Equation::new([16; 3], [false; 3]);
-    let cut = equation.even_cut([1; 3]);
-    let solved = equation.solve_on(&cut, TIGHT);
-    let again = equation.solve_from(&solved.solution, &cut, Tolerance::relative(1.0e-10));
+    let decomposition = equation.even_cut([1; 3]);
+    let solved = equation.solve_on(&decomposition, TIGHT);
+    let again = equation.solve_from(&solved.solution, &decomposition, Tolerance::relative(1.0e-10));
     assert_eq!((again.iterations(), again.bits()), (0, solved.bits()));
     equation.right.fill(0.0);
-    let rest = equation.solve_from(&solved.solution, &cut, TIGHT);
+    let rest = equation.solve_from(&solved.solution, &decomposition, TIGHT);
     assert_eq!((rest.iterations(), rest.solution), (0, vec![0.0; equation.cells()]));
 }

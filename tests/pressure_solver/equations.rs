@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
-use talcum::grid::{BoxGrid, Field, GridPart};
+use talcum::grid::{BoxGrid, Field, LocalCells};
 use talcum::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, run_on_threads};
 
@@ -154,28 +154,28 @@ impl Equation {
     pub(crate) fn cut_at(&self, planes: [&[usize]; 3]) -> Decomposition {
         let ranks = planes.map(|planes| planes.len() + 1);
         let grid = self.grid();
-        let cuts = [0, 1, 2].map(|axis| {
+        let cut_planes = [0, 1, 2].map(|axis| {
             let faces = planes[axis].iter().map(|&face| face as f64 * grid.spacing()[axis]);
             [0.0].into_iter().chain(faces).chain([self.bounds().lengths()[axis]]).collect()
         });
-        Decomposition::even(RankGrid(ranks), &self.bounds()).with_cuts(cuts)
+        Decomposition::even(RankGrid(ranks), &self.bounds()).with_cut_planes(cut_planes)
     }
 
     /// Solves on the ranks of a cut, from zero; the solution on the whole grid.
-    pub(crate) fn solve_on(&self, cut: &Decomposition, tolerance: Tolerance) -> Outcome {
-        self.solve_from(&vec![0.0; self.cells()], cut, tolerance)
+    pub(crate) fn solve_on(&self, decomposition: &Decomposition, tolerance: Tolerance) -> Outcome {
+        self.solve_from(&vec![0.0; self.cells()], decomposition, tolerance)
     }
 
     pub(crate) fn solve_from(
         &self,
         start: &[f64],
-        cut: &Decomposition,
+        decomposition: &Decomposition,
         tolerance: Tolerance,
     ) -> Outcome {
-        let solved = run_on_threads(cut.grid().size(), |ranks| {
-            let part = self.grid().part_of(cut, ranks.rank());
+        let solved = run_on_threads(decomposition.grid().size(), |ranks| {
+            let part = self.grid().local_cells(decomposition, ranks.rank());
             let mut solution = self.part(start, &part);
-            let result = self.solve_part(&mut solution, &part, cut, tolerance, ranks);
+            let result = self.solve_part(&mut solution, &part, decomposition, tolerance, ranks);
             (part, result, solution)
         });
         let mut solution = vec![f64::NAN; self.cells()];
@@ -190,25 +190,26 @@ impl Equation {
     fn solve_part(
         &self,
         solution: &mut Field,
-        part: &GridPart,
-        cut: &Decomposition,
+        part: &LocalCells,
+        decomposition: &Decomposition,
         tolerance: Tolerance,
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
-        let mut solver = PressureSolver::new(&self.grid(), cut, &self.bounds(), ranks.rank());
+        let mut solver =
+            PressureSolver::new(&self.grid(), decomposition, &self.bounds(), ranks.rank());
         let [x, y, z] = self.faces.each_ref().map(|face| self.part(face, part));
         let diagonal = self.part(&self.diagonal, part);
         solver.set_coefficients([&x, &y, &z], Some(&diagonal), ranks)?;
         solver.solve(solution, &self.part(&self.right, part), tolerance, ranks)
     }
 
-    fn part(&self, numbers: &[f64], part: &GridPart) -> Field {
+    fn part(&self, numbers: &[f64], part: &LocalCells) -> Field {
         let mut field = Field::new(part, 1);
         self.for_each_cell_of(part, |cell, place| *field.at_mut(place) = numbers[cell]);
         field
     }
 
-    fn for_each_cell_of(&self, part: &GridPart, mut work: impl FnMut(usize, [isize; 3])) {
+    fn for_each_cell_of(&self, part: &LocalCells, mut work: impl FnMut(usize, [isize; 3])) {
         for cell in 0..self.cells() {
             let place = self.place(cell);
             if (0..3).all(|a| part.start[a] <= place[a] && place[a] < part.end(a)) {

@@ -50,14 +50,14 @@ fn coefficients_that_are_negative_or_not_numbers_are_refused() {
 fn sources_and_start_values_that_are_not_finite_are_refused() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let equation = Equation::new([8; 3], [false; 3]);
-        let cut = equation.even_cut([1, 1, 3]);
+        let decomposition = equation.even_cut([1, 1, 3]);
         let mut start = vec![0.0; equation.cells()];
         start[500] = wrong;
-        let result = equation.solve_from(&start, &cut, TOLERANCE).result;
+        let result = equation.solve_from(&start, &decomposition, TOLERANCE).result;
         assert_eq!(result.unwrap_err(), LinearSolverError::NotFinite);
         let mut sources = equation.clone();
         sources.right[3] = wrong;
-        let result = sources.solve_on(&cut, TOLERANCE).result;
+        let result = sources.solve_on(&decomposition, TOLERANCE).result;
         assert_eq!(result.unwrap_err(), LinearSolverError::NotFinite);
     }
 }

@@ -18,15 +18,16 @@ fn rough(counts: [usize; 3], periodic: [bool; 3]) -> Equation {
     })
 }
 
-fn cuts(equation: &Equation) -> Vec<Decomposition> {
-    let mut cuts: Vec<Decomposition> = [[1, 1, 2], [1, 1, 3], [2, 2, 1], [1, 2, 4], [2, 2, 2]]
-        .map(|ranks| equation.even_cut(ranks))
-        .to_vec();
+fn cut_planes(equation: &Equation) -> Vec<Decomposition> {
+    let mut cut_planes: Vec<Decomposition> =
+        [[1, 1, 2], [1, 1, 3], [2, 2, 1], [1, 2, 4], [2, 2, 2]]
+            .map(|ranks| equation.even_cut(ranks))
+            .to_vec();
     let [nx, ny, nz] = equation.counts;
-    cuts.push(equation.cut_at([&[5], &[], &[3, nz - 3]]));
-    cuts.push(equation.cut_at([&[nx - 7], &[ny / 2 + 1], &[]]));
-    cuts.push(equation.cut_at([&[], &[], &[2, 5, 7]]));
-    cuts
+    cut_planes.push(equation.cut_at([&[5], &[], &[3, nz - 3]]));
+    cut_planes.push(equation.cut_at([&[nx - 7], &[ny / 2 + 1], &[]]));
+    cut_planes.push(equation.cut_at([&[], &[], &[2, 5, 7]]));
+    cut_planes
 }
 
 #[test]
@@ -46,11 +47,11 @@ fn solutions_are_the_same_bits_on_any_cut() {
             }
             let one = equation.solve_on(&equation.even_cut([1; 3]), TOLERANCE);
             one.result.unwrap();
-            for cut in cuts(&equation) {
-                let several = equation.solve_on(&cut, TOLERANCE);
-                let words = format!("{counts:?}, closed: {closed}, {:?}", cut.grid());
-                assert_eq!(several.result, one.result, "{words}");
-                assert!(several.bits() == one.bits(), "{words}");
+            for decomposition in cut_planes(&equation) {
+                let several = equation.solve_on(&decomposition, TOLERANCE);
+                let message = format!("{counts:?}, closed: {closed}, {:?}", decomposition.grid());
+                assert_eq!(several.result, one.result, "{message}");
+                assert!(several.bits() == one.bits(), "{message}");
             }
         }
     }

@@ -3,7 +3,7 @@
 use crate::beds::{Bench, OPEN, PERIODIC, gas};
 use talcum::domain::EffectiveGravity;
 use talcum::gas::Drive;
-use talcum::gas::{DragLaw, ScaledDrag};
+use talcum::gas::{DragCorrelation, DragLaw};
 use talcum::numbers::Schedule;
 
 #[test]

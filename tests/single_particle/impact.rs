@@ -3,7 +3,7 @@
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE, law};
 use crate::damping_ratio;
 use std::f64::consts::PI;
-use talcum::contact::{ContactLaw, FrictionCap, LinearSpringDashpot};
+use talcum::contact::{ContactForceLaw, FrictionCap, LinearSpringDashpot};
 use talcum::parallel::ParticleRecord;
 
 const STIFFNESS: f64 = 2.0e5;

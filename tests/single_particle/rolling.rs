@@ -17,7 +17,7 @@ fn sphere_on_plate(friction: f64, time_step: f64) -> Bench {
     bench.density = 2600.0;
     bench.add([0.5; 3], [0.0; 3], RADIUS);
     let sag = bench.particles[0].mass * GRAVITY / STIFFNESS;
-    bench.particles[0].position[2] = bench.domain.bounds.lattice().round(RADIUS - sag);
+    bench.particles[0].position[2] = bench.domain.bounds.position_quantum().round(RADIUS - sag);
     bench
 }
 
@@ -94,7 +94,8 @@ fn acceleration_on_incline(angle: f64, friction: f64) -> f64 {
     let point = Vector3::repeat(0.5);
     bench.domain.walls = vec![Wall::plane("chute", point, normal)];
     let sag = bench.particles[0].mass * GRAVITY * angle.cos() / STIFFNESS;
-    let start = bench.domain.bounds.lattice().round_vector(point + normal * (RADIUS - sag));
+    let start =
+        bench.domain.bounds.position_quantum().round_vector(point + normal * (RADIUS - sag));
     bench.particles[0].position = start.into();
     let mut run = bench.alone();
     run.steps(20_000);

@@ -69,9 +69,9 @@ fn a_resumed_file_is_that_of_an_uninterrupted_run() {
     for (kept, ranks) in [(1, 3), (0, 1)] {
         run_on_threads(ranks, |ranks| {
             let (grid, provenance) = (grid(), provenance(ranks));
-            let words = (&grid, "title = 1");
+            let message = (&grid, "title = 1");
             let snapshots =
-                GasSnapshots::resume(&path, time(kept), words, &provenance, ranks).unwrap();
+                GasSnapshots::resume(&path, time(kept), message, &provenance, ranks).unwrap();
             (kept + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
             snapshots.keep(ranks).unwrap();
         });

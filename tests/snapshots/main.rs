@@ -19,8 +19,8 @@ fn time(step: usize) -> f64 {
 fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str) {
     let mut expected = String::new();
     for row in rows {
-        let words: Vec<String> = row.iter().map(f64::to_string).collect();
-        writeln!(expected, "{}", words.join(",")).unwrap();
+        let message: Vec<String> = row.iter().map(f64::to_string).collect();
+        writeln!(expected, "{}", message.join(",")).unwrap();
     }
     let expected_path = path.with_extension("csv");
     std::fs::write(&expected_path, expected).unwrap();
@@ -39,7 +39,7 @@ fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str
         return;
     }
     let output = output.unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && words.is_empty(), "{words}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && message.is_empty(), "{message}");
     assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), summary);
 }

@@ -157,7 +157,7 @@ pub(super) fn build(case: &Case, part: BedPart) -> Result<InitialBed, BedError> 
 /// A particle at rest, or with the random velocity that the case wants.
 fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
     let bounds = &case.domain.bounds;
-    let position = bounds.wrap(bounds.lattice().round_vector(sphere.position));
+    let position = bounds.wrap(bounds.position_quantum().round_vector(sphere.position));
     ParticleRecord {
         id,
         position: position.into(),

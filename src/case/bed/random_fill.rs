@@ -111,7 +111,7 @@ fn place(
             }
             low + (high - low) * uniform(&mut generator)
         });
-        let position = bounds.lattice().round_vector(position);
+        let position = bounds.position_quantum().round_vector(position);
         let is_inside = (0..3).all(|axis| {
             let room = bounds.lengths()[axis] - radius;
             bounds.is_periodic(axis) || (radius..=room).contains(&position[axis])

@@ -17,12 +17,12 @@ pub(super) struct Exchanged {
 impl CellCoupling {
     /// Largest component of the force on all particles less what the gas loses, as of the last
     /// [`CellCoupling::press`]. Collective.
-    pub(super) fn momentum_error(&self, lattice: Quantum, ranks: &dyn Communicator) -> f64 {
+    pub(super) fn momentum_error(&self, quantum: Quantum, ranks: &dyn Communicator) -> f64 {
         let Exchanged { lost, gained } = &self.exchanged;
         let mut integers: Vec<i64> = (0..3)
             .flat_map(|axis| {
                 let mut sum = ExactSum::default();
-                sum.add_count(-gained[axis], lattice);
+                sum.add_count(-gained[axis], quantum);
                 [lost[axis].to_integers(), sum.to_integers()].concat()
             })
             .collect();

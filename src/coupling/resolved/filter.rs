@@ -90,7 +90,7 @@ fn copy_outwards(field: &mut Field, axis: usize, side: usize) {
 mod tests {
     use super::*;
     use crate::domain::{Bounds, Decomposition, Face, RankGrid};
-    use crate::grid::GridPart;
+    use crate::grid::LocalCells;
     use crate::parallel::run_on_threads;
     use nalgebra::Vector3;
     use std::sync::Mutex;
@@ -110,11 +110,11 @@ mod tests {
     ) -> Vec<f64> {
         let cells = BoxGrid::new(&bounds(), COUNTS);
         let even = Decomposition::even(RankGrid(grid), &bounds());
-        let cut = cells.aligned(&even, 2).unwrap();
+        let decomposition = cells.aligned(&even, 2).unwrap();
         let whole = Mutex::new(vec![0.0; COUNTS.iter().product()]);
         run_on_threads(grid.iter().product(), |ranks| {
-            let part: GridPart = cells.part_of(&cut, ranks.rank());
-            let mut halo = FieldHalo::new(&cut, &bounds(), ranks.rank());
+            let part: LocalCells = cells.local_cells(&decomposition, ranks.rank());
+            let mut halo = FieldHalo::new(&decomposition, &bounds(), ranks.rank());
             let mut field = Field::new(&part, 2);
             let [nx, ny, _] = part.count;
             let global = |n: usize| {

@@ -5,7 +5,7 @@ use crate::domain::{Bounds, Decomposition};
 use crate::gas::volume_averaged::{
     GAS_HALO, GasReport, GasSolver, GasState, GasStep, VolumeAveragedGas,
 };
-use crate::grid::{BoxGrid, GridPart};
+use crate::grid::{BoxGrid, LocalCells};
 use crate::numbers::Quantum;
 use crate::parallel::{CellRecord, Communicator};
 use crate::particles::Particles;
@@ -29,10 +29,10 @@ pub struct FlowModel {
 impl FlowModel {
     /// A cut with its planes on cell faces, blocks being at least `width` and two cells wide; none if there are
     /// too few cells.
-    pub fn aligned(&self, cut: &Decomposition, width: f64) -> Option<Decomposition> {
-        let cut_axes = (0..3).filter(|&axis| cut.grid().0[axis] > 1);
+    pub fn aligned(&self, decomposition: &Decomposition, width: f64) -> Option<Decomposition> {
+        let cut_axes = (0..3).filter(|&axis| decomposition.grid().0[axis] > 1);
         let cells = cut_axes.map(|axis| (width / self.grid.spacing()[axis]).ceil() as usize);
-        self.grid.aligned(cut, cells.max().unwrap_or(0).max(GAS_HALO))
+        self.grid.aligned(decomposition, cells.max().unwrap_or(0).max(GAS_HALO))
     }
 }
 
@@ -68,7 +68,7 @@ pub struct FlowStep {
     /// Downward acceleration.
     pub gravity: f64,
     /// Lattice of forces.
-    pub lattice: Quantum,
+    pub quantum: Quantum,
 }
 
 /// Gas and particles at work on one rank's cells. Disposable.
@@ -87,11 +87,11 @@ impl FlowSolver {
         model: &FlowModel,
         limits: ParticleLimits,
         bounds: &Bounds,
-        (cut, rank): (&Decomposition, usize),
+        (decomposition, rank): (&Decomposition, usize),
     ) -> Result<Self, String> {
         let place = (bounds, &model.grid);
-        let coupling = CellCoupling::new(&model.coupling, limits, place, (cut, rank))?;
-        let solver = GasSolver::new(&model.grid, cut, bounds, rank);
+        let coupling = CellCoupling::new(&model.coupling, limits, place, (decomposition, rank))?;
+        let solver = GasSolver::new(&model.grid, decomposition, bounds, rank);
         Ok(Self { coupling, solver })
     }
 
@@ -136,7 +136,7 @@ impl FlowSolver {
         step: FlowStep,
         ranks: &dyn Communicator,
     ) -> Result<(), String> {
-        let FlowStep { time, dt, gravity, lattice } = step;
+        let FlowStep { time, dt, gravity, quantum } = step;
         let observed = self.coupling.observe(particles, &flow.fields, dt, ranks);
         let gas_step = GasStep { time, dt, driving: model.driving, source: None };
         let bed = self.coupling.bed_mut();
@@ -144,8 +144,8 @@ impl FlowSolver {
             .solver
             .advance(&model.gas, &mut flow.fields, bed, &gas_step, ranks)
             .map_err(|error| error.to_string())?;
-        let pressed = self.coupling.press(particles, &flow.fields, (gravity, lattice), ranks);
-        let momentum_error = self.coupling.momentum_error(lattice, ranks);
+        let pressed = self.coupling.press(particles, &flow.fields, (gravity, quantum), ranks);
+        let momentum_error = self.coupling.momentum_error(quantum, ranks);
         let before = flow.report.raised_cells;
         let raised_cells = ranks.total(self.coupling.raised_cells() as usize) as u64;
         if raised_cells > 0 && before == 0 && ranks.is_root() {
@@ -187,14 +187,14 @@ impl FlowSolver {
 }
 
 /// The owned cells of a part, x fastest.
-fn cells_of(part: &GridPart) -> impl Iterator<Item = [isize; 3]> + use<> {
+fn cells_of(part: &LocalCells) -> impl Iterator<Item = [isize; 3]> + use<> {
     let [nx, ny, nz] = part.count.map(|count| count as isize);
     (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
 }
 
 impl Flow {
     /// From records of the owned cells of a part; to be completed before the next step.
-    pub fn of_records(part: &GridPart, records: &[CellRecord], report: FlowReport) -> Self {
+    pub fn of_records(part: &LocalCells, records: &[CellRecord], report: FlowReport) -> Self {
         let mut fields = GasState::at_rest(part);
         for record in records {
             fields.restore(record.place_in(part), &record.numbers);
@@ -203,8 +203,13 @@ impl Flow {
     }
 
     /// Records of the owned cells of a part.
-    pub fn records(&self, model: &FlowModel, cut: &Decomposition, rank: usize) -> Vec<CellRecord> {
-        let part = model.grid.part_of(cut, rank);
+    pub fn records(
+        &self,
+        model: &FlowModel,
+        decomposition: &Decomposition,
+        rank: usize,
+    ) -> Vec<CellRecord> {
+        let part = model.grid.local_cells(decomposition, rank);
         let [nx, ny, nz] = part.count.map(|count| count as isize);
         let cells =
             (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));

@@ -16,7 +16,7 @@ use super::GasForceOutOfRange;
 use crate::domain::{Bounds, Decomposition};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{BedOnGrid, GAS_HALO, GasState};
-use crate::grid::{BoxGrid, CellLocator, Field, GridPart};
+use crate::grid::{BoxGrid, CellLocator, Field, LocalCells};
 use crate::numbers::{Quantum, within};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
@@ -65,7 +65,7 @@ pub struct CellCoupling {
     halo: FieldHalo,
     filter: Option<Filter>,
     /// Of volumes, drag coefficients, and their products with velocities.
-    lattices: [Quantum; 3],
+    quanta: [Quantum; 3],
     largest_drag: f64,
     bed: BedOnGrid,
     /// Where each owned particle was at the last observation.
@@ -87,7 +87,7 @@ impl CellCoupling {
         model: &CouplingModel,
         limits: ParticleLimits,
         (bounds, grid): (&Bounds, &BoxGrid),
-        (cut, rank): (&Decomposition, usize),
+        (decomposition, rank): (&Decomposition, usize),
     ) -> Result<Self, String> {
         let smallest = grid.spacing().min();
         if !within_reach(limits.stray, smallest) {
@@ -97,7 +97,7 @@ impl CellCoupling {
                 limits.stray
             ));
         }
-        let part = grid.part_of(cut, rank);
+        let part = grid.local_cells(decomposition, rank);
         let [smallest, largest] = limits.diameters;
         let slip = 2.0 * limits.speed;
         let largest_drag = model.drag.per_velocity(largest, 1.0 - model.least_voidage, slip);
@@ -113,9 +113,9 @@ impl CellCoupling {
             spacing: grid.spacing(),
             ends: std::array::from_fn(|axis| part.at_ends(axis)),
             locator: CellLocator::new(grid, part),
-            halo: FieldHalo::new(cut, bounds, rank),
+            halo: FieldHalo::new(decomposition, bounds, rank),
             filter: Filter::new(grid, model.filter_width),
-            lattices: ranges.map(Quantum::spanning),
+            quanta: ranges.map(Quantum::spanning),
             largest_drag,
             bed: BedOnGrid::empty(&part),
             corners: Vec::new(),
@@ -127,7 +127,7 @@ impl CellCoupling {
     }
 
     /// The cells of this rank.
-    pub fn part(&self) -> &GridPart {
+    pub fn part(&self) -> &LocalCells {
         self.locator.part()
     }
 
@@ -211,7 +211,7 @@ impl CellCoupling {
             self.drag.push(drag);
             let BedOnGrid { momentum_transfer, transferred_velocity: [x, y, z], .. } =
                 &mut self.bed;
-            let [_, of_drag, of_flux] = self.lattices;
+            let [_, of_drag, of_flux] = self.quanta;
             deposit(
                 [momentum_transfer, x, y, z],
                 [of_drag, of_flux, of_flux, of_flux],
@@ -247,7 +247,7 @@ impl CellCoupling {
         &mut self,
         particles: &mut Particles,
         gas: &GasState,
-        (gravity, lattice): (f64, Quantum),
+        (gravity, quantum): (f64, Quantum),
         ranks: &dyn Communicator,
     ) -> Result<(), GasForceOutOfRange> {
         let buoyancy = self.model.drag.density * gravity;
@@ -261,7 +261,7 @@ impl CellCoupling {
             let slip = Vector3::new(u, v, w) - particles.body[i].velocity;
             let gradient = Vector3::new(gx, gy, gz - buoyancy);
             let force = self.drag[i] * slip - particles.volume(i) * gradient;
-            let force = lattice.round_vector(force);
+            let force = quantum.round_vector(force);
             if !within(&force, self.limits.force) {
                 let [eps] = interpolate([&self.bed.voidage], corners);
                 result = result.and(Err(GasForceOutOfRange::Particle {
@@ -273,7 +273,7 @@ impl CellCoupling {
             }
             particles.gas_force[i] = force;
             for axis in 0..3 {
-                total[axis] += lattice.count(force[axis]);
+                total[axis] += quantum.count(force[axis]);
             }
         }
         self.exchanged.gained = total;
@@ -288,13 +288,13 @@ impl CellCoupling {
     ) -> [Field; 3] {
         let zero = Field::new(self.part(), GAS_HALO);
         let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
-        let of_flux = Quantum::spanning(self.lattices[0].range() * self.limits.speed);
+        let of_flux = Quantum::spanning(self.quanta[0].range() * self.limits.speed);
         for i in 0..particles.owned_count() {
             let corners = self.corners_of(&particles.body[i].position);
             let (amount, v) = (particles.volume(i), particles.body[i].velocity);
             let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
-            let lattices = [self.lattices[0], of_flux, of_flux, of_flux];
-            deposit([&mut volume, &mut x, &mut y, &mut z], lattices, &corners, amounts);
+            let quanta = [self.quanta[0], of_flux, of_flux, of_flux];
+            deposit([&mut volume, &mut x, &mut y, &mut z], quanta, &corners, amounts);
         }
         self.halo.clone().add_to_owners(&mut [&mut volume, &mut x, &mut y, &mut z], ranks);
         [x, y, z].map(|mut flux| {
@@ -316,8 +316,8 @@ impl CellCoupling {
         for i in 0..particles.owned_count() {
             let corners = self.corners_of(&particles.body[i].position);
             self.corners.push(corners);
-            let (field, lattice) = (&mut self.bed.voidage, self.lattices[0]);
-            deposit([field], [lattice], &corners, [particles.volume(i)]);
+            let (field, quantum) = (&mut self.bed.voidage, self.quanta[0]);
+            deposit([field], [quantum], &corners, [particles.volume(i)]);
         }
         let voidage = &mut self.bed.voidage;
         self.halo.add_to_owners(&mut [voidage], ranks);

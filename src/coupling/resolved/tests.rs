@@ -35,16 +35,16 @@ fn numbers<const N: usize>(id: u64, purpose: &str) -> [f64; N] {
 }
 
 /// A bed in the lower half that touches all walls. Some have strayed since they were given to their rank.
-fn bed_of(cut: &Decomposition, rank: usize, count: u64) -> Particles {
+fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
     let (bounds, mut particles) = (bounds(), Particles::default());
     for id in 0..count {
         let [x, y, z, dx, dy, dz] = numbers(id, "place");
-        let lattice = |v: Vector3<f64>| bounds.lattice().round_vector(v);
-        let sorted = bounds.wrap(lattice(Vector3::new(7.7 * x, 5.0 * y, 6.0 * z)));
+        let quantum = |v: Vector3<f64>| bounds.position_quantum().round_vector(v);
+        let sorted = bounds.wrap(quantum(Vector3::new(7.7 * x, 5.0 * y, 6.0 * z)));
         let stray = 0.5 * (Vector3::new(dx, dy, dz) - Vector3::repeat(0.5));
         let [u, v, w] = numbers(id, "velocity").map(|part| part - 0.5);
-        if cut.owner_of(&sorted) == rank {
-            let position = sorted + lattice(stray);
+        if decomposition.owner_of(&sorted) == rank {
+            let position = sorted + quantum(stray);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
         }
     }
@@ -52,7 +52,7 @@ fn bed_of(cut: &Decomposition, rank: usize, count: u64) -> Particles {
 }
 
 /// A gas with something everywhere, its halos filled; nothing moves through walls.
-fn gas_on(part: &GridPart, halo: &mut FieldHalo, ranks: &dyn Communicator) -> GasState {
+fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> GasState {
     let mut gas = GasState::at_rest(part);
     let [nx, ny, nz] = part.count.map(|count| count as isize);
     for (k, j, i) in
@@ -84,12 +84,12 @@ struct Found {
 fn uneven(grid: [usize; 3]) -> Decomposition {
     let even = Decomposition::even(RankGrid(grid), &bounds());
     let lengths = bounds().lengths();
-    let cuts = [0, 1, 2].map(|axis| {
+    let cut_planes = [0, 1, 2].map(|axis| {
         let n = grid[axis];
         let plane = |k: usize| lengths[axis] * (k as f64 / n as f64).powf(1.3);
         (0..=n).map(|k| if k == n { lengths[axis] } else { plane(k) }).collect()
     });
-    BoxGrid::new(&bounds(), COUNTS).aligned(&even.with_cuts(cuts), 2).unwrap()
+    BoxGrid::new(&bounds(), COUNTS).aligned(&even.with_cut_planes(cut_planes), 2).unwrap()
 }
 
 fn couple(
@@ -97,8 +97,8 @@ fn couple(
     model: &CouplingModel,
     (count, step): (u64, f64),
 ) -> Result<Found, CollectiveError> {
-    let (cells, cut) = (BoxGrid::new(&bounds(), COUNTS), uneven(grid));
-    let lattice = Quantum::spanning(FORCES);
+    let (cells, decomposition) = (BoxGrid::new(&bounds(), COUNTS), uneven(grid));
+    let quantum = Quantum::spanning(FORCES);
     let all = COUNTS.iter().product();
     let found = Mutex::new(Found {
         cells: vec![[0.0; 5]; all],
@@ -107,15 +107,15 @@ fn couple(
         error: 0.0,
     });
     let results = run_on_threads(grid.iter().product(), |ranks| {
-        let place = (&cut, ranks.rank());
+        let place = (&decomposition, ranks.rank());
         let mut coupling = CellCoupling::new(model, limits(), (&bounds(), &cells), place).unwrap();
         let part = *coupling.part();
-        let mut particles = bed_of(&cut, ranks.rank(), count);
-        let mut halo = FieldHalo::new(&cut, &bounds(), ranks.rank());
+        let mut particles = bed_of(&decomposition, ranks.rank(), count);
+        let mut halo = FieldHalo::new(&decomposition, &bounds(), ranks.rank());
         let gas = gas_on(&part, &mut halo, ranks);
         agree(coupling.observe(&particles, &gas, step, ranks), ranks)?;
-        agree(coupling.press(&mut particles, &gas, (GRAVITY, lattice), ranks), ranks)?;
-        let error = coupling.momentum_error(lattice, ranks);
+        agree(coupling.press(&mut particles, &gas, (GRAVITY, quantum), ranks), ranks)?;
+        let error = coupling.momentum_error(quantum, ranks);
         let mut found = found.lock().unwrap();
         found.error = error;
         found.raised += coupling.raised_cells();
@@ -164,7 +164,7 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
     let whole = Decomposition::even(RankGrid([1; 3]), &bounds);
     let gas = run_on_threads(1, |ranks| {
         let mut halo = FieldHalo::new(&whole, &bounds, 0);
-        gas_on(&GridPart::whole(COUNTS), &mut halo, ranks)
+        gas_on(&LocalCells::whole(COUNTS), &mut halo, ranks)
     });
     let gas = &gas[0];
     [0, 1, 2].map(|axis| {
@@ -252,7 +252,7 @@ fn cells_that_are_too_full_are_counted() {
 #[test]
 fn cells_smaller_than_what_particles_may_stray_are_refused() {
     let cells = BoxGrid::new(&bounds(), [40, 5, 12]);
-    let cut = Decomposition::even(RankGrid([1; 3]), &bounds());
-    let result = CellCoupling::new(&model(0.0), limits(), (&bounds(), &cells), (&cut, 0));
+    let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds());
+    let result = CellCoupling::new(&model(0.0), limits(), (&bounds(), &cells), (&decomposition, 0));
     assert!(result.unwrap_err().contains("may stray"));
 }

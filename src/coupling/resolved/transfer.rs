@@ -25,14 +25,14 @@ impl Corners {
 #[inline(always)]
 pub(super) fn deposit<const N: usize>(
     fields: [&mut Field; N],
-    lattices: [Quantum; N],
+    quanta: [Quantum; N],
     corners: &Corners,
     amounts: [f64; N],
 ) {
-    for ((field, lattice), amount) in fields.into_iter().zip(lattices).zip(amounts) {
+    for ((field, quantum), amount) in fields.into_iter().zip(quanta).zip(amounts) {
         let values = field.values_mut();
         for (place, weight) in corners.places.into_iter().zip(corners.weights) {
-            values[place as usize] += lattice.round(amount * weight);
+            values[place as usize] += quantum.round(amount * weight);
         }
     }
 }

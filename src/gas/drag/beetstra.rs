@@ -1,6 +1,6 @@
 //! Beetstra, van der Hoef & Kuipers.
 
-use super::ScaledDrag;
+use super::DragCorrelation;
 use crate::numbers::power;
 
 /// Beetstra, van der Hoef & Kuipers (2007), from lattice-Boltzmann simulations of arrays of spheres up to
@@ -12,7 +12,7 @@ pub struct Beetstra;
 /// Below, the inertial part is lost in the rounding of the viscous one.
 const SLOWEST: f64 = 1.0e-14;
 
-impl ScaledDrag for Beetstra {
+impl DragCorrelation for Beetstra {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         let (phi, eps, reynolds) = (solids_fraction, 1.0 - solids_fraction, reynolds.max(SLOWEST));

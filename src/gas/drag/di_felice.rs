@@ -1,6 +1,6 @@
 //! Di Felice.
 
-use super::ScaledDrag;
+use super::DragCorrelation;
 use super::wen_yu::schiller_naumann;
 use crate::numbers::power;
 
@@ -20,7 +20,7 @@ pub enum SingleSphere {
     SchillerNaumann,
 }
 
-impl ScaledDrag for DiFelice {
+impl DragCorrelation for DiFelice {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         let sphere = match self.single_sphere {

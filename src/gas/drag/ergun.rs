@@ -1,6 +1,6 @@
 //! Ergun.
 
-use super::ScaledDrag;
+use super::DragCorrelation;
 
 /// Ergun (1952), the pressure drop of a packed bed: F = 150 phi / (18 eps^2) + 1.75 Re / (18 eps^2).
 ///
@@ -9,7 +9,7 @@ use super::ScaledDrag;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ergun;
 
-impl ScaledDrag for Ergun {
+impl DragCorrelation for Ergun {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         (150.0 * solids_fraction + 1.75 * reynolds) / (18.0 * (1.0 - solids_fraction))

@@ -1,6 +1,6 @@
 //! Gidaspow.
 
-use super::{Ergun, ScaledDrag, WenYu};
+use super::{DragCorrelation, Ergun, WenYu};
 use std::f64::consts::PI;
 
 /// Gidaspow (1994): Ergun where the voidage is below 0.8, Wen & Yu (n = 1.65) above.
@@ -22,7 +22,7 @@ pub enum Switch {
 /// Solids fraction at the switch.
 const SWITCH: f64 = 0.2;
 
-impl ScaledDrag for Gidaspow {
+impl DragCorrelation for Gidaspow {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         let dense = Ergun.scaled_drag(solids_fraction, reynolds);

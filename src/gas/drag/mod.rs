@@ -19,7 +19,7 @@ pub use wen_yu::{WenYu, WenYuCreeping};
 ///
 /// F_d is the drag beside the force of the mean pressure gradient (model A). The momentum transfer per volume is
 /// beta = 18 mu eps phi F / d^2, and the force per particle (V / phi) beta (u_g - v) = 3 pi mu d eps F (u_g - v).
-pub trait ScaledDrag: Copy {
+pub trait DragCorrelation: Copy {
     /// eps F at a solids fraction in [0, 1) and a Reynolds number >= 0.
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64;
 
@@ -84,7 +84,7 @@ macro_rules! each_law {
     };
 }
 
-impl ScaledDrag for DragLaw {
+impl DragCorrelation for DragLaw {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         each_law!(self, law => law.scaled_drag(solids_fraction, reynolds))

@@ -1,6 +1,6 @@
 //! Tenneti, Garg & Subramaniam.
 
-use super::ScaledDrag;
+use super::DragCorrelation;
 use crate::numbers::power;
 
 /// Tenneti, Garg & Subramaniam (2011), from particle-resolved simulations of fixed arrays, phi from 0.1 to 0.5
@@ -11,7 +11,7 @@ use crate::numbers::power;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tenneti;
 
-impl ScaledDrag for Tenneti {
+impl DragCorrelation for Tenneti {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
         let (phi, eps) = (solids_fraction, 1.0 - solids_fraction);

@@ -1,6 +1,6 @@
 //! Wen & Yu.
 
-use super::ScaledDrag;
+use super::DragCorrelation;
 use crate::numbers::{power, powers};
 
 /// Reynolds number above which a sphere's drag coefficient stays at 0.44.
@@ -25,9 +25,9 @@ impl WenYu {
     pub const USUAL: Self = Self { exponent: 1.65 };
 }
 
-impl ScaledDrag for WenYu {
+impl DragCorrelation for WenYu {
     /// ```
-    /// use talcum::gas::{ScaledDrag, WenYu};
+    /// use talcum::gas::{DragCorrelation, WenYu};
     /// let eps = 0.9_f64;
     /// let f = WenYu::USUAL.scaled_drag(0.1, 100.0) / eps;
     /// assert!((f - 6.68220).abs() < 5e-6); // tabulated value
@@ -72,7 +72,7 @@ impl WenYuCreeping {
     pub const USUAL: Self = Self { exponent: 1.65 };
 }
 
-impl ScaledDrag for WenYuCreeping {
+impl DragCorrelation for WenYuCreeping {
     #[inline(always)]
     fn scaled_drag(self, solids_fraction: f64, _reynolds: f64) -> f64 {
         power(1.0 - solids_fraction, -(self.exponent + 1.0))

@@ -19,7 +19,7 @@
 
 use super::VolumeAveragedGas;
 use super::faces::{Region, moved};
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
 
 /// Volume fluxes eps u through all faces whose two cells are known.
@@ -27,7 +27,7 @@ pub(super) fn set_fluxes(
     flux: &mut [Field; 3],
     velocity: &[Field; 3],
     voidage: &Field,
-    part: &GridPart,
+    part: &LocalCells,
 ) {
     let halo = voidage.halo() as isize;
     let strides = voidage.strides();
@@ -52,7 +52,7 @@ pub(super) fn add_advection(
     rate: &mut Field,
     (velocity, axis): (&Field, usize),
     flux: &[Field; 3],
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: Vector3<f64>,
 ) {
     for direction in 0..3 {
@@ -131,7 +131,7 @@ fn add_through_outlet(
     rate: &mut Field,
     (velocity, axis): (&Field, usize),
     flux: &Field,
-    (part, side): (&GridPart, usize),
+    (part, side): (&LocalCells, usize),
     factor: f64,
 ) {
     let (place, inwards) = if side == 0 { (0, 1) } else { (part.count[axis] as isize, -1) };
@@ -161,7 +161,7 @@ fn add_through_outlet(
 pub(super) fn courant_rate(
     flux: &[Field; 3],
     voidage: &Field,
-    part: &GridPart,
+    part: &LocalCells,
     spacing: Vector3<f64>,
 ) -> f64 {
     let strides = voidage.strides().map(|stride| stride as isize);

@@ -6,7 +6,7 @@
 
 use super::faces::Region;
 use super::{Boundary, VolumeAveragedGas};
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 
 /// A face of the box, as this rank sees it.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ struct BoxFace {
 
 impl BoxFace {
     /// The faces of the box, not being periodic, that a part reaches.
-    fn of(part: &GridPart, gas: &VolumeAveragedGas) -> Vec<Self> {
+    fn of(part: &LocalCells, gas: &VolumeAveragedGas) -> Vec<Self> {
         let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
         let reached =
             sides.filter(|&(axis, side)| part.at_ends(axis)[side] && !gas.is_periodic(axis));
@@ -38,7 +38,12 @@ impl BoxFace {
     }
 
     /// The cells at `place` along the axis, with halos across it.
-    fn layer(self, part: &GridPart, halo: isize, place: isize) -> impl Iterator<Item = [isize; 3]> {
+    fn layer(
+        self,
+        part: &LocalCells,
+        halo: isize,
+        place: isize,
+    ) -> impl Iterator<Item = [isize; 3]> {
         Region::widened(part, halo).layer(self.axis, place).cells()
     }
 }
@@ -50,7 +55,7 @@ fn placed(mut cell: [isize; 3], axis: usize, place: isize) -> [isize; 3] {
 }
 
 /// Continues numbers on cells beyond the box as in a mirror: no gradient in the face.
-pub(super) fn mirror(fields: &mut [&mut Field], part: &GridPart, gas: &VolumeAveragedGas) {
+pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in BoxFace::of(part, gas) {
         for field in fields.iter_mut() {
             let halo = field.halo() as isize;
@@ -67,7 +72,7 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &GridPart, gas: &VolumeAve
 
 /// Continues the pressure beyond the box: linearly at walls and inlets; at an outlet so that the mean of the
 /// cells inside and outside is the given pressure.
-pub(super) fn continue_pressure(pressure: &mut Field, part: &GridPart, gas: &VolumeAveragedGas) {
+pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in BoxFace::of(part, gas) {
         let outlet = match gas.boundaries[face.axis][face.side] {
             Boundary::Outlet { pressure } => Some(pressure),
@@ -85,7 +90,7 @@ pub(super) fn continue_pressure(pressure: &mut Field, part: &GridPart, gas: &Vol
 }
 
 /// Continues a change of pressure beyond outlets, in which it is zero.
-pub(super) fn continue_correction(change: &mut Field, part: &GridPart, gas: &VolumeAveragedGas) {
+pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     let outlets = |face: &BoxFace| gas.is_outlet(face.axis, face.side);
     for face in BoxFace::of(part, gas).into_iter().filter(outlets) {
         for cell in face.layer(part, change.halo() as isize, face.inside + face.outwards) {
@@ -99,7 +104,7 @@ pub(super) fn continue_correction(change: &mut Field, part: &GridPart, gas: &Vol
 pub(super) fn set_boundary_faces(
     velocity: &mut [Field; 3],
     voidage: &Field,
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
     time: f64,
 ) {
     for face in BoxFace::of(part, gas) {
@@ -126,7 +131,7 @@ pub(super) fn set_boundary_faces(
 /// inlet (zero), or no gradient.
 pub(super) fn continue_velocity(
     velocity: &mut [Field; 3],
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
 ) {
     for face in BoxFace::of(part, gas) {
         let boundary = &gas.boundaries[face.axis][face.side];
@@ -153,7 +158,11 @@ fn voidage_in_face(voidage: &Field, cell: [isize; 3], axis: usize) -> f64 {
     0.5 * (voidage.at(placed(cell, axis, cell[axis] - 1)) + voidage.at(cell))
 }
 
-fn continue_normal(component: &mut Field, (part, boundary): (&GridPart, &Boundary), face: BoxFace) {
+fn continue_normal(
+    component: &mut Field,
+    (part, boundary): (&LocalCells, &Boundary),
+    face: BoxFace,
+) {
     let halo = component.halo() as isize;
     let is_outlet = matches!(boundary, Boundary::Outlet { .. });
     // Lower faces: the halo holds one more below the box than above it.
@@ -169,7 +178,7 @@ fn continue_normal(component: &mut Field, (part, boundary): (&GridPart, &Boundar
 fn continue_tangential(
     component: &mut Field,
     normal: &Field,
-    (part, boundary): (&GridPart, &Boundary),
+    (part, boundary): (&LocalCells, &Boundary),
     (face, axis): (BoxFace, usize),
 ) {
     let halo = component.halo() as isize;

@@ -1,7 +1,7 @@
 //! Which cells and faces a rank works on, as rows in memory.
 
 use super::VolumeAveragedGas;
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use std::ops::Range;
 
 /// A block of cells (or of their lower faces), counted from the part's first one.
@@ -13,18 +13,18 @@ pub(super) struct Region {
 
 impl Region {
     /// The owned cells.
-    pub(super) fn owned(part: &GridPart) -> Self {
+    pub(super) fn owned(part: &LocalCells) -> Self {
         Self { from: [0; 3], to: part.count.map(|count| count as isize) }
     }
 
     /// The owned cells and `width` cells around them.
-    pub(super) fn widened(part: &GridPart, width: isize) -> Self {
+    pub(super) fn widened(part: &LocalCells, width: isize) -> Self {
         let to = part.count.map(|count| count as isize + width);
         Self { from: [-width; 3], to }
     }
 
     /// Faces normal to `axis` inside the box that this rank updates.
-    pub(super) fn inner_faces(part: &GridPart, axis: usize, gas: &VolumeAveragedGas) -> Self {
+    pub(super) fn inner_faces(part: &LocalCells, axis: usize, gas: &VolumeAveragedGas) -> Self {
         let mut region = Self::owned(part);
         if part.at_ends(axis)[0] && !gas.is_periodic(axis) {
             region.from[axis] = 1;
@@ -33,7 +33,7 @@ impl Region {
     }
 
     /// The faces of [`Region::inner_faces`] and those in outlets: all whose velocity follows from momentum.
-    pub(super) fn free_faces(part: &GridPart, axis: usize, gas: &VolumeAveragedGas) -> Self {
+    pub(super) fn free_faces(part: &LocalCells, axis: usize, gas: &VolumeAveragedGas) -> Self {
         let mut region = Self::inner_faces(part, axis, gas);
         let [lower, upper] = part.at_ends(axis);
         if lower && gas.is_outlet(axis, 0) {

@@ -1,6 +1,6 @@
 //! The gas as a case chooses it: what it is made of, and what happens at the faces of the box.
 
-use crate::grid::{BoxGrid, GridPart};
+use crate::grid::{BoxGrid, LocalCells};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
@@ -82,8 +82,9 @@ impl VolumeAveragedGas {
         }
         for axis in 0..3 {
             for side in 0..2 {
-                self.check_face(grid, axis, side)
-                    .map_err(|words| format!("gas at the {} face: {words}", name(axis, side)))?;
+                self.check_face(grid, axis, side).map_err(|message| {
+                    format!("gas at the {} face: {message}", name(axis, side))
+                })?;
             }
         }
         let mut all = self.boundaries.iter().flatten();
@@ -143,7 +144,7 @@ impl VolumeAveragedGas {
         &self,
         inlet: &Inlet,
         time: f64,
-        part: &GridPart,
+        part: &LocalCells,
         (axis, cell): (usize, [isize; 3]),
     ) -> f64 {
         let [first, second] = across(axis);

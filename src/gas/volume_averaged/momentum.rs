@@ -11,7 +11,7 @@
 
 use super::faces::{Region, moved};
 use super::{BedOnGrid, VolumeAveragedGas};
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub(super) struct Momentum<'a> {
     pub(super) gas: &'a VolumeAveragedGas,
-    pub(super) part: &'a GridPart,
+    pub(super) part: &'a LocalCells,
     pub(super) spacing: Vector3<f64>,
     pub(super) bed: &'a BedOnGrid,
     pub(super) dt: f64,

@@ -8,7 +8,7 @@ use super::momentum::{Forces, Momentum};
 use super::viscosity::{Flow, add_viscous_force, set_dilatation, viscous_rate};
 use super::{BedOnGrid, GAS_HALO, GasState, VolumeAveragedGas};
 use crate::domain::{Bounds, Decomposition};
-use crate::grid::{BoxGrid, Field, GridPart};
+use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
 use crate::parallel::{Communicator, FieldHalo};
 use nalgebra::Vector3;
@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// Advances the gas on a rank's part of the grid. Holds nothing that the future depends on.
 #[derive(Clone, Debug)]
 pub struct GasSolver {
-    part: GridPart,
+    part: LocalCells,
     spacing: Vector3<f64>,
     halo: FieldHalo,
     pressure_solver: PressureSolver,
@@ -40,7 +40,7 @@ struct ExplicitForces {
 }
 
 impl ExplicitForces {
-    fn set_fluxes(&mut self, velocity: &[Field; 3], voidage: &Field, part: &GridPart) {
+    fn set_fluxes(&mut self, velocity: &[Field; 3], voidage: &Field, part: &LocalCells) {
         set_fluxes(&mut self.flux, velocity, voidage, part);
     }
 
@@ -49,7 +49,7 @@ impl ExplicitForces {
         &mut self,
         velocity: &[Field; 3],
         voidage: &Field,
-        place: (&GridPart, &VolumeAveragedGas),
+        place: (&LocalCells, &VolumeAveragedGas),
         spacing: Vector3<f64>,
     ) {
         set_dilatation(&mut self.dilatation, velocity, place.0, spacing);
@@ -130,15 +130,20 @@ pub enum GasError {
 
 impl GasSolver {
     /// For a cut whose planes lie on cell faces, with at least two cells between them ([`BoxGrid::aligned`]).
-    pub fn new(grid: &BoxGrid, cut: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
-        let part = grid.part_of(cut, rank);
+    pub fn new(
+        grid: &BoxGrid,
+        decomposition: &Decomposition,
+        bounds: &Bounds,
+        rank: usize,
+    ) -> Self {
+        let part = grid.local_cells(decomposition, rank);
         let zero = || Field::new(&part, GAS_HALO);
         let three = || [zero(), zero(), zero()];
         Self {
             part,
             spacing: grid.spacing(),
-            halo: FieldHalo::new(cut, bounds, rank),
-            pressure_solver: PressureSolver::new(grid, cut, bounds, rank),
+            halo: FieldHalo::new(decomposition, bounds, rank),
+            pressure_solver: PressureSolver::new(grid, decomposition, bounds, rank),
             explicit: ExplicitForces { flux: three(), dilatation: zero(), rate: three() },
             predicted: three(),
             coefficients: three(),
@@ -149,7 +154,7 @@ impl GasSolver {
     }
 
     /// This rank's part of the grid.
-    pub fn part(&self) -> &GridPart {
+    pub fn part(&self) -> &LocalCells {
         &self.part
     }
 

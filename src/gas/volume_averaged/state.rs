@@ -1,6 +1,6 @@
 //! What the gas is at one time, and what it sees of the particles.
 
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 
 /// Width of the halo of every field of the gas: the limiter sees two cells to each side.
 pub const GAS_HALO: usize = 2;
@@ -34,7 +34,7 @@ impl GasState {
     pub const RECORD: usize = 8;
 
     /// Gas at rest without particles; halos are not yet filled.
-    pub fn at_rest(part: &GridPart) -> Self {
+    pub fn at_rest(part: &LocalCells) -> Self {
         let zero = Field::new(part, GAS_HALO);
         let mut voidage = zero.clone();
         voidage.values_mut().fill(1.0);
@@ -68,7 +68,7 @@ impl GasState {
 
 impl BedOnGrid {
     /// No particles: voidage 1 and no drag.
-    pub fn empty(part: &GridPart) -> Self {
+    pub fn empty(part: &LocalCells) -> Self {
         let zero = Field::new(part, GAS_HALO);
         let mut voidage = zero.clone();
         voidage.values_mut().fill(1.0);

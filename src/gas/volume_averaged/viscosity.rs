@@ -6,14 +6,14 @@
 use super::VolumeAveragedGas;
 use super::advection::larger;
 use super::faces::{Region, moved};
-use crate::grid::{Field, GridPart};
+use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
 
 /// div u in owned cells and one cell around.
 pub(super) fn set_dilatation(
     dilatation: &mut Field,
     velocity: &[Field; 3],
-    part: &GridPart,
+    part: &LocalCells,
     spacing: Vector3<f64>,
 ) {
     let strides = dilatation.strides().map(|stride| stride as isize);
@@ -41,7 +41,7 @@ pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
     flow: Flow,
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: Vector3<f64>,
 ) {
     if gas.viscosity == 0.0 {
@@ -69,7 +69,7 @@ fn add_normal_stress(
     rate: &mut Field,
     axis: usize,
     flow: Flow,
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: f64,
 ) {
     let step = rate.strides()[axis] as isize;
@@ -140,7 +140,7 @@ impl Shear {
 /// neighbours, which enters as the mean over an edge against that in a face.
 pub(super) fn viscous_rate(
     voidage: &Field,
-    (part, gas): (&GridPart, &VolumeAveragedGas),
+    (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: Vector3<f64>,
 ) -> f64 {
     let strides = voidage.strides().map(|stride| stride as isize);

@@ -45,8 +45,8 @@ pub fn read(
     file.close()?;
     let digest = checkpoint.digest(ranks);
     let same = version < 3 || digest.to_string() == stored;
-    let words = || format!("the state's digest is {digest}, but the file says {stored}");
-    agreed(path, if same { Ok(()) } else { Err(words()) }, ranks)?;
+    let message = || format!("the state's digest is {digest}, but the file says {stored}");
+    agreed(path, if same { Ok(()) } else { Err(message()) }, ranks)?;
     Ok((checkpoint, provenance, digest))
 }
 

@@ -95,8 +95,8 @@ fn write_head(
     let text = |name: &str, text: &str| file.set_text("/", name, text);
     text("format", FORMAT)?;
     file.set_number("/", "schema_version", VERSION)?;
-    for (name, words) in provenance.entries() {
-        text(name, &words)?;
+    for (name, message) in provenance.entries() {
+        text(name, &message)?;
     }
     text("case", &checkpoint.case_text)?;
     text("case_blake3", blake3::hash(checkpoint.case_text.as_bytes()).to_hex().as_str())?;

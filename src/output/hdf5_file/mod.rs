@@ -150,7 +150,8 @@ impl SerialFile {
 
     /// Rows of a dataset, and numbers in each.
     pub(super) fn shape(&self, name: &str) -> InWords<(u64, usize)> {
-        let shape = in_words(self.0.dataset(name)).map_err(|words| format!("{name}: {words}"))?;
+        let shape =
+            in_words(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
         match &shape.shape()[..] {
             [rows, inner @ ..] => Ok((*rows as u64, inner.iter().product())),
             [] => Err(format!("{name} is no table")),
@@ -187,7 +188,7 @@ impl SerialFile {
             let piece = dataset.chunk().ok_or("the dataset does not grow")?;
             (0..rows).step_by(piece[0].max(1)).map(|row| place_of_piece(&dataset, row)).collect()
         };
-        in_words(places()).map_err(|words| format!("{name}: {words}"))
+        in_words(places()).map_err(|message| format!("{name}: {message}"))
     }
 
     /// Appends rows to a dataset.
@@ -261,7 +262,7 @@ impl<'r> SharedFile<'r> {
             Some(file) => file.dataset(name).and_then(|dataset| work(&dataset)),
             None => Ok(T::default()),
         };
-        let result = in_words(result).map_err(|words| format!("{name}: {words}"));
+        let result = in_words(result).map_err(|message| format!("{name}: {message}"));
         agreed(&self.path, result, self.ranks)
     }
 
@@ -273,7 +274,7 @@ impl<'r> SharedFile<'r> {
     /// Opens a dataset to write to it in several turns.
     pub(super) fn dataset(&self, name: &str) -> Result<SharedDataset<'_>, OutputError> {
         let opened = self.file.as_ref().map(|file| file.dataset(name)).transpose();
-        let opened = in_words(opened).map_err(|words| format!("{name}: {words}"));
+        let opened = in_words(opened).map_err(|message| format!("{name}: {message}"));
         let dataset = self.agreed(opened)?;
         let name = name.to_owned();
         Ok(SharedDataset { name, dataset, ranks: self.ranks, together: self.together })
@@ -337,7 +338,7 @@ impl SharedDataset<'_> {
         let Some(dataset) = &self.dataset else { return Ok(()) };
         // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
         let written = write(dataset, first_row, values, self.together && dataset.is_chunked());
-        in_words(written).map_err(|words| format!("{}: {words}", self.name))
+        in_words(written).map_err(|message| format!("{}: {message}", self.name))
     }
 }
 

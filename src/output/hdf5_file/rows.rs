@@ -127,10 +127,12 @@ fn transfer<T: Element>(
             let (none, count) = (ptr::null(), count.as_ptr());
             h5check(H5Sselect_hyperslab(file_space.0, select, start, none, count, none))?;
         }
-        let (memory, file) = (memory_space.0, file_space.0);
+        let (history, file) = (memory_space.0, file_space.0);
         h5check(match buffer {
-            Buffer::Write(from) => H5Dwrite(dataset.id(), datatype.id(), memory, file, how.0, from),
-            Buffer::Read(to) => H5Dread(dataset.id(), datatype.id(), memory, file, how.0, to),
+            Buffer::Write(from) => {
+                H5Dwrite(dataset.id(), datatype.id(), history, file, how.0, from)
+            }
+            Buffer::Read(to) => H5Dread(dataset.id(), datatype.id(), history, file, how.0, to),
         })
     })
     .map(|_| ())

@@ -1,29 +1,29 @@
-//! Particles and memories of contacts that go to one rank together, in one letter.
+//! Particles and memories of contacts that go to one rank together, in one message.
 
-use super::{ContactRecord, Letter, ParticleRecord, WallContactRecord, records_of_bytes};
+use super::{ContactRecord, Message, ParticleRecord, WallContactRecord, records_of_bytes};
 use bytemuck::{Pod, cast_slice};
 
 /// All that goes to one rank, or has come from it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Parcel {
+pub(super) struct MigrationMessage {
     pub(super) particles: Vec<ParticleRecord>,
     pub(super) pairs: Vec<ContactRecord>,
     pub(super) walls: Vec<WallContactRecord>,
 }
 
-impl Parcel {
+impl MigrationMessage {
     /// How many records there are of each kind, then the records.
-    pub(super) fn letter_to(&self, rank: usize) -> Letter {
+    pub(super) fn message_to(&self, rank: usize) -> Message {
         let Self { particles, pairs, walls } = self;
         let counts = [particles.len(), pairs.len(), walls.len()].map(|count| count as u64);
         let parts =
             [cast_slice(&counts), cast_slice(particles), cast_slice(pairs), cast_slice(walls)];
-        Letter { rank, bytes: parts.concat() }
+        Message { rank, bytes: parts.concat() }
     }
 
-    /// What a letter brings.
-    pub(super) fn of(letter: &Letter) -> Self {
-        let mut rest = &letter.bytes[..];
+    /// What a message brings.
+    pub(super) fn of(message: &Message) -> Self {
+        let mut rest = &message.bytes[..];
         let counts: Vec<u64> = take_records(&mut rest, 3);
         Self {
             particles: take_records(&mut rest, counts[0]),
@@ -51,14 +51,14 @@ mod tests {
         let pair = |lower| ContactRecord { lower, higher: 9, ..Zeroable::zeroed() };
         let wall = |particle| WallContactRecord { particle, wall: 2, ..Zeroable::zeroed() };
         for counts in [[0, 0, 0], [3, 0, 1], [1, 4, 2], [2, 1, 0]] {
-            let parcel = Parcel {
+            let packed = MigrationMessage {
                 particles: (0..counts[0]).map(particle).collect(),
                 pairs: (0..counts[1]).map(pair).collect(),
                 walls: (0..counts[2]).map(wall).collect(),
             };
-            let letter = parcel.letter_to(7);
-            assert_eq!(letter.rank, 7);
-            assert_eq!(Parcel::of(&letter), parcel);
+            let message = packed.message_to(7);
+            assert_eq!(message.rank, 7);
+            assert_eq!(MigrationMessage::of(&message), packed);
         }
     }
 }

@@ -4,7 +4,7 @@
 ///
 /// Each operation is an IEEE one on each number, rounded once, so that all implementations give the same bits.
 /// Everything is `#[inline(always)]`: it must be compiled into the function that was chosen for the processor.
-pub trait Quad: Copy {
+pub trait F64x4: Copy {
     /// Four numbers in memory.
     fn load(numbers: &[f64; 4]) -> Self;
 
@@ -35,29 +35,29 @@ pub trait Quad: Copy {
 
 /// Four numbers of many.
 #[inline(always)]
-pub fn quad(numbers: &[f64], from: usize) -> &[f64; 4] {
+pub fn four(numbers: &[f64], from: usize) -> &[f64; 4] {
     numbers[from..].first_chunk().expect("as many numbers as quads are asked for")
 }
 
 /// The same, to be changed.
 #[inline(always)]
-pub fn quad_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
+pub fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("as many numbers as quads are asked for")
 }
 
 /// Work on quads. `run`, and all it calls, must be `#[inline(always)]`, as for
 /// [`VectorWork`](super::VectorWork); quads in closures, so also in `map` of arrays, are an order of magnitude slower.
-pub trait QuadWork {
+pub trait SimdKernel {
     /// What it gives.
     type Output;
 
     /// Does the work with one kind of quad.
-    fn run<Q: Quad>(self) -> Self::Output;
+    fn run<Q: F64x4>(self) -> Self::Output;
 }
 
 /// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does.
 #[inline(always)]
-pub fn in_quads<W: QuadWork>(work: W) -> W::Output {
+pub fn with_simd<W: SimdKernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
@@ -83,7 +83,7 @@ impl Portable {
     }
 }
 
-impl Quad for Portable {
+impl F64x4 for Portable {
     #[inline(always)]
     fn load(numbers: &[f64; 4]) -> Self {
         Self(*numbers)
@@ -143,11 +143,11 @@ mod avx2 {
         reason = "vector instructions; `Wide` is used by `run` alone, which is called where there is AVX2"
     )]
 
-    use super::{Quad, QuadWork};
+    use super::{F64x4, SimdKernel};
     use std::arch::x86_64::*;
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn run<W: QuadWork>(work: W) -> W::Output {
+    pub(super) fn run<W: SimdKernel>(work: W) -> W::Output {
         work.run::<Wide>()
     }
 
@@ -155,7 +155,7 @@ mod avx2 {
     #[derive(Clone, Copy)]
     struct Wide(__m256d);
 
-    impl Quad for Wide {
+    impl F64x4 for Wide {
         #[inline(always)]
         fn load(numbers: &[f64; 4]) -> Self {
             Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
@@ -219,25 +219,25 @@ mod tests {
 
     struct AllOperations;
 
-    impl QuadWork for AllOperations {
+    impl SimdKernel for AllOperations {
         type Output = [[f64; 4]; 9];
 
         #[inline(always)]
-        fn run<Q: Quad>(self) -> Self::Output {
+        fn run<Q: F64x4>(self) -> Self::Output {
             let (a, b) = (Q::load(&[0.1, 0.2, 0.3, 0.4]), Q::load(&[-0.7, 3.0, 1.0e-9, 7.0]));
             let columns = Q::transposed([a, b, a.times(b), Q::splat(0.3)]);
             let results = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
             let mut numbers = [[0.0; 4]; 9];
-            for (quad, numbers) in results.into_iter().chain(columns).zip(&mut numbers) {
-                quad.store(numbers);
+            for (four, numbers) in results.into_iter().chain(columns).zip(&mut numbers) {
+                four.store(numbers);
             }
             numbers
         }
     }
 
     #[test]
-    fn all_kinds_of_quads_give_the_same_bits() {
-        let [a, sum, difference, product, larger, columns @ ..] = in_quads(AllOperations);
+    fn all_implementations_give_the_same_bits() {
+        let [a, sum, difference, product, larger, columns @ ..] = with_simd(AllOperations);
         assert_eq!([a, sum, difference, product, larger], AllOperations.run::<Portable>()[..5]);
         assert_eq!(columns, AllOperations.run::<Portable>()[5..]);
         assert_eq!(a, [0.1, 0.2, 0.3, 0.4]);
@@ -248,19 +248,19 @@ mod tests {
 
     struct Comparison;
 
-    impl QuadWork for Comparison {
+    impl SimdKernel for Comparison {
         type Output = u32;
 
         #[inline(always)]
-        fn run<Q: Quad>(self) -> u32 {
+        fn run<Q: F64x4>(self) -> u32 {
             let (a, b) = (Q::load(&[1.0, 2.0, f64::NAN, -4.0]), Q::load(&[2.0, 2.0, 3.0, 0.0]));
             a.below(b) | b.below(a) << 4
         }
     }
 
     #[test]
-    fn all_kinds_of_quads_compare_alike() {
-        assert_eq!(in_quads(Comparison), 0b1001);
+    fn all_implementations_compare_alike() {
+        assert_eq!(with_simd(Comparison), 0b1001);
         assert_eq!(Comparison.run::<Portable>(), 0b1001);
     }
 }

@@ -11,17 +11,17 @@ use crate::parallel::Communicator;
 /// Terms that are added as 64-bit integers before they are carried over: each is below 2^51.
 const TERMS_BETWEEN_CARRIES: usize = 1024;
 
-/// How far products may exceed the last value of a dot product before its lattice is chosen anew.
+/// How far products may exceed the last value of a dot product before its quanta is chosen anew.
 const HEADROOM: f64 = 4_294_967_296.0; // 2^32
 
-/// Two lattices for the terms of a sum, from the bound of their magnitude: spacings of 2^-51 and 2^-103 of it.
+/// Two quanta for the terms of a sum, from the bound of their magnitude: spacings of 2^-51 and 2^-103 of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct TermLattice {
+struct TermQuanta {
     /// A power of two.
     limit: f64,
 }
 
-impl TermLattice {
+impl TermQuanta {
     /// Smaller bounds would put the fine spacing out of the range of doubles.
     const SMALLEST: f64 = 1.0e-270;
 
@@ -47,29 +47,29 @@ impl TermLattice {
     }
 }
 
-/// An exact sum of terms rounded to the fine lattice.
+/// An exact sum of terms rounded to the fine quanta.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct LatticeSum {
+pub(super) struct FixedPointSum {
     multiples: [i128; 2],
     /// Terms beyond the bound, undefined ones (NaN) among them: then the sum has no meaning.
     beyond: i64,
 }
 
-impl LatticeSum {
+impl FixedPointSum {
     const INTEGERS: usize = 5;
     const SPLIT: i128 = 1 << 48;
 
     /// Adds a_i b_i of a row.
     #[inline(always)]
-    fn add_row(&mut self, lattice: TermLattice, a: &[f64], b: &[f64]) {
+    fn add_row(&mut self, quanta: TermQuanta, a: &[f64], b: &[f64]) {
         for (a, b) in a.chunks(TERMS_BETWEEN_CARRIES).zip(b.chunks(TERMS_BETWEEN_CARRIES)) {
-            self.add_chunk(lattice, a, b);
+            self.add_chunk(quanta, a, b);
         }
     }
 
     #[inline(always)]
-    fn add_chunk(&mut self, lattice: TermLattice, a: &[f64], b: &[f64]) {
-        let [coarse, fine] = lattice.shifts();
+    fn add_chunk(&mut self, quanta: TermQuanta, a: &[f64], b: &[f64]) {
+        let [coarse, fine] = quanta.shifts();
         let (mut high, mut low, mut beyond) = (0_u64, 0_u64, 0_u64);
         for (a, b) in a.iter().zip(b) {
             let term = a * b;
@@ -77,7 +77,7 @@ impl LatticeSum {
             let rest = term - (shifted - coarse);
             high = high.wrapping_add(shifted.to_bits());
             low = low.wrapping_add((rest + fine).to_bits());
-            beyond += u64::from(term.abs() > lattice.limit || term.is_nan());
+            beyond += u64::from(term.abs() > quanta.limit || term.is_nan());
         }
         let multiples = |sum: u64, shift: f64| {
             i128::from(sum.wrapping_sub(shift.to_bits().wrapping_mul(a.len() as u64)) as i64)
@@ -102,34 +102,34 @@ impl LatticeSum {
     }
 
     /// The value, unless a term lay beyond the bound.
-    fn value(self, lattice: TermLattice) -> Option<f64> {
-        let [coarse, fine] = lattice.spacings();
+    fn value(self, quanta: TermQuanta) -> Option<f64> {
+        let [coarse, fine] = quanta.spacings();
         let [high, low] = self.multiples.map(|sum| sum as f64);
         (self.beyond == 0).then_some(high * coarse + low * fine)
     }
 }
 
-/// A dot product that is formed again and again: its lattice follows its value.
+/// A dot product that is formed again and again: its quanta follows its value.
 ///
 /// Of N terms each is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value: as long as
 /// the value keeps its magnitude the relative error is below N 2^-71, and terms are never added in vain. The result
 /// is the same for any order of cells and any number of ranks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DotProduct {
-    lattice: TermLattice,
+    quanta: TermQuanta,
 }
 
 impl Default for DotProduct {
-    /// With a bound so small that the first product chooses its lattice.
+    /// With a bound so small that the first product chooses its quanta.
     fn default() -> Self {
-        Self { lattice: TermLattice { limit: 0.0 } }
+        Self { quanta: TermQuanta { limit: 0.0 } }
     }
 }
 
 impl DotProduct {
     /// A sum to which rows are added: [`RunningDot::add_row`].
     pub(super) fn begin(self) -> RunningDot {
-        RunningDot { lattice: self.lattice, sum: LatticeSum::default() }
+        RunningDot { quanta: self.quanta, sum: FixedPointSum::default() }
     }
 
     /// The sum over ranks of what was added up; if terms lay beyond the bound, once more from `a` and `b`.
@@ -148,7 +148,7 @@ impl DotProduct {
             },
         };
         if value != 0.0 {
-            self.lattice = TermLattice::reaching((HEADROOM * value.abs()).min(f64::MAX / 8.0));
+            self.quanta = TermQuanta::reaching((HEADROOM * value.abs()).min(f64::MAX / 8.0));
         }
         value
     }
@@ -165,7 +165,7 @@ impl DotProduct {
         if largest[0] > f64::MAX / 8.0 {
             return None;
         }
-        self.lattice = TermLattice::reaching(largest[0]);
+        self.quanta = TermQuanta::reaching(largest[0]);
         total(in_wide_vectors(AddRows { running: self.begin(), a, b }), ranks)
     }
 }
@@ -173,22 +173,22 @@ impl DotProduct {
 /// A dot product of which some rows are added up, on one rank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunningDot {
-    lattice: TermLattice,
-    sum: LatticeSum,
+    quanta: TermQuanta,
+    sum: FixedPointSum,
 }
 
 impl RunningDot {
     /// Adds a_i b_i of a row.
     #[inline(always)]
     pub(super) fn add_row(&mut self, a: &[f64], b: &[f64]) {
-        self.sum.add_row(self.lattice, a, b);
+        self.sum.add_row(self.quanta, a, b);
     }
 }
 
 fn total(running: RunningDot, ranks: &dyn Communicator) -> Option<f64> {
     let mut integers = running.sum.to_integers();
     ranks.sum_integers(&mut integers);
-    LatticeSum::from_integers(integers).value(running.lattice)
+    FixedPointSum::from_integers(integers).value(running.quanta)
 }
 
 struct AddRows<'a> {
