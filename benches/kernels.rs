@@ -20,7 +20,7 @@ use talcum::gas::{DragCorrelation, DragLaw};
 use talcum::grid::{BoxGrid, Field};
 use talcum::linear_solver::{PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
-use talcum::particles::{ContactHistory, PairHistory, WallHistory};
+use talcum::particles::{ContactHistories, ContactHistory};
 use talcum::time_step::rebuild;
 use talcum::timers::Stage;
 
@@ -292,16 +292,9 @@ fn between_ranks(criterion: &mut Criterion) {
             bencher.iter_custom(|times| {
                 on_two_ranks(&bench, times, |run, ranks| {
                     let decomposition = other_cut(&mut run.work.decomposition, &bench);
-                    let (mut pairs, mut walls): (Vec<PairHistory>, Vec<WallHistory>) =
-                        Default::default();
+                    let mut histories = ContactHistories::default();
                     run.state.particles.drop_ghosts();
-                    migrate(
-                        &mut run.state.particles,
-                        &mut pairs,
-                        &mut walls,
-                        &decomposition,
-                        ranks,
-                    );
+                    migrate(&mut run.state.particles, &mut histories, &decomposition, ranks);
                 })
             });
         });

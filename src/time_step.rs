@@ -1,11 +1,11 @@
 //! The step: velocity Verlet for the particles, the gas of the moment, and all forces.
 
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
-use crate::domain::{Bounds, Face};
+use crate::domain::{Bounds, Face, PosedWalls};
 use crate::numbers::ExactSum;
 use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
 use crate::particles::{
-    PairHistory, Particles, Ranges, Step, WallHistory, begin_with_weight, kick, kick_and_drift,
+    ContactHistories, Particles, Ranges, Step, begin_with_weight, kick, kick_and_drift,
 };
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::{Stage, processor_time};
@@ -86,13 +86,12 @@ pub fn begin(
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
-    remembered: (Vec<PairHistory>, Vec<WallHistory>),
+    histories: ContactHistories,
     new_bed: bool,
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
-    let (pairs, walls) = remembered;
     work.move_walls(domain, state.clock.time(), 0.0);
-    arrange(state, domain, models, work, (pairs, walls), ranks)?;
+    arrange(state, domain, models, work, histories, ranks)?;
     if new_bed {
         begin_with_weight(&mut state.particles, models.weight_at(state.clock.time()));
         evaluate_forces(state, domain, models, work, 0.0, ranks);
@@ -139,7 +138,8 @@ fn decide(
         let near_faces = neighbours.may_have_passed(displacement);
         let beyond = |kind| if near_faces { first_beyond(particles, domain, kind) } else { None };
         let (stopped, left) = (beyond(Face::Stop), beyond(Face::Open).is_some());
-        let by_walls = neighbours.outdated_by_walls((&domain.walls, wall_poses), *reach);
+        let by_walls = neighbours
+            .outdated_by_walls(PosedWalls { walls: &domain.walls, poses: wall_poses }, *reach);
         let faulty = fault.is_some();
         let Requests { stop, checkpoint } = *requests;
         let flags = [left || by_walls, faulty, stopped.is_some(), stop, checkpoint];
@@ -194,13 +194,12 @@ pub fn rebuild(
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
     complete(state, work);
-    let pairs = state.contacts.records(&state.particles, false);
-    let walls = state.contacts.wall_records(&state.particles);
+    let histories = state.contacts.histories(&state.particles);
     state.particles.drop_ghosts();
     let step = state.clock.step;
     check_speeds(&state.particles, models.limits.speed, ranks)
         .map_err(|error| StepError::Unstable { step, message: error.0 })?;
-    arrange(state, domain, models, work, (pairs, walls), ranks)
+    arrange(state, domain, models, work, histories, ranks)
 }
 
 fn arrange(
@@ -208,15 +207,14 @@ fn arrange(
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
-    remembered: (Vec<PairHistory>, Vec<WallHistory>),
+    mut histories: ContactHistories,
     ranks: &dyn Communicator,
 ) -> Result<(), StepError> {
     let begin = std::time::Instant::now();
-    let (mut pairs, mut walls) = remembered;
     let bounds = &domain.bounds;
     let width = work.reach.ghost_width(state.sizes.largest_diameter);
     let old_decomposition = work.decomposition.clone();
-    depart(state, domain, &mut pairs, &mut walls, ranks);
+    depart(state, domain, &mut histories, ranks);
     let unstable =
         |step: u64| move |error: CollectiveError| StepError::Unstable { step, message: error.0 };
     let unstable = unstable(state.clock.step);
@@ -229,16 +227,15 @@ fn arrange(
     }
     work.decomposition =
         flow::aligned(work.decomposition.clone(), models, width).map_err(unstable)?;
-    migrate(particles, &mut pairs, &mut walls, &work.decomposition, ranks);
+    migrate(particles, &mut histories, &work.decomposition, ranks);
     let before = processor_time();
     work.neighbours.sort_by_cells(particles, width);
     work.neighbours.note_faces(particles, bounds);
     work.timers.on_particles += processor_time() - before;
     work.halo.rebuild(particles, bounds, &work.decomposition, width, ranks);
     let before = processor_time();
-    let walls_now = (&domain.walls[..], &work.wall_poses[..]);
-    let rebuilt =
-        work.neighbours.rebuild(particles, contacts, walls_now, work.reach, (&pairs, &walls));
+    let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+    let rebuilt = work.neighbours.rebuild(particles, contacts, walls, work.reach, &histories);
     work.timers.on_particles += processor_time() - before;
     agree(rebuilt, ranks).map_err(unstable)?;
     let settled = flow::settle(state, domain, models, work, &old_decomposition, ranks);
@@ -265,12 +262,11 @@ fn rebalance(
     }
 }
 
-/// Takes particles beyond open faces out of the run, with all that remembers them. Collective.
+/// Takes particles beyond open faces out of the run, with the histories of their contacts. Collective.
 fn depart(
     state: &mut State,
     domain: &Domain,
-    pairs: &mut Vec<PairHistory>,
-    walls: &mut Vec<WallHistory>,
+    histories: &mut ContactHistories,
     ranks: &dyn Communicator,
 ) {
     let particles = &mut state.particles;
@@ -289,8 +285,7 @@ fn depart(
     let gone: HashSet<u64> = share_with_all(ids, ranks).into_iter().collect();
     state.departed.count += gone.len() as u64;
     state.departed.volume += ExactSum::from_integers(&integers).value();
-    pairs.retain(|pair| !gone.contains(&pair.lower) && !gone.contains(&pair.higher));
-    walls.retain(|contact| !gone.contains(&contact.particle));
+    histories.retain_particles(|id| !gone.contains(&id));
     particles.select(&staying);
 }
 
@@ -354,7 +349,7 @@ fn evaluate_forces(
     let State { particles, contacts, .. } = state;
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
-        let walls = (&domain.walls[..], &wall_poses[..]);
+        let walls = PosedWalls { walls: &domain.walls, poses: wall_poses };
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
     let bodies = timers.time(Stage::GasForce, || match models.column().zip(fluid.as_mut()) {

@@ -302,8 +302,8 @@ fn trial(case: &Case, beginning: &mut Beginning, ranks: &dyn Communicator) -> an
     let State { sizes, .. } = *state;
     let models = case.stages[0].models(&sizes);
     work.prepare(&case.domain, &models, &sizes);
-    let remembered = std::mem::take(&mut start.remembered);
-    time_step::begin(state, &case.domain, &models, work, remembered, true, ranks)?;
+    let histories = std::mem::take(&mut start.histories);
+    time_step::begin(state, &case.domain, &models, work, histories, true, ranks)?;
     let begin = Instant::now();
     let mut steps = 0;
     // The pace of rank 0 decides for all: a collective look every few steps.

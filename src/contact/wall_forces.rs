@@ -3,7 +3,7 @@
 use super::forces::{ForceLaws, ForceOutOfRange, forget, out_of_range, total};
 use super::rolling::Rolling;
 use super::{Contact, ContactForce, ContactForceLaw, ContactModel};
-use crate::domain::{Wall, WallPose};
+use crate::domain::{PosedWalls, Wall, WallPose};
 use crate::numbers::within;
 use crate::particles::{ContactHistory, Contacts, Particles};
 use nalgebra::Vector3;
@@ -12,14 +12,14 @@ use nalgebra::Vector3;
 /// force lattice.
 ///
 /// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with law, attraction and
-/// velocity of its own. `walls` are the walls and where they are now.
+/// velocity of its own.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.
 pub fn add_wall_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
-    (walls, poses): (&[Wall], &[WallPose]),
+    walls: PosedWalls<'_>,
     laws: &ForceLaws,
     on_walls: &mut [[i64; 3]],
 ) -> Result<(), ForceOutOfRange> {
@@ -27,12 +27,13 @@ pub fn add_wall_forces(
     for slot in 0..contacts.wall_pairs.len() {
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
-        let contact = contact_with((&walls[number], &poses[number]), particles, i, laws);
+        let contact =
+            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws);
         let interface = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(interface, &contact, contacts, slot, laws.dt);
         let on_wall = laws.force_quantum.round_vector(total(&contact, &force));
         if !within(&on_wall, laws.limit) {
-            let other = format!("wall \"{}\"", walls[number].name);
+            let other = format!("wall \"{}\"", walls.walls[number].name);
             let overlap = contact.overlap;
             return Err(out_of_range(particles.id[i], other, on_wall, overlap, laws.limit));
         }

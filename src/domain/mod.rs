@@ -9,4 +9,4 @@ mod walls;
 pub use bounds::{Bounds, Face};
 pub use decomposition::{Decomposition, RankGrid};
 pub use gravity::{EffectiveGravity, Vibration};
-pub use walls::{BASE_PLATE, Wall, WallMotion, WallPose, WallShape};
+pub use walls::{BASE_PLATE, PosedWalls, Wall, WallMotion, WallPose, WallShape};

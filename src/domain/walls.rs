@@ -62,6 +62,22 @@ pub struct WallPose {
     pub velocity: Vector3<f64>,
 }
 
+/// Walls together with where they are at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedWalls<'a> {
+    /// The walls.
+    pub walls: &'a [Wall],
+    /// The pose of each wall, in the same order.
+    pub poses: &'a [WallPose],
+}
+
+impl<'a> PosedWalls<'a> {
+    /// Each wall with its pose, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&'a Wall, &'a WallPose)> + use<'a> {
+        self.walls.iter().zip(self.poses)
+    }
+}
+
 impl WallMotion {
     /// No motion.
     pub const REST: Self = Self {

@@ -3,22 +3,21 @@
 use super::migration_message::MigrationMessage;
 use super::{Communicator, Message, ParticleRecord, records_of_bytes};
 use crate::domain::Decomposition;
-use crate::particles::{PairHistory, Particles, WallHistory};
+use crate::particles::{ContactHistories, PairHistory, Particles, WallHistory};
 use bytemuck::Pod;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Sends every owned particle to the rank whose block holds its (wrapped) position, with the memories of
+/// Sends every owned particle to the rank whose block holds its (wrapped) position, with the histories of
 /// its contacts.
 ///
-/// Before: no ghosts; positions are wrapped; `pairs` and `walls` hold the memories of all contacts of owned
-/// particles. After: every rank owns exactly the particles of its block and holds all their memories; those
-/// of pairs that it no longer owns a part of are gone. A pair may be there twice, with the same contents.
+/// Before: no ghosts; positions are wrapped; `histories` are those of all contacts of owned particles. After: every
+/// rank owns exactly the particles of its block and holds the histories of all their contacts; those of pairs of which
+/// it owns neither particle any more are gone. A pair may be there twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
-    pairs: &mut Vec<PairHistory>,
-    walls: &mut Vec<WallHistory>,
+    histories: &mut ContactHistories,
     decomposition: &Decomposition,
     ranks: &dyn Communicator,
 ) {
@@ -32,7 +31,7 @@ pub fn migrate(
     if owner.iter().any(|&rank| rank != here) {
         let owner_of: FxHashMap<u64, usize> =
             particles.id.iter().copied().zip(owner.iter().copied()).collect();
-        pack_histories(&mut messages, pairs, walls, &owner_of, here);
+        pack_histories(&mut messages, histories, &owner_of, here);
         pack_particles(&mut messages, particles, &owner, here);
     }
     let messages: Vec<Message> =
@@ -40,8 +39,8 @@ pub fn migrate(
     for message in ranks.sparse_exchange(&messages) {
         let message = MigrationMessage::of(&message);
         message.particles.iter().for_each(|record| record.push_to(particles));
-        pairs.extend(message.pairs.into_iter().map(PairHistory::from));
-        walls.extend(message.walls.into_iter().map(WallHistory::from));
+        histories.pairs.extend(message.pairs.into_iter().map(PairHistory::from));
+        histories.walls.extend(message.walls.into_iter().map(WallHistory::from));
     }
 }
 
@@ -89,8 +88,7 @@ type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 /// A memory goes where its particles go, and stays where one of them stays.
 fn pack_histories(
     messages: &mut OutgoingMessages,
-    pairs: &mut Vec<PairHistory>,
-    walls: &mut Vec<WallHistory>,
+    ContactHistories { pairs, walls }: &mut ContactHistories,
     owner_of: &FxHashMap<u64, usize>,
     here: usize,
 ) {

@@ -8,7 +8,7 @@
 use super::migrate::deliver;
 use super::sort_by_id::Range;
 use super::{Communicator, ContactRecord, Message, WallContactRecord, records_of_bytes};
-use crate::particles::{PairHistory, WallHistory};
+use crate::particles::{ContactHistories, PairHistory, WallHistory};
 use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub fn send_memories_to_owners(
     mut wall_contacts: Vec<WallContactRecord>,
     owned: &[u64],
     ranks: &dyn Communicator,
-) -> (Vec<PairHistory>, Vec<WallHistory>) {
+) -> ContactHistories {
     if ranks.size() > 1 {
         let ids_of_pair = |record: &ContactRecord| [record.lower, record.higher];
         let ids_at_wall = |record: &WallContactRecord| [record.particle; 2];
@@ -35,8 +35,10 @@ pub fn send_memories_to_owners(
         contacts = to_owners(contacts, ids_of_pair, &owners, ranks);
         wall_contacts = to_owners(wall_contacts, ids_at_wall, &owners, ranks);
     }
-    let pairs = contacts.into_iter().map(PairHistory::from).collect();
-    (pairs, wall_contacts.into_iter().map(WallHistory::from).collect())
+    ContactHistories {
+        pairs: contacts.into_iter().map(PairHistory::from).collect(),
+        walls: wall_contacts.into_iter().map(WallHistory::from).collect(),
+    }
 }
 
 /// The owners of the particles that these ids name, if they have one. Collective.
@@ -121,7 +123,7 @@ mod tests {
                     wall: 2,
                     ..Zeroable::zeroed()
                 });
-                let (found, at_walls) =
+                let ContactHistories { pairs: found, walls: at_walls } =
                     send_memories_to_owners(contacts.collect(), walls.collect(), &owned, ranks);
 
                 let mut found: Vec<[u64; 2]> =
@@ -148,7 +150,8 @@ mod tests {
             } else {
                 Vec::new()
             };
-            let (pairs, _) = send_memories_to_owners(here, Vec::new(), &owned, ranks);
+            let ContactHistories { pairs, .. } =
+                send_memories_to_owners(here, Vec::new(), &owned, ranks);
             let expected = [vec![], vec![[11, u64::MAX]], vec![[5, 12]]];
             let found: Vec<[u64; 2]> = pairs.iter().map(|pair| [pair.lower, pair.higher]).collect();
             assert_eq!(found, expected[ranks.rank()]);

@@ -9,7 +9,7 @@
 use super::near_pairs::{Rows, pair_of};
 use super::pair_blocks::Remembered;
 use super::{NearPairs, Particles, Ranges, Reach};
-use crate::domain::{Wall, WallPose};
+use crate::domain::PosedWalls;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -49,6 +49,25 @@ pub struct WallHistory {
     pub history: ContactHistory,
     /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
     pub rolling_angle: Vector3<f64>,
+}
+
+/// The contact histories of some particles: of the pairs that touch, and of the particles that touch a wall.
+///
+/// They outlive the slots of a neighbour list: over a rebuild, to another rank, and through a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactHistories {
+    /// Touching pairs, in no particular order. A pair may occur twice, with the same contents.
+    pub pairs: Vec<PairHistory>,
+    /// Particles that touch a wall, in no particular order.
+    pub walls: Vec<WallHistory>,
+}
+
+impl ContactHistories {
+    /// Removes the histories of all contacts of a particle for which `is_kept` does not hold, given its global id.
+    pub fn retain_particles(&mut self, is_kept: impl Fn(u64) -> bool) {
+        self.pairs.retain(|pair| is_kept(pair.lower) && is_kept(pair.higher));
+        self.walls.retain(|contact| is_kept(contact.particle));
+    }
 }
 
 /// A touching pair that the new list does not hold: a fault of the program, never of the case.
@@ -144,9 +163,24 @@ impl Contacts {
         self.near.update(particles, rows, ranges);
     }
 
-    /// Memories of all touching pairs with an owned particle. A pair of two ranks' particles is known to
-    /// both, with the same contents; `once` leaves it to the owner of the lower id.
-    pub fn records(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
+    /// The histories of all contacts of owned particles, pairs of two ranks' particles included: these are known to
+    /// both ranks, with the same contents.
+    pub fn histories(&self, particles: &Particles) -> ContactHistories {
+        ContactHistories {
+            pairs: self.pair_histories(particles, false),
+            walls: self.wall_histories(particles),
+        }
+    }
+
+    /// The same, but each pair on one rank only: that of two ranks' particles is left to the owner of the lower id.
+    pub fn histories_once(&self, particles: &Particles) -> ContactHistories {
+        ContactHistories {
+            pairs: self.pair_histories(particles, true),
+            walls: self.wall_histories(particles),
+        }
+    }
+
+    fn pair_histories(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
         let touching = self.near.acting.touching();
         touching
             .filter_map(|(pair, remembered)| {
@@ -158,8 +192,7 @@ impl Contacts {
             .collect()
     }
 
-    /// Memories of all owned particles that touch a wall.
-    pub fn wall_records(&self, particles: &Particles) -> Vec<WallHistory> {
+    fn wall_histories(&self, particles: &Particles) -> Vec<WallHistory> {
         (0..self.wall_pairs.len())
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
@@ -176,12 +209,12 @@ impl Contacts {
     pub(crate) fn find_wall_pairs(
         &mut self,
         particles: &Particles,
-        (walls, poses): (&[Wall], &[WallPose]),
+        walls: PosedWalls<'_>,
         reach: Reach,
     ) {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
-            for (number, (wall, pose)) in walls.iter().zip(poses).enumerate() {
+            for (number, (wall, pose)) in walls.iter().enumerate() {
                 let gap = wall.height_at(&particles.body[particle].position, pose)
                     - particles.body[particle].radius;
                 if gap < reach.range + reach.skin {
@@ -205,9 +238,9 @@ impl Contacts {
     pub(crate) fn recall(
         &mut self,
         particles: &Particles,
-        pairs: &[PairHistory],
-        walls: &[WallHistory],
+        histories: &ContactHistories,
     ) -> Result<(), LostContact> {
+        let ContactHistories { pairs, walls } = histories;
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
             particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();

@@ -12,7 +12,9 @@ mod store;
 
 pub use body::{Body, ForceTorque, sphere_volume};
 pub use cell_grid::CellGrid;
-pub use contacts::{ContactHistory, Contacts, LostContact, PairHistory, WallHistory};
+pub use contacts::{
+    ContactHistories, ContactHistory, Contacts, LostContact, PairHistory, WallHistory,
+};
 pub use integrate::{Step, Weight, begin_with_weight, kick, kick_and_drift};
 pub(crate) use near_pairs::Waiting;
 pub use near_pairs::{NearPairs, Ranges};

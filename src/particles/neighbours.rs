@@ -1,9 +1,9 @@
 //! The neighbour list: who is near whom, and when that must be found anew.
 
 use super::closeness::{Places, near_partners};
-use super::contacts::{LostContact, PairHistory, WallHistory};
+use super::contacts::{ContactHistories, LostContact};
 use super::{CellGrid, Contacts, Particles};
-use crate::domain::{Bounds, Wall, WallPose};
+use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 /// How far the list looks beyond touching.
@@ -60,9 +60,9 @@ impl Neighbours {
     }
 
     /// Whether a wall has moved more than half the skin towards particles since the list was built.
-    pub fn outdated_by_walls(&self, (walls, poses): (&[Wall], &[WallPose]), reach: Reach) -> bool {
-        let moved = walls.iter().zip(poses.iter().zip(&self.reference_poses));
-        let displacement = |(wall, (now, then)): (&Wall, (&WallPose, &WallPose))| {
+    pub fn outdated_by_walls(&self, walls: PosedWalls<'_>, reach: Reach) -> bool {
+        let moved = walls.iter().zip(&self.reference_poses);
+        let displacement = |((wall, now), then): ((&Wall, &WallPose), &WallPose)| {
             wall.approach(&(now.displacement - then.displacement))
         };
         !moved.map(displacement).all(|displacement| displacement < 0.5 * reach.skin)
@@ -74,29 +74,28 @@ impl Neighbours {
         particles.select(self.cells.order());
     }
 
-    /// Finds all near pairs and gives them what they remember.
+    /// Finds all near pairs and gives them back their contact histories.
     ///
-    /// Before: ghosts are those of the owned particles' current positions; `walls` are the walls and where they
-    /// are now.
+    /// Before: ghosts are those of the owned particles' current positions.
     ///
     /// # Errors
-    /// If the memory of a touching pair has no place in the new list: a fault of the program.
+    /// If the history of a touching pair has no slot in the new list: a fault of the program.
     pub fn rebuild(
         &mut self,
         particles: &Particles,
         contacts: &mut Contacts,
-        walls: (&[Wall], &[WallPose]),
+        walls: PosedWalls<'_>,
         reach: Reach,
-        remembered: (&[PairHistory], &[WallHistory]),
+        histories: &ContactHistories,
     ) -> Result<(), LostContact> {
         self.displacement = 0.0;
         self.reference_poses.clear();
-        self.reference_poses.extend_from_slice(walls.1);
+        self.reference_poses.extend_from_slice(walls.poses);
         let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);
         self.cells.fill(&particles.body, reach.ghost_width(2.0 * largest));
         self.find_pairs(particles, contacts, reach);
         contacts.find_wall_pairs(particles, walls, reach);
-        contacts.recall(particles, remembered.0, remembered.1)
+        contacts.recall(particles, histories)
     }
 
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, reach: Reach) {

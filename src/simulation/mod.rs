@@ -173,8 +173,8 @@ impl<'a> Simulation<'a> {
         let models = case.stages[stage].models(&state.sizes);
         state.clock = state.clock.with_time_step(models.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
-        let Start { remembered, new_bed, continues } = start;
-        time_step::begin(&mut state, &case.domain, &models, &mut work, remembered, new_bed, ranks)?;
+        let Start { histories, new_bed, continues } = start;
+        time_step::begin(&mut state, &case.domain, &models, &mut work, histories, new_bed, ranks)?;
         memory::give_back();
         let [d_min, d_max] = [state.sizes.smallest_diameter, state.sizes.largest_diameter];
         let grid = profile_grid(case, d_max);

@@ -11,6 +11,7 @@ use crate::output::{
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
+use crate::particles::ContactHistories;
 use crate::state::{Clock, State};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -236,8 +237,7 @@ impl Outputs {
         (particles, cells): (impl Records<ParticleRecord>, Vec<CellRecord>),
         ranks: &dyn Communicator,
     ) -> Result<(Digest, PathBuf), OutputError> {
-        let pairs = state.contacts.records(&state.particles, true);
-        let walls = state.contacts.wall_records(&state.particles);
+        let ContactHistories { pairs, walls } = state.contacts.histories_once(&state.particles);
         let checkpoint = Checkpoint {
             clock: state.clock,
             departed: state.departed,

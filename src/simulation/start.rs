@@ -9,7 +9,7 @@ use crate::parallel::{
     CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
     WallContactRecord, agree, send_cells_to_owners, send_memories_to_owners, send_to_owners,
 };
-use crate::particles::{Contacts, PairHistory, Particles, WallHistory};
+use crate::particles::{ContactHistories, Contacts, Particles};
 use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -48,8 +48,8 @@ pub struct Beginning {
 
 /// How the first step is prepared.
 pub struct Start {
-    /// What contacts remember.
-    pub remembered: (Vec<PairHistory>, Vec<WallHistory>),
+    /// The histories of all contacts of this rank's particles.
+    pub histories: ContactHistories,
     /// Whether forces are still to be found.
     pub new_bed: bool,
     /// Whether results are continued from this time on.
@@ -94,10 +94,10 @@ pub fn begin_from_case(
     };
     let time_step = case.stages[0].time_step;
     let start = (Clock::new(time_step), Departed::default(), sizes);
-    spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
+    spread(case, share, start, grid, ranks).map(|(state, work, histories)| Beginning {
         state,
         work,
-        start: Start { remembered, new_bed: true, continues: false },
+        start: Start { histories, new_bed: true, continues: false },
     })
 }
 
@@ -114,10 +114,10 @@ pub fn begin_from_checkpoint(
 ) -> Result<Beginning, StartError> {
     let start = (checkpoint.clock, checkpoint.departed, checkpoint.sizes);
     let share = share_of(checkpoint);
-    spread(case, share, start, grid, ranks).map(|(state, work, remembered)| Beginning {
+    spread(case, share, start, grid, ranks).map(|(state, work, histories)| Beginning {
         state,
         work,
-        start: Start { remembered, new_bed: false, continues },
+        start: Start { histories, new_bed: false, continues },
     })
 }
 
@@ -139,7 +139,7 @@ fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> Siz
     SizeRange { smallest_diameter: -smallest, largest_diameter, largest_mass }
 }
 
-type Spread = (State, Workspace, (Vec<PairHistory>, Vec<WallHistory>));
+type Spread = (State, Workspace, ContactHistories);
 
 fn spread(
     case: &Case,

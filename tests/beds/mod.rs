@@ -15,7 +15,7 @@ use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
     run_on_threads, send_cells_to_owners, send_to_owners, share_with_all,
 };
-use talcum::particles::{Contacts, PairHistory, Particles, WallHistory};
+use talcum::particles::{ContactHistories, Contacts, PairHistory, Particles, WallHistory};
 use talcum::state::{
     Balance, Clock, Departed, Domain, GasModel, Limits, Models, SizeRange, State, Workspace,
 };
@@ -285,10 +285,12 @@ impl Bench {
         let owned: HashSet<u64> = particles.id.iter().copied().collect();
         let pairs = whole.pairs.iter().copied().map(PairHistory::from);
         let walls = whole.walls.iter().copied().map(WallHistory::from);
-        let remembered = (
-            pairs.filter(|it| owned.contains(&it.lower) || owned.contains(&it.higher)).collect(),
-            walls.filter(|it| owned.contains(&it.particle)).collect(),
-        );
+        let histories = ContactHistories {
+            pairs: pairs
+                .filter(|it| owned.contains(&it.lower) || owned.contains(&it.higher))
+                .collect(),
+            walls: walls.filter(|it| owned.contains(&it.particle)).collect(),
+        };
         let (clock, departed, sizes) = (whole.clock, whole.departed, self.sizes());
         let contacts = Contacts::default();
         let model = self.flow.as_ref().filter(|_| !whole.cells.is_empty());
@@ -305,7 +307,7 @@ impl Bench {
         let (domain, models) = (self.domain.clone(), self.models());
         let mut work = Workspace::new(decomposition, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
-        begin(&mut state, &domain, &models, &mut work, remembered, new_bed, ranks)
+        begin(&mut state, &domain, &models, &mut work, histories, new_bed, ranks)
             .expect("the test's bed can begin");
         Run { state, domain, models, work, ranks }
     }
@@ -373,8 +375,9 @@ impl Run<'_> {
                 ParticleRecord { position, ..ParticleRecord::of(particles, index) }
             })
             .collect();
-        let pairs = contacts.records(particles, true).into_iter().map(ContactRecord::from);
-        let walls = contacts.wall_records(particles).into_iter().map(WallContactRecord::from);
+        let ContactHistories { pairs, walls } = contacts.histories_once(particles);
+        let pairs = pairs.into_iter().map(ContactRecord::from);
+        let walls = walls.into_iter().map(WallContactRecord::from);
         let mut particles = share_with_all(here, self.ranks);
         let mut pairs = share_with_all(pairs.collect::<Vec<_>>(), self.ranks);
         let mut walls = share_with_all(walls.collect::<Vec<_>>(), self.ranks);
