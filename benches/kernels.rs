@@ -206,7 +206,8 @@ fn multigrid(criterion: &mut Criterion) {
         let bounds = Bounds::new(Vector3::repeat(edge as f64), [[Face::Wall; 2]; 3]);
         let (grid, decomposition) =
             (BoxGrid::new(&bounds, [edge; 3]), Decomposition::even(RankGrid([1; 3]), &bounds));
-        let part = grid.local_cells(&decomposition, 0);
+        let subdomain = decomposition.subdomain(&bounds, 0);
+        let part = grid.local_cells(subdomain);
         let field = |of: &dyn Fn(usize) -> f64| {
             let mut field = Field::new(&part, 1);
             field.set_owned((0..edge.pow(3)).map(of));
@@ -215,7 +216,7 @@ fn multigrid(criterion: &mut Criterion) {
         let mobility = field(&|cell| if cell < edge.pow(3) / 2 { 1.0e-3 } else { 1.0 });
         let outlet = field(&|cell| if cell >= edge.pow(3) - edge.pow(2) { 1.0 } else { 0.0 });
         let right = field(&|cell| (cell * 7919 % 1009) as f64 - 504.0);
-        let mut solver = PressureSolver::new(&grid, &decomposition, &bounds, 0);
+        let mut solver = PressureSolver::new(&grid, subdomain);
         let set = solver.set_coefficients([&mobility; 3], Some(&outlet), &OneRank);
         set.expect("mobilities are positive");
         let mut solve = || {
@@ -276,13 +277,9 @@ fn between_ranks(criterion: &mut Criterion) {
                     let particles = &mut run.state.particles;
                     particles.drop_ghosts();
                     let mut halo = ParticleHalo::default();
-                    halo.rebuild(
-                        particles,
-                        &run.domain.bounds,
-                        &run.work.decomposition,
-                        width,
-                        ranks,
-                    );
+                    let bounds = &run.domain.bounds;
+                    let subdomain = run.work.decomposition.subdomain(bounds, ranks.rank());
+                    halo.rebuild(particles, subdomain, width, ranks);
                 })
             });
         });

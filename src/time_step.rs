@@ -176,9 +176,8 @@ fn first_beyond(particles: &Particles, domain: &Domain, kind: Face) -> Option<St
         return None;
     }
     (0..particles.owned_count()).find_map(|i| {
-        let (axis, side) = bounds.passed(kind, &particles.body[i].position)?;
-        let face = [["lower", "upper"][side], ["x", "y", "z"][axis]].join(" ");
-        Some(format!("particle {} passed the {face} face of the box", particles.id[i]))
+        let face = bounds.passed(kind, &particles.body[i].position)?;
+        Some(format!("particle {} passed the face \"{face}\" of the box", particles.id[i]))
     })
 }
 
@@ -232,7 +231,8 @@ fn arrange(
     work.neighbours.sort_by_cells(particles, width);
     work.neighbours.note_faces(particles, bounds);
     work.timers.on_particles += processor_time() - before;
-    work.halo.rebuild(particles, bounds, &work.decomposition, width, ranks);
+    let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
+    work.halo.rebuild(particles, subdomain, width, ranks);
     let before = processor_time();
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     let rebuilt = work.neighbours.rebuild(particles, contacts, walls, work.reach, &histories);

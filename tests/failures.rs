@@ -93,7 +93,7 @@ fn a_plug_that_meets_the_top_ends_the_run_in_words() {
         let low = ["--set", "box.lengths=[5.1,5.1,17.0]", "--set", "gas.superficial_velocity=0.9"];
         let ended = run(ranks, "rank-equality", folder.path(), &low);
         let message = failure(&ended);
-        assert!(message.contains("passed the upper z face of the box"), "{message}");
+        assert!(message.contains("passed the face \"z upper\" of the box"), "{message}");
         assert!(message.contains("the case ends the run there"), "{message}");
     }
 }

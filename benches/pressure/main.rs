@@ -33,10 +33,12 @@ struct Solve<'a> {
 impl<'a> Solve<'a> {
     fn new(system: &'a System, ranks: &dyn Communicator) -> Self {
         let (grid, decomposition) = system.grid(ranks.size());
-        let part = grid.local_cells(&decomposition, ranks.rank());
+        let bounds = system.bounds();
+        let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+        let part = grid.local_cells(subdomain);
         Self {
             system,
-            solver: PressureSolver::new(&grid, &decomposition, &system.bounds(), ranks.rank()),
+            solver: PressureSolver::new(&grid, subdomain),
             faces: system.faces.each_ref().map(|face| local_cells(face, &part)),
             diagonal: local_cells(&system.diagonal, &part),
             right: local_cells(&system.right, &part),

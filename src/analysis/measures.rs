@@ -1,7 +1,7 @@
 //! The numbers of one row of the series: balances, pressure drops, and how the bed moves.
 
 use super::BedProfile;
-use crate::domain::BASE_PLATE;
+use crate::domain::{BASE_PLATE, Subdomain};
 use crate::grid::Field;
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
@@ -131,11 +131,11 @@ fn external_forces(
 fn flow_through(
     state: &State,
     models: &Models,
-    work: &Workspace,
+    subdomain: Subdomain,
     ranks: &dyn Communicator,
 ) -> (f64, f64) {
     let Some((model, flow)) = models.flow().zip(state.flow.as_ref()) else { return (0.0, 0.0) };
-    let part = model.grid.local_cells(&work.decomposition, ranks.rank());
+    let part = model.grid.local_cells(subdomain);
     let [nx, ny, nz] = part.count.map(|count| count as isize);
     let [at_bottom, at_top] = part.at_ends(2);
     let columns = || (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j)));
@@ -200,7 +200,10 @@ pub fn measure(
     let (bed_bottom, bed_top) = profile.bottom_and_top();
     let (superficial_velocity, pressure_drop) = match (models.column(), &work.fluid) {
         (Some(gas), Some(fluid)) => (fluid.superficial_velocity(), fluid.pressure_drop(gas)),
-        _ => flow_through(state, models, work, ranks),
+        _ => {
+            let subdomain = work.decomposition.subdomain(&domain.bounds, ranks.rank());
+            flow_through(state, models, subdomain, ranks)
+        }
     };
     let pressure_force = pressure_drop * domain.bounds.cross_section();
     let report = state.flow.as_ref().map(|flow| flow.report).unwrap_or_default();

@@ -7,12 +7,9 @@ use super::section::Section;
 use super::space::{AXES, read_bounds};
 use super::tree::{Node, Value};
 use super::{Case, Stage};
-use crate::domain::{BASE_PLATE, Bounds, Face, Wall, WallMotion, WallShape};
+use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
 use crate::state::Domain;
 use nalgebra::Vector3;
-
-/// Faces by the names that a case calls them.
-const FACES: [&str; 6] = ["x lower", "x upper", "y lower", "y upper", "z lower", "z upper"];
 
 /// `[box]` and `[[wall]]`.
 pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
@@ -41,38 +38,23 @@ pub(super) fn contacts_of<'a>(root: &'a Node, domain: &Domain) -> Vec<Option<&'a
     let entries = root.get("wall").map(Node::items).unwrap_or_default();
     let is_of = |entry: &Node, wall: &Wall| {
         let text = |key: &str| entry.get(key).and_then(Node::as_text);
-        text("name").or(text("face").map(name_of_face)) == Some(wall.name.as_str())
+        let of_face = || BoxFace::named(text("face")?).map(Wall::name_in_face);
+        text("name").or_else(of_face) == Some(wall.name.as_str())
     };
     let of = |wall: &Wall| entries.iter().find(|entry| is_of(entry, wall))?.get("contact");
     domain.walls.iter().map(of).collect()
 }
 
-/// How results call the wall in a face.
-fn name_of_face(face: &str) -> &str {
-    if face == FACES[4] { BASE_PLATE } else { face }
-}
-
 /// Walls in the faces of the box.
 fn face_walls(bounds: &Bounds) -> Vec<Wall> {
-    let mut walls = Vec::new();
-    for (number, face) in FACES.into_iter().enumerate() {
-        let (axis, side) = (number / 2, number % 2);
-        if bounds.faces(axis)[side] != Face::Wall {
-            continue;
-        }
-        let mut point = Vector3::zeros();
-        let mut normal = Vector3::zeros();
-        point[axis] = bounds.lengths()[axis] * side as f64;
-        normal[axis] = 1.0 - 2.0 * side as f64;
-        walls.push(Wall::plane(name_of_face(face), point, normal));
-    }
-    walls
+    let is_wall = |face: &BoxFace| bounds.face(*face) == Face::Wall;
+    BoxFace::ALL.into_iter().filter(is_wall).map(|face| Wall::in_face(bounds, face)).collect()
 }
 
 /// One `[[wall]]`.
 enum Entry {
     /// A wall of the box: its motion.
-    Face { face: &'static str, motion: WallMotion },
+    Face { face: BoxFace, motion: WallMotion },
     /// A wall of the case's own.
     Own(Wall),
 }
@@ -112,11 +94,11 @@ fn read_wall(node: &Node, problems: &Problems) -> Option<Entry> {
     entry
 }
 
-fn read_face(section: &Section<'_>) -> Option<&'static str> {
+fn read_face(section: &Section<'_>) -> Option<BoxFace> {
     let word = section.text("face")?;
-    let face = FACES.into_iter().find(|face| *face == word);
+    let face = BoxFace::named(&word);
     if face.is_none() {
-        section.fail("face", must_be_one_of(&word, &FACES));
+        section.fail("face", must_be_one_of(&word, &BoxFace::NAMES));
     }
     face
 }
@@ -185,8 +167,15 @@ fn read_motion(section: &Section<'_>) -> Option<WallMotion> {
 }
 
 /// A face of the box in motion: in its plane, or inwards.
-fn move_face(walls: &mut [Wall], face: &str, motion: WallMotion, node: &Node, problems: &Problems) {
-    let Some(wall) = walls.iter_mut().find(|wall| wall.name == name_of_face(face)) else {
+fn move_face(
+    walls: &mut [Wall],
+    face: BoxFace,
+    motion: WallMotion,
+    node: &Node,
+    problems: &Problems,
+) {
+    let name = Wall::name_in_face(face);
+    let Some(wall) = walls.iter_mut().find(|wall| wall.name == name) else {
         problems.add(node.error(format!("there is no wall in the {face} face: [box] says so")));
         return;
     };
@@ -236,7 +225,7 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
             let words = "the gas fills the box: it cannot flow in a round column";
             wrong.push(("gas", words.to_owned()));
         }
-        let is_face = FACES.iter().any(|face| name_of_face(face) == name);
+        let is_face = BoxFace::ALL.into_iter().any(|face| Wall::name_in_face(face) == name);
         if with_gas && is_face && speed > 0.0 {
             let words = format!(
                 "the gas reaches from face to face of the box: {name:?} cannot move inwards, only in its \

@@ -1,5 +1,6 @@
 //! The box: its size, what its faces do, and the lattice that positions lie on.
 
+use super::BoxFace;
 use crate::numbers::Quantum;
 use nalgebra::Vector3;
 
@@ -43,6 +44,11 @@ impl Bounds {
     /// What the lower and upper face of an axis do.
     pub fn faces(&self, axis: usize) -> [Face; 2] {
         self.faces[axis]
+    }
+
+    /// What a face does.
+    pub fn face(&self, face: BoxFace) -> Face {
+        self.faces[face.axis][face.side]
     }
 
     /// Whether the box repeats along an axis.
@@ -104,15 +110,15 @@ impl Bounds {
         displacements.fold(f64::INFINITY, f64::min)
     }
 
-    /// The first face of this kind, as (axis, side), that a position lies beyond.
+    /// The first face of this kind that a position lies beyond.
     #[inline]
-    pub fn passed(&self, kind: Face, position: &Vector3<f64>) -> Option<(usize, usize)> {
+    pub fn passed(&self, kind: Face, position: &Vector3<f64>) -> Option<BoxFace> {
         (0..3).find_map(|axis| {
             let x = position[axis];
             if x < 0.0 && self.faces[axis][0] == kind {
-                Some((axis, 0))
+                Some(BoxFace { axis, side: 0 })
             } else if x > self.lengths[axis] && self.faces[axis][1] == kind {
-                Some((axis, 1))
+                Some(BoxFace { axis, side: 1 })
             } else {
                 None
             }
@@ -161,7 +167,8 @@ mod tests {
     fn only_the_open_face_lets_particles_out() {
         let bounds = column();
         assert_eq!(bounds.passed(Face::Open, &Vector3::new(-1.0, 9.0, 50.0)), None);
-        assert_eq!(bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, 100.5)), Some((2, 1)));
+        let passed = bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, 100.5));
+        assert_eq!(passed, BoxFace::named("z upper"));
         assert_eq!(bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, -0.5)), None);
     }
 }

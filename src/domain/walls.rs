@@ -1,5 +1,6 @@
 //! Walls: planes and round columns, at rest or in a motion that is a function of time.
 
+use super::{Bounds, BoxFace};
 use crate::numbers::sine;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -136,6 +137,18 @@ impl Wall {
     pub fn plane(name: impl Into<String>, point: Vector3<f64>, normal: Vector3<f64>) -> Self {
         let shape = WallShape::Plane { point, normal };
         Self { name: name.into(), shape, motion: WallMotion::REST }
+    }
+
+    /// A plane at rest in a face of the box, with the name that results call it.
+    pub fn in_face(bounds: &Bounds, face: BoxFace) -> Self {
+        let mut point = Vector3::zeros();
+        point[face.axis] = bounds.lengths()[face.axis] * face.side as f64;
+        Self::plane(Self::name_in_face(face), point, face.inward_normal())
+    }
+
+    /// How results call the wall in a face: "base plate" for the lower z face, otherwise as the face.
+    pub fn name_in_face(face: BoxFace) -> &'static str {
+        if face == (BoxFace { axis: 2, side: 0 }) { BASE_PLATE } else { face.name() }
     }
 
     /// A round column along z, at rest, through a point and of a radius.

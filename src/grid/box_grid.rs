@@ -1,6 +1,6 @@
 //! The cells of the box, and which of them a rank works on.
 
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::{Bounds, Decomposition, Subdomain};
 use nalgebra::Vector3;
 
 /// Equal cells that fill the box; cell (i, j, k) reaches from i dx to (i + 1) dx, and so on.
@@ -84,8 +84,9 @@ impl BoxGrid {
         Some(decomposition.with_cut_planes(cut_planes))
     }
 
-    /// The cells of a rank, from a cut whose planes lie on cell faces.
-    pub fn local_cells(&self, decomposition: &Decomposition, rank: usize) -> LocalCells {
+    /// The cells of a subdomain, whose planes lie on cell faces.
+    pub fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
+        let Subdomain { decomposition, rank, .. } = subdomain;
         let block = decomposition.grid().block_of(rank);
         let face = |axis: usize, plane: usize| {
             self.nearest_face(axis, decomposition.cut_planes(axis)[plane])
@@ -142,9 +143,9 @@ mod tests {
             wanted.sort_by(f64::total_cmp);
             let decomposition = even.with_cut_planes([even.cut_planes(0).to_vec(), even.cut_planes(1).to_vec(), wanted]);
             let decomposition = grid.aligned(&decomposition, 2).expect("there are enough cells");
-            let mut next = 0;
+            let (bounds, mut next) = (bounds(), 0);
             for rank in 0..ranks {
-                let part = grid.local_cells(&decomposition, rank);
+                let part = grid.local_cells(decomposition.subdomain(&bounds, rank));
                 prop_assert_eq!(part.start, [0, 0, next]);
                 prop_assert!(part.count[2] >= 2);
                 next = part.end(2);

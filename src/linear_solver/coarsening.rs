@@ -1,7 +1,8 @@
 //! Which cells are left on the coarser grids. Follows from the whole grid alone.
 
-use crate::domain::Decomposition;
+use crate::domain::{Decomposition, RankGrid, Subdomain};
 use crate::grid::{BoxGrid, LocalCells};
+use crate::parallel::FieldHalo;
 
 /// Axes along which cells are at most this much wider than along the narrowest are coarsened with it: beyond, the
 /// coupling along them, which goes with the inverse square, is below half of the strongest.
@@ -79,10 +80,18 @@ impl LevelGrid {
         self.cells() <= HELD_WHOLE || self.blocks.iter().any(narrow)
     }
 
-    /// The cells of a block.
-    pub(super) fn part(&self, block: [usize; 3]) -> LocalCells {
+    /// The cells that a rank holds: those of its subdomain, or all of a level that every rank holds whole.
+    pub(super) fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
+        let block = subdomain.decomposition.grid().block_of(subdomain.rank);
+        let block = [0, 1, 2].map(|axis| block[axis].min(self.blocks[axis].len() - 2));
         let start = [0, 1, 2].map(|axis| self.blocks[axis][block[axis]]);
         let count = [0, 1, 2].map(|axis| self.blocks[axis][block[axis] + 1] - start[axis]);
         LocalCells { counts: self.counts, start, count }
     }
+}
+
+/// The halo of fields that every rank holds whole: its only neighbour is itself, through periodic faces.
+pub(super) fn undivided_halo(subdomain: Subdomain) -> FieldHalo {
+    let undivided = Decomposition::even(RankGrid([1; 3]), subdomain.bounds);
+    FieldHalo::new(undivided.subdomain(subdomain.bounds, 0))
 }

@@ -1,13 +1,12 @@
 //! The levels, and one cycle over them.
 
-use super::coarsening::LevelGrid;
+use super::coarsening::{LevelGrid, undivided_halo};
 use super::direct::DirectSolver;
 use super::gathering::Gathering;
 use super::operator::{Coefficients, residual};
-use super::place::Place;
 use super::smoothing::{System, smooth};
 use super::step::Step;
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::Subdomain;
 use crate::grid::Field;
 use crate::parallel::{Communicator, FieldHalo, OneRank};
 
@@ -67,17 +66,11 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    pub(super) fn new(
-        finest: &LevelGrid,
-        decomposition: &Decomposition,
-        bounds: &Bounds,
-        rank: usize,
-    ) -> Self {
-        let place = Place { decomposition, bounds, rank };
+    pub(super) fn new(finest: &LevelGrid, subdomain: Subdomain) -> Self {
         let whole = finest.is_held_whole().then(|| {
-            let part = place.part(&finest.whole(), true);
+            let part = finest.whole().local_cells(subdomain);
             Whole {
-                gathering: Gathering::new(place.part(finest, false), finest.periodic()),
+                gathering: Gathering::new(finest.local_cells(subdomain), finest.periodic()),
                 coefficients: Coefficients::new(&part),
                 right: Field::new(&part, 1),
                 solution: Field::new(&part, 1),
@@ -88,7 +81,7 @@ impl Hierarchy {
         let mut next = Some(if held_whole { finest.whole() } else { finest.clone() });
         while let Some(grid) = next {
             held_whole |= grid.is_held_whole();
-            let (level, coarser) = Level::new(&grid, place, held_whole);
+            let (level, coarser) = Level::new(&grid, subdomain, held_whole);
             levels.push(level);
             next = coarser;
         }
@@ -136,17 +129,17 @@ impl Hierarchy {
 
 impl Level {
     /// A level, and the grid of the next coarser one, in the parts in which it will be.
-    fn new(grid: &LevelGrid, place: Place, whole: bool) -> (Self, Option<LevelGrid>) {
-        let part = place.part(grid, whole);
+    fn new(grid: &LevelGrid, subdomain: Subdomain, whole: bool) -> (Self, Option<LevelGrid>) {
+        let part = grid.local_cells(subdomain);
         let (below, coarser) = if grid.cells() <= FACTORISED {
             (Below::Nothing(DirectSolver::new(grid.cells())), None)
         } else {
-            let (step, coarser) = Step::new(grid, place, whole);
+            let (step, coarser) = Step::new(grid, subdomain, whole);
             (Below::Coarser(Box::new(step)), Some(coarser))
         };
         let smoother = Smoother {
             whole,
-            halo: place.halo(whole),
+            halo: if whole { undivided_halo(subdomain) } else { FieldHalo::new(subdomain) },
             inverse_diagonal: Field::new(&part, 1),
             middle: Field::new(&part, 1),
             residual: Field::new(&part, 2),
@@ -226,7 +219,7 @@ impl Way<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::{Face, RankGrid};
+    use crate::domain::{Bounds, Decomposition, Face, RankGrid};
     use crate::grid::{BoxGrid, LocalCells};
     use nalgebra::Vector3;
 
@@ -244,7 +237,8 @@ mod tests {
         let bounds = Bounds::new(lengths, [[Face::Wall; 2], periodic, [Face::Wall; 2]]);
         let grid = BoxGrid::new(&bounds, COUNTS);
         let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
-        let part = grid.local_cells(&decomposition, 0);
+        let subdomain = decomposition.subdomain(&bounds, 0);
+        let part = grid.local_cells(subdomain);
         let mut coefficients = Coefficients::new(&part);
         for (axis, face) in coefficients.faces.iter_mut().enumerate() {
             let number = |cell: usize| 10.0_f64.powf(-6.0 * drawn(0.1 * axis as f64, cell));
@@ -255,10 +249,10 @@ mod tests {
             }
         }
         *coefficients.diagonal.at_mut([3, 3, 22]) = outlet;
-        let mut halo = FieldHalo::new(&decomposition, &bounds, 0);
+        let mut halo = FieldHalo::new(subdomain);
         halo.refresh(&mut coefficients.fields(), &OneRank);
         let finest = LevelGrid::finest(&grid, &decomposition);
-        let mut hierarchy = Hierarchy::new(&finest, &decomposition, &bounds, 0);
+        let mut hierarchy = Hierarchy::new(&finest, subdomain);
         hierarchy.set_coefficients(&coefficients, &OneRank);
         (hierarchy, coefficients, part)
     }

@@ -31,7 +31,6 @@ mod gathering;
 mod hierarchy;
 mod operator;
 mod pairs;
-mod place;
 mod pressure_solver;
 mod rows;
 mod smoothing;

@@ -6,7 +6,7 @@ use super::exact_dot::{DotProduct, RunningDot};
 use super::hierarchy::{Cycle, Hierarchy};
 use super::operator::{Coefficients, apply, residual};
 use super::rows::rows;
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
@@ -26,8 +26,9 @@ const ITERATION_LIMIT: usize = 200;
 /// // Flow through a column of 10 cells, each with resistance 1, from a source at the bottom to an outlet on top.
 /// let bounds = Bounds::new(Vector3::new(1.0, 1.0, 10.0), [[Face::Wall; 2]; 3]);
 /// let grid = BoxGrid::new(&bounds, [1, 1, 10]);
-/// let cut = Decomposition::even(RankGrid([1; 3]), &bounds);
-/// let part = grid.local_cells(&cut, 0);
+/// let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
+/// let subdomain = decomposition.subdomain(&bounds, 0);
+/// let part = grid.local_cells(subdomain);
 /// let field = |value: f64| {
 ///     let mut field = Field::new(&part, 1);
 ///     field.set_owned((0..10).map(|_| value));
@@ -37,7 +38,7 @@ const ITERATION_LIMIT: usize = 200;
 /// *outlet.at_mut([0, 0, 9]) = 2.0; // the face is half a cell away
 /// *source.at_mut([0, 0, 0]) = 1.0;
 ///
-/// let mut solver = PressureSolver::new(&grid, &cut, &bounds, 0);
+/// let mut solver = PressureSolver::new(&grid, subdomain);
 /// solver.set_coefficients([&face, &face, &face], Some(&outlet), &OneRank)?;
 /// let mut pressure = field(0.0);
 /// solver.solve(&mut pressure, &source, Tolerance::relative(1.0e-12), &OneRank)?;
@@ -62,29 +63,19 @@ pub struct PressureSolver {
 }
 
 impl PressureSolver {
-    /// For a grid whose cut has its planes on cell faces ([`BoxGrid::aligned`]); `rank` is this rank's number.
+    /// For a grid whose cut has its planes on cell faces ([`BoxGrid::aligned`]).
     ///
     /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is taken here.
-    pub fn new(
-        grid: &BoxGrid,
-        decomposition: &Decomposition,
-        bounds: &Bounds,
-        rank: usize,
-    ) -> Self {
-        let part = grid.local_cells(decomposition, rank);
+    pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
+        let part = grid.local_cells(subdomain);
         let zero = || Field::new(&part, 1);
         Self {
             part,
             periodic: [0, 1, 2].map(|axis| grid.is_periodic(axis)),
-            halo: FieldHalo::new(decomposition, bounds, rank),
+            halo: FieldHalo::new(subdomain),
             coefficients: Coefficients::new(&part),
             closed: true,
-            hierarchy: Hierarchy::new(
-                &LevelGrid::finest(grid, decomposition),
-                decomposition,
-                bounds,
-                rank,
-            ),
+            hierarchy: Hierarchy::new(&LevelGrid::finest(grid, subdomain.decomposition), subdomain),
             right: zero(),
             solution: zero(),
             residual: zero(),

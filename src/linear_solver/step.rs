@@ -1,11 +1,11 @@
 //! The way from a level to the next coarser one: axis by axis, the last first.
 
-use super::coarsening::LevelGrid;
+use super::coarsening::{LevelGrid, undivided_halo};
 use super::gathering::Gathering;
 use super::operator::Coefficients;
 use super::pairs::Pairs;
-use super::place::Place;
 use super::transfer::Transfer;
+use crate::domain::Subdomain;
 use crate::grid::Field;
 use crate::parallel::{Communicator, FieldHalo, OneRank};
 
@@ -38,15 +38,15 @@ struct Gathered {
 
 impl Step {
     /// From a level, held whole or not; and the grid of the next.
-    pub(super) fn new(grid: &LevelGrid, place: Place, whole: bool) -> (Self, LevelGrid) {
+    pub(super) fn new(grid: &LevelGrid, subdomain: Subdomain, whole: bool) -> (Self, LevelGrid) {
         let mut stages = Vec::new();
         let mut fine = grid.clone();
         for axis in grid.axes_to_coarsen().into_iter().rev() {
             let coarse = fine.coarsened(axis);
             let pairs = Pairs {
                 axis,
-                fine: place.part(&fine, whole),
-                coarse: place.part(&coarse, whole),
+                fine: fine.local_cells(subdomain),
+                coarse: coarse.local_cells(subdomain),
                 periodic: grid.periodic()[axis],
             };
             stages.push(Stage {
@@ -56,13 +56,13 @@ impl Step {
             });
             fine = coarse;
         }
-        let part = place.part(&fine, whole);
+        let part = fine.local_cells(subdomain);
         let gathers = !whole && fine.is_held_whole();
         let next = if gathers { fine.whole() } else { fine };
-        let next_part = place.part(&next, whole || gathers);
+        let next_part = next.local_cells(subdomain);
         let gathered = gathers.then(|| Gathered {
             gathering: Gathering::new(part, grid.periodic()),
-            halo: place.halo(true),
+            halo: undivided_halo(subdomain),
             coefficients: Coefficients::new(&next_part),
             right: Field::new(&next_part, 1),
         });

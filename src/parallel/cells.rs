@@ -58,7 +58,7 @@ mod tests {
         };
         let (old, new) = (decomposition([2, 2, 1]), decomposition([1, 1, 4]));
         run_on_threads(4, |ranks| {
-            let part = grid.local_cells(&old, ranks.rank());
+            let part = grid.local_cells(old.subdomain(&bounds, ranks.rank()));
             let [nx, ny, _] = part.count;
             let records: Vec<CellRecord> = (0..part.cells())
                 .map(|n| {
@@ -69,7 +69,7 @@ mod tests {
                 })
                 .collect();
             let received = send_cells_to_owners(&records, &grid, &new, ranks);
-            let part = grid.local_cells(&new, ranks.rank());
+            let part = grid.local_cells(new.subdomain(&bounds, ranks.rank()));
             assert_eq!(received.len(), part.cells());
             for record in received {
                 let place = record.place_in(&part);

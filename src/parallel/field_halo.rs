@@ -4,7 +4,7 @@
 //! corners need no messages of their own.
 
 use super::{AxisNeighbours, Communicator};
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::Subdomain;
 use crate::grid::Field;
 use std::ops::Range;
 
@@ -34,10 +34,15 @@ impl Slabs {
 }
 
 impl FieldHalo {
-    /// The neighbours of a rank in a cut of the box.
-    pub fn new(decomposition: &Decomposition, bounds: &Bounds, rank: usize) -> Self {
-        let neighbours = [0, 1, 2].map(|axis| decomposition.neighbours(rank, axis, bounds));
-        Self { rank, neighbours, outgoing: Default::default(), incoming: Default::default() }
+    /// For the fields of a subdomain.
+    pub fn new(subdomain: Subdomain) -> Self {
+        let neighbours = [0, 1, 2].map(|axis| subdomain.neighbours(axis));
+        Self {
+            rank: subdomain.rank,
+            neighbours,
+            outgoing: Default::default(),
+            incoming: Default::default(),
+        }
     }
 
     /// Neighbours below and above along an axis.
@@ -168,7 +173,7 @@ fn fold_images(field: &mut Field, axis: usize) {
 mod tests {
     use super::super::run_on_threads;
     use super::*;
-    use crate::domain::{Face, RankGrid};
+    use crate::domain::{Bounds, Decomposition, Face, RankGrid};
     use crate::grid::{BoxGrid, LocalCells};
     use nalgebra::Vector3;
 
@@ -204,8 +209,9 @@ mod tests {
             let cells = BoxGrid::new(&bounds(), COUNTS);
             let even = Decomposition::even(RankGrid(grid), &bounds());
             let decomposition = cells.aligned(&even, 2).expect("there are enough cells");
-            let part = cells.local_cells(&decomposition, ranks.rank());
-            work(part, FieldHalo::new(&decomposition, &bounds(), ranks.rank()), ranks);
+            let bounds = bounds();
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            work(cells.local_cells(subdomain), FieldHalo::new(subdomain), ranks);
         });
     }
 
@@ -285,8 +291,9 @@ mod tests {
         let grid = BoxGrid::new(&bounds, [1, 2, 4]);
         let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
         run_on_threads(1, |ranks| {
-            let mut halo = FieldHalo::new(&decomposition, &bounds, 0);
-            let mut field = Field::new(&grid.local_cells(&decomposition, 0), 2);
+            let subdomain = decomposition.subdomain(&bounds, 0);
+            let mut halo = FieldHalo::new(subdomain);
+            let mut field = Field::new(&grid.local_cells(subdomain), 2);
             *field.at_mut([0, 0, 1]) = 3.0;
             *field.at_mut([0, 1, 1]) = 5.0;
             halo.refresh(&mut [&mut field], ranks);

@@ -5,7 +5,7 @@
 
 use super::records_of_bytes;
 use super::{AxisNeighbours, Communicator};
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::Subdomain;
 use crate::particles::Particles;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -60,17 +60,15 @@ impl ParticleHalo {
     pub fn rebuild(
         &mut self,
         particles: &mut Particles,
-        bounds: &Bounds,
-        decomposition: &Decomposition,
+        subdomain: Subdomain,
         width: f64,
         ranks: &dyn Communicator,
     ) {
-        let here = ranks.rank();
-        let [lower, upper] = decomposition.block_bounds(here);
+        let [lower, upper] = subdomain.corners();
         for axis in 0..3 {
             let plan = &mut self.plans[axis];
-            plan.neighbours = decomposition.neighbours(here, axis, bounds);
-            let length = bounds.lengths()[axis];
+            plan.neighbours = subdomain.neighbours(axis);
+            let length = subdomain.bounds.lengths()[axis];
             let at_end = [lower[axis] == 0.0, upper[axis] == length];
             for (side, shipment) in plan.shipments.iter_mut().enumerate() {
                 shipment.shift = match (at_end[side], side) {

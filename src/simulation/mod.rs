@@ -312,7 +312,10 @@ impl<'a> Simulation<'a> {
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
         let Self { case, state, work, models, outputs, ranks, .. } = self;
         let cells = match models.flow().zip(state.flow.as_ref()) {
-            Some((model, flow)) => flow.records(model, &work.decomposition, ranks.rank()),
+            Some((model, flow)) => {
+                let subdomain = work.decomposition.subdomain(&case.domain.bounds, ranks.rank());
+                flow.records(&model.grid.local_cells(subdomain))
+            }
             None => Vec::new(),
         };
         let written =

@@ -166,7 +166,8 @@ fn spread(
     let histories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
     let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
         let cells = send_cells_to_owners(&cells, &model.grid, &decomposition, ranks);
-        Flow::of_records(&model.grid.local_cells(&decomposition, ranks.rank()), &cells, report)
+        let subdomain = decomposition.subdomain(&case.domain.bounds, ranks.rank());
+        Flow::of_records(&model.grid.local_cells(subdomain), &cells, report)
     });
     if flow.is_none() {
         particles.gas_force.fill(Vector3::zeros());

@@ -54,16 +54,17 @@ pub(super) fn settle(
         speed: models.limits.speed,
         stray: 0.5 * work.reach.skin,
     };
-    let place = (&work.decomposition, ranks.rank());
-    let solver = FlowSolver::new(model, limits, &domain.bounds, place).map_err(CollectiveError)?;
+    let subdomain = work.decomposition.subdomain(&domain.bounds, ranks.rank());
+    let solver = FlowSolver::new(model, limits, subdomain).map_err(CollectiveError)?;
     let solver = work.flow.insert(solver);
     let time = state.clock.time();
     state.flow = Some(match &state.flow {
         None => solver.at_rest(model, &state.particles, time, ranks),
         Some(flow) => {
-            let records = flow.records(model, old, ranks.rank());
+            let old = old.subdomain(&domain.bounds, ranks.rank());
+            let records = flow.records(&model.grid.local_cells(old));
             let records = send_cells_to_owners(&records, &model.grid, &work.decomposition, ranks);
-            let part = model.grid.local_cells(&work.decomposition, ranks.rank());
+            let part = model.grid.local_cells(subdomain);
             let mut flow = Flow::of_records(&part, &records, flow.report);
             solver.complete(model, &mut flow, time, ranks);
             flow

@@ -8,7 +8,9 @@ use talcum::contact::{
     CohesionExpression, ContactLaw, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
 };
 use talcum::coupling::{Flow, FlowModel, FlowReport};
-use talcum::domain::{Bounds, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall};
+use talcum::domain::{
+    Bounds, BoxFace, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall,
+};
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{
@@ -110,22 +112,8 @@ pub(crate) fn branch(
 }
 
 fn face_walls(bounds: &Bounds) -> Vec<Wall> {
-    let mut walls = Vec::new();
-    for axis in 0..3 {
-        for side in [0, 1] {
-            if bounds.faces(axis)[side] == Face::Wall {
-                let name = match (axis, side) {
-                    (2, 0) => "base plate".to_owned(),
-                    _ => format!("{} {}", ["x", "y", "z"][axis], ["lower", "upper"][side]),
-                };
-                let (mut point, mut normal) = (Vector3::zeros(), Vector3::zeros());
-                point[axis] = side as f64 * bounds.lengths()[axis];
-                normal[axis] = 1.0 - 2.0 * side as f64;
-                walls.push(Wall::plane(name, point, normal));
-            }
-        }
-    }
-    walls
+    let is_wall = |face: &BoxFace| bounds.face(*face) == Face::Wall;
+    BoxFace::ALL.into_iter().filter(is_wall).map(|face| Wall::in_face(bounds, face)).collect()
 }
 
 impl Bench {
@@ -297,11 +285,8 @@ impl Bench {
         let flow = model.map(|model| {
             let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
             let cells = send_cells_to_owners(&share, &model.grid, &decomposition, ranks);
-            Flow::of_records(
-                &model.grid.local_cells(&decomposition, here),
-                &cells,
-                FlowReport::default(),
-            )
+            let subdomain = decomposition.subdomain(&self.domain.bounds, here);
+            Flow::of_records(&model.grid.local_cells(subdomain), &cells, FlowReport::default())
         });
         let mut state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
         let (domain, models) = (self.domain.clone(), self.models());
@@ -385,7 +370,11 @@ impl Run<'_> {
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
         let cells = match self.models.flow().zip(self.state.flow.as_ref()) {
-            Some((model, flow)) => flow.records(model, &self.work.decomposition, self.ranks.rank()),
+            Some((model, flow)) => {
+                let (bounds, rank) = (&self.domain.bounds, self.ranks.rank());
+                let subdomain = self.work.decomposition.subdomain(bounds, rank);
+                flow.records(&model.grid.local_cells(subdomain))
+            }
             None => Vec::new(),
         };
         let mut cells = share_with_all(cells, self.ranks);

@@ -84,7 +84,8 @@ impl Problem {
         let grid = self.grid();
         self.gas.check(&grid).unwrap();
         let decomposition = grid.aligned(decomposition, GAS_HALO).unwrap();
-        let solver = GasSolver::new(&grid, &decomposition, &self.bounds(), ranks.rank());
+        let bounds = self.bounds();
+        let solver = GasSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));
         let part = *solver.part();
         let (state, bed) = (GasState::at_rest(&part), BedOnGrid::empty(&part));
         let spacing = grid.spacing();

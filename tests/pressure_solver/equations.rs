@@ -1,7 +1,7 @@
 //! Pressure equations on the whole grid, their solution on any cut, and their residual by plain loops.
 
 use nalgebra::Vector3;
-use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
+use talcum::domain::{Bounds, Decomposition, Face, RankGrid, Subdomain};
 use talcum::grid::{BoxGrid, Field, LocalCells};
 use talcum::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, run_on_threads};
@@ -173,9 +173,11 @@ impl Equation {
         tolerance: Tolerance,
     ) -> Outcome {
         let solved = run_on_threads(decomposition.grid().size(), |ranks| {
-            let part = self.grid().local_cells(decomposition, ranks.rank());
+            let bounds = self.bounds();
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            let part = self.grid().local_cells(subdomain);
             let mut solution = self.part(start, &part);
-            let result = self.solve_part(&mut solution, &part, decomposition, tolerance, ranks);
+            let result = self.solve_part(&mut solution, subdomain, tolerance, ranks);
             (part, result, solution)
         });
         let mut solution = vec![f64::NAN; self.cells()];
@@ -190,17 +192,16 @@ impl Equation {
     fn solve_part(
         &self,
         solution: &mut Field,
-        part: &LocalCells,
-        decomposition: &Decomposition,
+        subdomain: Subdomain,
         tolerance: Tolerance,
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
-        let mut solver =
-            PressureSolver::new(&self.grid(), decomposition, &self.bounds(), ranks.rank());
-        let [x, y, z] = self.faces.each_ref().map(|face| self.part(face, part));
-        let diagonal = self.part(&self.diagonal, part);
+        let mut solver = PressureSolver::new(&self.grid(), subdomain);
+        let part = self.grid().local_cells(subdomain);
+        let [x, y, z] = self.faces.each_ref().map(|face| self.part(face, &part));
+        let diagonal = self.part(&self.diagonal, &part);
         solver.set_coefficients([&x, &y, &z], Some(&diagonal), ranks)?;
-        solver.solve(solution, &self.part(&self.right, part), tolerance, ranks)
+        solver.solve(solution, &self.part(&self.right, &part), tolerance, ranks)
     }
 
     fn part(&self, numbers: &[f64], part: &LocalCells) -> Field {

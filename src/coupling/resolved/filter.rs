@@ -90,7 +90,6 @@ fn copy_outwards(field: &mut Field, axis: usize, side: usize) {
 mod tests {
     use super::*;
     use crate::domain::{Bounds, Decomposition, Face, RankGrid};
-    use crate::grid::LocalCells;
     use crate::parallel::run_on_threads;
     use nalgebra::Vector3;
     use std::sync::Mutex;
@@ -113,8 +112,10 @@ mod tests {
         let decomposition = cells.aligned(&even, 2).unwrap();
         let whole = Mutex::new(vec![0.0; COUNTS.iter().product()]);
         run_on_threads(grid.iter().product(), |ranks| {
-            let part: LocalCells = cells.local_cells(&decomposition, ranks.rank());
-            let mut halo = FieldHalo::new(&decomposition, &bounds(), ranks.rank());
+            let bounds = bounds();
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            let part = cells.local_cells(subdomain);
+            let mut halo = FieldHalo::new(subdomain);
             let mut field = Field::new(&part, 2);
             let [nx, ny, _] = part.count;
             let global = |n: usize| {

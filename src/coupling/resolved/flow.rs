@@ -1,7 +1,7 @@
 //! One step of gas and particles together.
 
 use super::{CellCoupling, CouplingModel, ParticleLimits};
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::{Decomposition, Subdomain};
 use crate::gas::volume_averaged::{
     GAS_HALO, GasReport, GasSolver, GasState, GasStep, VolumeAveragedGas,
 };
@@ -86,12 +86,10 @@ impl FlowSolver {
     pub fn new(
         model: &FlowModel,
         limits: ParticleLimits,
-        bounds: &Bounds,
-        (decomposition, rank): (&Decomposition, usize),
+        subdomain: Subdomain,
     ) -> Result<Self, String> {
-        let place = (bounds, &model.grid);
-        let coupling = CellCoupling::new(&model.coupling, limits, place, (decomposition, rank))?;
-        let solver = GasSolver::new(&model.grid, decomposition, bounds, rank);
+        let coupling = CellCoupling::new(&model.coupling, limits, &model.grid, subdomain)?;
+        let solver = GasSolver::new(&model.grid, subdomain);
         Ok(Self { coupling, solver })
     }
 
@@ -203,16 +201,7 @@ impl Flow {
     }
 
     /// Records of the owned cells of a part.
-    pub fn records(
-        &self,
-        model: &FlowModel,
-        decomposition: &Decomposition,
-        rank: usize,
-    ) -> Vec<CellRecord> {
-        let part = model.grid.local_cells(decomposition, rank);
-        let [nx, ny, nz] = part.count.map(|count| count as isize);
-        let cells =
-            (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])));
-        cells.map(|cell| CellRecord::new(&part, cell, self.fields.record(cell))).collect()
+    pub fn records(&self, part: &LocalCells) -> Vec<CellRecord> {
+        cells_of(part).map(|cell| CellRecord::new(part, cell, self.fields.record(cell))).collect()
     }
 }

@@ -13,7 +13,7 @@ pub use filter::Filter;
 pub use flow::{Flow, FlowModel, FlowReport, FlowSolver, FlowStep};
 
 use super::GasForceOutOfRange;
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::{Bounds, Subdomain};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{BedOnGrid, GAS_HALO, GasState};
 use crate::grid::{BoxGrid, CellLocator, Field, LocalCells};
@@ -86,8 +86,8 @@ impl CellCoupling {
     pub fn new(
         model: &CouplingModel,
         limits: ParticleLimits,
-        (bounds, grid): (&Bounds, &BoxGrid),
-        (decomposition, rank): (&Decomposition, usize),
+        grid: &BoxGrid,
+        subdomain: Subdomain,
     ) -> Result<Self, String> {
         let smallest = grid.spacing().min();
         if !within_reach(limits.stray, smallest) {
@@ -97,7 +97,7 @@ impl CellCoupling {
                 limits.stray
             ));
         }
-        let part = grid.local_cells(decomposition, rank);
+        let part = grid.local_cells(subdomain);
         let [smallest, largest] = limits.diameters;
         let slip = 2.0 * limits.speed;
         let largest_drag = model.drag.per_velocity(largest, 1.0 - model.least_voidage, slip);
@@ -109,11 +109,11 @@ impl CellCoupling {
         Ok(Self {
             model: model.clone(),
             limits,
-            bounds: bounds.clone(),
+            bounds: subdomain.bounds.clone(),
             spacing: grid.spacing(),
             ends: std::array::from_fn(|axis| part.at_ends(axis)),
             locator: CellLocator::new(grid, part),
-            halo: FieldHalo::new(decomposition, bounds, rank),
+            halo: FieldHalo::new(subdomain),
             filter: Filter::new(grid, model.filter_width),
             quanta: ranges.map(Quantum::spanning),
             largest_drag,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::domain::{Face, RankGrid};
+use crate::domain::{Decomposition, Face, RankGrid};
 use crate::gas::{Beetstra, DragLaw};
 use crate::numbers::{ExactSum, random_of, uniform};
 use crate::parallel::{CollectiveError, agree, run_on_threads};
@@ -107,11 +107,12 @@ fn couple(
         error: 0.0,
     });
     let results = run_on_threads(grid.iter().product(), |ranks| {
-        let place = (&decomposition, ranks.rank());
-        let mut coupling = CellCoupling::new(model, limits(), (&bounds(), &cells), place).unwrap();
+        let bounds = bounds();
+        let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+        let mut coupling = CellCoupling::new(model, limits(), &cells, subdomain).unwrap();
         let part = *coupling.part();
         let mut particles = bed_of(&decomposition, ranks.rank(), count);
-        let mut halo = FieldHalo::new(&decomposition, &bounds(), ranks.rank());
+        let mut halo = FieldHalo::new(subdomain);
         let gas = gas_on(&part, &mut halo, ranks);
         agree(coupling.observe(&particles, &gas, step, ranks), ranks)?;
         agree(coupling.press(&mut particles, &gas, (GRAVITY, quantum), ranks), ranks)?;
@@ -163,7 +164,7 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
     let (bounds, grid) = (bounds(), BoxGrid::new(&bounds(), COUNTS));
     let whole = Decomposition::even(RankGrid([1; 3]), &bounds);
     let gas = run_on_threads(1, |ranks| {
-        let mut halo = FieldHalo::new(&whole, &bounds, 0);
+        let mut halo = FieldHalo::new(whole.subdomain(&bounds, 0));
         gas_on(&LocalCells::whole(COUNTS), &mut halo, ranks)
     });
     let gas = &gas[0];
@@ -252,7 +253,9 @@ fn cells_that_are_too_full_are_counted() {
 #[test]
 fn cells_smaller_than_what_particles_may_stray_are_refused() {
     let cells = BoxGrid::new(&bounds(), [40, 5, 12]);
-    let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds());
-    let result = CellCoupling::new(&model(0.0), limits(), (&bounds(), &cells), (&decomposition, 0));
+    let bounds = bounds();
+    let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
+    let subdomain = decomposition.subdomain(&bounds, 0);
+    let result = CellCoupling::new(&model(0.0), limits(), &cells, subdomain);
     assert!(result.unwrap_err().contains("may stray"));
 }

@@ -19,6 +19,7 @@
 
 use super::VolumeAveragedGas;
 use super::faces::{Region, moved};
+use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
 
@@ -69,7 +70,7 @@ pub(super) fn add_advection(
         }
     }
     for side in 0..2 {
-        if part.at_ends(axis)[side] && gas.is_outlet(axis, side) {
+        if part.at_ends(axis)[side] && gas.is_outlet(BoxFace { axis, side }) {
             add_through_outlet(
                 rate,
                 (velocity, axis),

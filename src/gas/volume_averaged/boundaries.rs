@@ -6,13 +6,14 @@
 
 use super::faces::Region;
 use super::{Boundary, VolumeAveragedGas};
+use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 
-/// A face of the box, as this rank sees it.
+/// A face of the box that this rank's cells reach.
 #[derive(Clone, Copy)]
-struct BoxFace {
+struct LocalFace {
+    of: BoxFace,
     axis: usize,
-    side: usize,
     /// Place along the axis of the face itself: the lower face of the cell there.
     face: isize,
     /// The cell inside.
@@ -21,20 +22,19 @@ struct BoxFace {
     outwards: isize,
 }
 
-impl BoxFace {
+impl LocalFace {
     /// The faces of the box, not being periodic, that a part reaches.
     fn of(part: &LocalCells, gas: &VolumeAveragedGas) -> Vec<Self> {
-        let sides = (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]);
         let reached =
-            sides.filter(|&(axis, side)| part.at_ends(axis)[side] && !gas.is_periodic(axis));
-        let face = |(axis, side): (usize, usize)| {
-            let count = part.count[axis] as isize;
-            match side {
-                0 => Self { axis, side, face: 0, inside: 0, outwards: -1 },
-                _ => Self { axis, side, face: count, inside: count - 1, outwards: 1 },
+            |face: &BoxFace| part.at_ends(face.axis)[face.side] && !gas.is_periodic(face.axis);
+        let local = |of: BoxFace| {
+            let (axis, count) = (of.axis, part.count[of.axis] as isize);
+            match of.side {
+                0 => Self { of, axis, face: 0, inside: 0, outwards: -1 },
+                _ => Self { of, axis, face: count, inside: count - 1, outwards: 1 },
             }
         };
-        reached.map(face).collect()
+        BoxFace::ALL.into_iter().filter(reached).map(local).collect()
     }
 
     /// The cells at `place` along the axis, with halos across it.
@@ -56,7 +56,7 @@ fn placed(mut cell: [isize; 3], axis: usize, place: isize) -> [isize; 3] {
 
 /// Continues numbers on cells beyond the box as in a mirror: no gradient in the face.
 pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeAveragedGas) {
-    for face in BoxFace::of(part, gas) {
+    for face in LocalFace::of(part, gas) {
         for field in fields.iter_mut() {
             let halo = field.halo() as isize;
             for depth in 0..halo {
@@ -73,8 +73,8 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeA
 /// Continues the pressure beyond the box: linearly at walls and inlets; at an outlet so that the mean of the
 /// cells inside and outside is the given pressure.
 pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
-    for face in BoxFace::of(part, gas) {
-        let outlet = match gas.boundaries[face.axis][face.side] {
+    for face in LocalFace::of(part, gas) {
+        let outlet = match *gas.boundary(face.of) {
             Boundary::Outlet { pressure } => Some(pressure),
             _ => None,
         };
@@ -91,8 +91,8 @@ pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &V
 
 /// Continues a change of pressure beyond outlets, in which it is zero.
 pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
-    let outlets = |face: &BoxFace| gas.is_outlet(face.axis, face.side);
-    for face in BoxFace::of(part, gas).into_iter().filter(outlets) {
+    let outlets = |face: &LocalFace| gas.is_outlet(face.of);
+    for face in LocalFace::of(part, gas).into_iter().filter(outlets) {
         for cell in face.layer(part, change.halo() as isize, face.inside + face.outwards) {
             *change.at_mut(cell) = -change.at(placed(cell, face.axis, face.inside));
         }
@@ -107,10 +107,10 @@ pub(super) fn set_boundary_faces(
     (part, gas): (&LocalCells, &VolumeAveragedGas),
     time: f64,
 ) {
-    for face in BoxFace::of(part, gas) {
+    for face in LocalFace::of(part, gas) {
         let component = &mut velocity[face.axis];
         for cell in face.layer(part, component.halo() as isize, face.face) {
-            match &gas.boundaries[face.axis][face.side] {
+            match gas.boundary(face.of) {
                 Boundary::Inlet(inlet) => {
                     let inflow = gas.inflow(inlet, time, part, (face.axis, cell));
                     let inwards = -face.outwards as f64;
@@ -133,8 +133,8 @@ pub(super) fn continue_velocity(
     velocity: &mut [Field; 3],
     (part, gas): (&LocalCells, &VolumeAveragedGas),
 ) {
-    for face in BoxFace::of(part, gas) {
-        let boundary = &gas.boundaries[face.axis][face.side];
+    for face in LocalFace::of(part, gas) {
+        let boundary = gas.boundary(face.of);
         continue_normal(&mut velocity[face.axis], (part, boundary), face);
         let [normal, first, second] = disjoint(velocity, face.axis);
         for (component, axis) in [first, second].into_iter().zip(super::model::across(face.axis)) {
@@ -161,12 +161,12 @@ fn voidage_in_face(voidage: &Field, cell: [isize; 3], axis: usize) -> f64 {
 fn continue_normal(
     component: &mut Field,
     (part, boundary): (&LocalCells, &Boundary),
-    face: BoxFace,
+    face: LocalFace,
 ) {
     let halo = component.halo() as isize;
     let is_outlet = matches!(boundary, Boundary::Outlet { .. });
     // Lower faces: the halo holds one more below the box than above it.
-    for depth in 1..=halo - face.side as isize {
+    for depth in 1..=halo - face.of.side as isize {
         for cell in face.layer(part, halo, face.face + face.outwards * depth) {
             let in_face = component.at(placed(cell, face.axis, face.face));
             let inside = component.at(placed(cell, face.axis, face.face - face.outwards * depth));
@@ -179,7 +179,7 @@ fn continue_tangential(
     component: &mut Field,
     normal: &Field,
     (part, boundary): (&LocalCells, &Boundary),
-    (face, axis): (BoxFace, usize),
+    (face, axis): (LocalFace, usize),
 ) {
     let halo = component.halo() as isize;
     for depth in 0..halo {

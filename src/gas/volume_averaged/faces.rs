@@ -1,6 +1,7 @@
 //! Which cells and faces a rank works on, as rows in memory.
 
 use super::VolumeAveragedGas;
+use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use std::ops::Range;
 
@@ -36,10 +37,10 @@ impl Region {
     pub(super) fn free_faces(part: &LocalCells, axis: usize, gas: &VolumeAveragedGas) -> Self {
         let mut region = Self::inner_faces(part, axis, gas);
         let [lower, upper] = part.at_ends(axis);
-        if lower && gas.is_outlet(axis, 0) {
+        if lower && gas.is_outlet(BoxFace { axis, side: 0 }) {
             region.from[axis] = 0;
         }
-        if upper && gas.is_outlet(axis, 1) {
+        if upper && gas.is_outlet(BoxFace { axis, side: 1 }) {
             region.to[axis] += 1;
         }
         region

@@ -1,5 +1,6 @@
 //! The gas as a case chooses it: what it is made of, and what happens at the faces of the box.
 
+use crate::domain::BoxFace;
 use crate::grid::{BoxGrid, LocalCells};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
@@ -62,9 +63,14 @@ pub enum Profile {
 }
 
 impl VolumeAveragedGas {
+    /// What happens at a face of the box.
+    pub(super) fn boundary(&self, face: BoxFace) -> &Boundary {
+        &self.boundaries[face.axis][face.side]
+    }
+
     /// Whether gas can leave or enter through a face at a velocity that follows from the pressure.
-    pub(super) fn is_outlet(&self, axis: usize, side: usize) -> bool {
-        matches!(self.boundaries[axis][side], Boundary::Outlet { .. })
+    pub(super) fn is_outlet(&self, face: BoxFace) -> bool {
+        matches!(self.boundary(face), Boundary::Outlet { .. })
     }
 
     /// Whether the gas has no boundary along an axis.
@@ -80,12 +86,9 @@ impl VolumeAveragedGas {
         if !(self.density > 0.0 && self.viscosity >= 0.0) {
             return Err("the gas needs a density above 0 and a viscosity of at least 0".to_owned());
         }
-        for axis in 0..3 {
-            for side in 0..2 {
-                self.check_face(grid, axis, side).map_err(|message| {
-                    format!("gas at the {} face: {message}", name(axis, side))
-                })?;
-            }
+        for face in BoxFace::ALL {
+            self.check_face(grid, face)
+                .map_err(|message| format!("gas at the face \"{face}\": {message}"))?;
         }
         let mut all = self.boundaries.iter().flatten();
         let has_inlet = all.clone().any(|boundary| matches!(boundary, Boundary::Inlet(_)));
@@ -95,8 +98,8 @@ impl VolumeAveragedGas {
         Ok(())
     }
 
-    fn check_face(&self, grid: &BoxGrid, axis: usize, side: usize) -> Result<(), String> {
-        let boundary = &self.boundaries[axis][side];
+    fn check_face(&self, grid: &BoxGrid, face: BoxFace) -> Result<(), String> {
+        let (boundary, axis) = (self.boundary(face), face.axis);
         if (*boundary == Boundary::Periodic) != grid.is_periodic(axis) {
             return Err("it must be periodic where the box is, and only there".to_owned());
         }
@@ -131,10 +134,6 @@ const LEAST_CELLS: usize = 3;
 /// The two axes across `axis`, in order.
 pub(super) fn across(axis: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][axis]
-}
-
-fn name(axis: usize, side: usize) -> String {
-    format!("{} {}", ["lower", "upper"][side], ["x", "y", "z"][axis])
 }
 
 impl VolumeAveragedGas {

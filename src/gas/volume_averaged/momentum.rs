@@ -11,6 +11,7 @@
 
 use super::faces::{Region, moved};
 use super::{BedOnGrid, VolumeAveragedGas};
+use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -111,13 +112,14 @@ impl<'a> Momentum<'a> {
                 }
             }
             for side in 0..2 {
-                self.add_outlet(faces, diagonal, (axis, side));
+                self.add_outlet(faces, diagonal, BoxFace { axis, side });
             }
         }
     }
 
-    fn add_outlet(&self, faces: &Field, diagonal: &mut Field, (axis, side): (usize, usize)) {
-        if !(self.part.at_ends(axis)[side] && self.gas.is_outlet(axis, side)) {
+    fn add_outlet(&self, faces: &Field, diagonal: &mut Field, outlet: BoxFace) {
+        let BoxFace { axis, side } = outlet;
+        if !(self.part.at_ends(axis)[side] && self.gas.is_outlet(outlet)) {
             return;
         }
         let last = self.part.count[axis] as isize - 1;

@@ -7,7 +7,7 @@ use super::boundaries::{
 use super::momentum::{Forces, Momentum};
 use super::viscosity::{Flow, add_viscous_force, set_dilatation, viscous_rate};
 use super::{BedOnGrid, GAS_HALO, GasState, VolumeAveragedGas};
-use crate::domain::{Bounds, Decomposition};
+use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
 use crate::parallel::{Communicator, FieldHalo};
@@ -130,20 +130,15 @@ pub enum GasError {
 
 impl GasSolver {
     /// For a cut whose planes lie on cell faces, with at least two cells between them ([`BoxGrid::aligned`]).
-    pub fn new(
-        grid: &BoxGrid,
-        decomposition: &Decomposition,
-        bounds: &Bounds,
-        rank: usize,
-    ) -> Self {
-        let part = grid.local_cells(decomposition, rank);
+    pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
+        let part = grid.local_cells(subdomain);
         let zero = || Field::new(&part, GAS_HALO);
         let three = || [zero(), zero(), zero()];
         Self {
             part,
             spacing: grid.spacing(),
-            halo: FieldHalo::new(decomposition, bounds, rank),
-            pressure_solver: PressureSolver::new(grid, decomposition, bounds, rank),
+            halo: FieldHalo::new(subdomain),
+            pressure_solver: PressureSolver::new(grid, subdomain),
             explicit: ExplicitForces { flux: three(), dilatation: zero(), rate: three() },
             predicted: three(),
             coefficients: three(),
