@@ -92,6 +92,7 @@ pub mod numbers;
 pub mod output;
 pub mod parallel;
 pub mod particles;
+pub mod rules;
 pub mod simulation;
 pub mod state;
 pub mod time_step;

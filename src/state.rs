@@ -9,6 +9,7 @@ use crate::gas::ColumnGas;
 use crate::numbers::Quantum;
 use crate::parallel::ParticleHalo;
 use crate::particles::{Contacts, Neighbours, Particles, Reach, Weight};
+use crate::rules::{interaction_range, speed_limit};
 use crate::timers::Timers;
 use std::time::Duration;
 
@@ -190,7 +191,7 @@ pub fn range_of<'a>(
 ) -> f64 {
     let largest_radius = 0.5 * sizes.largest_diameter;
     let reaches = interfaces.into_iter().map(|interface| interface.law.reach(largest_radius));
-    reaches.fold(cohesion.map_or(0.0, |cohesion| cohesion.range), f64::max)
+    interaction_range(reaches, cohesion.map(|cohesion| cohesion.range))
 }
 
 /// What a run may not exceed: beyond, its numbers would mean nothing.
@@ -221,7 +222,10 @@ impl Limits {
         let of_law = |interface: &ContactModel| interface.law.largest_force(overlap, 0.5 * largest);
         let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
         let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
-        Self { force: elastic + attraction + largest_weight, speed: 0.1 * smallest / time_step }
+        Self {
+            force: elastic + attraction + largest_weight,
+            speed: speed_limit(smallest, time_step),
+        }
     }
 
     /// The lattice of forces: room for many contacts at the limit.

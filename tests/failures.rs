@@ -210,3 +210,34 @@ fn check_says_what_would_run_and_leaves_nothing() {
         assert!(ended.output.contains(&format!("on {ranks}\n")), "{}", ended.output);
     }
 }
+
+/// The number after a text, up to the next that is no part of one.
+fn number_after(text: &str, before: &str) -> f64 {
+    let rest = text.split_once(before).unwrap_or_else(|| panic!("{before}: {text}")).1.trim_start();
+    let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
+    rest[..end].parse().unwrap()
+}
+
+/// The gas is so viscous that the run refuses its step; a number that is three quarters of the one that the run
+/// enforces would pass: 2 C + V / 2 = 1.1 here, and 0.83 there.
+#[test]
+fn check_prints_the_viscous_number_that_the_run_enforces() {
+    let folder = tempfile::tempdir().unwrap();
+    // The weaker drag keeps the particles' response, which is judged first, within its own limit.
+    let viscous = ["--set", "gas.viscosity=4.77e-4", "--set", "gas.drag_factor=0.005"];
+    let ended = run(0, "fluidised", folder.path(), &viscous);
+    let enforced = number_after(failure(&ended), "(Courant number) + ");
+    let ended = talcum(0, &[&["check", &smoke("fluidised")][..], &viscous].concat());
+    assert_eq!(ended.code(), Some(1), "the trial stops as the run does: {ended:?}");
+    let line = ended.output.lines().find(|line| line.contains("viscous number")).unwrap();
+    let uniform = number_after(line, "viscous number");
+    let largest = number_after(line, "up to ");
+    // The run's bed is not uniform, but nowhere empty beside dense; 0.001 for the digits of the message.
+    assert!(uniform - 0.001 < enforced && enforced < largest, "{enforced}: {line}");
+    assert!(uniform > 2.0, "{line}");
+    assert!(ended.output.contains("the gas step is too long"), "{}", ended.output);
+    // Negative control: the case as it is passes.
+    let ended = talcum(0, &["check", &smoke("fluidised")]);
+    assert_eq!(ended.code(), Some(0), "{ended:?}");
+    assert!(!ended.output.contains("the gas step is too long"), "{}", ended.output);
+}

@@ -7,20 +7,31 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each module at the top of the crate, and what it may name.
-const MAY_KNOW: [(&str, &[&str]); 17] = [
+const MAY_KNOW: [(&str, &[&str]); 18] = [
+    ("rules", &[]),
     ("numbers", &[]),
     ("domain", &["numbers"]),
     ("particles", &["domain", "numbers"]),
     ("contact", &["domain", "numbers", "particles"]),
     ("grid", &["domain", "numbers"]),
-    ("gas", &["domain", "grid", "linear_solver", "numbers", "parallel"]),
+    ("gas", &["domain", "grid", "linear_solver", "numbers", "parallel", "rules"]),
     ("parallel", &["domain", "grid", "numbers", "particles"]),
     ("linear_solver", &["domain", "grid", "numbers", "parallel"]),
-    ("coupling", &["domain", "gas", "grid", "numbers", "parallel", "particles"]),
+    ("coupling", &["domain", "gas", "grid", "numbers", "parallel", "particles", "rules"]),
     ("timers", &["parallel"]),
     (
         "state",
-        &["contact", "coupling", "domain", "gas", "numbers", "parallel", "particles", "timers"],
+        &[
+            "contact",
+            "coupling",
+            "domain",
+            "gas",
+            "numbers",
+            "parallel",
+            "particles",
+            "rules",
+            "timers",
+        ],
     ),
     (
         "time_step",
@@ -52,6 +63,7 @@ const MAY_KNOW: [(&str, &[&str]); 17] = [
             "linear_solver",
             "numbers",
             "particles",
+            "rules",
             "state",
         ],
     ),
@@ -85,6 +97,7 @@ const MAY_KNOW: [(&str, &[&str]); 17] = [
             "gas",
             "output",
             "parallel",
+            "rules",
             "simulation",
             "state",
             "time_step",

@@ -7,6 +7,7 @@ use super::particles::Scales;
 use super::section::Section;
 use crate::domain::{Bounds, Face};
 use crate::gas::{BaseNode, ColumnGas, DragCorrelation, DragLaw, Drive, WeightBalance};
+use crate::rules::viscosity_of_stokes_number;
 use serde::Deserialize;
 use std::ops::Range;
 
@@ -80,7 +81,7 @@ pub(super) fn read_viscosity(
     }
     let gravity = positive_gravity(section, key, "viscosity", gravity)?;
     let diameter = scales.diameter?;
-    Some(scales.density? * (gravity * diameter).sqrt() * diameter / number)
+    Some(viscosity_of_stokes_number(number, scales.density?, gravity, diameter))
 }
 
 /// The drag law, its factor, and the gas density that it needs or 0.

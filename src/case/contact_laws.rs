@@ -10,6 +10,7 @@ use crate::contact::{
     AdhesiveElasticPlastic, ContactLaw, ContactModuli, Elasticity, FrictionCap, HertzMindlin,
     HystereticParameters, InvalidContactLaw, Jkr, LinearHysteretic, LinearSpringDashpot,
 };
+use crate::rules::attraction_of_bond_number;
 use serde::Deserialize;
 
 /// Laws that bring an adhesion, and the keys that say how much.
@@ -159,7 +160,10 @@ fn read_adhesive_elastic_plastic(section: &Section<'_>, adhering: &Adhering) -> 
             let (density, diameter) = (adhering.scales.density, adhering.scales.diameter);
             let mass =
                 density.zip(diameter).map(|(density, diameter)| sphere_mass(density, diameter));
-            given.zip(gravity).zip(mass).map(|((bond, gravity), mass)| bond * mass * gravity)
+            given
+                .zip(gravity)
+                .zip(mass)
+                .map(|((bond, gravity), mass)| attraction_of_bond_number(bond, mass, gravity))
         }
         _ => given,
     };

@@ -7,6 +7,7 @@ use super::units::Units;
 use crate::contact::{CohesionExpression, VanDerWaals};
 use crate::domain::Vibration;
 use crate::numbers::Schedule;
+use crate::rules::{ContactPartner, hamaker_constant_per_bond_number};
 use serde::Deserialize;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -18,8 +19,7 @@ enum Expression {
     Full,
 }
 
-/// `[cohesion]`. Bond number Bo = F_c,max / (m g) at the reference diameter: A = 12 delta^2 Bo m g / r for
-/// two particles, A_w = 6 delta^2 Bo_w m g / r for a particle and a wall.
+/// `[cohesion]`; Bond numbers are those of the reference diameter.
 pub(super) fn read_cohesion(
     section: Section<'_>,
     scales: Scales,
@@ -33,7 +33,7 @@ pub(super) fn read_cohesion(
     {
         section.fail("range", format!("must be at least cut_off, {cut_off}"));
     }
-    let constant = |keys: [&'static str; 2], factor: f64| {
+    let constant = |keys: [&'static str; 2], partner: ContactPartner| {
         let key = section.exactly_one(&keys)?;
         let schedule = section.schedule(key, Allowed::NOT_NEGATIVE, stages);
         if key == keys[1] {
@@ -41,11 +41,14 @@ pub(super) fn read_cohesion(
         }
         let gravity = positive_gravity(&section, key, keys[1], gravity)?;
         let (density, diameter) = (scales.density?, scales.diameter?);
-        let weight_over_radius = sphere_mass(density, diameter) * gravity / (0.5 * diameter);
-        Some(schedule?.scaled(factor * cut_off? * cut_off? * weight_over_radius))
+        let weight = sphere_mass(density, diameter) * gravity;
+        let unit = hamaker_constant_per_bond_number(partner, cut_off?, diameter, weight);
+        Some(schedule?.scaled(unit))
     };
-    let particles: Option<Schedule> = constant(["bond_number", "hamaker_constant"], 12.0);
-    let walls: Option<Schedule> = constant(["wall_bond_number", "wall_hamaker_constant"], 6.0);
+    let particles: Option<Schedule> =
+        constant(["bond_number", "hamaker_constant"], ContactPartner::Particle);
+    let walls: Option<Schedule> =
+        constant(["wall_bond_number", "wall_hamaker_constant"], ContactPartner::Wall);
     let expression = section.value("expression").map(|expression| match expression {
         Expression::NearContact => CohesionExpression::NearContact,
         Expression::Full => CohesionExpression::Full,

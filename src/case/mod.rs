@@ -36,6 +36,8 @@ pub use units::Units;
 use crate::contact::{ContactForceLaw, ContactModel};
 use crate::coupling::FlowModel;
 use crate::domain::Bounds;
+use crate::particles::Reach;
+use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange, range_of};
 use allowed::rounded;
 use errors::Problems;
@@ -145,9 +147,21 @@ impl Case {
     pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
         let mass = self.particles.mass_of(sizes.smallest_diameter);
         let radius = 0.5 * sizes.smallest_diameter;
-        let of_walls = |interface: &ContactModel| interface.law.contact_duration(mass, radius);
-        let of_pair = stage.contact.law.contact_duration(0.5 * mass, 0.5 * radius);
-        stage.at_walls.iter().map(of_walls).fold(of_pair, f64::min)
+        let duration = |interface: &ContactModel, bodies: ReducedBody| {
+            interface.law.contact_duration(bodies.mass, bodies.radius)
+        };
+        let at_wall = ReducedBody::of_sphere_and_wall(mass, radius);
+        let of_pair = duration(&stage.contact, ReducedBody::of_equal_spheres(mass, radius));
+        let of_walls = stage.at_walls.iter().map(|interface| duration(interface, at_wall));
+        of_walls.fold(of_pair, f64::min)
+    }
+
+    /// Width of the ghost layer in the stage that needs the widest: subdomains and periodic boxes may not be narrower.
+    pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
+        let range = |stage: &Stage| range_of(stage.interfaces(), stage.cohesion.as_ref(), sizes);
+        let range = self.stages.iter().map(range).fold(0.0, f64::max);
+        let skin = self.parallel.skin * sizes.largest_diameter;
+        Reach { range, skin }.ghost_width(sizes.largest_diameter)
     }
 
     /// What is wrong with box and time step for particles of these sizes: (key, words).
@@ -205,14 +219,12 @@ fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static
 /// The box must hold a particle, and be wide enough for its ghosts where it is periodic.
 fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static str, String)> {
     let largest = sizes.largest_diameter;
-    let range_in = |stage: &Stage| range_of(stage.interfaces(), stage.cohesion.as_ref(), sizes);
-    let ranges = case.stages.iter().map(range_in);
-    let reach = largest * (1.0 + case.parallel.skin) + ranges.fold(0.0, f64::max);
+    let width = case.ghost_width(sizes);
     let mut wrong = Vec::new();
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let length = bounds.lengths()[axis];
-        if bounds.is_periodic(axis) && length < 2.0 * reach {
-            let least = rounded(2.0 * reach);
+        if bounds.is_periodic(axis) && length < 2.0 * width {
+            let least = rounded(2.0 * width);
             let words = format!(
                 "is too narrow along {name} for its ghosts: must be at least {least}, twice the largest \
                  diameter with skin and range of cohesion"

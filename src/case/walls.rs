@@ -8,6 +8,7 @@ use super::space::{AXES, read_bounds};
 use super::tree::{Node, Value};
 use super::{Case, Stage};
 use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
+use crate::rules::speed_limit;
 use crate::state::Domain;
 use nalgebra::Vector3;
 
@@ -209,7 +210,7 @@ fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems
 /// What is wrong with walls for particles of this smallest diameter and for the gas: (key, words).
 pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static str, String)> {
     let mut wrong = Vec::new();
-    let fastest = |stage: &Stage| 0.1 * smallest_diameter / stage.time_step;
+    let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.time_step);
     let limit = case.stages.iter().map(fastest).fold(f64::INFINITY, f64::min);
     let with_gas = case.stages.iter().any(|stage| stage.gas.is_some());
     for wall in &case.domain.walls {

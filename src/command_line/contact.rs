@@ -6,6 +6,7 @@ use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactModel, force_loop};
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
+use crate::rules::ReducedBody;
 use anyhow::anyhow;
 use clap::Args;
 use std::fmt::Write;
@@ -79,7 +80,10 @@ fn table(
 ) -> String {
     let diameter = case.particles.reference_diameter;
     let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
-    let pair = if at_wall { (mass, radius) } else { (0.5 * mass, 0.5 * radius) };
+    let bodies = match at_wall {
+        true => ReducedBody::of_sphere_and_wall(mass, radius),
+        false => ReducedBody::of_equal_spheres(mass, radius),
+    };
     let cohesion = stage.cohesion.as_ref().map(|cohesion| cohesion.at(stage.start));
     let attraction = |separation: f64| match &cohesion {
         Some(cohesion) if at_wall => cohesion.to_wall(radius, separation),
@@ -87,10 +91,16 @@ fn table(
         None => 0.0,
     };
     let range = cohesion.map_or(0.0, |cohesion| cohesion.range());
-    let default = (OVERLAP * diameter).max(2.0 * interface.law.reach(pair.1));
+    let default = (OVERLAP * diameter).max(2.0 * interface.law.reach(bodies.radius));
     let overlap = options.overlap.unwrap_or(default);
     let points = options.points as usize;
-    let points = force_loop(&interface.law, pair, overlap, points, (&attraction, range));
+    let points = force_loop(
+        &interface.law,
+        (bodies.mass, bodies.radius),
+        overlap,
+        points,
+        (&attraction, range),
+    );
     let other = options
         .wall
         .as_ref()

@@ -2,7 +2,6 @@
 
 use crate::case::{Case, RankLayout};
 use crate::domain::{Decomposition, RankGrid};
-use crate::particles::Reach;
 use crate::state::SizeRange;
 use thiserror::Error;
 
@@ -65,7 +64,7 @@ pub fn lay_out(
         return Err(LayoutError::WrongSize { grid, ranks });
     }
     let bounds = &case.domain.bounds;
-    let needed = ghost_width(case, sizes);
+    let needed = case.ghost_width(sizes);
     for axis in (0..3).filter(|&axis| grid.0[axis] > 1) {
         let (length, ranks) = (bounds.lengths()[axis], grid.0[axis]);
         let width = length / ranks as f64;
@@ -94,10 +93,25 @@ pub(super) fn aligned(
     model.aligned(&decomposition, width).ok_or_else(too_few)
 }
 
-/// Width of the ghost layer in the stage that needs the widest.
-pub(super) fn ghost_width(case: &Case, sizes: &SizeRange) -> f64 {
-    let ranges =
-        case.stages.iter().filter_map(|stage| stage.cohesion.as_ref()).map(|law| law.range);
-    let skin = case.parallel.skin * sizes.largest_diameter;
-    Reach { range: ranges.fold(0.0, f64::max), skin }.ghost_width(sizes.largest_diameter)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Subdomains must be as wide as the ghosts of the run, which reach as far as the necks of JKR.
+    #[test]
+    fn subdomains_narrower_than_the_necks_of_jkr_need_are_refused() {
+        let good = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/good");
+        let strong = ["contact.surface_energy=2000".to_owned()];
+        let case = Case::read(&good.join("jkr-round-column.toml"), &strong).unwrap();
+        let sizes = case.size_range().unwrap();
+        let neck = case.stages[0].models(&sizes).range(&sizes);
+        assert!(neck > 0.2 && case.stages[0].cohesion.is_none(), "necks alone reach far: {neck}");
+        let slabs = |count: usize| lay_out(&case, &sizes, Some(RankGrid([1, 1, count])), count);
+        // Diameter and skin are 1.08, with the necks 1.3: slabs of 1.18 lie between.
+        let error = slabs(34).unwrap_err();
+        let LayoutError::TooNarrow { needed, most, .. } = error else { panic!("{error}") };
+        assert!((needed - 1.08 - neck).abs() < 1.0e-12, "rounding of a sum: {needed}");
+        assert!(slabs(most).is_ok() && slabs(most + 1).is_err());
+    }
 }

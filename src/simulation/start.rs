@@ -1,6 +1,6 @@
 //! Where a run begins: with a new bed, with the end of another run, or with its own checkpoint.
 
-use super::layout::{LayoutError, aligned, ghost_width, lay_out};
+use super::layout::{LayoutError, aligned, lay_out};
 use crate::case::{BedPart, Case, Start as BedStart};
 use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
@@ -155,7 +155,7 @@ fn spread(
     let skin = case.parallel.skin * sizes.largest_diameter;
     if case.parallel.balance.is_some() {
         decomposition = balanced_at_start(case, &decomposition, &share.particles, &sizes, ranks);
-        decomposition = aligned(case, decomposition, ghost_width(case, &sizes))?;
+        decomposition = aligned(case, decomposition, case.ghost_width(&sizes))?;
     }
     let Share { particles: records, contacts, wall_contacts, cells, report } = share;
     let records = send_to_owners(records, &decomposition, ranks);
@@ -186,7 +186,7 @@ fn balanced_at_start(
 ) -> Decomposition {
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
-    let width = ghost_width(case, sizes);
+    let width = case.ghost_width(sizes);
     RankLoad::UNKNOWN.balanced(
         decomposition,
         positions.iter().copied(),

@@ -20,6 +20,7 @@ use crate::grid::{BoxGrid, CellLocator, Field, LocalCells};
 use crate::numbers::{Quantum, within};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
+use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
 use exchange::Exchanged;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -48,10 +49,6 @@ pub struct ParticleLimits {
     /// How far a particle may be from where it was given to its rank.
     pub stray: f64,
 }
-
-/// Largest b dt / (m eps^2) of a particle: at 1 the force of one gas step takes all of its velocity relative to
-/// the gas where the bed moves as a whole, at 2 the bed would oscillate and grow.
-const LARGEST_RESPONSE: f64 = 1.0;
 
 /// The exchange of momentum between particles and cells on one rank. Disposable.
 #[derive(Clone, Debug)]
@@ -163,13 +160,13 @@ impl CellCoupling {
         (index, drag, voidage): (usize, f64, f64),
         dt: f64,
     ) -> Result<(), GasForceOutOfRange> {
-        let response = drag * dt / (particles.body[index].mass * voidage * voidage);
+        let response = drag_response(drag, dt, particles.body[index].mass, voidage);
         let (particle, limit) = (particles.id[index], self.largest_drag);
         if drag.is_nan() || drag > limit {
             return Err(GasForceOutOfRange::Drag { particle, drag, limit });
         }
-        if response.is_nan() || response > LARGEST_RESPONSE {
-            let limit = LARGEST_RESPONSE;
+        if response.is_nan() || response > LARGEST_DRAG_RESPONSE {
+            let limit = LARGEST_DRAG_RESPONSE;
             return Err(GasForceOutOfRange::Response { particle, response, limit });
         }
         Ok(())

@@ -5,12 +5,13 @@ use super::boundaries::{
     continue_correction, continue_pressure, continue_velocity, mirror, set_boundary_faces,
 };
 use super::momentum::{Forces, Momentum};
-use super::viscosity::{Flow, add_viscous_force, set_dilatation, viscous_rate};
+use super::viscosity::{Flow, add_viscous_force, largest_viscous_rate, set_dilatation};
 use super::{BedOnGrid, GAS_HALO, GasState, VolumeAveragedGas};
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
 use crate::parallel::{Communicator, FieldHalo};
+use crate::rules::{LARGEST_STEP_NUMBER, step_number};
 use nalgebra::Vector3;
 
 /// Advances the gas on a rank's part of the grid. Holds nothing that the future depends on.
@@ -233,7 +234,7 @@ impl GasSolver {
         let largest = bed.voidage.owned().fold(0.0, |largest, eps| larger(eps, largest));
         let least = -bed.voidage.owned().fold(-1.0, |largest, eps| larger(-eps, largest));
         let courant = courant_rate(&self.explicit.flux, &bed.voidage, &self.part, self.spacing);
-        let viscous = viscous_rate(&bed.voidage, (&self.part, gas), self.spacing);
+        let viscous = largest_viscous_rate(&bed.voidage, (&self.part, gas), self.spacing);
         let mut numbers = [largest, -least, courant, viscous];
         ranks.maximum(&mut numbers);
         let [largest, least, courant, viscous] = numbers;
@@ -244,9 +245,9 @@ impl GasSolver {
         if !numbers.iter().all(|number| number.is_finite()) {
             return Err(GasError::NotFinite);
         }
-        let rate = 2.0 * courant + 0.5 * viscous;
+        let rate = step_number(courant, viscous);
         let (courant, viscous) = (dt * courant, dt * viscous);
-        match dt * rate <= 1.0 {
+        match dt * rate <= LARGEST_STEP_NUMBER {
             true => Ok((courant, viscous)),
             false => Err(GasError::StepTooLong { dt, courant, viscous, longest: 1.0 / rate }),
         }

@@ -7,6 +7,7 @@ use super::VolumeAveragedGas;
 use super::advection::larger;
 use super::faces::{Region, moved};
 use crate::grid::{Field, LocalCells};
+use crate::rules::viscous_rate;
 use nalgebra::Vector3;
 
 /// div u in owned cells and one cell around.
@@ -133,12 +134,8 @@ impl Shear {
     }
 }
 
-/// A bound on the largest rate at which viscosity damps any velocity on the grid:
-/// (16/3) nu (1/2 + r/2) sum of 1/spacing^2 over the axes that velocities vary along.
-///
-/// (16/3) = 4 (4/3) from the shortest wave and the normal stresses; r is the largest ratio of voidages of
-/// neighbours, which enters as the mean over an edge against that in a face.
-pub(super) fn viscous_rate(
+/// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells.
+pub(super) fn largest_viscous_rate(
     voidage: &Field,
     (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: Vector3<f64>,
@@ -154,8 +151,6 @@ pub(super) fn viscous_rate(
             ratio = larger(x.max(y).max(z) / eps[i], ratio);
         }
     }
-    let varies = |axis: &usize| !(gas.is_periodic(*axis) && part.counts[*axis] == 1);
-    let curvature: f64 =
-        (0..3).filter(varies).map(|axis| 1.0 / (spacing[axis] * spacing[axis])).sum();
-    16.0 / 3.0 * gas.viscosity / gas.density * (0.5 + 0.5 * ratio) * curvature
+    let varies = [0, 1, 2].map(|axis| !(gas.is_periodic(axis) && part.counts[axis] == 1));
+    viscous_rate(gas.viscosity, gas.density, ratio, spacing.into(), varies)
 }

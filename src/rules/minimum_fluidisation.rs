@@ -1,0 +1,39 @@
+//! The gas velocity that carries a bed at rest.
+
+/// Force of the gas on a particle at rest in a bed at rest: (V / phi) beta U / (1 - phi)^2, mean pressure gradient included.
+///
+/// `drag` is (V / phi) beta, the drag per velocity, U the superficial velocity, phi the solids fraction (Moon et al. 2006,
+/// eq. (12)).
+pub fn gas_force_at_rest(drag: f64, superficial_velocity: f64, solids_fraction: f64) -> f64 {
+    drag * superficial_velocity / (1.0 - solids_fraction).powi(2)
+}
+
+/// U_mf: the least superficial velocity at which [`gas_force_at_rest`] equals the weight m g of a particle.
+///
+/// `drag` gives the drag per velocity at this solids fraction for a superficial velocity; times the velocity it grows
+/// without bound. Found by bisection, to rounding.
+///
+/// ```
+/// use talcum::rules::minimum_fluidisation_velocity;
+/// // Stokes' drag 3 pi mu d on a sphere with mu = 1/55, d = 1 and weight pi/6: U = (St / 18) (1 - phi)^2.
+/// let drag = 3.0 * std::f64::consts::PI / 55.0;
+/// let velocity = minimum_fluidisation_velocity(|_| drag, std::f64::consts::PI / 6.0, 0.6);
+/// assert!((velocity - 55.0 / 18.0 * 0.16).abs() < 1.0e-12); // rounding
+/// ```
+pub fn minimum_fluidisation_velocity(
+    drag: impl Fn(f64) -> f64,
+    weight: f64,
+    solids_fraction: f64,
+) -> f64 {
+    let force = |velocity: f64| gas_force_at_rest(drag(velocity), velocity, solids_fraction);
+    let (mut low, mut high) = (0.0, 1.0e-12);
+    while force(high) < weight {
+        high *= 2.0;
+    }
+    // More halvings than a number has bits.
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if force(middle) < weight { low = middle } else { high = middle }
+    }
+    high
+}

@@ -1,0 +1,24 @@
+//! Rules that several parts of the program share, each stated once: what `talcum check` prints is what the run
+//! enforces.
+//!
+//! Pure functions of numbers in one coherent system of units. They know nothing of the rest of the crate.
+
+mod bond_number;
+mod contact_duration;
+mod drag_response;
+mod gas_step;
+mod interaction_range;
+mod minimum_fluidisation;
+mod speed_limit;
+mod stokes_number;
+
+pub use bond_number::{
+    ContactPartner, attraction_of_bond_number, hamaker_constant_per_bond_number,
+};
+pub use contact_duration::{LEAST_STEPS_PER_CONTACT, ReducedBody};
+pub use drag_response::{LARGEST_DRAG_RESPONSE, drag_response};
+pub use gas_step::{LARGEST_STEP_NUMBER, courant_rate, step_number, viscous_rate};
+pub use interaction_range::interaction_range;
+pub use minimum_fluidisation::{gas_force_at_rest, minimum_fluidisation_velocity};
+pub use speed_limit::speed_limit;
+pub use stokes_number::{stokes_number, viscosity_of_stokes_number};
