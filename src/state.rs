@@ -190,7 +190,8 @@ pub fn range_of<'a>(
     sizes: &SizeRange,
 ) -> f64 {
     let largest_radius = 0.5 * sizes.largest_diameter;
-    let reaches = interfaces.into_iter().map(|interface| interface.law.reach(largest_radius));
+    let reaches =
+        interfaces.into_iter().map(|interface| interface.law.contact_range(largest_radius));
     interaction_range(reaches, cohesion.map(|cohesion| cohesion.range))
 }
 

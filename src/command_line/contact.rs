@@ -91,7 +91,7 @@ fn table(
         None => 0.0,
     };
     let range = cohesion.map_or(0.0, |cohesion| cohesion.range());
-    let default = (OVERLAP * diameter).max(2.0 * interface.law.reach(bodies.radius));
+    let default = (OVERLAP * diameter).max(2.0 * interface.law.contact_range(bodies.radius));
     let overlap = options.overlap.unwrap_or(default);
     let points = options.points as usize;
     let points = force_loop(

@@ -1,14 +1,14 @@
-//! The normal force of two bodies that are slowly pressed together and parted: what a contact law looks like.
+//! Normal force over overlap of two bodies that are slowly pressed together and separated: the force loop of a law.
 
 use super::{Contact, ContactForce, ContactForceLaw, ContactLaw};
 use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
-/// One point of the loop.
+/// One point of a force loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopPoint {
-    /// Number of the way that it lies on, from 0: pressed to half the largest overlap, parted to a twentieth of
-    /// it, pressed to the largest, parted for good.
+    /// Number of the part of the loop, from 0: loading to half the largest overlap, unloading to a twentieth of it,
+    /// loading to the largest, and separation.
     pub part: usize,
     /// Overlap; negative: separation.
     pub overlap: f64,
@@ -16,8 +16,8 @@ pub struct LoopPoint {
     pub force: f64,
 }
 
-/// The loop up to a largest overlap, of `points` points per part, so slow that dashpots do not act. `attraction`
-/// is the cohesion, at a separation, that is no part of the law, and `range` where it ends.
+/// The force loop up to a largest overlap, with `points` points per part, so slow that dashpots do not act. `attraction`
+/// is the cohesion, at a separation, that is not part of the law, and `range` the separation where it ends.
 pub fn force_loop(
     law: &ContactLaw,
     (reduced_mass, reduced_radius): (f64, f64),
@@ -25,8 +25,8 @@ pub fn force_loop(
     points: usize,
     (attraction, range): (&dyn Fn(f64) -> f64, f64),
 ) -> Vec<LoopPoint> {
-    // A little further than the law reaches, and than nothing if it does not.
-    let apart = 1.02 * law.reach(reduced_radius).max(range).max(0.02 * largest_overlap);
+    // A little beyond the range of the law, and beyond zero if it has none.
+    let apart = 1.02 * law.contact_range(reduced_radius).max(range).max(0.02 * largest_overlap);
     let turns = [0.5 * largest_overlap, 0.05 * largest_overlap, largest_overlap, -apart];
     let mut history = ContactHistory::default();
     let mut begin = -apart;
@@ -64,7 +64,7 @@ mod tests {
     use crate::contact::{HystereticParameters, LinearHysteretic};
 
     #[test]
-    fn the_loop_encloses_what_a_law_takes() {
+    fn the_loop_encloses_the_dissipated_energy() {
         let parameters = HystereticParameters {
             loading_stiffness: 1.0,
             unloading_stiffness: 2.0,

@@ -1,125 +1,87 @@
-//! What every contact law must answer, and the list of laws.
+//! What a contact law is given, what it returns, and what it must answer.
 
-use super::{
-    AdhesiveElasticPlastic, Contact, ContactForce, HertzMindlin, Jkr, LinearHysteretic,
-    LinearSpringDashpot, RollingFriction,
-};
 use crate::particles::ContactHistory;
+use nalgebra::Vector3;
 
-/// The force between two bodies in contact; a law may bring its own adhesion, van der Waals cohesion is added
+/// A contact of two bodies: the first is a particle, the second another particle or a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Overlap delta; negative while a neck joins bodies whose surfaces are apart.
+    pub overlap: f64,
+    /// Unit vector n from the first body towards the second.
+    pub normal: Vector3<f64>,
+    /// Velocity of the second body's surface relative to the first's at the contact, rotation included. Its normal
+    /// component v_n is positive if the bodies separate.
+    pub relative_velocity: Vector3<f64>,
+    /// Angular velocity of the second body less that of the first.
+    pub relative_spin: Vector3<f64>,
+    /// Reduced mass m* with 1/m* = 1/m_1 + 1/m_2; the particle's mass at a wall.
+    pub reduced_mass: f64,
+    /// Reduced radius R* with 1/R* = 1/r_1 + 1/r_2; the particle's radius at a wall.
+    pub reduced_radius: f64,
+    /// Reduced moment of inertia I* with 1/I* = 1/I_1 + 1/I_2, about the centres; the particle's at a wall.
+    pub reduced_inertia: f64,
+    /// Magnitude of the cohesive force at this contact that is not part of the law.
+    pub cohesion: f64,
+}
+
+/// The force of a contact on its second body; the first body feels the opposite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// Component along the normal; positive if it pushes the bodies apart.
+    pub normal: f64,
+    /// Component in the tangent plane.
+    pub tangential: Vector3<f64>,
+    /// Normal force that friction is proportional to, in sliding and in rolling; not negative.
+    pub friction_normal: f64,
+}
+
+impl ContactForce {
+    /// No force.
+    pub fn zero() -> Self {
+        Self { normal: 0.0, tangential: Vector3::zeros(), friction_normal: 0.0 }
+    }
+}
+
+/// The force between two bodies in contact. A law may include adhesion of its own; van der Waals cohesion is added
 /// outside.
 ///
-/// A law must be **odd**: with the bodies exchanged (normal, relative velocity and tangential spring
-/// negated) it must give the same normal force and exactly the negated tangential force, bit for bit.
-/// Sums and products of these vectors are odd by themselves.
+/// A law must be **odd**: with the bodies exchanged (normal, relative velocity and tangential spring negated) it must
+/// return the same normal force and exactly the negated tangential force, bit for bit. Sums and products of these
+/// vectors are odd by themselves.
 pub trait ContactForceLaw {
-    /// Force on the second body, after the memory has been carried on by `dt`.
+    /// Force on the second body, after the history has been advanced by `dt`.
+    ///
+    /// `dt` is zero when the forces of a new bed are evaluated. The force must be finite also where the bodies do not
+    /// touch: it is then discarded.
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce;
 
-    /// Whether the bodies are in contact, given what the contact remembers of the last step (all zero if they
-    /// were not). Where not, force and memory are zero whatever [`ContactForceLaw::force`] says.
+    /// Whether the bodies are in contact, given the history after the last step (all zero if they were not). If they
+    /// are not, force and history are set to zero, whatever [`ContactForceLaw::force`] returned.
     #[inline(always)]
-    fn touches(&self, contact: &Contact, _memory: &ContactHistory) -> bool {
+    fn touches(&self, contact: &Contact, _history: &ContactHistory) -> bool {
         contact.overlap > 0.0
     }
 
-    /// The separation of surfaces up to which a contact can last, for R* up to this.
-    fn reach(&self, _reduced_radius: f64) -> f64 {
+    /// Contact range: the largest separation of surfaces at which a contact can last, for R* up to this.
+    fn contact_range(&self, _reduced_radius: f64) -> f64 {
         0.0
     }
 
-    /// dF_n/d delta of a contact that is loaded for the first time, to which rolling springs are proportional.
+    /// Slope dF_n/d delta of a contact that is loaded for the first time; rolling springs are proportional to it.
     fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64;
 
-    /// The stiffness before the last step, which changed the overlap by -v_n dt, and now.
+    /// The stiffness before the last step, in which the overlap changed by -v_n dt, and after it.
     #[inline(always)]
     fn stiffness_over(&self, contact: &Contact, dt: f64) -> [f64; 2] {
         let before = contact.overlap + contact.normal.dot(&contact.relative_velocity) * dt;
         [before, contact.overlap].map(|overlap| self.stiffness(overlap, contact.reduced_radius))
     }
 
-    /// How long a collision of two bodies of this m* and R* lasts, for the time step to be judged by.
+    /// Duration of a collision of two bodies of this m* and R*, with which the time step is compared.
     fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64;
 
-    /// Largest normal force of an elastic contact up to an overlap, adhesion of the law included, to bound the
-    /// range of forces.
+    /// Largest normal force of an elastic contact up to an overlap, adhesion of the law included; it bounds the range
+    /// of forces.
     fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64;
-}
-
-/// The contact laws a case can choose.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ContactLaw {
-    /// Moon 2006 eqs (1)-(3).
-    LinearSpringDashpot(LinearSpringDashpot),
-    /// Liu 2016.
-    AdhesiveElasticPlastic(AdhesiveElasticPlastic),
-    /// Hertz; Mindlin & Deresiewicz 1953.
-    HertzMindlin(HertzMindlin),
-    /// Johnson, Kendall & Roberts 1971.
-    Jkr(Jkr),
-    /// Luding 2008.
-    LinearHysteretic(LinearHysteretic),
-}
-
-/// What holds where two kinds of bodies touch: particles each other, or a wall.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ContactModel {
-    /// Law of contact.
-    pub law: ContactLaw,
-    /// Resistance to rolling.
-    pub rolling: Option<RollingFriction>,
-}
-
-impl ContactLaw {
-    /// What the case file calls it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::LinearSpringDashpot(_) => "linear_spring_dashpot",
-            Self::AdhesiveElasticPlastic(_) => "adhesive_elastic_plastic",
-            Self::HertzMindlin(_) => "hertz_mindlin",
-            Self::Jkr(_) => "jkr",
-            Self::LinearHysteretic(_) => "linear_hysteretic",
-        }
-    }
-}
-
-/// Calls a function of whichever law it is.
-macro_rules! each_law {
-    ($model:expr, $law:ident => $call:expr) => {
-        match $model {
-            ContactLaw::LinearSpringDashpot($law) => $call,
-            ContactLaw::AdhesiveElasticPlastic($law) => $call,
-            ContactLaw::HertzMindlin($law) => $call,
-            ContactLaw::Jkr($law) => $call,
-            ContactLaw::LinearHysteretic($law) => $call,
-        }
-    };
-}
-
-impl ContactForceLaw for ContactLaw {
-    #[inline(always)]
-    fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
-        each_law!(self, law => law.force(contact, history, dt))
-    }
-
-    #[inline(always)]
-    fn touches(&self, contact: &Contact, history: &ContactHistory) -> bool {
-        each_law!(self, law => law.touches(contact, history))
-    }
-
-    fn reach(&self, reduced_radius: f64) -> f64 {
-        each_law!(self, law => law.reach(reduced_radius))
-    }
-
-    fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
-        each_law!(self, law => law.stiffness(overlap, reduced_radius))
-    }
-
-    fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
-        each_law!(self, law => law.contact_duration(reduced_mass, reduced_radius))
-    }
-
-    fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
-        each_law!(self, law => law.largest_force(overlap, reduced_radius))
-    }
 }

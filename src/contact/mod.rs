@@ -1,35 +1,26 @@
-//! Forces between particles that touch, or nearly do: pure functions of geometry and memory.
+//! Forces between particles that touch or attract each other, and at walls: pure functions of kinematics and contact
+//! history, and the loops that evaluate them.
 
-mod adhesive_elastic_plastic;
-mod apart;
-mod block;
-mod elastic;
+mod force_laws;
 mod force_loop;
-mod forces;
-mod geometry;
-mod hertz_mindlin;
-mod hysteresis;
-mod jkr;
+mod invalid_law;
 mod lanes;
 mod law;
-mod linear_hysteretic;
-mod linear_spring_dashpot;
+mod laws;
+mod model;
+mod pair_loop;
 mod rolling;
-mod slider;
 mod van_der_waals;
-mod wall_forces;
+mod walls;
 
-pub use adhesive_elastic_plastic::AdhesiveElasticPlastic;
-pub use elastic::{ContactModuli, Elasticity};
+pub use force_laws::{ForceLaws, ForceOutOfRange};
 pub use force_loop::{LoopPoint, force_loop};
-pub use forces::{ForceLaws, ForceOutOfRange, add_pair_forces};
-pub use geometry::{Contact, ContactForce};
-pub use hertz_mindlin::HertzMindlin;
-pub use hysteresis::HystereticParameters;
-pub use jkr::Jkr;
-pub use law::{ContactForceLaw, ContactLaw, ContactModel};
-pub use linear_hysteretic::LinearHysteretic;
-pub use linear_spring_dashpot::{FrictionCap, InvalidContactLaw, LinearSpringDashpot};
+pub use invalid_law::InvalidContactLaw;
+pub use lanes::BlockLaw;
+pub use law::{Contact, ContactForce, ContactForceLaw};
+pub use laws::*;
+pub use model::ContactModel;
+pub use pair_loop::add_pair_forces;
 pub use rolling::{RollingFriction, RollingKind};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
-pub use wall_forces::add_wall_forces;
+pub use walls::add_wall_forces;

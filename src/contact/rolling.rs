@@ -1,21 +1,26 @@
-//! Resistance to rolling, for any contact law: Ai, Chen, Rotter & Ooi, Powder Technol. 206 (2011) 269.
+//! Resistance to rolling, for any contact law.
+//!
+//! Reference: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, "Assessment of rolling resistance models in discrete element
+//! simulations", Powder Technol. 206 (2011) 269-282, <https://doi.org/10.1016/j.powtec.2010.09.030>
 
 use super::{Contact, InvalidContactLaw};
 use nalgebra::Vector3;
 
-/// What a rolling contact resists by.
+/// How a contact resists rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RollingKind {
-    /// A torque mu_r R* F against the rolling, however slow (their type A).
+    /// A torque mu_r R* F against the rolling, however slow (type A of Ai et al.).
     ConstantTorque,
-    /// A rolling spring k_r = 2.25 k_n (mu_r R*)^2 that yields at mu_r R* F, and a dashpot (their type C, EPSD).
+    /// A rolling spring k_r = 2.25 k_n (mu_r R*)^2 that yields at mu_r R* F, and a dashpot (type C of Ai et al., EPSD).
     ElasticPlastic {
-        /// eta_r, of the critical damping 2 sqrt(I_r k_r), I_r = (7/2) I*: the inertia about the contact.
+        /// eta_r, over the critical damping 2 sqrt(I_r k_r); I_r = (7/2) I* is the moment of inertia about the contact.
         damping: f64,
     },
 }
 
-/// Rolling friction: with F the normal force that friction is proportional to ([`super::ContactForce::friction_normal`]) and
+/// Rolling friction.
+///
+/// With F the normal force that friction is proportional to ([`super::ContactForce::friction_normal`]) and
 /// omega the relative spin in the tangent plane (spin about the normal is not resisted), the torque on the
 /// second body is
 ///
@@ -25,10 +30,10 @@ pub enum RollingKind {
 /// ```
 ///
 /// with theta the angle rolled; the spring yields at |k_r theta| = mu_r R* F. (Ai et al. switch the dashpot off only
-/// while the spring yields: at the begin of a fast rolling its torque would be many times that of the friction.)
+/// while the spring yields: when a fast rolling begins, its torque would be many times that of friction.)
 ///
 /// k_n is the law's stiffness at the overlap. Where it grows while the contact is loaded, the torque stays and
-/// theta shrinks: a spring that stiffens while it is bent would make energy.
+/// theta shrinks: a spring that stiffens while it is deflected would create energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollingFriction {
     kind: RollingKind,
@@ -36,7 +41,7 @@ pub struct RollingFriction {
 }
 
 impl RollingFriction {
-    /// Of a kind and a coefficient mu_r, a number.
+    /// Makes rolling friction of a kind, with the dimensionless coefficient mu_r.
     ///
     /// # Errors
     /// If mu_r or eta_r is negative, or eta_r above 1.
@@ -55,19 +60,22 @@ impl RollingFriction {
     }
 }
 
-/// The factor that brings a vector of this squared length down to a limit.
+/// Factor that scales a vector of this squared length down to a limit.
 #[inline(always)]
 fn within(limit: f64, squared: f64) -> f64 {
     if squared > limit * limit { limit / squared.sqrt() } else { 1.0 }
 }
 
 /// A resistance to rolling, or none, chosen once for all pairs.
-pub(super) trait Rolling: Copy {
-    /// Whether there is any.
+pub(crate) trait Rolling: Copy {
+    /// Whether there is any resistance.
     const ACTS: bool;
 
-    /// Torque on the second body, after `angle` has been carried on by `dt`. `stiffness` is that of the law
-    /// before the step and now.
+    /// The same as a value, for laws that are called through a table of functions.
+    fn friction(self) -> Option<RollingFriction>;
+
+    /// Torque on the second body, after `angle` has been advanced by `dt`. `stiffness` is that of the law before and
+    /// after the step.
     fn torque(
         &self,
         contact: &Contact,
@@ -80,10 +88,15 @@ pub(super) trait Rolling: Copy {
 
 /// No resistance.
 #[derive(Clone, Copy)]
-pub(super) struct NoRolling;
+pub(crate) struct NoRolling;
 
 impl Rolling for NoRolling {
     const ACTS: bool = false;
+
+    #[inline(always)]
+    fn friction(self) -> Option<RollingFriction> {
+        None
+    }
 
     #[inline(always)]
     fn torque(
@@ -100,6 +113,11 @@ impl Rolling for NoRolling {
 
 impl Rolling for RollingFriction {
     const ACTS: bool = true;
+
+    #[inline(always)]
+    fn friction(self) -> Option<RollingFriction> {
+        Some(self)
+    }
 
     #[inline(always)]
     fn torque(

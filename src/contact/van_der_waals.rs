@@ -1,9 +1,14 @@
-//! Van der Waals attraction between spheres, and between a sphere and a wall: Moon 2006 eq. (4); Hamaker,
-//! Physica 4 (1937) 1058.
+//! Van der Waals attraction between spheres, and between a sphere and a wall.
+//!
+//! References:
+//! * H. C. Hamaker, "The London-van der Waals attraction between spherical particles", Physica 4 (1937) 1058-1072,
+//!   <https://doi.org/10.1016/S0031-8914(37)80203-7>
+//! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
+//!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eq. (4)
 
 use crate::numbers::Schedule;
 
-/// Which expression gives the force at a separation s between surfaces.
+/// Expression of the force at a separation s between surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CohesionExpression {
     /// A r / (12 s^2) with r = 2 r_i r_j / (r_i + r_j): the limit s << r.
@@ -12,24 +17,25 @@ pub enum CohesionExpression {
     Full,
 }
 
-/// Attraction with the separation held at `cut_off` below it, contact included, and none beyond `range`.
+/// Van der Waals attraction. Below the separation `cut_off`, contact included, the force is that at `cut_off`; beyond
+/// the separation `range` there is none.
 ///
-/// The walls have a constant of their own: A_w r / (6 s^2).
+/// Walls have their own constant: A_w r / (6 s^2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct VanDerWaals {
     /// Hamaker constant A of two particles, energy.
     pub hamaker_constant: Schedule,
     /// Hamaker constant of particle and wall, energy.
     pub wall_hamaker_constant: Schedule,
-    /// delta, the separation below which the force no longer grows.
+    /// Separation delta below which the force no longer grows.
     pub cut_off: f64,
-    /// Separation beyond which the force is left out.
+    /// Separation beyond which there is no force.
     pub range: f64,
-    /// Which expression.
+    /// Expression of the force.
     pub expression: CohesionExpression,
 }
 
-/// The attraction at one instant: what the schedules say then.
+/// The attraction at one instant, with the values that the schedules have then.
 ///
 /// ```
 /// use talcum::contact::{CohesionExpression, VanDerWaals};
@@ -55,7 +61,7 @@ pub struct VanDerWaalsNow {
 }
 
 impl VanDerWaals {
-    /// The attraction at a time.
+    /// Returns the attraction at a time.
     pub fn at(&self, time: f64) -> VanDerWaalsNow {
         VanDerWaalsNow {
             hamaker: self.hamaker_constant.at(time),
@@ -66,7 +72,7 @@ impl VanDerWaals {
         }
     }
 
-    /// The largest force at any time on a particle of this radius, by a like one or a wall.
+    /// Largest force at any time on a particle of this radius, by an equal particle or a wall.
     pub fn largest_force(&self, radius: f64) -> f64 {
         let per_area = radius / (self.cut_off * self.cut_off);
         let particles = self.hamaker_constant.largest() / 12.0;
@@ -75,9 +81,9 @@ impl VanDerWaals {
     }
 }
 
-/// An attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
-pub(super) trait Attraction: Copy {
-    /// The separation below which it no longer grows.
+/// An attraction between two spheres whose surfaces are `separation` apart (negative: overlap).
+pub(crate) trait Attraction: Copy {
+    /// Separation below which the attraction no longer grows.
     fn cut_off(&self) -> f64;
 
     fn between(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64;
@@ -85,11 +91,11 @@ pub(super) trait Attraction: Copy {
 
 /// A r / (12 s^2), r = 2 r_1 r_2 / (r_1 + r_2).
 #[derive(Clone, Copy)]
-pub(super) struct NearContact(pub(super) VanDerWaalsNow);
+pub(crate) struct NearContact(pub(crate) VanDerWaalsNow);
 
 /// Hamaker's expression.
 #[derive(Clone, Copy)]
-pub(super) struct Full(pub(super) VanDerWaalsNow);
+pub(crate) struct Full(pub(crate) VanDerWaalsNow);
 
 impl Attraction for NearContact {
     #[inline(always)]
@@ -121,7 +127,7 @@ impl Attraction for Full {
 }
 
 impl VanDerWaalsNow {
-    /// Magnitude of the attraction of two spheres whose surfaces are `separation` apart (negative: overlap).
+    /// Magnitude of the attraction between two spheres whose surfaces are `separation` apart (negative: overlap).
     pub fn between_particles(&self, radius_1: f64, radius_2: f64, separation: f64) -> f64 {
         match self.expression {
             CohesionExpression::NearContact => {
@@ -131,12 +137,12 @@ impl VanDerWaalsNow {
         }
     }
 
-    /// Which expression holds.
+    /// Expression of the force.
     pub fn expression(&self) -> CohesionExpression {
         self.expression
     }
 
-    /// Magnitude of the attraction of a sphere and a wall.
+    /// Magnitude of the attraction between a sphere and a wall.
     pub fn to_wall(&self, radius: f64, separation: f64) -> f64 {
         if separation > self.range {
             return 0.0;
@@ -180,7 +186,7 @@ mod tests {
             let slope = (energy(r1, r2, s + h) - energy(r1, r2, s - h)) / (2.0 * h);
             // Central differences: relative error of order (h/s)^2 times a few.
             assert!((hamaker_full(r1, r2, s) / slope - 1.0).abs() < 1.0e-6);
-            // Negative control: another radius is far off.
+            // Negative control: another radius gives another force.
             assert!((hamaker_full(1.1 * r1, r2, s) / slope - 1.0).abs() > 1.0e-3);
         }
     }

@@ -93,7 +93,7 @@ pub struct Contacts {
     pub(crate) near: NearPairs,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
-    pub(crate) wall_memory: Vec<ContactHistory>,
+    pub(crate) wall_history: Vec<ContactHistory>,
     pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
 }
 
@@ -199,7 +199,7 @@ impl Contacts {
                 let WallPair { particle, wall } = self.wall_pairs[slot];
                 let particle = particles.id[particle as usize];
                 let (history, rolling_angle) =
-                    (self.wall_memory[slot], self.wall_rolling_angle[slot]);
+                    (self.wall_history[slot], self.wall_rolling_angle[slot]);
                 WallHistory { particle, wall, history, rolling_angle }
             })
             .collect()
@@ -225,8 +225,8 @@ impl Contacts {
         }
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
-        self.wall_memory.clear();
-        self.wall_memory.resize(self.wall_pairs.len(), ContactHistory::default());
+        self.wall_history.clear();
+        self.wall_history.resize(self.wall_pairs.len(), ContactHistory::default());
         self.wall_rolling_angle.clear();
         self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
@@ -283,7 +283,7 @@ impl Contacts {
                     (pair.particle, pair.wall)
                 })
                 .map_err(|_| lost())?;
-            self.wall_memory[slot] = record.history;
+            self.wall_history[slot] = record.history;
             self.wall_rolling_angle[slot] = record.rolling_angle;
             self.wall_touching[slot] = true;
         }

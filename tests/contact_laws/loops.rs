@@ -146,7 +146,7 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
 #[test]
 fn the_pull_of_jkr_is_8_9_at_zero_overlap_1_at_most_and_5_9_at_the_end() {
     let law = Jkr::new(MODULI, 0.05, 1.0, 0.4).unwrap();
-    let (pull_off, reach) = (3.0 * PI * 0.05, law.reach(1.0));
+    let (pull_off, range) = (3.0 * PI * 0.05, law.contact_range(1.0));
     let model = ContactLaw::Jkr(law);
     let mut hand = Hand::new(&model);
     // In the curve of the two formulas: delta of a, for the F of a.
@@ -163,17 +163,17 @@ fn the_pull_of_jkr_is_8_9_at_zero_overlap_1_at_most_and_5_9_at_the_end() {
     assert!((hand.last.normal / pull_off + 8.0 / 9.0).abs() < 1.0e-12);
     let mut most = 0.0_f64;
     for step in 0..4000 {
-        let overlap = -reach * f64::from(step) / 4000.0;
+        let overlap = -range * f64::from(step) / 4000.0;
         most = most.max(-hand.step(overlap, [0.0; 2]).normal);
     }
     // The maximum is quadratic in the steps of 1/4000.
     assert!((most / pull_off - 1.0).abs() < 1.0e-6, "{most}");
     // At the end the slope is infinite: sqrt(1e-9) of what is left.
-    let end = hand.step(-reach * (1.0 - 1.0e-9), [0.0; 2]).normal;
+    let end = hand.step(-range * (1.0 - 1.0e-9), [0.0; 2]).normal;
     assert!((end / pull_off + 5.0 / 9.0).abs() < 1.0e-4, "{}", end / pull_off);
-    assert_eq!(hand.step(-reach * (1.0 + 1.0e-12), [0.0; 2]), ContactForce::zero());
+    assert_eq!(hand.step(-range * (1.0 + 1.0e-12), [0.0; 2]), ContactForce::zero());
     // The neck is torn: coming back, nothing acts until the spheres overlap.
-    assert_eq!(hand.step(-0.5 * reach, [0.0; 2]), ContactForce::zero());
+    assert_eq!(hand.step(-0.5 * range, [0.0; 2]), ContactForce::zero());
     assert!(hand.step(1.0e-9, [0.0; 2]).normal < 0.0);
 }
 

@@ -1,14 +1,23 @@
-//! Elastic adhesive spheres: Johnson, Kendall & Roberts, Proc. R. Soc. Lond. A 324 (1971) 301; Thornton & Ning,
-//! Powder Technol. 99 (1998) 154.
+//! Elastic adhesive spheres (Johnson, Kendall & Roberts).
+//!
+//! References:
+//! * K. L. Johnson, K. Kendall, A. D. Roberts, "Surface energy and the contact of elastic solids", Proc. R. Soc. Lond. A
+//!   324 (1971) 301-313, <https://doi.org/10.1098/rspa.1971.0141>
+//! * C. Thornton, Z. Ning, "A theoretical model for the stick/bounce behaviour of adhesive, elastic-plastic spheres",
+//!   Powder Technol. 99 (1998) 154-162, <https://doi.org/10.1016/S0032-5910(98)00099-0>
+//! * C. Thornton, "Interparticle sliding in the presence of adhesion", J. Phys. D: Appl. Phys. 24 (1991) 1942-1946,
+//!   <https://doi.org/10.1088/0022-3727/24/11/007>
 
-use super::elastic::{ContactModuli, Elastic, kept};
-use super::linear_spring_dashpot::require;
-use super::slider::Slider;
-use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use super::parts::{ContactModuli, Elastic, Slider, loading_factor};
+use super::{ExampleContactLaw, ExampleScales};
+use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::numbers::power;
 use crate::particles::ContactHistory;
 use std::f64::consts::PI;
 
+/// Law of Johnson, Kendall and Roberts.
+///
 /// With a the radius of contact and gamma the surface energy of each sphere (half the work of adhesion w of equal
 /// bodies: w = 2 gamma),
 ///
@@ -23,16 +32,16 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// A contact forms at an overlap above 0, where it pulls with 8/9 of the pull-off force F_c = 3 pi gamma R* at once
-/// (s = 1). It is held by a neck beyond: the pull is largest, F_c, at s^3 = 3/4, and the neck tears at the
-/// largest separation that it can span, s^3 = 1/4, pulling with 5/9 F_c.
+/// (s = 1). Beyond, a neck joins the spheres: the attraction is largest, F_c, at s^3 = 3/4, and the neck breaks at
+/// the largest separation that it can span, s^3 = 1/4, where it pulls with 5/9 F_c.
 ///
-/// Dashpots and tangential spring as in [`super::HertzMindlin`] with this a; friction is at most mu |F_n + 2 F_c|
-/// (Thornton, J. Phys. D 24 (1991) 1942).
+/// Dashpots and tangential spring as in [`HertzMindlin`](super::HertzMindlin) with this a; friction is at most mu |F_n + 2 F_c|
+/// (Thornton 1991).
 ///
 /// ```
 /// use talcum::contact::{ContactForceLaw, ContactModuli, Jkr};
 /// let law = Jkr::new(ContactModuli { normal: 1.0e7, shear: 2.0e6 }, 0.05, 0.9, 0.3)?;
-/// assert!(law.reach(1.0e-5) < 1.0e-6);
+/// assert!(law.contact_range(1.0e-5) < 1.0e-6);
 /// assert!((law.pull_off_force(1.0e-5) - 3.0 * std::f64::consts::PI * 0.05 * 1.0e-5).abs() < 1.0e-20);
 /// # Ok::<(), talcum::contact::InvalidContactLaw>(())
 /// ```
@@ -44,19 +53,20 @@ pub struct Jkr {
     root: f64,
 }
 
-/// Where the neck tears, s^3 = 1/4, and the separation there over c^4 / R*: 3/4 s.
-const TEARING: f64 = 0.629_960_524_947_436_6;
-const LARGEST_SEPARATION: f64 = 0.75 * TEARING;
-/// Newton steps: from at most 1.6 of the root, quadratically, to the last digit.
+/// s where the neck breaks, s^3 = 1/4.
+const BREAKING: f64 = 0.629_960_524_947_436_6;
+/// The separation there, over c^4 / R*: 3/4 s.
+const LARGEST_SEPARATION: f64 = 0.75 * BREAKING;
+/// Newton steps: they converge quadratically, from at most 1.6 times the root, to the last digit.
 const NEWTON_STEPS: usize = 6;
 
 /// The larger s with s^4 - s = y, for y >= -3/4 2^(-2/3).
 ///
 /// With s = s_0 + z, s_0^3 = 1/4, and t = y - y_0: z^2 (z^2 + 4 s_0 z + 6 s_0^2) = t, whose root is smooth in sqrt(t)
-/// also where the neck tears. z sqrt(z^2 + ...) is convex, so that Newton's steps from above do not overshoot.
+/// also where the neck breaks. z sqrt(z^2 + ...) is convex, so that Newton's steps from above do not overshoot.
 #[inline(always)]
 fn neck(y: f64) -> f64 {
-    let (linear, constant) = (4.0 * TEARING, 6.0 * TEARING * TEARING);
+    let (linear, constant) = (4.0 * BREAKING, 6.0 * BREAKING * BREAKING);
     let t = y + LARGEST_SEPARATION;
     let w = if t > 0.0 { t.sqrt() } else { 0.0 };
     let (of_small, of_large) = (w / constant.sqrt(), w.sqrt());
@@ -66,11 +76,12 @@ fn neck(y: f64) -> f64 {
         let root = square.sqrt();
         z -= (z * root - w) * root / (2.0 * z * z + 1.5 * linear * z + constant);
     }
-    TEARING + z
+    BREAKING + z
 }
 
 impl Jkr {
-    /// With the moduli of the contact, gamma (energy per area), e and mu.
+    /// Makes a law from the moduli of the contact, the surface energy gamma (energy per area), the restitution
+    /// coefficient e and the friction coefficient mu.
     ///
     /// # Errors
     /// If a modulus or gamma is not positive, e not within (0, 1], or mu negative.
@@ -86,18 +97,18 @@ impl Jkr {
         Ok(Self { elastic, surface_energy, root })
     }
 
-    /// F_c = 3 pi gamma R*.
+    /// Pull-off force F_c = 3 pi gamma R*.
     pub fn pull_off_force(&self, reduced_radius: f64) -> f64 {
         3.0 * PI * self.surface_energy * reduced_radius
     }
 
-    /// c.
+    /// Length scale c of the contact radius.
     #[inline(always)]
     fn scale(&self, reduced_radius: f64) -> f64 {
         power(2.0 * reduced_radius * self.root, 1.0 / 3.0)
     }
 
-    /// c^4 / R* = 2 c sqrt(pi gamma / E*).
+    /// Scale of overlaps, c^4 / R* = 2 c sqrt(pi gamma / E*).
     #[inline(always)]
     fn overlap_scale(&self, scale: f64) -> f64 {
         2.0 * scale * self.root
@@ -125,22 +136,22 @@ impl ContactForceLaw for Jkr {
             stiffness,
             damping: self.elastic.dashpot(stiffness, reduced_mass),
             limit: self.elastic.friction * friction_normal,
-            kept: kept(before * before, s * s),
+            loading_factor: loading_factor(before * before, s * s),
         };
         let largest = history.largest_overlap;
         history.largest_overlap = if overlap > largest { overlap } else { largest };
         ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
     }
 
-    /// At an overlap, or joined by a neck that began at one.
+    /// The spheres are in contact at an overlap, or while a neck that formed at one joins them.
     #[inline(always)]
     fn touches(&self, contact: &Contact, history: &ContactHistory) -> bool {
-        let spanned = contact.overlap > -self.reach(contact.reduced_radius);
+        let spanned = contact.overlap > -self.contact_range(contact.reduced_radius);
         contact.overlap > 0.0 || (history.largest_overlap > 0.0 && spanned)
     }
 
     #[inline(always)]
-    fn reach(&self, reduced_radius: f64) -> f64 {
+    fn contact_range(&self, reduced_radius: f64) -> f64 {
         LARGEST_SEPARATION * self.overlap_scale(self.scale(reduced_radius))
     }
 
@@ -157,5 +168,13 @@ impl ContactForceLaw for Jkr {
 
     fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
         self.elastic.hertz_force(overlap, reduced_radius) + self.pull_off_force(reduced_radius)
+    }
+}
+
+impl ExampleContactLaw for Jkr {
+    fn examples(scales: ExampleScales) -> Vec<Self> {
+        let surface_energy = 0.05 * scales.stiffness * scales.overlap;
+        let moduli = ContactModuli::example(scales);
+        Self::new(moduli, surface_energy, scales.restitution, 0.4).into_iter().collect()
     }
 }

@@ -1,32 +1,42 @@
-//! Loading, unloading and adhesion along straight lines of their own: what the hysteretic laws share.
-//!
-//! Walton & Braun, J. Rheol. 30 (1986) 949; Luding, Granular Matter 10 (2008) 235.
+//! Loading, unloading and adhesion along straight lines: what the hysteretic laws have in common.
 
-use super::linear_spring_dashpot::require;
 use super::slider::{Slider, damping_ratio};
-use super::{Contact, ContactForce, InvalidContactLaw};
+use crate::contact::ExampleScales;
+use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::{Contact, ContactForce};
 use crate::particles::ContactHistory;
 use std::f64::consts::PI;
 
 /// Parameters of every hysteretic law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HystereticParameters {
-    /// k_load, force per overlap.
+    /// Loading stiffness k_load, force per overlap.
     pub loading_stiffness: f64,
-    /// k_unload >= k_load, force per overlap.
+    /// Unloading stiffness k_unload >= k_load, force per overlap.
     pub unloading_stiffness: f64,
-    /// k_t, force per length.
+    /// Tangential stiffness k_t, force per length.
     pub tangential_stiffness: f64,
-    /// e of the dashpot alone, above 0 and at most 1: 1 is no dashpot.
+    /// Restitution coefficient e of the dashpot alone, above 0 and at most 1; 1 means no dashpot.
     pub restitution: f64,
-    /// mu_f.
+    /// Friction coefficient mu_f.
     pub friction: f64,
 }
 
 impl HystereticParameters {
-    /// psi_p = 1 - k_load / k_unload, the plasticity index.
+    /// Plasticity index psi_p = 1 - k_load / k_unload.
     pub fn plasticity(&self) -> f64 {
         1.0 - self.loading_stiffness / self.unloading_stiffness
+    }
+
+    /// Parameters for the examples that the hysteretic laws give of themselves.
+    pub(crate) fn example(scales: ExampleScales) -> Self {
+        Self {
+            loading_stiffness: 0.8 * scales.stiffness,
+            unloading_stiffness: scales.stiffness,
+            tangential_stiffness: 0.5 * scales.stiffness,
+            restitution: scales.restitution,
+            friction: 0.4,
+        }
     }
 
     fn check(&self) -> Result<(), InvalidContactLaw> {
@@ -50,7 +60,7 @@ impl HystereticParameters {
 /// adhesion     not below             -k_c delta;  there delta_max falls, so that the unloading line meets it
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Hysteresis {
+pub(crate) struct Hysteresis {
     unloading_stiffness: f64,
     plasticity: f64,
     /// k_c, infinite where nothing limits adhesion.
@@ -65,8 +75,8 @@ pub(super) struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// With an adhesion stiffness k_c, which may be infinite.
-    pub(super) fn new(
+    /// Checks the parameters; the adhesion stiffness k_c may be infinite.
+    pub(crate) fn new(
         parameters: &HystereticParameters,
         adhesion_stiffness: f64,
     ) -> Result<Self, InvalidContactLaw> {
@@ -85,9 +95,9 @@ impl Hysteresis {
         })
     }
 
-    /// Spring force at an overlap, and the largest overlap to be remembered.
+    /// Spring force at an overlap, and the largest overlap for the contact history.
     #[inline(always)]
-    pub(super) fn spring(&self, overlap: f64, largest: f64) -> (f64, f64) {
+    pub(crate) fn spring(&self, overlap: f64, largest: f64) -> (f64, f64) {
         let largest = if overlap > largest { overlap } else { largest };
         let unloading = self.unloading_stiffness * (overlap - self.plasticity * largest);
         let adhesion = -self.adhesion_stiffness * overlap;
@@ -97,10 +107,10 @@ impl Hysteresis {
         if unloading < adhesion { (adhesion, met) } else { (unloading, largest) }
     }
 
-    /// Spring, dashpots and friction, less a constant attraction. Friction is proportional to the normal force
-    /// plus `adhesion`, what of it is repulsive.
+    /// Force of spring, dashpots and friction, less a constant attraction. Friction is proportional to the normal
+    /// force without its adhesive part, that is plus `adhesion`.
     #[inline(always)]
-    pub(super) fn force(
+    pub(crate) fn force(
         &self,
         contact: &Contact,
         history: &mut ContactHistory,
@@ -117,28 +127,28 @@ impl Hysteresis {
             stiffness: self.tangential_stiffness,
             damping: self.tangential_damping_factor * root_of_mass,
             limit: self.friction * friction_normal,
-            kept: 1.0,
+            loading_factor: 1.0,
         };
         ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
     }
 
-    /// k_load.
-    pub(super) fn loading_stiffness(&self) -> f64 {
+    /// Loading stiffness k_load.
+    pub(crate) fn loading_stiffness(&self) -> f64 {
         self.loading_stiffness
     }
 
-    /// k_unload.
-    pub(super) fn unloading_stiffness(&self) -> f64 {
+    /// Unloading stiffness k_unload.
+    pub(crate) fn unloading_stiffness(&self) -> f64 {
         self.unloading_stiffness
     }
 
-    /// k_c.
-    pub(super) fn adhesion_stiffness(&self) -> f64 {
+    /// Adhesion stiffness k_c.
+    pub(crate) fn adhesion_stiffness(&self) -> f64 {
         self.adhesion_stiffness
     }
 
-    /// pi sqrt(m* / k_unload): half a swing along the stiffer line.
-    pub(super) fn contact_duration(&self, reduced_mass: f64) -> f64 {
+    /// pi sqrt(m* / k_unload): half a period of the oscillator along the stiffer line.
+    pub(crate) fn contact_duration(&self, reduced_mass: f64) -> f64 {
         PI * (reduced_mass / self.unloading_stiffness).sqrt()
     }
 }

@@ -1,27 +1,27 @@
-//! Friction in the tangent plane: spring, dashpot and slider (Cundall & Strack, Géotechnique 29 (1979) 47).
+//! Friction in the tangent plane: spring, dashpot and slider (Cundall & Strack, Géotechnique 29 (1979) 47-65).
 
-use super::Contact;
+use crate::contact::Contact;
 use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
-/// F_t = -k_t s - eta_t v_t with s the tangential displacement since the contact began; where that exceeds the
-/// limit, F_t is the limit along it and s is set back to -F_t / k_t.
+/// F_t = -k_t s - eta_t v_t with s the tangential displacement since the contact began. If its magnitude exceeds the
+/// limit, F_t is scaled down to the limit, and s is set to -F_t / k_t.
 #[derive(Clone, Copy)]
-pub(super) struct Slider {
-    /// k_t, force per length.
-    pub(super) stiffness: f64,
-    /// eta_t, force per velocity.
-    pub(super) damping: f64,
-    /// mu times the normal force that friction is proportional to.
-    pub(super) limit: f64,
-    /// Part of the old displacement that still counts: 1, unless k_t has grown in the last step.
-    pub(super) kept: f64,
+pub(crate) struct Slider {
+    /// Tangential stiffness k_t, force per length.
+    pub(crate) stiffness: f64,
+    /// Tangential damping eta_t, force per velocity.
+    pub(crate) damping: f64,
+    /// Largest force: mu times the normal force that friction is proportional to.
+    pub(crate) limit: f64,
+    /// Factor of the old displacement: 1, unless k_t has grown in the last step.
+    pub(crate) loading_factor: f64,
 }
 
 impl Slider {
-    /// Force on the second body, after the spring has been turned into the tangent plane and carried on by `dt`.
+    /// Force on the second body, after the spring has been projected onto the tangent plane and advanced by `dt`.
     #[inline(always)]
-    pub(super) fn force(
+    pub(crate) fn force(
         self,
         contact: &Contact,
         history: &mut ContactHistory,
@@ -30,7 +30,7 @@ impl Slider {
         let n = contact.normal;
         let slip = contact.relative_velocity - n * n.dot(&contact.relative_velocity);
         let old = history.tangential_spring;
-        let spring = (old - n * n.dot(&old)) * self.kept + slip * dt;
+        let spring = (old - n * n.dot(&old)) * self.loading_factor + slip * dt;
         let trial = spring * -self.stiffness - slip * self.damping;
         let squared = trial.norm_squared();
         let slides = squared > self.limit * self.limit;
@@ -42,7 +42,7 @@ impl Slider {
     }
 }
 
-/// |ln e| / sqrt(pi^2 + ln^2 e): the damping of an oscillator, over the critical one, whose half swing has the
+/// |ln e| / sqrt(pi^2 + ln^2 e): damping over critical damping of a linear oscillator whose half period has the
 /// restitution coefficient e.
 pub(super) fn damping_ratio(restitution: f64) -> f64 {
     let log = libm::log(restitution);

@@ -1,14 +1,14 @@
-//! Elastic spheres in contact: moduli of two bodies, and what the laws of Hertz, Mindlin, and Johnson, Kendall and
-//! Roberts share.
+//! Elastic spheres in contact: moduli of two bodies, and what the laws of Hertz, of Mindlin, and of Johnson, Kendall
+//! and Roberts have in common.
 
-use super::InvalidContactLaw;
-use super::linear_spring_dashpot::require;
 use super::slider::damping_ratio;
+use crate::contact::ExampleScales;
+use crate::contact::invalid_law::{InvalidContactLaw, require};
 
-/// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is told.
-const TOLD_OVERLAP: f64 = 0.01;
+/// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is reported.
+const REPORTED_OVERLAP: f64 = 0.01;
 
-/// What a body is made of.
+/// Elastic constants of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elasticity {
     /// Young's modulus E, force per area; infinite for a rigid body.
@@ -31,14 +31,14 @@ pub struct Elasticity {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactModuli {
-    /// E*.
+    /// Effective Young's modulus E*.
     pub normal: f64,
-    /// G*.
+    /// Effective shear modulus G*.
     pub shear: f64,
 }
 
 impl ContactModuli {
-    /// Of two bodies.
+    /// The moduli of a contact of two bodies.
     ///
     /// # Errors
     /// If a modulus is not positive, nu not within -1 to 0.5, or both bodies are rigid.
@@ -58,17 +58,26 @@ impl ContactModuli {
     }
 }
 
+impl ContactModuli {
+    /// Moduli for the examples that the elastic laws give of themselves: for R* of about 1 the stiffness 2 E* a is of
+    /// the order of the scale's.
+    pub(crate) fn example(scales: ExampleScales) -> Self {
+        let normal = scales.stiffness / scales.overlap.sqrt();
+        Self { normal, shear: 0.3 * normal }
+    }
+}
+
 /// Springs and dashpots of a contact of radius a.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Elastic {
-    pub(super) moduli: ContactModuli,
-    pub(super) friction: f64,
+pub(crate) struct Elastic {
+    pub(crate) moduli: ContactModuli,
+    pub(crate) friction: f64,
     /// 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e).
     damping: f64,
 }
 
 impl Elastic {
-    pub(super) fn new(
+    pub(crate) fn new(
         moduli: ContactModuli,
         restitution: f64,
         friction: f64,
@@ -84,42 +93,42 @@ impl Elastic {
 
     /// S_n = 2 E* a.
     #[inline(always)]
-    pub(super) fn normal_stiffness(&self, radius: f64) -> f64 {
+    pub(crate) fn normal_stiffness(&self, radius: f64) -> f64 {
         2.0 * self.moduli.normal * radius
     }
 
     /// S_t = 8 G* a: Mindlin's, without slip.
     #[inline(always)]
-    pub(super) fn tangential_stiffness(&self, radius: f64) -> f64 {
+    pub(crate) fn tangential_stiffness(&self, radius: f64) -> f64 {
         8.0 * self.moduli.shear * radius
     }
 
     /// eta = 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e) sqrt(S m*): in a normal impact of Hertz's law, a restitution
     /// coefficient of e at any speed.
     #[inline(always)]
-    pub(super) fn dashpot(&self, stiffness: f64, reduced_mass: f64) -> f64 {
+    pub(crate) fn dashpot(&self, stiffness: f64, reduced_mass: f64) -> f64 {
         self.damping * (stiffness * reduced_mass).sqrt()
     }
 
     /// 2.943 delta / V of the elastic impact of Hertz's law whose largest overlap is 1 % of the diameter 4 R* of
     /// two equal spheres: from (1/2) m* V^2 = (8/15) E* sqrt(R*) delta^(5/2). Slower impacts last longer.
-    pub(super) fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
-        let overlap = TOLD_OVERLAP * 4.0 * reduced_radius;
+    pub(crate) fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+        let overlap = REPORTED_OVERLAP * 4.0 * reduced_radius;
         let energy = 8.0 / 15.0 * self.hertz_force(overlap, reduced_radius) * 0.75 * overlap;
         2.943 * overlap / (2.0 * energy / reduced_mass).sqrt()
     }
 
     /// (4/3) E* sqrt(R*) delta^(3/2).
     #[inline(always)]
-    pub(super) fn hertz_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+    pub(crate) fn hertz_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
         4.0 / 3.0 * self.moduli.normal * (reduced_radius * overlap).sqrt() * overlap
     }
 }
 
-/// Part of a tangential displacement that counts after the contact radius went from `before` to `now`: a contact
-/// that is loaded keeps its force, not its displacement. One that is unloaded loses force with S_t. Otherwise
-/// cycles of loading would make energy (Elata & Berryman, Mech. Mater. 24 (1996) 229).
+/// Factor of a tangential displacement after the contact radius has changed from `before` to `now`. A contact that is
+/// loaded keeps its tangential force, not its displacement; one that is unloaded loses force in proportion to S_t.
+/// Otherwise cycles of loading would create energy (Elata & Berryman, Mech. Mater. 24 (1996) 229-240).
 #[inline(always)]
-pub(super) fn kept(before: f64, now: f64) -> f64 {
+pub(crate) fn loading_factor(before: f64, now: f64) -> f64 {
     if before < now { before / now } else { 1.0 }
 }

@@ -1,15 +1,24 @@
-//! Linear hysteretic contact with adhesion: Luding, Granular Matter 10 (2008) 235, with a constant k_2.
+//! Linear hysteretic contact with adhesion, with a constant unloading stiffness.
+//!
+//! References:
+//! * S. Luding, "Cohesive, frictional powders: contact models for tension", Granular Matter 10 (2008) 235-246,
+//!   <https://doi.org/10.1007/s10035-008-0099-x>
+//! * O. R. Walton, R. L. Braun, "Viscosity, granular-temperature, and stress calculations for shearing assemblies of
+//!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
-use super::hysteresis::{Hysteresis, HystereticParameters};
-use super::linear_spring_dashpot::require;
-use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use super::parts::{Hysteresis, HystereticParameters};
+use super::{ExampleContactLaw, ExampleScales};
+use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
 
+/// Linear hysteretic law with adhesion.
+///
 /// F = k_1 delta while loaded for the first time, k_2 (delta - delta_0) after, delta_0 = (1 - k_1 / k_2) delta_max,
-/// but not below -k_c delta; there delta_max is lowered, so that a contact that is pressed again climbs with k_2.
+/// but not below -k_c delta; there delta_max is lowered, so that a contact that is loaded again follows k_2.
 ///
 /// k_1 is the loading stiffness, k_2 the unloading one, k_c the stiffness of adhesion. Dashpots as in
-/// [`super::AdhesiveElasticPlastic`]; friction is at most mu |F_n + k_c delta|.
+/// [`AdhesiveElasticPlastic`](super::AdhesiveElasticPlastic); friction is at most mu |F_n + k_c delta|.
 ///
 /// Without dashpot, e^2 = k_1/k_2 - k_c (k_2 - k_1)^2 / (k_1 k_2 (k_2 + k_c)); spheres stick where that is negative.
 ///
@@ -32,7 +41,7 @@ pub struct LinearHysteretic {
 }
 
 impl LinearHysteretic {
-    /// With k_c, force per overlap.
+    /// Makes a law from the parameters of its springs and the adhesion stiffness k_c, force per overlap.
     ///
     /// # Errors
     /// If a parameter is out of its range, or k_c negative.
@@ -64,5 +73,12 @@ impl ContactForceLaw for LinearHysteretic {
     fn largest_force(&self, overlap: f64, _reduced_radius: f64) -> f64 {
         let hysteresis = &self.hysteresis;
         (hysteresis.unloading_stiffness() + hysteresis.adhesion_stiffness()) * overlap
+    }
+}
+
+impl ExampleContactLaw for LinearHysteretic {
+    fn examples(scales: ExampleScales) -> Vec<Self> {
+        let law = Self::new(HystereticParameters::example(scales), 0.7 * scales.stiffness);
+        law.into_iter().collect()
     }
 }

@@ -1,6 +1,6 @@
 //! The loop over particles at walls.
 
-use super::forces::{ForceLaws, ForceOutOfRange, forget, out_of_range, total};
+use super::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::Rolling;
 use super::{Contact, ContactForce, ContactForceLaw, ContactModel};
 use crate::domain::{PosedWalls, Wall, WallPose};
@@ -9,10 +9,10 @@ use crate::particles::{ContactHistory, Contacts, Particles};
 use nalgebra::Vector3;
 
 /// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
-/// force lattice.
+/// force quantum.
 ///
-/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with law, attraction and
-/// velocity of its own.
+/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with its own law, attraction and
+/// velocity.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.
@@ -29,9 +29,9 @@ pub fn add_wall_forces(
         let (i, number) = (pair.particle as usize, pair.wall as usize);
         let contact =
             contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws);
-        let interface = laws.at_walls.get(number).unwrap_or(laws.contact);
-        let (force, rolling) = evaluate(interface, &contact, contacts, slot, laws.dt);
-        let on_wall = laws.force_quantum.round_vector(total(&contact, &force));
+        let model = laws.at_walls.get(number).unwrap_or(laws.contact);
+        let (force, rolling) = evaluate(model, &contact, contacts, slot, laws.dt);
+        let on_wall = laws.force_quantum.round_vector(total_force(&contact, &force));
         if !within(&on_wall, laws.limit) {
             let other = format!("wall \"{}\"", walls.walls[number].name);
             let overlap = contact.overlap;
@@ -47,7 +47,7 @@ pub fn add_wall_forces(
     Ok(())
 }
 
-/// A particle and a wall as the law sees them.
+/// The contact of a particle and a wall.
 fn contact_with(
     (wall, pose): (&Wall, &WallPose),
     particles: &Particles,
@@ -73,19 +73,20 @@ fn contact_with(
     }
 }
 
-/// Force and rolling torque on the wall; what the contact remembers goes on, or ends.
+/// Force and rolling torque on the wall; advances the history of the contact, or clears it.
 fn evaluate(
-    interface: &ContactModel,
+    model: &ContactModel,
     contact: &Contact,
     contacts: &mut Contacts,
     slot: usize,
     dt: f64,
 ) -> (ContactForce, Vector3<f64>) {
-    let ContactModel { law, rolling } = interface;
-    let history: &mut ContactHistory = &mut contacts.wall_memory[slot];
+    let ContactModel { law, rolling } = model;
+    let history: &mut ContactHistory = &mut contacts.wall_history[slot];
     let angle = &mut contacts.wall_rolling_angle[slot];
     if !law.touches(contact, history) {
-        forget(&mut contacts.wall_touching[slot], history);
+        contacts.wall_touching[slot] = false;
+        *history = ContactHistory::default();
         *angle = Vector3::zeros();
         return (ContactForce::zero(), Vector3::zeros());
     }
@@ -98,4 +99,10 @@ fn evaluate(
     let torque =
         rolling.torque(contact, force.friction_normal, law.stiffness_over(contact, dt), angle, dt);
     (force, torque)
+}
+
+/// Force of contact and attraction on the wall.
+#[inline(always)]
+fn total_force(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
+    contact.normal * (force.normal - contact.cohesion) + force.tangential
 }

@@ -1,28 +1,39 @@
-//! Linear spring and dashpot with a tangential spring and slider: Moon 2006 eqs (1)-(3); Cundall & Strack,
-//! Géotechnique 29 (1979) 47.
+//! Linear spring and dashpot, with a tangential spring and slider.
+//!
+//! References:
+//! * P. A. Cundall, O. D. L. Strack, "A discrete numerical model for granular assemblies", Géotechnique 29 (1979) 47-65,
+//!   <https://doi.org/10.1680/geot.1979.29.1.47>
+//! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
+//!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (1)-(3)
 
-use super::{Contact, ContactForce, ContactForceLaw};
+use super::{ExampleContactLaw, ExampleScales};
+use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
 use std::f64::consts::PI;
-use thiserror::Error;
 
 /// Which normal force limits friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrictionCap {
-    /// |F_n| of spring and dashpot.
+    /// The force of spring and dashpot, |F_n|.
     Contact,
-    /// |F_n - F_c|, the net normal force with cohesion.
+    /// The net normal force with cohesion F_c, |F_n - F_c|.
     Net,
 }
 
-/// F_n = k_n delta - gamma_n v_n along the normal, v_n > 0 separating, with
+/// Linear spring and dashpot.
+///
+/// F_n = k_n delta - gamma_n v_n along the normal, v_n > 0 if the bodies separate, with
 /// gamma_n = 2 sqrt(k_n m*) |ln e| / sqrt(pi^2 + ln^2 e);
 /// |F_s| = min(k_t |delta_s|, mu |F_n|) against the tangential displacement delta_s since the contact
 /// began.
 ///
-/// The spring is kept in the tangent plane by projection; a sliding one is cut back to the length that
-/// gives exactly the cap. The dashpot may pull just before separation: clipped, the restitution would
-/// not come out as given.
+/// The spring is projected onto the tangent plane; where it slides, it is shortened to the length that gives exactly
+/// the limit. The dashpot may pull just before separation: if it were clipped, the restitution would not be the one
+/// that is given.
+///
+/// There is no tangential dashpot, and the elastic force alone is compared with the limit: another slider, with other
+/// roundings, than that of the other laws.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -54,30 +65,8 @@ pub struct LinearSpringDashpot {
     damping_factor: f64,
 }
 
-/// A parameter without physical meaning.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[error("{parameter} is {value}, it must be {allowed}")]
-pub struct InvalidContactLaw {
-    /// Which parameter.
-    pub parameter: &'static str,
-    /// What was given.
-    pub value: f64,
-    /// What may be given.
-    pub allowed: &'static str,
-}
-
-/// An error unless a parameter has a meaning.
-pub(super) fn require(
-    holds: bool,
-    parameter: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), InvalidContactLaw> {
-    if holds { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
-}
-
 impl LinearSpringDashpot {
-    /// A law from its stiffnesses (force per length), restitution coefficient e and friction coefficient mu.
+    /// Makes a law from its stiffnesses (force per length), restitution coefficient e and friction coefficient mu.
     ///
     /// # Errors
     /// If a stiffness is not positive (tangential: negative), e is outside (0, 1] or mu is negative.
@@ -100,12 +89,12 @@ impl LinearSpringDashpot {
         Ok(Self { normal_stiffness, tangential_stiffness, friction, friction_cap, damping_factor })
     }
 
-    /// k_t = 2 k_n (1 - nu) / (2 - nu), nu Poisson's ratio.
+    /// Tangential stiffness k_t = 2 k_n (1 - nu) / (2 - nu) of a body of Poisson's ratio nu.
     pub fn tangential_stiffness_of(normal_stiffness: f64, poisson_ratio: f64) -> f64 {
         2.0 * normal_stiffness * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
     }
 
-    /// k_n, force per overlap.
+    /// Normal stiffness k_n, force per overlap.
     pub fn normal_stiffness(&self) -> f64 {
         self.normal_stiffness
     }
@@ -128,7 +117,7 @@ impl ContactForceLaw for LinearSpringDashpot {
         };
         let limit = self.friction * friction_normal;
         let pull_squared = self.tangential_stiffness.powi(2) * spring.norm_squared();
-        // A factor of 1 instead of a branch: contacts are evaluated side by side, in lanes.
+        // A factor of 1 instead of a branch: contacts are evaluated side by side in vector lanes.
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
         history.tangential_spring = spring;
         ContactForce { normal, tangential: spring * -self.tangential_stiffness, friction_normal }
@@ -146,6 +135,14 @@ impl ContactForceLaw for LinearSpringDashpot {
 
     fn largest_force(&self, overlap: f64, _reduced_radius: f64) -> f64 {
         self.normal_stiffness * overlap
+    }
+}
+
+impl ExampleContactLaw for LinearSpringDashpot {
+    fn examples(scales: ExampleScales) -> Vec<Self> {
+        let k = scales.stiffness;
+        let law = Self::new(k, 0.8 * k, scales.restitution, 0.4, FrictionCap::Contact);
+        law.into_iter().collect()
     }
 }
 
@@ -178,30 +175,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_law_is_odd_bit_for_bit(
-            direction in vector(), velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
-        ) {
-            prop_assume!(direction.norm() > 0.1);
-            let contact = contact(overlap, direction.normalize(), velocity);
-            let mut here = ContactHistory { tangential_spring: spring * 1.0e-3, largest_overlap: 0.0 };
-            let mut there = ContactHistory { tangential_spring: -here.tangential_spring, ..here };
-            let mirrored = Contact { normal: -contact.normal, relative_velocity: -velocity, ..contact };
-            let first = law().force(&contact, &mut here, 1.0e-4);
-            let second = law().force(&mirrored, &mut there, 1.0e-4);
-            prop_assert_eq!(first.normal, second.normal);
-            prop_assert_eq!(first.tangential, -second.tangential);
-            prop_assert_eq!(here.tangential_spring, -there.tangential_spring);
-        }
-
-        #[test]
-        fn friction_stays_in_the_tangent_plane_and_below_the_cap(
+        fn friction_stays_in_the_tangent_plane_and_below_its_limit(
             velocity in vector(), spring in vector(), overlap in 1.0e-6..1.0e-2f64,
         ) {
             let contact = contact(overlap, Vector3::z(), velocity);
             let mut history = ContactHistory { tangential_spring: spring, largest_overlap: 0.0 };
             let force = law().force(&contact, &mut history, 1.0e-4);
             prop_assert_eq!(force.tangential.z, 0.0);
-            // The cut-back spring rounds a few times.
+            // The shortened spring is rounded a few times.
             prop_assert!(force.tangential.norm() <= 0.1 * force.normal.abs() * (1.0 + 1.0e-14));
         }
     }

@@ -1,22 +1,24 @@
-//! Pairs that are apart and attract each other: most of what a contact needs is left out.
+//! The loop over separated pairs that attract each other: it needs little of what a contact needs.
 
-use super::block::{Lanes, ManySizes, OneSize, Sizes, load, overlap_and_normal, store, vector};
-use super::forces::{ForceLaws, ForceOutOfRange, out_of_range};
-use super::van_der_waals::{Attraction, Full, NearContact};
-use super::{CohesionExpression, VanDerWaalsNow};
+use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
+use crate::contact::lanes::{
+    Lanes, ManySizes, OneSize, Sizes, load_vectors, overlap_and_normal, store_vectors, vector,
+};
+use crate::contact::van_der_waals::{Attraction, Full, NearContact};
+use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
 use crate::particles::{ForceTorque, LANES, NearPairs, Pair, Particles, Waiting};
 
-/// Adds the attraction of waiting pairs to the forces on their particles, as the loop over contacts would; finds
-/// those that have come within reach of a contact, and leaves them to that loop.
-pub(super) struct AttractApart<'a> {
+/// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
+/// those that have come within the range of contacts, and leaves them to that loop.
+pub(super) struct SeparatedLoop<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) near: &'a mut NearPairs,
     pub(super) cohesion: VanDerWaalsNow,
     pub(super) laws: &'a ForceLaws<'a>,
 }
 
-impl SimdKernel for AttractApart<'_> {
+impl SimdKernel for SeparatedLoop<'_> {
     type Output = Result<(), ForceOutOfRange>;
 
     #[inline(always)]
@@ -29,7 +31,7 @@ impl SimdKernel for AttractApart<'_> {
     }
 }
 
-impl AttractApart<'_> {
+impl SeparatedLoop<'_> {
     #[inline(always)]
     fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
         match self.near.one_size {
@@ -46,7 +48,7 @@ impl AttractApart<'_> {
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, near, laws, .. } = self;
         let Waiting { pairs, reach, arrived } = near.waiting();
-        let mut block = Block::default();
+        let mut block = SeparatedBlock::default();
         for (number, pairs) in pairs.chunks(LANES).enumerate() {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
             block.attract((attraction, reach), &sizes, laws);
@@ -63,10 +65,10 @@ impl AttractApart<'_> {
     }
 }
 
-/// Pairs side by side; lanes beyond the last repeat it.
+/// A block of separated pairs. Lanes beyond the last pair repeat it.
 #[derive(Default)]
-struct Block {
-    branch: [Lanes; 3],
+struct SeparatedBlock {
+    branch_vector: [Lanes; 3],
     overlap: Lanes,
     force_on_j: [Lanes; 3],
     /// 1 where a contact reaches the pair.
@@ -75,19 +77,19 @@ struct Block {
     out_of_range: [u64; LANES],
 }
 
-impl Block {
+impl SeparatedBlock {
     #[inline(always)]
     fn gather<Q: F64x4, S: Sizes>(&mut self, sizes: &mut S, pairs: &[Pair], particles: &Particles) {
-        let mut branch = [Q::splat(0.0); 4];
+        let mut branch_vector = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
-            for (row, of_pair) in branch.iter_mut().enumerate() {
+            for (row, of_pair) in branch_vector.iter_mut().enumerate() {
                 let lane = from + row;
                 let [i, j, _] = pairs[lane.min(pairs.len() - 1)];
                 let (i, j) = (&particles.body[i as usize], &particles.body[j as usize]);
                 sizes.gather(lane, [i, j]);
                 *of_pair = Q::load(&j.vectors()[0]).minus(Q::load(&i.vectors()[0]));
             }
-            store(&mut self.branch, from, branch);
+            store_vectors(&mut self.branch_vector, from, branch_vector);
         }
     }
 
@@ -101,17 +103,17 @@ impl Block {
         for lane in 0..LANES {
             let [radius_i, radius_j] = sizes.radii(lane);
             let (overlap, normal) =
-                overlap_and_normal(vector(&self.branch, lane), [radius_i, radius_j]);
+                overlap_and_normal(vector(&self.branch_vector, lane), [radius_i, radius_j]);
             let arrived = overlap > -reach;
             let pull = attraction.between(radius_i, radius_j, -overlap);
             let pull = if arrived { 0.0 } else { pull };
-            let on_j = laws.force_quantum.round_vector(normal * -pull);
+            let force_on_j = laws.force_quantum.round_vector(normal * -pull);
             self.overlap[lane] = overlap;
             self.arrived[lane] = u64::from(arrived);
             for axis in 0..3 {
-                self.force_on_j[axis][lane] = on_j[axis];
+                self.force_on_j[axis][lane] = force_on_j[axis];
             }
-            self.out_of_range[lane] = u64::from(!within(&on_j, laws.limit));
+            self.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
         }
     }
 
@@ -125,13 +127,13 @@ impl Block {
     }
 
     #[inline(always)]
-    fn scatter<Q: F64x4>(&self, pairs: &[Pair], loads: &mut [ForceTorque]) {
+    fn scatter<Q: F64x4>(&self, pairs: &[Pair], forces: &mut [ForceTorque]) {
         for (four, pairs) in pairs.chunks(4).enumerate() {
-            let force = load::<Q>(&self.force_on_j, 4 * four);
+            let force = load_vectors::<Q>(&self.force_on_j, 4 * four);
             for (row, &[i, _, target]) in pairs.iter().enumerate() {
-                let [force_i, _torque] = loads[i as usize].vectors_mut();
+                let [force_i, _torque] = forces[i as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
-                let [force_j, _torque] = loads[target as usize].vectors_mut();
+                let [force_j, _torque] = forces[target as usize].vectors_mut();
                 Q::load(force_j).plus(force[row]).store(force_j);
             }
         }

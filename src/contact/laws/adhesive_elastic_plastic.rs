@@ -1,9 +1,15 @@
-//! Adhesive elastic-plastic contact of porous agglomerates: Liu, van Wachem, Mudde, Chen & van Ommen, AIChE J. 62
-//! (2016) 2259 and Powder Technol. (2016).
+//! Adhesive elastic-plastic contact of porous agglomerates.
+//!
+//! References:
+//! * D. Liu, B. G. M. van Wachem, R. F. Mudde, X. Chen, J. R. van Ommen, "An adhesive CFD-DEM model for simulating
+//!   nanoparticle agglomerate fluidization", AIChE J. 62 (2016) 2259-2270
+//! * O. R. Walton, R. L. Braun, "Viscosity, granular-temperature, and stress calculations for shearing assemblies of
+//!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
-use super::hysteresis::{Hysteresis, HystereticParameters};
-use super::linear_spring_dashpot::require;
-use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use super::parts::{Hysteresis, HystereticParameters};
+use super::{ExampleContactLaw, ExampleScales};
+use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
 
 /// A hysteretic spring shifted by a constant attraction F0, which acts while the spheres overlap:
@@ -15,16 +21,17 @@ use crate::particles::ContactHistory;
 /// ```
 ///
 /// where delta_max is the largest overlap since the contact began, psi_p = 1 - k_load / k_unload the plasticity
-/// index and d_NP the diameter of the primary particles that the contact is flattened over. On parting from f_ad
-/// the force goes along a straight line to -F0 at delta = 0. That line is one and the same for every delta_max,
+/// index and d_NP the diameter of the primary particles over which the contact is flattened. On separation from f_ad
+/// the force follows a straight line to -F0 at delta = 0. That line is the same for every delta_max,
 ///
 /// ```text
 /// F = -F0 - k_c delta,   k_c = F0 / (d_NP - F0 / k_unload),
 /// ```
 ///
-/// so a contact is on the higher of unloading line and this one. A contact that is pressed again from it climbs
-/// the unloading line through the present point: delta_max is lowered to suit. With d_NP <= F0 / k_unload the line
-/// is never reached, and the force falls along the unloading line until the spheres part. Without F0 nothing pulls.
+/// so the force of a contact is the larger of the unloading line and this one. A contact that is loaded again from it
+/// follows the unloading line through the present point: delta_max is lowered accordingly. With d_NP <= F0 / k_unload the line
+/// is never reached, and the force falls along the unloading line until the spheres separate. Without F0 there is no
+/// attraction.
 ///
 /// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with
 /// eta_n = 2 sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, eta_t of the same form in k_t
@@ -43,7 +50,7 @@ use crate::particles::ContactHistory;
 ///     friction: 0.3,
 /// };
 /// let law = AdhesiveElasticPlastic::new(parameters, 0.25, 0.625)?; // k_c = 0.25 / (0.625 - 0.125) = 0.5
-/// let mut memory = ContactHistory::default();
+/// let mut history = ContactHistory::default();
 /// let mut force_at = |overlap| {
 ///     let at_rest = Contact {
 ///         overlap,
@@ -55,7 +62,7 @@ use crate::particles::ContactHistory;
 ///         reduced_inertia: 0.05,
 ///         cohesion: 0.0,
 ///     };
-///     law.force(&at_rest, &mut memory, 0.0).normal
+///     law.force(&at_rest, &mut history, 0.0).normal
 /// };
 /// assert_eq!(force_at(1.0), 1.25); // 1.5 - 0.25
 /// assert_eq!(force_at(0.5), 0.25); // 2 (0.5 - 0.25) - 0.25
@@ -69,7 +76,7 @@ pub struct AdhesiveElasticPlastic {
 }
 
 impl AdhesiveElasticPlastic {
-    /// With F0 (force) and d_NP (length; 0: no limit of adhesion).
+    /// Makes a law from the parameters of its springs, F0 (force) and d_NP (length; 0: adhesion has no limit).
     ///
     /// # Errors
     /// If a parameter is out of its range, F0 or d_NP negative.
@@ -93,12 +100,12 @@ impl AdhesiveElasticPlastic {
         Ok(Self { hysteresis, attraction })
     }
 
-    /// F0.
+    /// Constant attraction F0.
     pub fn attraction(&self) -> f64 {
         self.attraction
     }
 
-    /// k_c, infinite if the limit of adhesion is never reached.
+    /// Adhesion stiffness k_c, infinite if the limit of adhesion is never reached.
     pub fn adhesion_stiffness(&self) -> f64 {
         self.hysteresis.adhesion_stiffness()
     }
@@ -120,5 +127,15 @@ impl ContactForceLaw for AdhesiveElasticPlastic {
 
     fn largest_force(&self, overlap: f64, _reduced_radius: f64) -> f64 {
         self.hysteresis.unloading_stiffness() * overlap + self.attraction
+    }
+}
+
+impl ExampleContactLaw for AdhesiveElasticPlastic {
+    /// With the limit of adhesion, and without it.
+    fn examples(scales: ExampleScales) -> Vec<Self> {
+        let parameters = HystereticParameters::example(scales);
+        let attraction = 0.3 * scales.stiffness * scales.overlap;
+        let diameters = [0.5 * scales.overlap, 0.0];
+        diameters.into_iter().flat_map(|d| Self::new(parameters, attraction, d)).collect()
     }
 }

@@ -1,19 +1,28 @@
 //! Elastic spheres: Hertz's normal force, Mindlin's tangential stiffness without slip, and dashpots of a constant
 //! restitution coefficient.
 //!
-//! Mindlin & Deresiewicz, J. Appl. Mech. 20 (1953) 327; Tsuji, Tanaka & Ishida, Powder Technol. 71 (1992) 239;
-//! Antypov & Elliott, Europhys. Lett. 94 (2011) 50004.
+//! References:
+//! * H. Hertz, "Ueber die Berührung fester elastischer Körper", J. reine angew. Math. 92 (1882) 156-171,
+//!   <https://doi.org/10.1515/crll.1882.92.156>
+//! * R. D. Mindlin, H. Deresiewicz, "Elastic spheres in contact under varying oblique forces", J. Appl. Mech. 20 (1953)
+//!   327-344, <https://doi.org/10.1115/1.4010702>
+//! * Y. Tsuji, T. Tanaka, T. Ishida, "Lagrangian numerical simulation of plug flow of cohesionless particles in a
+//!   horizontal pipe", Powder Technol. 71 (1992) 239-250, <https://doi.org/10.1016/0032-5910(92)88030-L>
+//! * D. Antypov, J. A. Elliott, "On an analytical solution for the damped Hertzian spring", Europhys. Lett. 94 (2011)
+//!   50004, <https://doi.org/10.1209/0295-5075/94/50004>
 
-use super::elastic::{ContactModuli, Elastic, kept};
-use super::slider::Slider;
-use super::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use super::parts::{ContactModuli, Elastic, Slider, loading_factor};
+use super::{ExampleContactLaw, ExampleScales};
+use crate::contact::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
 use crate::particles::ContactHistory;
 
+/// Law of Hertz and Mindlin.
+///
 /// F_n = (4/3) E* sqrt(R*) delta^(3/2) - eta_n v_n; F_t = -S_t s - eta_t v_t, at most mu |F_n|.
 ///
 /// With a = sqrt(R* delta) the radius of contact, S_n = 2 E* a and S_t = 8 G* a; eta = 2 sqrt(5/6) |ln e| /
 /// sqrt(pi^2 + ln^2 e) sqrt(S m*) with S_n or S_t. While a contact is loaded, the tangential force of its spring
-/// stays; while it is unloaded, that falls with S_t: no cycle makes energy.
+/// is kept; while it is unloaded, that force falls with S_t: no cycle creates energy.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -41,7 +50,7 @@ pub struct HertzMindlin {
 }
 
 impl HertzMindlin {
-    /// With the moduli of the contact, e and mu.
+    /// Makes a law from the moduli of the contact, the restitution coefficient e and the friction coefficient mu.
     ///
     /// # Errors
     /// If a modulus is not positive, e not within (0, 1], or mu negative.
@@ -54,7 +63,7 @@ impl HertzMindlin {
     }
 }
 
-/// sqrt(R* delta), 0 where the spheres are apart.
+/// Contact radius a = sqrt(R* delta), 0 where the spheres are apart.
 #[inline(always)]
 fn contact_radius(overlap: f64, reduced_radius: f64) -> f64 {
     (reduced_radius * if overlap > 0.0 { overlap } else { 0.0 }).sqrt()
@@ -75,7 +84,7 @@ impl ContactForceLaw for HertzMindlin {
             stiffness,
             damping: self.elastic.dashpot(stiffness, reduced_mass),
             limit: self.elastic.friction * normal.abs(),
-            kept: kept(before, radius),
+            loading_factor: loading_factor(before, radius),
         };
         ContactForce {
             normal,
@@ -95,5 +104,12 @@ impl ContactForceLaw for HertzMindlin {
 
     fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
         self.elastic.hertz_force(overlap, reduced_radius)
+    }
+}
+
+impl ExampleContactLaw for HertzMindlin {
+    fn examples(scales: ExampleScales) -> Vec<Self> {
+        let law = Self::new(ContactModuli::example(scales), scales.restitution, 0.4);
+        law.into_iter().collect()
     }
 }

@@ -1,0 +1,110 @@
+//! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
+
+use super::{Lanes, Sizes, load_vectors, store_vectors};
+use crate::numbers::F64x4;
+use crate::particles::{Body, ForceTorque, LANES};
+
+/// The pairs of a block, component by component: particles i and j in each lane.
+#[derive(Default)]
+pub(crate) struct ContactBlock {
+    /// From the centre of i to that of j.
+    pub(crate) branch_vector: [Lanes; 3],
+    /// First that of the centres, then that of the surfaces at the contact.
+    pub(crate) relative_velocity: [Lanes; 3],
+    /// omega_i r_i + omega_j r_j.
+    pub(crate) surface_spin: [Lanes; 3],
+    /// omega_j - omega_i; only if rolling is resisted.
+    pub(crate) relative_spin: [Lanes; 3],
+    pub(crate) overlap: Lanes,
+    pub(crate) normal: [Lanes; 3],
+    pub(crate) cohesion: Lanes,
+    pub(crate) normal_force: Lanes,
+    pub(crate) tangential_force: [Lanes; 3],
+    /// Torque on j; only if rolling is resisted.
+    pub(crate) rolling_torque: [Lanes; 3],
+    pub(crate) force_on_j: [Lanes; 3],
+    /// The negative of the torque on i.
+    pub(crate) negative_torque_i: [Lanes; 3],
+    /// The negative of the torque on j; if the two are equal, only that on i is set.
+    pub(crate) negative_torque_j: [Lanes; 3],
+    /// 1 where the bodies are in contact.
+    pub(crate) touching: [u64; LANES],
+    /// 1 where the force exceeds the limit or is undefined.
+    pub(crate) out_of_range: [u64; LANES],
+}
+
+impl ContactBlock {
+    /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for.
+    #[inline(always)]
+    pub(crate) fn gather<Q: F64x4, S: Sizes>(
+        &mut self,
+        sizes: &mut S,
+        [first, second]: [&[u32; LANES]; 2],
+        bodies: &[Body],
+        with_relative_spin: bool,
+    ) {
+        let zero = [Q::splat(0.0); 4];
+        let (mut branch_vector, mut velocity, mut spin, mut relative_spin) =
+            (zero, zero, zero, zero);
+        for from in (0..LANES).step_by(4) {
+            for row in 0..4 {
+                let lane = from + row;
+                let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
+                sizes.gather(lane, [i, j]);
+                let [radius_i, radius_j] = sizes.radii(lane);
+                let ([position_i, velocity_i, spin_i], [position_j, velocity_j, spin_j]) =
+                    (i.vectors(), j.vectors());
+                branch_vector[row] = Q::load(position_j).minus(Q::load(position_i));
+                velocity[row] = Q::load(velocity_j).minus(Q::load(velocity_i));
+                let (spin_i, spin_j) = (Q::load(spin_i), Q::load(spin_j));
+                let surface_i = spin_i.times(Q::splat(radius_i));
+                spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
+                relative_spin[row] = spin_j.minus(spin_i);
+            }
+            store_vectors(&mut self.branch_vector, from, branch_vector);
+            store_vectors(&mut self.relative_velocity, from, velocity);
+            store_vectors(&mut self.surface_spin, from, spin);
+            if with_relative_spin {
+                store_vectors(&mut self.relative_spin, from, relative_spin);
+            }
+        }
+    }
+
+    /// Adds forces and torques of the first `used` pairs to those of their bodies.
+    #[inline(always)]
+    pub(crate) fn scatter<Q: F64x4, S: Sizes>(
+        &self,
+        [first, second]: [&[u32; LANES]; 2],
+        used: usize,
+        forces: &mut [ForceTorque],
+    ) {
+        for from in (0..used).step_by(4) {
+            let force = load_vectors::<Q>(&self.force_on_j, from);
+            let negative_torque_i = load_vectors::<Q>(&self.negative_torque_i, from);
+            let negative_torque_j = if S::EQUAL {
+                negative_torque_i
+            } else {
+                load_vectors(&self.negative_torque_j, from)
+            };
+            for row in 0..4 {
+                if from + row >= used {
+                    break;
+                }
+                let [force_i, torque_i] = forces[first[from + row] as usize].vectors_mut();
+                Q::load(force_i).minus(force[row]).store(force_i);
+                Q::load(torque_i).minus(negative_torque_i[row]).store(torque_i);
+                let [force_j, torque_j] = forces[second[from + row] as usize].vectors_mut();
+                Q::load(force_j).plus(force[row]).store(force_j);
+                Q::load(torque_j).minus(negative_torque_j[row]).store(torque_j);
+            }
+        }
+    }
+
+    /// Copies the flags of pairs that touch.
+    #[inline(always)]
+    pub(crate) fn copy_touching(&self, touching: &mut [bool; LANES]) {
+        for (touching, &flag) in touching.iter_mut().zip(&self.touching) {
+            *touching = flag != 0;
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Blocks of pairs side by side, in lanes, and contact laws on them.
+
+mod block;
+mod law;
+mod sizes;
+mod vectors;
+
+use crate::particles::LANES;
+
+pub(crate) use block::ContactBlock;
+pub use law::BlockLaw;
+pub(crate) use law::{BlockHistories, Inlined, LawOnBlock, Virtual, WithBlockLaw};
+pub(crate) use sizes::{AnySizes, ManySizes, OneSize, Sizes};
+pub(crate) use vectors::{load_vectors, overlap_and_normal, store_vectors, vector};
+
+/// A number for each pair of a block.
+pub(crate) type Lanes = [f64; LANES];

@@ -1,0 +1,29 @@
+//! The contact laws: one file each, its `mod` line, and its line in the registry.
+
+mod custom;
+mod example;
+mod parts;
+#[macro_use]
+mod registry;
+
+mod adhesive_elastic_plastic;
+mod hertz_mindlin;
+mod jkr;
+mod linear_hysteretic;
+mod linear_spring_dashpot;
+
+pub use custom::CustomContactLaw;
+pub use example::{ExampleContactLaw, ExampleScales};
+pub use linear_spring_dashpot::FrictionCap;
+pub use parts::{ContactModuli, Elasticity, HystereticParameters};
+
+// The name of the file is the name of the law in a case. From these lines follow the enum `ContactLaw`, its dispatch in
+// and outside the loop over pairs, the names that a case can choose from, the laws that the tests run over, and the table
+// in docs/laws.md.
+contact_laws! {
+    linear_spring_dashpot::LinearSpringDashpot,
+    adhesive_elastic_plastic::AdhesiveElasticPlastic,
+    linear_hysteretic::LinearHysteretic,
+    hertz_mindlin::HertzMindlin,
+    jkr::Jkr,
+}

@@ -1,0 +1,106 @@
+//! What follows from the lines of the registry of contact laws.
+
+/// Defines [`ContactLaw`](super::ContactLaw) from `file::Type` lines.
+macro_rules! contact_laws {
+    ($($file:ident :: $Law:ident),* $(,)?) => {
+        $(pub use $file::$Law;)*
+
+        /// A contact law: one of the registry, which a case chooses by name, or one from outside the crate.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum ContactLaw {
+            $(
+                #[doc = concat!("In a case: `law = \"", stringify!($file), "\"`.")]
+                $Law($Law),
+            )*
+            /// A law from outside the crate, which no case file can choose.
+            Custom($crate::contact::CustomContactLaw),
+        }
+
+        $(
+            impl From<$Law> for ContactLaw {
+                fn from(law: $Law) -> Self {
+                    Self::$Law(law)
+                }
+            }
+        )*
+
+        impl ContactLaw {
+            /// The laws that a case can choose from, by name.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($file)),*];
+
+            /// What the case file calls the law; of a law from outside the crate, the name that it was given.
+            pub fn name(&self) -> &str {
+                match self {
+                    $(Self::$Law(_) => stringify!($file),)*
+                    Self::Custom(law) => law.name(),
+                }
+            }
+
+            /// Examples of every law of the registry, without rolling friction, for tests.
+            pub fn examples(scales: $crate::contact::ExampleScales) -> Vec<Self> {
+                let mut examples = Vec::new();
+                $(
+                    let laws = <$Law as $crate::contact::ExampleContactLaw>::examples(scales);
+                    examples.extend(laws.into_iter().map(Self::from));
+                )*
+                examples
+            }
+
+            /// The law, for single contacts.
+            fn as_law(&self) -> &dyn $crate::contact::ContactForceLaw {
+                match self {
+                    $(Self::$Law(law) => law,)*
+                    Self::Custom(law) => law.as_law(),
+                }
+            }
+
+            /// Passes the law to work on blocks of pairs: the laws of the registry by their types, so that they are
+            /// compiled into the work.
+            #[inline(always)]
+            pub(crate) fn dispatch<W: $crate::contact::lanes::WithBlockLaw>(
+                &self,
+                work: W,
+            ) -> W::Output {
+                match self {
+                    $(Self::$Law(law) => work.with($crate::contact::lanes::Inlined(law)),)*
+                    Self::Custom(law) => work.with($crate::contact::lanes::Virtual(law.as_block_law())),
+                }
+            }
+        }
+
+        impl $crate::contact::ContactForceLaw for ContactLaw {
+            fn force(
+                &self,
+                contact: &$crate::contact::Contact,
+                history: &mut $crate::particles::ContactHistory,
+                dt: f64,
+            ) -> $crate::contact::ContactForce {
+                self.as_law().force(contact, history, dt)
+            }
+
+            fn touches(
+                &self,
+                contact: &$crate::contact::Contact,
+                history: &$crate::particles::ContactHistory,
+            ) -> bool {
+                self.as_law().touches(contact, history)
+            }
+
+            fn contact_range(&self, reduced_radius: f64) -> f64 {
+                self.as_law().contact_range(reduced_radius)
+            }
+
+            fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
+                self.as_law().stiffness(overlap, reduced_radius)
+            }
+
+            fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
+                self.as_law().contact_duration(reduced_mass, reduced_radius)
+            }
+
+            fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
+                self.as_law().largest_force(overlap, reduced_radius)
+            }
+        }
+    };
+}

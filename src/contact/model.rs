@@ -1,0 +1,12 @@
+//! The contact model: a law, and resistance to rolling.
+
+use super::{ContactLaw, RollingFriction};
+
+/// How two kinds of bodies act on each other in contact: two particles, or a particle and a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactModel {
+    /// Law of contact.
+    pub law: ContactLaw,
+    /// Resistance to rolling.
+    pub rolling: Option<RollingFriction>,
+}

@@ -1,0 +1,44 @@
+//! Attraction of the pairs of a block.
+
+use crate::contact::lanes::{ContactBlock, Lanes, Sizes};
+use crate::contact::van_der_waals::{Attraction, Full, NearContact};
+use crate::contact::{CohesionExpression, VanDerWaalsNow};
+use crate::particles::LANES;
+
+/// Sets the attraction of all pairs, if there is any.
+#[inline(always)]
+pub(super) fn attract<S: Sizes>(
+    block: &mut ContactBlock,
+    sizes: &S,
+    cohesion: Option<VanDerWaalsNow>,
+) {
+    let Some(cohesion) = cohesion else { return };
+    match cohesion.expression() {
+        CohesionExpression::NearContact => attract_by(NearContact(cohesion), block, sizes),
+        CohesionExpression::Full => attract_by(Full(cohesion), block, sizes),
+    }
+}
+
+#[inline(always)]
+fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut ContactBlock, sizes: &S) {
+    // Nearly all pairs of a dense bed touch. Below the cut-off the attraction of equal pairs is the same for all.
+    if S::EQUAL && none_beyond(attraction.cut_off(), &block.overlap) {
+        let [radius_i, radius_j] = sizes.radii(0);
+        block.cohesion = [attraction.between(radius_i, radius_j, 0.0); LANES];
+        return;
+    }
+    for lane in 0..LANES {
+        let [radius_i, radius_j] = sizes.radii(lane);
+        block.cohesion[lane] = attraction.between(radius_i, radius_j, -block.overlap[lane]);
+    }
+}
+
+/// Whether no separation exceeds a limit.
+#[inline(always)]
+fn none_beyond(limit: f64, overlap: &Lanes) -> bool {
+    let mut beyond = 0;
+    for overlap in overlap {
+        beyond |= u64::from(-overlap > limit);
+    }
+    beyond == 0
+}

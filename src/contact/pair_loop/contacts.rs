@@ -1,0 +1,154 @@
+//! The loop over pairs that may touch: blocks of pairs are gathered into lanes, evaluated, and added to the particles.
+
+use super::attraction::attract;
+use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
+use crate::contact::lanes::{
+    BlockHistories, ContactBlock, LawOnBlock, ManySizes, OneSize, Sizes, WithBlockLaw,
+    overlap_and_normal, vector,
+};
+use crate::contact::rolling::{NoRolling, Rolling};
+use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
+use crate::particles::{LANES, NearPairs, PairBlock, PairBlocks, Particles};
+use std::marker::PhantomData;
+
+/// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
+const CACHED: usize = 1 << 22;
+
+/// Adds the forces and torques of the pairs that may touch.
+pub(super) struct ContactLoop<'a> {
+    pub(super) particles: &'a mut Particles,
+    pub(super) near: &'a mut NearPairs,
+    pub(super) laws: &'a ForceLaws<'a>,
+}
+
+impl SimdKernel for ContactLoop<'_> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    /// Chooses the law once, for all pairs.
+    #[inline(always)]
+    fn run<Q: F64x4>(self) -> Self::Output {
+        let law = &self.laws.contact.law;
+        law.dispatch(WithRegisters::<Q> { work: self, registers: PhantomData })
+    }
+}
+
+/// The loop with registers of one kind.
+struct WithRegisters<'a, Q> {
+    work: ContactLoop<'a>,
+    registers: PhantomData<Q>,
+}
+
+impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    /// Chooses rolling and, without it, whether all particles have one size.
+    #[inline(always)]
+    fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
+        let work = self.work;
+        match (work.laws.contact.rolling, work.near.one_size) {
+            (Some(rolling), _) => {
+                work.evaluate::<Q, _, _, _>((&law, rolling), ManySizes::default())
+            }
+            (None, None) => work.evaluate::<Q, _, _, _>((&law, NoRolling), ManySizes::default()),
+            (None, Some([radius, mass])) => {
+                work.evaluate::<Q, _, _, _>((&law, NoRolling), OneSize { radius, mass })
+            }
+        }
+    }
+}
+
+impl ContactLoop<'_> {
+    #[inline(always)]
+    fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: Sizes>(
+        self,
+        (law, rolling): (&L, R),
+        mut sizes: S,
+    ) -> Result<(), ForceOutOfRange> {
+        let Self { particles, near, laws } = self;
+        let mut block = ContactBlock::default();
+        let mut no_angles = [[0.0; LANES]; 3];
+        let count = near.acting.count();
+        let from_memory = size_of_val(&near.acting.blocks[..]) > CACHED;
+        let PairBlocks { blocks, rolling_angle, .. } = &mut near.acting;
+        for index in 0..blocks.len() {
+            let (done, coming) = blocks.split_at_mut(index + 1);
+            let pairs = &mut done[index];
+            let ends = [&pairs.first, &pairs.second];
+            block.gather::<Q, S>(&mut sizes, ends, &particles.body, R::ACTS);
+            if from_memory {
+                fetch_particles(coming.first(), particles);
+                coming.get(1).into_iter().for_each(fetch_ahead);
+            }
+            set_geometry(&mut block, &sizes);
+            attract(&mut block, &sizes, laws.cohesion);
+            let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
+            let histories = BlockHistories { contacts: &mut pairs.history, rolling_angles };
+            law.evaluate(rolling, &sizes, laws.dt, &mut block, histories);
+            round_forces::<R, S>(&mut block, &sizes, laws);
+            block.copy_touching(&mut pairs.touching);
+            if let Some(lane) = first_flagged(&block.out_of_range) {
+                let [i, j] = ends.map(|end| particles.id[end[lane] as usize]);
+                let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
+                let force = vector(&block.force_on_j, lane);
+                return Err(out_of_range(i, other, force, overlap, laws.limit));
+            }
+            let used = PairBlock::used(index, count);
+            let targets = [ends[0], &pairs.target];
+            block.scatter::<Q, S>(targets, used, &mut particles.forces);
+        }
+        Ok(())
+    }
+}
+
+/// Prefetches the particles of the next block, so that the processor need not wait for them when it gets there.
+#[inline(always)]
+fn fetch_particles(next: Option<&PairBlock>, particles: &Particles) {
+    let Some(pairs) = next else { return };
+    for index in pairs.first.into_iter().chain(pairs.second) {
+        fetch_ahead(&particles.body[index as usize]);
+        fetch_ahead(&particles.forces[index as usize]);
+    }
+}
+
+/// Sets overlap, normal and relative velocity of the surfaces of all pairs. It is a separate loop so that the processor
+/// can work on several square roots at once.
+#[inline(always)]
+fn set_geometry<S: Sizes>(block: &mut ContactBlock, sizes: &S) {
+    for lane in 0..LANES {
+        let (overlap, normal) =
+            overlap_and_normal(vector(&block.branch_vector, lane), sizes.radii(lane));
+        let velocity = vector(&block.relative_velocity, lane)
+            - vector(&block.surface_spin, lane).cross(&normal);
+        block.overlap[lane] = overlap;
+        for axis in 0..3 {
+            block.normal[axis][lane] = normal[axis];
+            block.relative_velocity[axis][lane] = velocity[axis];
+        }
+    }
+}
+
+/// Sets the forces and torques of all pairs, rounded to multiples of their quanta.
+#[inline(always)]
+fn round_forces<R: Rolling, S: Sizes>(block: &mut ContactBlock, sizes: &S, laws: &ForceLaws) {
+    for lane in 0..LANES {
+        let [radius_i, radius_j] = sizes.radii(lane);
+        let normal = vector(&block.normal, lane);
+        let tangential = vector(&block.tangential_force, lane);
+        let along = block.normal_force[lane] - block.cohesion[lane];
+        let force_on_j = laws.force_quantum.round_vector(normal * along + tangential);
+        let twist = normal.cross(&tangential);
+        let mut twists = [twist * radius_i, twist * radius_j];
+        if R::ACTS {
+            let torque = vector(&block.rolling_torque, lane);
+            twists = [twists[0] + torque, twists[1] - torque];
+        }
+        for axis in 0..3 {
+            block.force_on_j[axis][lane] = force_on_j[axis];
+            block.negative_torque_i[axis][lane] = laws.torque_quantum.round(twists[0][axis]);
+            if !S::EQUAL {
+                block.negative_torque_j[axis][lane] = laws.torque_quantum.round(twists[1][axis]);
+            }
+        }
+        block.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
+    }
+}

@@ -1,0 +1,39 @@
+//! The loops over pairs of particles: geometry, law, cohesion, and exact sums.
+
+mod attraction;
+mod contacts;
+mod separated;
+
+use super::force_laws::{ForceLaws, ForceOutOfRange};
+use crate::numbers::with_simd;
+use crate::particles::{Contacts, Particles};
+use contacts::ContactLoop;
+use separated::SeparatedLoop;
+
+/// Adds the forces and torques of all pairs to both their particles.
+///
+/// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
+/// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
+/// -r_i n x F_t. Every contribution is rounded to a multiple of a quantum before it is added: the
+/// sums are exact, so neither the order of pairs nor evaluating a pair on two ranks changes a bit.
+///
+/// Before: forces are sums of multiples of the quantum; ghosts are current. After: the forces of all pairs with an owned
+/// particle have been added to it.
+///
+/// # Errors
+/// If a force exceeds the limit or is undefined; the first such pair of this rank.
+pub fn add_pair_forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+) -> Result<(), ForceOutOfRange> {
+    contacts.near.acting.hold_rolling_angles(laws.contact.rolling.is_some());
+    contacts.find_near(particles, laws.ranges);
+    let near = &mut contacts.near;
+    match laws.cohesion {
+        None => near.look_for_arrivals(particles),
+        Some(cohesion) => with_simd(SeparatedLoop { particles, near, cohesion, laws })?,
+    }
+    near.let_in();
+    with_simd(ContactLoop { particles, near, laws })
+}
