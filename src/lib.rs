@@ -19,7 +19,7 @@
 //! * Cohesion \[Moon2006 (4); Hamaker1937\]: A r / (12 s^2) at a separation s of surfaces above a cut-off,
 //!   constant below it and in contact ([`contact::VanDerWaals`]).
 //! * Gas \[Moon2006 (6)-(12)\], one-dimensional and without inertia, from continuity of the mixture and
-//!   Darcy's law; it acts vertically ([`coupling::FluidForce`]):
+//!   Darcy's law; it acts vertically ([`gas::ColumnSolver`]):
 //!
 //! ```text
 //! (1 - phi) u_g + phi u_s = U_s,    -(1 - phi) dp/dz = beta (u_g - u_s)
@@ -30,7 +30,7 @@
 //!   ([`gas::volume_averaged`]).
 //! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
 //! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).
-//! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::CoarseGraining`]).
+//! * phi and u_s on a vertical grid by hat weights \[Moon2006 (8)-(10)\] ([`coupling::ColumnDeposition`]).
 //!
 //! Symbols: phi solids fraction, u_s mean velocity of the solids, u_g that of the gas between them, U_s
 //! superficial gas velocity, v velocity of the particle, beta momentum transfer per volume, delta overlap,

@@ -1,7 +1,8 @@
 //! The step: velocity Verlet for the particles, the gas of the moment, and all forces.
 
 use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
-use crate::domain::{Bounds, Face, PosedWalls};
+use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
+use crate::gas::{GasLayout, GasStep, ParticleLimits};
 use crate::numbers::ExactSum;
 use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
 use crate::particles::{
@@ -11,8 +12,6 @@ use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::{Stage, processor_time};
 use std::collections::HashSet;
 use thiserror::Error;
-
-mod flow;
 
 /// Why a run cannot go on. The same on all ranks.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -224,8 +223,7 @@ fn arrange(
     if work.balance.as_mut().is_some_and(|balance| balance.look(clock.step)) {
         rebalance(particles, bounds, work, width, ranks);
     }
-    work.decomposition =
-        flow::aligned(work.decomposition.clone(), models, width).map_err(unstable)?;
+    work.decomposition = models.gas.align(&work.decomposition, width).map_err(unstable)?;
     migrate(particles, &mut histories, &work.decomposition, ranks);
     let before = processor_time();
     work.neighbours.sort_by_cells(particles, width);
@@ -238,9 +236,34 @@ fn arrange(
     let rebuilt = work.neighbours.rebuild(particles, contacts, walls, work.reach, &histories);
     work.timers.on_particles += processor_time() - before;
     agree(rebuilt, ranks).map_err(unstable)?;
-    let settled = flow::settle(state, domain, models, work, &old_decomposition, ranks);
+    let settled = distribute_gas(state, domain, models, work, &old_decomposition, ranks);
     work.timers.add(Stage::Rebuild, begin.elapsed());
     settled.map_err(unstable)
+}
+
+/// Brings the gas to the ranks of the new decomposition. Collective.
+fn distribute_gas(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    before: &Decomposition,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let layout = GasLayout {
+        limits: ParticleLimits {
+            diameters: [state.sizes.smallest_diameter, state.sizes.largest_diameter],
+            force: models.limits.force,
+            force_quantum: models.force_quantum,
+            speed: models.limits.speed,
+            drift: 0.5 * work.reach.skin,
+        },
+        before,
+        subdomain: work.decomposition.subdomain(&domain.bounds, ranks.rank()),
+        time: state.clock.time(),
+    };
+    let State { particles, gas, .. } = state;
+    work.gas.distribute(&models.gas, gas, particles, &layout, ranks)
 }
 
 /// Moves the cut planes if the load on the ranks is uneven. Collective.
@@ -322,7 +345,7 @@ fn evaluate_forces(
     dt: f64,
     ranks: &dyn Communicator,
 ) {
-    let Workspace { fluid, flow, tallies, timers, fault, reach, wall_poses, .. } = work;
+    let Workspace { gas, tallies, timers, fault, reach, wall_poses, .. } = work;
     let time = state.clock.time();
     let gravity = models.gravity.at(time);
     let laws = ForceLaws {
@@ -335,35 +358,29 @@ fn evaluate_forces(
         force_quantum: models.force_quantum,
         torque_quantum: models.torque_quantum,
     };
-    let driven = timers.time(Stage::Gas, || {
-        if let Some((model, solver)) = models.flow().zip(flow.as_mut()) {
-            return flow::advance(state, model, models, solver, ranks);
+    let State { particles, contacts, gas: gas_state, clock, .. } = state;
+    let advanced = timers.time(Stage::Gas, || {
+        let substeps = models.gas.substeps();
+        if !clock.step.is_multiple_of(substeps) {
+            return Ok(()); // the force of the last gas step holds
         }
-        let Some((gas, fluid)) = models.column().zip(fluid.as_mut()) else { return Ok(()) };
-        let particles = &state.particles;
-        fluid.coarse_grain(particles, ranks);
-        let set = fluid.set_superficial_velocity(gas, particles, (time, gravity), ranks);
-        set.map_err(|error| error.to_string())
+        let step = GasStep { time, dt: models.time_step * substeps as f64, gravity };
+        gas.advance(gas_state, particles, &step, ranks)
     });
     let before = processor_time();
-    let State { particles, contacts, .. } = state;
     let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
     let walls = timers.time(Stage::Walls, || {
         let walls = PosedWalls { walls: &domain.walls, poses: wall_poses };
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
-    let bodies = timers.time(Stage::GasForce, || match models.column().zip(fluid.as_mut()) {
-        None if models.flow().is_some() => Ok(flow::add_held_forces(particles, models)),
-        None => Ok([0; 3]),
-        Some((gas, fluid)) => fluid.add_to(gas, particles),
-    });
+    let by_gas = timers.time(Stage::GasForce, || gas.add_forces(particles));
     timers.on_particles += processor_time() - before;
-    tallies.by_gas = *bodies.as_ref().unwrap_or(&[0; 3]);
+    tallies.by_gas = *by_gas.as_ref().unwrap_or(&[0; 3]);
     let message = [
-        driven.err(),
+        advanced.err().map(|error| error.to_string()),
         pairs.err().map(|error| error.to_string()),
         walls.err().map(|error| error.to_string()),
-        bodies.err().map(|error| error.to_string()),
+        by_gas.err().map(|error| error.to_string()),
     ];
     *fault = message.into_iter().flatten().next();
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use talcum::case::{Case, RankLayout};
 use talcum::contact::VanDerWaals;
 use talcum::domain::{Face, WallShape};
-use talcum::gas::Drive;
+use talcum::gas::{Drive, GasModel};
 use talcum::numbers::Schedule;
 
 fn read(name: &str, overrides: &[&str]) -> Result<Case, String> {
@@ -27,7 +27,7 @@ fn groups_become_quantities() {
     // Bo = F / (m g) with m = pi/6, g = 1, for both.
     assert!(close(now.between_particles(0.5, 0.5, 0.0), 20.0 * PI / 6.0));
     assert!(close(now.to_wall(0.5, 0.0), 40.0 * PI / 6.0));
-    let gas = stage.column().unwrap();
+    let gas = stage.gas.column().unwrap();
     assert!(close(gas.viscosity, 1.0 / 55.0));
     assert_eq!(gas.spacing, 1.5);
     let vibration = stage.gravity.vibration.unwrap();
@@ -45,7 +45,7 @@ fn groups_become_quantities_in_si_too() {
     let weight = rho * PI / 6.0 * d.powi(3) * g;
     // The full expression tends to the near-contact one as s/r falls, here 2e-5.
     assert!((now.between_particles(0.5 * d, 0.5 * d, 0.0) / weight / 20.0 - 1.0).abs() < 1.0e-4);
-    let viscosity = case.stages[0].column().unwrap().viscosity;
+    let viscosity = case.stages[0].gas.column().unwrap().viscosity;
     assert!(close(rho * g.sqrt() * d.powf(1.5) / viscosity, 55.0));
     assert_eq!(case.domain.walls.len(), 6);
     let WallShape::Plane { normal, .. } = case.domain.walls[5].shape else { panic!("a plane") };
@@ -57,11 +57,11 @@ fn stages_change_what_they_name_and_keep_the_rest() {
     let case = read("staged.toml", &[]).unwrap();
     let [settle, ramp, cohesive] = case.stages.as_slice() else { panic!("three stages") };
     assert_eq!([settle.start, settle.end, ramp.end, cohesive.end], [0.0, 1.0, 3.0, 6.0]);
-    assert!(settle.gas.is_none() && settle.cohesion.is_none());
+    assert!(settle.gas == GasModel::None && settle.cohesion.is_none());
     assert!(ramp.cohesion.is_none());
     let ramped = Schedule::Ramp { from: 0.0, to: 0.04, start: 1.0, end: 3.0 };
     for stage in [ramp, cohesive] {
-        assert_eq!(stage.column().unwrap().drive, Drive::Velocity(ramped.clone()));
+        assert_eq!(stage.gas.column().unwrap().drive, Drive::Velocity(ramped.clone()));
     }
     let cohesion = cohesive.cohesion.as_ref().unwrap();
     let steps = Schedule::Steps { values: vec![1.0e-10, 2.0e-10], start: 3.0, every: 1.5 };
@@ -78,7 +78,7 @@ fn stages_change_what_they_name_and_keep_the_rest() {
 #[test]
 fn the_grid_of_a_periodic_box_divides_it() {
     let case = read("periodic-box.toml", &[]).unwrap();
-    assert!(close(case.stages[0].column().unwrap().spacing, 18.0 / 13.0));
+    assert!(close(case.stages[0].gas.column().unwrap().spacing, 18.0 / 13.0));
     assert!(case.notes.iter().any(|note| note.contains("gas.spacing = 1.4 becomes 1.38")));
     assert!(case.notes.iter().any(|note| note.contains("gas.lateral_drag is not given: false")));
 }
@@ -89,7 +89,7 @@ fn overrides_change_the_case_and_its_text() {
     let case = read("staged.toml", &overrides).unwrap();
     assert_eq!(case.end_time(), 9.0);
     assert_eq!(case.parallel.layout, RankLayout::Slabs(0));
-    assert!(case.stages[1].gas.is_none());
+    assert_eq!(case.stages[1].gas, GasModel::None);
     let again = Case::from_text(&case.text, "again", Path::new("."), &[]).unwrap();
     assert_eq!(again.stages, case.stages);
     let error = read("staged.toml", &["contact.restitution=1.4", "time.end=9"]).unwrap_err();

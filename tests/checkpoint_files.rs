@@ -12,7 +12,7 @@ use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
     run_on_threads,
 };
-use talcum::state::{Clock, Departed, FlowReport, SizeRange};
+use talcum::state::{Clock, Departed, GasReport, SizeRange};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// A state of so many particles, of which this rank has every n-th.
@@ -50,7 +50,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: (0..count / 4).filter(mine).map(wall_contact).collect(),
         cells: (0..count / 3).filter(mine).map(cell).collect(),
-        flow_report: FlowReport {
+        gas_report: GasReport {
             iterations: 7,
             raised_cells: 1,
             courant: 0.2,
@@ -248,7 +248,7 @@ fn files_from_before_rolling_springs_and_gas_in_three_dimensions_are_read() {
     state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
     state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
     state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
-    (state.cells, state.flow_report) = (Vec::new(), FlowReport::default());
+    (state.cells, state.gas_report) = (Vec::new(), GasReport::default());
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
     let without_angles = |file: &hdf5::File| {
         file.unlink("gas").unwrap();

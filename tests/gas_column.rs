@@ -34,7 +34,7 @@ fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
 }
 
 fn profile_of(run: &Run) -> BedProfile {
-    let spacing = run.models.column().map_or(1.5, |gas| gas.spacing);
+    let spacing = run.models.gas.column().map_or(1.5, |gas| gas.spacing);
     let grid = ColumnGrid::new(&run.domain.bounds, spacing, 1.0);
     BedProfile::new(grid, run.models.limits.speed, [1.0; 2], 0.3)
 }
@@ -53,14 +53,12 @@ fn fixed_lattice(drag: DragLaw, velocity: f64, diameter: f64) -> Bench {
 fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
     for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for (velocity, d) in [(0.12, 1.0), (30.0, 1.0), (-5.0, 0.8)] {
-            let mut run = fixed_lattice(drag, velocity, d).alone();
+            let run = fixed_lattice(drag, velocity, d).alone();
             let phi = 160.0 * PI / 6.0 * d.powi(3) / (25.0 * 12.5);
             let u_g = velocity / (1.0 - phi);
             let gradient = momentum_transfer(drag, phi, d, velocity) * u_g / (1.0 - phi);
             let expected = gradient * 12.5;
-            let fluid = run.work.fluid.as_mut().unwrap();
-            let gas = run.models.column().unwrap();
-            let found = fluid.pressure_drop(gas);
+            let found = run.work.gas.column().unwrap().pressure_drop();
             // Sums of 160 numbers on lattices of 1e-15 of the cell, and a power: round-off.
             assert!(
                 (found / expected - 1.0).abs() < 1.0e-12,
@@ -87,7 +85,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
         let mut flow = gas(0.5);
         flow.drag = drag;
         bench.gas = Some(flow);
-        let mut run = bench.alone();
+        let run = bench.alone();
         let cell = 4.2 * 4.2 * 1.5;
         let mut expected = 0.0;
         for node in 0..21 {
@@ -103,9 +101,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
                 expected += beta * 0.5 / (1.0 - phi).powi(2) * 1.5;
             }
         }
-        let fluid = run.work.fluid.as_mut().unwrap();
-        let gas = run.models.column().unwrap();
-        let found = fluid.pressure_drop(gas);
+        let found = run.work.gas.column().unwrap().pressure_drop();
         assert!((found / expected - 1.0).abs() < 1.0e-12, "{found} for {expected}"); // round-off
     }
 }

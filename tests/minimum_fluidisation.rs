@@ -38,11 +38,11 @@ fn poured_bed() -> (Bench, Snapshot) {
 /// Gas force over weight of the particles in the middle half of the bed, and the mean solids fraction there:
 /// the ends, where phi is averaged with what is beyond them, are not the bulk.
 fn bulk(run: &mut Run) -> (f64, f64) {
-    let Run { state, models, work, .. } = run;
-    let (gas, fluid) = (models.column().unwrap(), work.fluid.as_mut().unwrap());
+    let Run { state, work, .. } = run;
+    let gas = work.gas.column().unwrap();
     let mut probe = state.particles.clone();
     probe.forces.fill(ForceTorque::of(Vector3::zeros()));
-    fluid.add_to(gas, &mut probe).expect("forces have a meaning");
+    gas.add_forces(&mut probe).expect("forces have a meaning");
     let owned = probe.owned_count();
     let top = probe.body[..owned].iter().fold(0.0, |top: f64, body| top.max(body.position.z));
     let inside = |height: f64| (0.25 * top..0.75 * top).contains(&height);
@@ -51,9 +51,9 @@ fn bulk(run: &mut Run) -> (f64, f64) {
         force += probe.forces[i].force.z;
         weight += probe.body[i].mass;
     }
-    let nodes = fluid.grid().nodes();
-    let in_bulk = (0..nodes).filter(|&node| inside(fluid.grid().height_of(node)));
-    let fractions: Vec<f64> = in_bulk.map(|node| fluid.bed().solids_fraction[node]).collect();
+    let nodes = gas.grid().nodes();
+    let in_bulk = (0..nodes).filter(|&node| inside(gas.grid().height_of(node)));
+    let fractions: Vec<f64> = in_bulk.map(|node| gas.bed().solids_fraction[node]).collect();
     (force / weight, fractions.iter().sum::<f64>() / fractions.len() as f64)
 }
 
@@ -62,7 +62,7 @@ fn measured(run: &mut Run) -> (f64, f64) {
     let (mut slopes, mut fractions) = (Vec::new(), Vec::new());
     while run.time() < POURED + RISE {
         run.steps(400);
-        let velocity = run.work.fluid.as_ref().unwrap().superficial_velocity();
+        let velocity = run.work.gas.column().unwrap().superficial_velocity();
         let (force, fraction) = bulk(run);
         if (0.4..0.9).contains(&force) {
             slopes.push(force / velocity);

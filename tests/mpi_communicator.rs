@@ -16,7 +16,7 @@ use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, Message, MpiRanks, OneRank, ParticleRecord,
 };
 use talcum::parallel::{agree, sort_by_id};
-use talcum::state::{Clock, Departed, FlowReport, SizeRange};
+use talcum::state::{Clock, Departed, GasReport, SizeRange};
 
 /// Environment variable that names what a rank is to do.
 const ROLE: &str = "TALCUM_TEST_ROLE";
@@ -226,7 +226,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
-        flow_report: FlowReport::default(),
+        gas_report: GasReport::default(),
     }
 }
 

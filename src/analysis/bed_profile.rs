@@ -1,6 +1,6 @@
 //! Solids fraction and velocity over the height, and where the bed begins and ends.
 
-use crate::coupling::{Bed, CoarseGraining};
+use crate::coupling::{Bed, ColumnDeposition};
 use crate::grid::ColumnGrid;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
@@ -9,7 +9,7 @@ use crate::particles::Particles;
 #[derive(Clone, Debug)]
 pub struct BedProfile {
     grid: ColumnGrid,
-    coarse_graining: CoarseGraining,
+    deposition: ColumnDeposition,
     bed: Bed,
     /// Solids fraction that bounds the bed.
     threshold: f64,
@@ -18,8 +18,8 @@ pub struct BedProfile {
 impl BedProfile {
     /// A profile on a grid, for speeds up to a limit; the bed is where phi is above `threshold`.
     pub fn new(grid: ColumnGrid, speed_limit: f64, diameters: [f64; 2], threshold: f64) -> Self {
-        let coarse_graining = CoarseGraining::new(&grid, speed_limit, diameters);
-        Self { grid, coarse_graining, bed: Bed::default(), threshold }
+        let deposition = ColumnDeposition::new(&grid, speed_limit, diameters);
+        Self { grid, deposition, bed: Bed::default(), threshold }
     }
 
     /// The grid.
@@ -34,7 +34,7 @@ impl BedProfile {
 
     /// Reads the particles. Collective.
     pub fn update(&mut self, particles: &Particles, ranks: &dyn Communicator) {
-        self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
+        self.deposition.deposit(particles, &self.grid, &mut self.bed, ranks);
     }
 
     /// Volume of solids on the grid.

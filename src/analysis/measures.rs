@@ -1,8 +1,7 @@
 //! The numbers of one row of the series: balances, pressure drops, and how the bed moves.
 
 use super::BedProfile;
-use crate::domain::{BASE_PLATE, Subdomain};
-use crate::grid::Field;
+use crate::domain::BASE_PLATE;
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
@@ -126,42 +125,6 @@ fn external_forces(
     ([force(0), force(1), force(2)], force(3), force(4))
 }
 
-/// Superficial velocity through the bottom and pressure drop of a gas in three dimensions; 0 without one. In a
-/// periodic box both faces are one, and the drop is what the driving force makes up for.
-fn flow_through(
-    state: &State,
-    models: &Models,
-    subdomain: Subdomain,
-    ranks: &dyn Communicator,
-) -> (f64, f64) {
-    let Some((model, flow)) = models.flow().zip(state.flow.as_ref()) else { return (0.0, 0.0) };
-    let part = model.grid.local_cells(subdomain);
-    let [nx, ny, nz] = part.count.map(|count| count as isize);
-    let [at_bottom, at_top] = part.at_ends(2);
-    let columns = || (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j)));
-    let mut sums = [(); 2].map(|()| ExactSum::default());
-    let fields = &flow.fields;
-    let mean = |field: &Field, [i, j, k]: [isize; 3]| {
-        0.5 * (field.at([i, j, k - 1]) + field.at([i, j, k]))
-    };
-    for (i, j) in columns().filter(|_| at_bottom) {
-        let face = [i, j, 0];
-        sums[0].add(mean(&fields.voidage, face) * fields.velocity[2].at(face));
-        sums[1].add(mean(&fields.pressure, face));
-    }
-    for (i, j) in columns().filter(|_| at_top) {
-        sums[1].add(-mean(&fields.pressure, [i, j, nz]));
-    }
-    let mut integers: Vec<i64> = sums.iter().flat_map(ExactSum::to_integers).collect();
-    ranks.sum_integers(&mut integers);
-    let mut totals = integers.chunks(ExactSum::INTEGERS).map(ExactSum::from_integers);
-    let faces = (part.counts[0] * part.counts[1]) as f64;
-    let mut total = || totals.next().map_or(0.0, |sum| sum.value()) / faces;
-    let (velocity, drop) = (total(), total());
-    let driven = model.driving.z * model.grid.spacing().z * part.counts[2] as f64;
-    (velocity, drop + driven)
-}
-
 /// Reads off everything. Collective.
 ///
 /// Before: `state` is at the end of a step; `probe` was taken before that step, if there was one.
@@ -198,18 +161,11 @@ pub fn measure(
     };
     let per = |value: f64, total: f64| if total > 0.0 { value / total } else { 0.0 };
     let (bed_bottom, bed_top) = profile.bottom_and_top();
-    let (superficial_velocity, pressure_drop) = match (models.column(), &work.fluid) {
-        (Some(gas), Some(fluid)) => (fluid.superficial_velocity(), fluid.pressure_drop(gas)),
-        _ => {
-            let subdomain = work.decomposition.subdomain(&domain.bounds, ranks.rank());
-            flow_through(state, models, subdomain, ranks)
-        }
-    };
-    let pressure_force = pressure_drop * domain.bounds.cross_section();
-    let report = state.flow.as_ref().map(|flow| flow.report).unwrap_or_default();
+    let gas = work.gas.observables(&state.gas, ranks);
+    let pressure_force = gas.pressure_drop * domain.bounds.cross_section();
     Measures {
         time: state.clock.time(),
-        superficial_velocity,
+        superficial_velocity: gas.superficial_velocity,
         grid_pressure_drop: over_weight(pressure_force),
         gas_force: over_weight(gas_force),
         plate_stress: over_weight(plate_force),
@@ -225,9 +181,9 @@ pub fn measure(
         mass_error: if volume > 0.0 { profile.solids_volume() / volume - 1.0 } else { 0.0 },
         particles: count,
         departed: state.departed.count as f64,
-        gas_iterations: report.iterations as f64,
-        gas_courant: report.courant,
-        raised_cells: report.raised_cells as f64,
-        exchange_error: over_weight(report.momentum_error),
+        gas_iterations: gas.report.iterations as f64,
+        gas_courant: gas.report.courant,
+        raised_cells: gas.report.raised_cells as f64,
+        exchange_error: over_weight(gas.report.momentum_error),
     }
 }

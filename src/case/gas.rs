@@ -5,7 +5,7 @@ use super::particles::Scales;
 use super::section::Section;
 use super::volume_averaged::read_volume_averaged;
 use crate::domain::Bounds;
-use crate::state::GasModel;
+use crate::gas::GasModel;
 use serde::Deserialize;
 use std::ops::Range;
 

@@ -34,8 +34,9 @@ pub use stages::Stage;
 pub use units::Units;
 
 use crate::contact::{ContactForceLaw, ContactModel};
-use crate::coupling::FlowModel;
 use crate::domain::Bounds;
+use crate::gas::GasModel;
+use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::particles::Reach;
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange, range_of};
@@ -128,9 +129,15 @@ impl Case {
         self.particles.size_range()
     }
 
-    /// The gas in three dimensions of the first stage that has one; its cells are those of all stages.
-    pub fn flow(&self) -> Option<&FlowModel> {
-        self.stages.iter().find_map(Stage::flow)
+    /// The volume-averaged gas of the first stage that has one; its cells are those of all stages.
+    pub fn volume_averaged(&self) -> Option<&VolumeAveragedModel> {
+        self.gas_on_cells().volume_averaged()
+    }
+
+    /// The same as the gas of a stage; no gas if there is no such stage.
+    pub fn gas_on_cells(&self) -> &GasModel {
+        let mut gases = self.stages.iter().map(|stage| &stage.gas);
+        gases.find(|gas| gas.volume_averaged().is_some()).unwrap_or(&GasModel::None)
     }
 
     /// The particles at the start: those of a part of the bed, in the order of their ids. They are what they are in the
@@ -190,10 +197,10 @@ impl Case {
     }
 }
 
-/// The gas in three dimensions moves at whole multiples of its step, on cells that are the same for all stages
+/// The volume-averaged gas moves at whole multiples of its step, on cells that are the same for all stages
 /// and not too small for the particles.
 fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static str, String)> {
-    let (model, first) = (stage.flow()?, case.flow()?);
+    let (model, first) = (stage.gas.volume_averaged()?, case.volume_averaged()?);
     let (name, step) = (&stage.name, (stage.start / stage.time_step).round() as u64);
     if !step.is_multiple_of(model.substeps) {
         let words = format!(

@@ -12,10 +12,9 @@ use super::tree::{Node, Value};
 use super::units::Units;
 use super::walls::contacts_of;
 use crate::contact::{ContactModel, VanDerWaals};
-use crate::coupling::FlowModel;
 use crate::domain::EffectiveGravity;
-use crate::gas::ColumnGas;
-use crate::state::{Domain, GasModel, Limits, Models, SizeRange};
+use crate::gas::GasModel;
+use crate::state::{Domain, Limits, Models, SizeRange};
 use std::ops::Range;
 
 /// Sections that a stage may change.
@@ -43,7 +42,7 @@ pub struct Stage {
     /// Attraction.
     pub cohesion: Option<VanDerWaals>,
     /// Gas.
-    pub gas: Option<GasModel>,
+    pub gas: GasModel,
     /// Gravity in the frame of the plate.
     pub gravity: EffectiveGravity,
 }
@@ -70,22 +69,6 @@ impl Stage {
     /// All ways in which bodies touch.
     pub fn interfaces(&self) -> impl Iterator<Item = &ContactModel> {
         std::iter::once(&self.contact).chain(&self.at_walls)
-    }
-
-    /// The column of gas, if that is the gas.
-    pub fn column(&self) -> Option<&ColumnGas> {
-        match &self.gas {
-            Some(GasModel::Column(gas)) => Some(gas),
-            _ => None,
-        }
-    }
-
-    /// The gas in three dimensions, if that is the gas.
-    pub fn flow(&self) -> Option<&FlowModel> {
-        match &self.gas {
-            Some(GasModel::VolumeAveraged(model)) => Some(model),
-            _ => None,
-        }
     }
 
     /// What particles of these sizes may not exceed.
@@ -219,8 +202,7 @@ fn timetable(
     (names, times)
 }
 
-type Forces =
-    ((ContactModel, Vec<ContactModel>), Option<VanDerWaals>, Option<GasModel>, EffectiveGravity);
+type Forces = ((ContactModel, Vec<ContactModel>), Option<VanDerWaals>, GasModel, EffectiveGravity);
 
 fn read_forces(
     current: &[Current; SECTIONS.len()],
@@ -249,7 +231,7 @@ fn read_forces(
     let all = |magnitude| {
         let vibration = vibration.map_or(Some(None), |vibration| vibration.map(Some))?;
         let cohesion = cohesion.map_or(Some(None), |cohesion| cohesion.map(Some))?;
-        let gas = gas.map_or(Some(None), |gas| gas.map(Some))?;
+        let gas = gas.unwrap_or(Some(GasModel::None))?;
         Some((contact?, cohesion, gas, EffectiveGravity { magnitude, vibration }))
     };
     magnitude.and_then(all)

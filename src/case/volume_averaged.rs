@@ -1,4 +1,4 @@
-//! The keys of a gas in three dimensions.
+//! The keys of the volume-averaged gas.
 
 use super::allowed::Allowed;
 use super::column::read_viscosity;
@@ -6,10 +6,11 @@ use super::drag::read_drag;
 use super::particles::Scales;
 use super::section::Section;
 use super::tree::Value;
-use crate::coupling::{CouplingModel, FlowModel};
 use crate::domain::Bounds;
 use crate::gas::ParticleDrag;
-use crate::gas::volume_averaged::{Boundary, Inlet, Profile, VolumeAveragedGas};
+use crate::gas::volume_averaged::{
+    Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel,
+};
 use crate::grid::BoxGrid;
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
@@ -45,7 +46,7 @@ pub(super) fn read_volume_averaged(
     (scales, gravity): (Scales, Option<f64>),
     bounds: Option<&Bounds>,
     stages: &[Range<f64>],
-) -> Option<FlowModel> {
+) -> Option<VolumeAveragedModel> {
     let grid = read_cells(&section, bounds);
     let viscosity = read_viscosity(&section, scales, gravity);
     let density = section.number("density", Allowed::POSITIVE);
@@ -73,7 +74,7 @@ pub(super) fn read_volume_averaged(
     }
     let drag = ParticleDrag { law, factor, viscosity, density };
     let coupling = CouplingModel { drag, filter_width, least_voidage };
-    Some(FlowModel { grid, gas, coupling, substeps: substeps?, driving })
+    Some(VolumeAveragedModel { grid, gas, coupling, substeps: substeps?, driving })
 }
 
 fn read_cells(section: &Section<'_>, bounds: Option<&Bounds>) -> Option<BoxGrid> {

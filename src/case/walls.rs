@@ -8,6 +8,7 @@ use super::space::{AXES, read_bounds};
 use super::tree::{Node, Value};
 use super::{Case, Stage};
 use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
+use crate::gas::GasModel;
 use crate::rules::speed_limit;
 use crate::state::Domain;
 use nalgebra::Vector3;
@@ -212,7 +213,7 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
     let mut wrong = Vec::new();
     let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.time_step);
     let limit = case.stages.iter().map(fastest).fold(f64::INFINITY, f64::min);
-    let with_gas = case.stages.iter().any(|stage| stage.gas.is_some());
+    let with_gas = case.stages.iter().any(|stage| stage.gas != GasModel::None);
     for wall in &case.domain.walls {
         let (name, speed) = (&wall.name, wall.largest_approach_speed());
         if speed > limit {

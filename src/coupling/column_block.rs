@@ -1,21 +1,21 @@
-//! A block of particles in the column of gas, component by component.
+//! A block of particles in a vertical grid, component by component.
 
 use crate::grid::ColumnGrid;
-use crate::numbers::{F64x4, four_mut};
+use crate::numbers::{F64x4, four, four_mut};
 use crate::particles::{Body, LANES};
 
-pub(super) type Lanes = [f64; LANES];
+pub(crate) type Lanes = [f64; LANES];
 
 /// Where the particles of a block are in the column, and what the gas needs of them. Lanes beyond the last particle
 /// repeat it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ColumnBlock {
+pub(crate) struct ColumnBlock {
     /// Interval of the grid.
-    pub(super) interval: [u32; LANES],
+    pub(crate) interval: [u32; LANES],
     /// Hat weight of its upper node.
-    pub(super) of_upper: Lanes,
-    pub(super) radius: Lanes,
-    pub(super) velocity: [Lanes; 3],
+    pub(crate) of_upper: Lanes,
+    pub(crate) radius: Lanes,
+    pub(crate) velocity: [Lanes; 3],
 }
 
 impl ColumnBlock {
@@ -50,4 +50,37 @@ impl ColumnBlock {
             self.of_upper[lane] = place.of_upper;
         }
     }
+
+    /// Linear interpolation of two fields to the particles, with the weights of deposition.
+    #[inline(always)]
+    pub(crate) fn interpolate<Q: F64x4>(
+        &self,
+        in_intervals: &[[f64; 4]],
+        [first, second]: [&mut Lanes; 2],
+    ) {
+        for from in (0..LANES).step_by(4) {
+            let mut rows = [Q::splat(0.0); 4];
+            for row in 0..4 {
+                rows[row] = Q::load(&in_intervals[self.interval[from + row] as usize]);
+            }
+            let weight = Q::load(four(&self.of_upper, from));
+            let [lower, change, second_lower, second_change] = Q::transposed(rows);
+            lower.plus(weight.times(change)).store(four_mut(first, from));
+            second_lower.plus(weight.times(second_change)).store(four_mut(second, from));
+        }
+    }
+}
+
+/// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its change to the
+/// upper end, then the second's.
+pub(crate) fn interval_fields(
+    grid: &ColumnGrid,
+    [first, second]: [&[f64]; 2],
+    in_intervals: &mut Vec<[f64; 4]>,
+) {
+    in_intervals.clear();
+    in_intervals.extend((0..grid.intervals()).map(|interval| {
+        let [lower, upper] = grid.ends(interval);
+        [first[lower], first[upper] - first[lower], second[lower], second[upper] - second[lower]]
+    }));
 }

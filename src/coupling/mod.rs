@@ -1,14 +1,15 @@
-//! Particles to grid, grid to particles, and the force of the gas.
+//! Transfers between particles and grids: deposition, interpolation, filter. Which gas they serve is not known here.
+//!
+//! The coupling is unresolved: grids are coarser than particles, and the gas sees their volume and drag as averages.
 
-mod coarse_grain;
+mod cells;
 mod column_block;
-mod fluid_force;
-mod gas_block;
-mod resolved;
+mod column_deposition;
+mod corners;
+mod filter;
 
-pub use coarse_grain::{Bed, CoarseGraining};
-pub use fluid_force::{FluidForce, GasForceOutOfRange};
-pub use resolved::{
-    CellCoupling, CouplingModel, Filter, Flow, FlowModel, FlowReport, FlowSolver, FlowStep,
-    ParticleLimits,
-};
+pub use cells::CellTransfer;
+pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
+pub use column_deposition::{Bed, ColumnDeposition};
+pub use corners::{Corners, deposit, interpolate, mean_gradient, mean_of_faces};
+pub use filter::Filter;

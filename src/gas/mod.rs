@@ -1,12 +1,29 @@
-//! The gas: drag laws (pure), the one-dimensional column of gas that has no inertia, and the gas in three
-//! dimensions.
+//! The gas: none, the column gas, or the volume-averaged gas, behind one type for each of model, state and solver.
+//!
+//! | | [`column`] | [`volume_averaged`] |
+//! | --- | --- | --- |
+//! | dimensions | one, vertical | three |
+//! | inertia | none: it follows the bed at every step | with: a step of its own, of several of the particles |
+//! | model | [`ColumnGas`] | [`volume_averaged::VolumeAveragedModel`] |
+//! | state | none | [`volume_averaged::VolumeAveragedState`] |
+//! | solver | [`ColumnSolver`] | [`volume_averaged::VolumeAveragedSolver`] |
+//!
+//! Both take their drag from the laws in [`drag`], and their transfers from [`coupling`](crate::coupling).
 
 mod column;
 mod drag;
+mod error;
+mod model;
+mod solver;
+mod state;
 pub mod volume_averaged;
 
-pub use column::{BaseNode, ColumnFields, ColumnGas, Drive, ParticleDrag, WeightBalance};
+pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, WeightBalance};
 pub use drag::{
-    Beetstra, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow, SingleSphere, Switch, Tenneti,
-    WenYu, WenYuCreeping,
+    Beetstra, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow, ParticleDrag, SingleSphere,
+    Switch, Tenneti, WenYu, WenYuCreeping,
 };
+pub use error::{GasError, GasForceOutOfRange};
+pub use model::{GasModel, ParticleLimits};
+pub use solver::{GasLayout, GasObservables, GasSolver, GasStep};
+pub use state::{GasReport, GasState};

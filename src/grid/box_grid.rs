@@ -113,6 +113,12 @@ impl LocalCells {
         self.count.iter().product()
     }
 
+    /// The owned cells, counted from the first one; x fastest, then y, then z.
+    pub fn owned(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+        let [nx, ny, nz] = self.count.map(|count| count as isize);
+        (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
+    }
+
     /// Whether the owned cells reach the lower and the upper end of the grid.
     pub fn at_ends(&self, axis: usize) -> [bool; 2] {
         [self.start[axis] == 0, self.end(axis) == self.counts[axis]]

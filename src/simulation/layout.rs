@@ -87,7 +87,7 @@ pub(super) fn aligned(
     decomposition: Decomposition,
     width: f64,
 ) -> Result<Decomposition, LayoutError> {
-    let Some(model) = case.flow() else { return Ok(decomposition) };
+    let Some(model) = case.volume_averaged() else { return Ok(decomposition) };
     let too_few =
         || LayoutError::TooFewCells { grid: decomposition.grid(), cells: model.grid.counts() };
     model.aligned(&decomposition, width).ok_or_else(too_few)

@@ -11,10 +11,11 @@ pub use start::{Beginning, Start, StartError, begin_from_case, begin_from_checkp
 
 use crate::analysis::{BedProfile, Digest, MomentumProbe, measure};
 use crate::case::Case;
+use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
 use crate::output::OutputError;
 use crate::parallel::{Communicator, MadeRecords, ParticleRecord, Records};
-use crate::state::{GasModel, Models, State, Workspace};
+use crate::state::{Models, State, Workspace};
 use crate::time_step::{self, StepError};
 use crate::timers::{Stage as TimedStage, StageTime};
 use outputs::Outputs;
@@ -149,12 +150,11 @@ pub fn run(
 /// The grid of profiles: that of the first gas, or one of 1.5 diameters.
 fn profile_grid(case: &Case, largest_diameter: f64) -> ColumnGrid {
     let bounds = &case.domain.bounds;
-    match case.stages.iter().find_map(|stage| stage.gas.as_ref()) {
-        Some(GasModel::Column(gas)) => gas.grid(bounds),
-        Some(GasModel::VolumeAveraged(model)) => {
-            ColumnGrid::new(bounds, model.grid.spacing().z, 1.0)
-        }
-        None => {
+    let mut gases = case.stages.iter().map(|stage| &stage.gas);
+    match gases.find(|gas| **gas != GasModel::None).unwrap_or(&GasModel::None) {
+        GasModel::Column(gas) => gas.grid(bounds),
+        GasModel::VolumeAveraged(model) => ColumnGrid::new(bounds, model.grid.spacing().z, 1.0),
+        GasModel::None => {
             let nodes = (bounds.lengths().z / (1.5 * largest_diameter)).round().max(2.0);
             ColumnGrid::new(bounds, bounds.lengths().z / nodes, 1.0)
         }
@@ -295,10 +295,8 @@ impl<'a> Simulation<'a> {
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
         let measures = measure(state, &case.domain, models, work, profile, probe, *ranks);
         outputs.write(&state.clock, &measures, profile.bed(), records(case, state), *ranks)?;
-        if let (Some(flow), Some(solver)) = (&state.flow, &mut work.flow) {
-            let picture = || solver.picture(&state.particles, flow, *ranks);
-            outputs.write_gas(&state.clock, picture, *ranks)?;
-        }
+        let sample = || work.gas.sample(&state.gas, &state.particles, *ranks);
+        outputs.write_gas(&state.clock, sample, *ranks)?;
         let found = measures.particles as u64 + state.departed.count;
         if found != self.expected_particles {
             let expected = self.expected_particles;
@@ -310,14 +308,8 @@ impl<'a> Simulation<'a> {
     fn write_checkpoint(&mut self) -> Result<(Digest, std::path::PathBuf), RunError> {
         time_step::complete(&mut self.state, &mut self.work);
         time_step::confirm(&self.state, &mut self.work, self.ranks)?;
-        let Self { case, state, work, models, outputs, ranks, .. } = self;
-        let cells = match models.flow().zip(state.flow.as_ref()) {
-            Some((model, flow)) => {
-                let subdomain = work.decomposition.subdomain(&case.domain.bounds, ranks.rank());
-                flow.records(&model.grid.local_cells(subdomain))
-            }
-            None => Vec::new(),
-        };
+        let Self { case, state, work, outputs, ranks, .. } = self;
+        let cells = work.gas.records(&state.gas);
         let written =
             outputs.write_checkpoint(case, state, (records(case, state), cells), *ranks)?;
         memory::give_back();

@@ -2,7 +2,8 @@
 
 use crate::analysis::{BedProfile, Digest, Measures};
 use crate::case::Case;
-use crate::coupling::{Bed, FlowModel};
+use crate::coupling::Bed;
+use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{
     ColumnUnits, GasSnapshots, OutputError, ParticleSnapshots, ProfileRow, Profiles, Provenance,
@@ -134,12 +135,12 @@ impl Outputs {
             (_, false) => Some(ParticleSnapshots::create(&path, text, &provenance, ranks)?),
         };
         let path = file("gas.vtkhdf");
-        let gas_snapshots = match (case.output.gas.and(case.flow()), continues) {
+        let gas_snapshots = match (case.output.gas.and(case.volume_averaged()), continues) {
             (None, _) => None,
-            (Some(FlowModel { grid, .. }), true) => {
+            (Some(VolumeAveragedModel { grid, .. }), true) => {
                 Some(GasSnapshots::resume(&path, time, (grid, text), &provenance, ranks)?)
             }
-            (Some(FlowModel { grid, .. }), false) => {
+            (Some(VolumeAveragedModel { grid, .. }), false) => {
                 Some(GasSnapshots::create(&path, grid, text, &provenance, ranks)?)
             }
         };
@@ -213,16 +214,16 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes the gas in three dimensions if that is due at a step. Collective.
+    /// Writes a sample of the gas on cells if that is due at a step. Collective.
     pub(super) fn write_gas(
         &self,
         clock: &Clock,
-        picture: impl FnOnce() -> Vec<CellRecord>,
+        sample: impl FnOnce() -> Option<Vec<CellRecord>>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         match &self.gas_snapshots {
             Some(snapshots) if self.gas_interval.due(clock, clock.step) => {
-                snapshots.append(clock.time(), &picture(), ranks)
+                sample().map_or(Ok(()), |cells| snapshots.append(clock.time(), &cells, ranks))
             }
             _ => Ok(()),
         }
@@ -248,7 +249,7 @@ impl Outputs {
             contacts: pairs.into_iter().map(ContactRecord::from).collect(),
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
             cells,
-            flow_report: state.flow.as_ref().map(|flow| flow.report).unwrap_or_default(),
+            gas_report: state.gas.report(),
         };
         self.series.keep(ranks)?;
         self.profiles.as_ref().map_or(Ok(()), |profiles| profiles.keep(ranks))?;

@@ -2,15 +2,15 @@
 
 use super::layout::{LayoutError, aligned, lay_out};
 use crate::case::{BedPart, Case, Start as BedStart};
-use crate::coupling::Flow;
 use crate::domain::{Decomposition, RankGrid};
+use crate::gas::GasState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
     CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
-    WallContactRecord, agree, send_cells_to_owners, send_memories_to_owners, send_to_owners,
+    WallContactRecord, agree, send_memories_to_owners, send_to_owners,
 };
 use crate::particles::{ContactHistories, Contacts, Particles};
-use crate::state::{Clock, Departed, FlowReport, SizeRange, State, Workspace};
+use crate::state::{Clock, Departed, GasReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -63,7 +63,7 @@ struct Share {
     contacts: Vec<ContactRecord>,
     wall_contacts: Vec<WallContactRecord>,
     cells: Vec<CellRecord>,
-    report: FlowReport,
+    report: GasReport,
 }
 
 /// The bed that the case describes, at time zero. Collective.
@@ -122,7 +122,7 @@ pub fn begin_from_checkpoint(
 }
 
 fn share_of(checkpoint: Checkpoint) -> Share {
-    let Checkpoint { particles, contacts, wall_contacts, cells, flow_report: report, .. } =
+    let Checkpoint { particles, contacts, wall_contacts, cells, gas_report: report, .. } =
         checkpoint;
     Share { particles, contacts, wall_contacts, cells, report }
 }
@@ -164,16 +164,13 @@ fn spread(
         record.push_to(&mut particles);
     }
     let histories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
-    let flow = case.flow().filter(|_| ranks.any(!cells.is_empty())).map(|model| {
-        let cells = send_cells_to_owners(&cells, &model.grid, &decomposition, ranks);
-        let subdomain = decomposition.subdomain(&case.domain.bounds, ranks.rank());
-        Flow::of_records(&model.grid.local_cells(subdomain), &cells, report)
-    });
-    if flow.is_none() {
+    let subdomain = decomposition.subdomain(&case.domain.bounds, ranks.rank());
+    let gas = GasState::from_records(case.gas_on_cells(), &cells, report, subdomain, ranks);
+    if gas == GasState::None {
         particles.gas_force.fill(Vector3::zeros());
     }
     let contacts = Contacts::default();
-    let state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
+    let state = State { particles, contacts, clock, departed, sizes, gas, kick_due: None };
     Ok((state, Workspace::new(decomposition, skin, case.parallel.balance), histories))
 }
 

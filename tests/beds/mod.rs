@@ -7,19 +7,19 @@ use std::f64::consts::PI;
 use talcum::contact::{
     CohesionExpression, ContactLaw, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
 };
-use talcum::coupling::{Flow, FlowModel, FlowReport};
 use talcum::domain::{
     Bounds, BoxFace, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall,
 };
-use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive};
+use talcum::gas::volume_averaged::VolumeAveragedModel;
+use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive, GasModel, GasReport, GasState};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
-    run_on_threads, send_cells_to_owners, send_to_owners, share_with_all,
+    run_on_threads, send_to_owners, share_with_all,
 };
 use talcum::particles::{ContactHistories, Contacts, PairHistory, Particles, WallHistory};
 use talcum::state::{
-    Balance, Clock, Departed, Domain, GasModel, Limits, Models, SizeRange, State, Workspace,
+    Balance, Clock, Departed, Domain, Limits, Models, SizeRange, State, Workspace,
 };
 use talcum::time_step::{StepError, advance, begin, complete};
 
@@ -39,8 +39,8 @@ pub(crate) struct Bench {
     pub(crate) at_walls: Vec<ContactModel>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
-    /// A gas in three dimensions, in the place of the column.
-    pub(crate) flow: Option<FlowModel>,
+    /// The volume-averaged gas, in the place of the column gas.
+    pub(crate) volume_averaged: Option<VolumeAveragedModel>,
     pub(crate) gravity: EffectiveGravity,
     pub(crate) time_step: f64,
     pub(crate) skin: f64,
@@ -129,7 +129,7 @@ impl Bench {
             at_walls: Vec::new(),
             cohesion: None,
             gas: None,
-            flow: None,
+            volume_averaged: None,
             gravity: EffectiveGravity { magnitude: 0.0, vibration: None },
             time_step: 2.5e-4,
             skin: 0.15,
@@ -200,6 +200,14 @@ impl Bench {
         }
     }
 
+    fn gas_model(&self) -> GasModel {
+        match (&self.volume_averaged, &self.gas) {
+            (Some(model), _) => GasModel::VolumeAveraged(model.clone()),
+            (None, Some(gas)) => GasModel::Column(gas.clone()),
+            (None, None) => GasModel::None,
+        }
+    }
+
     pub(crate) fn models(&self) -> Models {
         let law = ContactLaw::LinearSpringDashpot(self.contact);
         let contact = self.interface.clone().unwrap_or(ContactModel { law, rolling: None });
@@ -220,10 +228,7 @@ impl Bench {
             contact,
             at_walls,
             cohesion,
-            gas: match &self.flow {
-                Some(flow) => Some(GasModel::VolumeAveraged(flow.clone())),
-                None => self.gas.clone().map(GasModel::Column),
-            },
+            gas: self.gas_model(),
             gravity: self.gravity,
             time_step: dt,
             limits,
@@ -258,12 +263,11 @@ impl Bench {
     ) -> Run<'a> {
         let (here, size) = (ranks.rank(), ranks.size());
         assert_eq!(grid.size(), size, "the rank grid is of all ranks");
-        let mut decomposition = Decomposition::even(grid, &self.domain.bounds);
-        if let Some(flow) = &self.flow {
-            let width = self.sizes().largest_diameter + self.skin;
-            decomposition =
-                flow.aligned(&decomposition, width).expect("the test's gas has enough cells");
-        }
+        let (domain, models) = (self.domain.clone(), self.models());
+        let width = self.sizes().largest_diameter + self.skin;
+        let even = Decomposition::even(grid, &self.domain.bounds);
+        let decomposition =
+            models.gas.align(&even, width).expect("the test's gas has enough cells");
         let share: Vec<ParticleRecord> =
             whole.particles.iter().copied().skip(here).step_by(size).collect();
         let mut particles = Particles::default();
@@ -281,15 +285,11 @@ impl Bench {
         };
         let (clock, departed, sizes) = (whole.clock, whole.departed, self.sizes());
         let contacts = Contacts::default();
-        let model = self.flow.as_ref().filter(|_| !whole.cells.is_empty());
-        let flow = model.map(|model| {
-            let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
-            let cells = send_cells_to_owners(&share, &model.grid, &decomposition, ranks);
-            let subdomain = decomposition.subdomain(&self.domain.bounds, here);
-            Flow::of_records(&model.grid.local_cells(subdomain), &cells, FlowReport::default())
-        });
-        let mut state = State { particles, contacts, clock, departed, sizes, flow, kick_due: None };
-        let (domain, models) = (self.domain.clone(), self.models());
+        let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
+        let report = GasReport::default();
+        let subdomain = decomposition.subdomain(&self.domain.bounds, here);
+        let gas = GasState::from_records(&models.gas, &share, report, subdomain, ranks);
+        let mut state = State { particles, contacts, clock, departed, sizes, gas, kick_due: None };
         let mut work = Workspace::new(decomposition, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
         begin(&mut state, &domain, &models, &mut work, histories, new_bed, ranks)
@@ -369,14 +369,7 @@ impl Run<'_> {
         particles.sort_by_key(|particle| particle.id);
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
-        let cells = match self.models.flow().zip(self.state.flow.as_ref()) {
-            Some((model, flow)) => {
-                let (bounds, rank) = (&self.domain.bounds, self.ranks.rank());
-                let subdomain = self.work.decomposition.subdomain(bounds, rank);
-                flow.records(&model.grid.local_cells(subdomain))
-            }
-            None => Vec::new(),
-        };
+        let cells = self.work.gas.records(&self.state.gas);
         let mut cells = share_with_all(cells, self.ranks);
         cells.sort_by_key(|record| record.cell);
         Snapshot { particles, pairs, walls, cells, clock: *clock, departed: *departed }

@@ -5,7 +5,7 @@
 //! so that what differs is what the gas does within a cycle.
 
 use super::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, attraction, gas, law, shaken};
-use super::flow;
+use super::gas_on_cells;
 use std::f64::consts::PI;
 use talcum::analysis::{BedProfile, measure};
 use talcum::domain::RankGrid;
@@ -52,10 +52,10 @@ fn in_cells(drag_factor: f64) -> Bench {
     let mut bench = bed();
     let air = (1.0e-3, 1.0 / 55.0);
     let cells = [1, 1, HEIGHT as usize];
-    let mut model = flow(&bench, cells, air, DragLaw::WEN_YU_CREEPING, VELOCITY);
+    let mut model = gas_on_cells(&bench, cells, air, DragLaw::WEN_YU_CREEPING, VELOCITY);
     model.coupling.drag.factor = drag_factor;
     model.substeps = 5;
-    bench.flow = Some(model);
+    bench.volume_averaged = Some(model);
     bench
 }
 

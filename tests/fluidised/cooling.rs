@@ -1,7 +1,7 @@
 //! Granular temperature without a source: Haff's law, drag of a gas at rest, and both.
 
 use super::beds::{Bench, PERIODIC, law};
-use super::flow;
+use super::gas_on_cells;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use talcum::gas::volume_averaged::Boundary;
@@ -34,10 +34,10 @@ fn temperatures(restitution: f64, viscosity: Option<f64>) -> Vec<f64> {
     }
     if let Some(viscosity) = viscosity {
         let creeping = DragLaw::WenYuCreeping(WenYuCreeping::USUAL);
-        let mut model = flow(&bench, [2, 2, 2], (1.0e-3, viscosity), creeping, 0.0);
+        let mut model = gas_on_cells(&bench, [2, 2, 2], (1.0e-3, viscosity), creeping, 0.0);
         model.gas.boundaries = [(); 3].map(|()| [(); 2].map(|()| Boundary::Periodic));
         model.substeps = 20;
-        bench.flow = Some(model);
+        bench.volume_averaged = Some(model);
     }
     let mut run = bench.alone();
     (0..8)

@@ -1,7 +1,7 @@
 //! A fluidised bed: over time the gas carries its weight.
 
 use super::beds::{Bench, PERIODIC, PLATE, Run, law};
-use super::flow;
+use super::gas_on_cells;
 use talcum::analysis::{BedProfile, Measures, measure};
 use talcum::gas::DragLaw;
 use talcum::grid::ColumnGrid;
@@ -13,9 +13,10 @@ fn rows(velocity: f64) -> Vec<Measures> {
     bench.gravity.magnitude = 1.0;
     bench.time_step = 8.0e-4;
     bench.add_layers(320, (1.15, 0.6), &[1.0], (0.05, 0.1));
-    let mut model = flow(&bench, [2, 2, 12], (1.0e-3, 1.0 / 55.0), DragLaw::WEN_YU, velocity);
+    let mut model =
+        gas_on_cells(&bench, [2, 2, 12], (1.0e-3, 1.0 / 55.0), DragLaw::WEN_YU, velocity);
     model.substeps = 25;
-    bench.flow = Some(model);
+    bench.volume_averaged = Some(model);
     let mut run = bench.alone();
     let grid = ColumnGrid::new(&run.domain.bounds, 1.5, 1.0);
     let mut profile = BedProfile::new(grid, run.models.limits.speed, [1.0, 1.0], 0.3);

@@ -1,4 +1,4 @@
-//! Particles in a gas that flows in three dimensions, against closed forms, and the one answer.
+//! Particles in the volume-averaged gas, against closed forms, and the one answer.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -14,9 +14,10 @@ mod settling;
 
 use beds::Bench;
 use nalgebra::Vector3;
-use talcum::coupling::{CouplingModel, FlowModel};
 use talcum::domain::Face;
-use talcum::gas::volume_averaged::{Boundary, Inlet, Profile, VolumeAveragedGas};
+use talcum::gas::volume_averaged::{
+    Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel,
+};
 use talcum::gas::{DragLaw, ParticleDrag};
 use talcum::grid::BoxGrid;
 use talcum::linear_solver::Tolerance;
@@ -35,16 +36,16 @@ fn boundaries(bench: &Bench, inflow: f64) -> [[Boundary; 2]; 3] {
 }
 
 /// A gas on cells of the bench's box.
-fn flow(
+fn gas_on_cells(
     bench: &Bench,
     cells: [usize; 3],
     (density, viscosity): (f64, f64),
     law: DragLaw,
     inflow: f64,
-) -> FlowModel {
+) -> VolumeAveragedModel {
     let tolerance = Tolerance::relative(1.0e-8);
     let boundaries = boundaries(bench, inflow);
-    FlowModel {
+    VolumeAveragedModel {
         grid: BoxGrid::new(&bench.domain.bounds, cells),
         gas: VolumeAveragedGas { density, viscosity, boundaries, tolerance },
         coupling: CouplingModel {

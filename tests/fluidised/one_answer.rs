@@ -1,7 +1,7 @@
 //! The same bits on any number of ranks, through balancing and restarts.
 
 use super::beds::{Bench, PLATE};
-use super::flow;
+use super::gas_on_cells;
 use talcum::domain::{Face, RankGrid};
 use talcum::gas::DragLaw;
 use talcum::parallel::run_on_threads;
@@ -14,9 +14,9 @@ fn bed(filter_width: f64, particles: u64) -> Bench {
     bench.gravity.magnitude = 1.0;
     bench.balance = Some(Balance::new(40, 1.0));
     bench.add_layers(particles, (1.12, 0.6), &[1.0, 0.8], (0.05, 0.1));
-    let mut model = flow(&bench, [4, 3, 9], (0.01, 1.0 / 55.0), DragLaw::WEN_YU, 0.4);
+    let mut model = gas_on_cells(&bench, [4, 3, 9], (0.01, 1.0 / 55.0), DragLaw::WEN_YU, 0.4);
     model.coupling.filter_width = filter_width;
-    bench.flow = Some(model);
+    bench.volume_averaged = Some(model);
     bench
 }
 

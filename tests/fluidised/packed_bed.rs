@@ -1,7 +1,7 @@
 //! A bed of spheres that do not move, against Ergun's equation.
 
 use super::beds::{Bench, OPEN, PERIODIC, law};
-use super::flow;
+use super::gas_on_cells;
 use std::f64::consts::PI;
 use talcum::gas::{DragLaw, Ergun};
 
@@ -20,11 +20,11 @@ fn gradient(voidage: f64, velocity: f64, law_of_drag: DragLaw) -> f64 {
     bench.skin = 0.1 * DIAMETER;
     bench.time_step = 1.0e-5;
     bench.add_layers(2048, (spacing * (1.0 - 1.0e-9), 0.5 * spacing), &[DIAMETER], (0.0, 0.0));
-    let model = flow(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);
-    bench.flow = Some(model);
+    let model = gas_on_cells(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);
+    bench.volume_averaged = Some(model);
     let mut run = bench.alone();
     run.steps(100);
-    let pressure = &run.state.flow.as_ref().unwrap().fields.pressure;
+    let pressure = &run.state.gas.volume_averaged().unwrap().fields.pressure;
     (pressure.at([0, 0, 0]) - pressure.at([0, 0, 7])) / (28.0 * spacing)
 }
 

@@ -1,7 +1,7 @@
 //! MFiX's DEM06: a sphere of 100 um and 2000 kg/m^3 in air that rises at 0.4 m/s.
 
 use super::beds::{Bench, OPEN, PERIODIC, law};
-use super::flow;
+use super::gas_on_cells;
 use talcum::gas::DragLaw;
 
 const DIAMETER: f64 = 1.0e-4;
@@ -20,9 +20,9 @@ fn velocities(drag: DragLaw) -> Vec<f64> {
     bench.skin = 0.15 * DIAMETER;
     bench.time_step = 1.0e-5;
     bench.add([0.02, 0.02, 0.06], [0.0, 0.0, INFLOW], 0.5 * DIAMETER);
-    let mut model = flow(&bench, [4, 4, 12], (GAS_DENSITY, VISCOSITY), drag, INFLOW);
+    let mut model = gas_on_cells(&bench, [4, 4, 12], (GAS_DENSITY, VISCOSITY), drag, INFLOW);
     model.substeps = 40;
-    bench.flow = Some(model);
+    bench.volume_averaged = Some(model);
     let mut run = bench.alone();
     (0..7).map(|_| run.steps(5000).particle(0).velocity[2]).collect()
 }

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 use talcum::gas::volume_averaged::{
-    BedOnGrid, Boundary, GAS_HALO, GasError, GasReport, GasSolver, GasState, GasStep, Inlet,
-    Profile, VolumeAveragedGas,
+    BedOnGrid, Boundary, GAS_HALO, GasFields, Inlet, NavierStokesError, NavierStokesReport,
+    NavierStokesSolver, NavierStokesStep, Profile, VolumeAveragedGas,
 };
 use talcum::grid::{BoxGrid, Field, LocalCells};
 use talcum::linear_solver::Tolerance;
@@ -85,9 +85,9 @@ impl Problem {
         self.gas.check(&grid).unwrap();
         let decomposition = grid.aligned(decomposition, GAS_HALO).unwrap();
         let bounds = self.bounds();
-        let solver = GasSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));
+        let solver = NavierStokesSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));
         let part = *solver.part();
-        let (state, bed) = (GasState::at_rest(&part), BedOnGrid::empty(&part));
+        let (state, bed) = (GasFields::at_rest(&part), BedOnGrid::empty(&part));
         let spacing = grid.spacing();
         Flow { gas: self.gas.clone(), solver, state, bed, time: 0.0, spacing, part, ranks }
     }
@@ -96,8 +96,8 @@ impl Problem {
 /// Gas on one rank.
 pub(crate) struct Flow<'r> {
     pub(crate) gas: VolumeAveragedGas,
-    pub(crate) solver: GasSolver,
-    pub(crate) state: GasState,
+    pub(crate) solver: NavierStokesSolver,
+    pub(crate) state: GasFields,
     pub(crate) bed: BedOnGrid,
     pub(crate) time: f64,
     pub(crate) spacing: Vector3<f64>,
@@ -157,7 +157,7 @@ impl Flow<'_> {
     }
 
     /// One step with nothing but pressure, gas and bed.
-    pub(crate) fn step(&mut self, dt: f64) -> Result<GasReport, GasError> {
+    pub(crate) fn step(&mut self, dt: f64) -> Result<NavierStokesReport, NavierStokesError> {
         self.driven_step(dt, Vector3::zeros(), None)
     }
 
@@ -166,8 +166,8 @@ impl Flow<'_> {
         dt: f64,
         driving: Vector3<f64>,
         source: Option<&[Field; 3]>,
-    ) -> Result<GasReport, GasError> {
-        let step = GasStep { time: self.time, dt, driving, source };
+    ) -> Result<NavierStokesReport, NavierStokesError> {
+        let step = NavierStokesStep { time: self.time, dt, driving, source };
         let report =
             self.solver.advance(&self.gas, &mut self.state, &mut self.bed, &step, self.ranks)?;
         self.time += dt;

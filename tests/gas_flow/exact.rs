@@ -2,7 +2,7 @@
 
 use crate::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet, no_slip, wall};
 use nalgebra::Vector3;
-use talcum::gas::volume_averaged::{Boundary, GasError, Profile};
+use talcum::gas::volume_averaged::{Boundary, NavierStokesError, Profile};
 
 /// Gas between two plates, of which the upper moves along x with velocity 1.
 fn couette() -> Flow<'static> {
@@ -270,16 +270,18 @@ fn what_cannot_be_is_said() {
     flow.set(|_| [1.0, 0.0, 0.0], |_| 0.0, |_| 0.5);
     let before = flow.state.clone();
     let error = flow.step(0.2).unwrap_err();
-    let GasError::StepTooLong { courant, viscous, longest, .. } = error else { panic!("{error}") };
+    let NavierStokesError::StepTooLong { courant, viscous, longest, .. } = error else {
+        panic!("{error}")
+    };
     assert!((courant - 0.8).abs() < 1.0e-12 && (viscous / 0.2 - 256.0).abs() < 1.0e-9);
     assert!(error.to_string().contains("too long"));
     assert_eq!(flow.state, before);
     assert!(flow.step(longest).is_ok());
     *flow.bed.voidage.at_mut([1, 2, 3]) = 0.0;
-    assert_eq!(flow.step(1.0e-3), Err(GasError::Voidage { least: 0.0, largest: 0.5 }));
+    assert_eq!(flow.step(1.0e-3), Err(NavierStokesError::Voidage { least: 0.0, largest: 0.5 }));
     *flow.bed.voidage.at_mut([1, 2, 3]) = 0.5;
     *flow.state.velocity[1].at_mut([1, 2, 3]) = f64::NAN;
-    assert_eq!(flow.step(1.0e-3), Err(GasError::NotFinite));
+    assert_eq!(flow.step(1.0e-3), Err(NavierStokesError::NotFinite));
 
     let wrong = |boundaries| {
         let problem = Problem::new([1.0; 3], [4, 4, 4], boundaries);

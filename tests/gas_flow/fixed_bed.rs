@@ -2,7 +2,7 @@
 
 use crate::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet};
 use nalgebra::Vector3;
-use talcum::gas::volume_averaged::{GasError, Profile};
+use talcum::gas::volume_averaged::{NavierStokesError, Profile};
 
 /// beta of Ergun: 150 mu (1 - eps)^2 / (eps d^2) + 1.75 rho (1 - eps) |u - v| / d, per volume, u between particles.
 fn ergun(eps: f64, velocity: f64) -> f64 {
@@ -65,7 +65,7 @@ enum Drag {
 
 /// Stripes of beds side by side, beta growing tenfold from each to the next, in a periodic box through which a force of
 /// 1 per volume drives the gas. The largest deviation after three steps from Darcy's u = eps / beta, over that.
-fn deviation_in_stripes(drag: Drag, strength: f64) -> Result<f64, GasError> {
+fn deviation_in_stripes(drag: Drag, strength: f64) -> Result<f64, NavierStokesError> {
     let mut problem = Problem::new([0.4, 0.4, 0.5], [4, 4, 5], [PERIODIC, PERIODIC, PERIODIC]);
     problem.gas.viscosity = 0.0;
     let mut flow = problem.start();

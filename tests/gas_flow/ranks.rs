@@ -3,11 +3,11 @@
 use crate::driver::{Flow, PERIODIC, Problem, no_slip};
 use nalgebra::Vector3;
 use talcum::domain::Decomposition;
-use talcum::gas::volume_averaged::{Boundary, GasState, Inlet, Profile};
+use talcum::gas::volume_averaged::{Boundary, GasFields, Inlet, Profile};
 use talcum::numbers::Schedule;
 use talcum::parallel::run_on_threads;
 
-type Record = [u64; GasState::RECORD];
+type Record = [u64; GasFields::RECORD];
 
 /// A dense, rough bed between walls, gas in through the bottom and out through two faces: whatever can be at a cut.
 fn problem() -> Problem {
@@ -48,7 +48,7 @@ fn advance(flow: &mut Flow, steps: usize) {
 
 /// Records of the whole box in the order of cells, from those of its parts.
 fn whole(counts: [usize; 3], parts: Vec<Vec<([usize; 3], Record)>>) -> Vec<Record> {
-    let mut all = vec![[0; GasState::RECORD]; counts.iter().product()];
+    let mut all = vec![[0; GasFields::RECORD]; counts.iter().product()];
     for ([i, j, k], record) in parts.into_iter().flatten() {
         all[i + counts[0] * (j + counts[1] * k)] = record;
     }

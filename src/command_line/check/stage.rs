@@ -2,15 +2,14 @@
 
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
-use crate::coupling::FlowModel;
-use crate::gas::volume_averaged::Boundary;
-use crate::gas::{ColumnGas, Drive, ParticleDrag};
+use crate::gas::volume_averaged::{Boundary, VolumeAveragedModel};
+use crate::gas::{ColumnGas, Drive, GasModel, ParticleDrag};
 use crate::rules::{
     ContactPartner, LARGEST_STEP_NUMBER, LEAST_STEPS_PER_CONTACT, ReducedBody, courant_rate,
     drag_response, hamaker_constant_per_bond_number, minimum_fluidisation_velocity, step_number,
     stokes_number, viscous_rate,
 };
-use crate::state::{GasModel, SizeRange};
+use crate::state::SizeRange;
 use std::fmt::Write;
 
 /// Overlap over diameter at which stiffness is told.
@@ -65,9 +64,9 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
         lines.add("Gamma, frequency", &format!("{gamma:.4}, {:.4}", vibration.frequency));
     }
     match &stage.gas {
-        None => {}
-        Some(GasModel::Column(gas)) => describe_column(lines, gas, &particle),
-        Some(GasModel::VolumeAveraged(model)) => {
+        GasModel::None => {}
+        GasModel::Column(gas) => describe_column(lines, gas, &particle),
+        GasModel::VolumeAveraged(model) => {
             describe_volume_averaged(lines, model, &particle, stage.time_step);
         }
     }
@@ -145,7 +144,7 @@ fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParti
 /// Cells, and how the gas step compares with what limits it.
 fn describe_volume_averaged(
     lines: &mut Lines,
-    model: &FlowModel,
+    model: &VolumeAveragedModel,
     particle: &ReferenceParticle,
     time_step: f64,
 ) {
@@ -173,7 +172,7 @@ fn describe_volume_averaged(
 }
 
 /// Cell size along the axis of each inlet, and the largest superficial velocity there.
-fn inflow(model: &FlowModel) -> impl Iterator<Item = [f64; 2]> {
+fn inflow(model: &VolumeAveragedModel) -> impl Iterator<Item = [f64; 2]> {
     let spacing = model.grid.spacing();
     let faces = model.gas.boundaries.iter().enumerate();
     faces.flat_map(|(axis, pair)| pair.iter().map(move |boundary| (axis, boundary))).filter_map(
@@ -185,7 +184,7 @@ fn inflow(model: &FlowModel) -> impl Iterator<Item = [f64; 2]> {
 }
 
 /// Courant and viscous number of a gas step, as the gas solver takes them.
-fn describe_gas_step(lines: &mut Lines, model: &FlowModel, step: f64) {
+fn describe_gas_step(lines: &mut Lines, model: &VolumeAveragedModel, step: f64) {
     let rate = |[size, velocity]: [f64; 2]| courant_rate([velocity / LOOSE, 0.0, 0.0], [size; 3]);
     let courant = step * inflow(model).map(rate).fold(0.0, f64::max);
     let courant_line = format!("{courant:.4} (gas in a bed of voidage {LOOSE})");

@@ -4,6 +4,7 @@ mod beetstra;
 mod di_felice;
 mod ergun;
 mod gidaspow;
+mod particle_drag;
 mod tenneti;
 mod wen_yu;
 
@@ -11,6 +12,7 @@ pub use beetstra::Beetstra;
 pub use di_felice::{DiFelice, SingleSphere};
 pub use ergun::Ergun;
 pub use gidaspow::{Gidaspow, Switch};
+pub use particle_drag::ParticleDrag;
 pub use tenneti::Tenneti;
 pub use wen_yu::{WenYu, WenYuCreeping};
 

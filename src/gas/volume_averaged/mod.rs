@@ -1,4 +1,4 @@
-//! Gas that flows in three dimensions between the particles: volume-averaged Navier-Stokes equations of model A,
+//! The volume-averaged gas, which flows in three dimensions between the particles: volume-averaged Navier-Stokes equations of model A,
 //! constant density.
 //!
 //! ```text
@@ -20,7 +20,7 @@
 //! * Second order in space: the limiter of Koren for advection, central differences for the rest. Voidage and
 //!   drag go on beyond the box as in a mirror.
 //! * The step is explicit for advection and viscosity, with a limit that is checked, and implicit for drag
-//!   ([`GasSolver::advance`]). Second order in time where the voidage is steady and drag is weak, otherwise
+//!   ([`NavierStokesSolver::advance`]). Second order in time where the voidage is steady and drag is weak, otherwise
 //!   first: drag and d(eps)/dt are those of the end of the step.
 //! * The pressure is kept less the hydrostatic head rho g.x: gravity, whatever it does in time, is balanced to the
 //!   last bit, and does not appear here. A particle of volume V feels -V (grad p + rho g) of this pressure. Gas in a
@@ -40,13 +40,20 @@
 
 mod advection;
 mod boundaries;
+mod exchange;
 mod faces;
 mod model;
 mod momentum;
+mod momentum_balance;
+mod navier_stokes;
 mod solver;
 mod state;
 mod viscosity;
 
-pub use model::{Boundary, Inlet, Profile, VolumeAveragedGas};
-pub use solver::{GasError, GasReport, GasSolver, GasStep};
-pub use state::{BedOnGrid, GAS_HALO, GasState};
+pub use exchange::ParticleExchange;
+pub use model::{Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel};
+pub use navier_stokes::{
+    NavierStokesError, NavierStokesReport, NavierStokesSolver, NavierStokesStep,
+};
+pub use solver::VolumeAveragedSolver;
+pub use state::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedState};

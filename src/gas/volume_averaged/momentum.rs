@@ -131,10 +131,15 @@ impl<'a> Momentum<'a> {
     }
 
     /// The part of continuity that the predicted velocity leaves: -[div(eps u) + (eps - eps_old)/dt] in cells.
-    pub(super) fn set_imbalance(&self, imbalance: &mut Field, velocity: &[Field; 3], old: &Field) {
+    pub(super) fn set_continuity_residual(
+        &self,
+        residual: &mut Field,
+        velocity: &[Field; 3],
+        old: &Field,
+    ) {
         let strides = [0, 1, 2].map(|axis| self.stride(axis));
         let inverse = [0, 1, 2].map(|axis| 1.0 / self.spacing[axis]);
-        for row in Region::owned(self.part).rows(imbalance) {
+        for row in Region::owned(self.part).rows(residual) {
             let eps = &self.bed.voidage;
             let here = moved(eps.values(), &row, 0);
             let before = moved(old.values(), &row, 0);
@@ -142,7 +147,7 @@ impl<'a> Momentum<'a> {
             let above = strides.map(|stride| moved(eps.values(), &row, stride));
             let lower = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, 0));
             let upper = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, strides[axis]));
-            let target = &mut imbalance.values_mut()[row];
+            let target = &mut residual.values_mut()[row];
             for i in 0..target.len() {
                 let along = |a: usize| {
                     let outflow = 0.5 * (here[i] + above[a][i]) * upper[a][i];

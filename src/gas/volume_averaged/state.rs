@@ -1,13 +1,50 @@
 //! What the gas is at one time, and what it sees of the particles.
 
+use super::VolumeAveragedModel;
+use crate::domain::Subdomain;
+use crate::gas::GasReport;
 use crate::grid::{Field, LocalCells};
+use crate::parallel::{CellRecord, Communicator, send_cells_to_owners};
 
 /// Width of the halo of every field of the gas: the limiter sees two cells to each side.
 pub const GAS_HALO: usize = 2;
 
-/// The gas on a rank's part of the grid. All that its future depends on is in [`GasState::record`].
+/// The gas on a rank's cells, and how its last step went. Part of the state of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GasState {
+pub struct VolumeAveragedState {
+    /// Velocity, pressure, voidage.
+    pub fields: GasFields,
+    /// The last step, over all ranks.
+    pub report: GasReport,
+}
+
+impl VolumeAveragedState {
+    /// From records of cells, each on any one rank. To be completed before the next step. Collective.
+    pub fn from_records(
+        model: &VolumeAveragedModel,
+        records: &[CellRecord],
+        report: GasReport,
+        subdomain: Subdomain,
+        ranks: &dyn Communicator,
+    ) -> Self {
+        let part = model.grid.local_cells(subdomain);
+        let mut fields = GasFields::at_rest(&part);
+        for record in send_cells_to_owners(records, &model.grid, subdomain.decomposition, ranks) {
+            fields.restore(record.place_in(&part), &record.numbers);
+        }
+        Self { fields, report }
+    }
+
+    /// Records of the owned cells of a part.
+    pub fn records(&self, part: &LocalCells) -> Vec<CellRecord> {
+        let record = |cell| CellRecord::new(part, cell, self.fields.record(cell));
+        part.owned().map(record).collect()
+    }
+}
+
+/// The gas on a rank's part of the grid. All that its future depends on is in [`GasFields::record`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct GasFields {
     /// Velocity u of the gas between the particles: component a at the lower face of each cell along a. The upper
     /// faces of the box are the lower ones of cells in the halo.
     pub velocity: [Field; 3],
@@ -29,7 +66,7 @@ pub struct BedOnGrid {
     pub transferred_velocity: [Field; 3],
 }
 
-impl GasState {
+impl GasFields {
     /// Numbers in a record.
     pub const RECORD: usize = 8;
 

@@ -31,7 +31,7 @@ pub(super) fn set_dilatation(
 
 /// What viscous forces are made of.
 #[derive(Clone, Copy)]
-pub(super) struct Flow<'a> {
+pub(super) struct ViscousFields<'a> {
     pub(super) velocity: &'a [Field; 3],
     pub(super) dilatation: &'a Field,
     pub(super) voidage: &'a Field,
@@ -41,14 +41,14 @@ pub(super) struct Flow<'a> {
 pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
-    flow: Flow,
+    fields: ViscousFields,
     (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: Vector3<f64>,
 ) {
     if gas.viscosity == 0.0 {
         return;
     }
-    add_normal_stress(rate, axis, flow, (part, gas), spacing[axis]);
+    add_normal_stress(rate, axis, fields, (part, gas), spacing[axis]);
     for direction in (0..3).filter(|&direction| direction != axis) {
         let strides = rate.strides();
         let shear = Shear {
@@ -58,9 +58,9 @@ pub(super) fn add_viscous_force(
             factor: gas.viscosity / spacing[direction],
         };
         for row in Region::free_faces(part, axis, gas).rows(rate) {
-            let other = flow.velocity[direction].values();
-            let own = flow.velocity[axis].values();
-            shear.add_row(rate.values_mut(), [own, other], flow.voidage.values(), row);
+            let other = fields.velocity[direction].values();
+            let own = fields.velocity[axis].values();
+            shear.add_row(rate.values_mut(), [own, other], fields.voidage.values(), row);
         }
     }
 }
@@ -69,7 +69,7 @@ pub(super) fn add_viscous_force(
 fn add_normal_stress(
     rate: &mut Field,
     axis: usize,
-    flow: Flow,
+    fields: ViscousFields,
     (part, gas): (&LocalCells, &VolumeAveragedGas),
     spacing: f64,
 ) {
@@ -77,11 +77,11 @@ fn add_normal_stress(
     let factor = 2.0 * gas.viscosity / spacing;
     for row in Region::inner_faces(part, axis, gas).rows(rate) {
         let [below, here, above] =
-            [-1, 0, 1].map(|cells| moved(flow.velocity[axis].values(), &row, cells * step));
+            [-1, 0, 1].map(|cells| moved(fields.velocity[axis].values(), &row, cells * step));
         let [eps_below, eps] =
-            [-1, 0].map(|cells| moved(flow.voidage.values(), &row, cells * step));
+            [-1, 0].map(|cells| moved(fields.voidage.values(), &row, cells * step));
         let [div_below, div] =
-            [-1, 0].map(|cells| moved(flow.dilatation.values(), &row, cells * step));
+            [-1, 0].map(|cells| moved(fields.dilatation.values(), &row, cells * step));
         let target = &mut rate.values_mut()[row];
         for i in 0..target.len() {
             let upper = eps[i] * ((above[i] - here[i]) / spacing - div[i] * (1.0 / 3.0));

@@ -6,7 +6,7 @@
 
 use crate::analysis::Digest;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
-use crate::state::{Clock, Departed, FlowReport, SizeRange};
+use crate::state::{Clock, Departed, GasReport, SizeRange};
 
 mod folder;
 mod read;
@@ -40,7 +40,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     /// Cells of a gas in three dimensions, each on one rank, in any order; none without such a gas.
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
-    pub flow_report: FlowReport,
+    pub gas_report: GasReport,
 }
 
 impl<P: Records<ParticleRecord>> Checkpoint<P> {

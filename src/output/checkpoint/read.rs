@@ -8,7 +8,7 @@ use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{InWords, OutputError, Provenance, agreed, seal};
 use crate::parallel::Communicator;
-use crate::state::{Clock, Departed, FlowReport, SizeRange};
+use crate::state::{Clock, Departed, GasReport, SizeRange};
 
 /// What stands in a checkpoint beside its rows.
 struct Head {
@@ -111,12 +111,12 @@ fn read_small(file: &SerialFile, version: u64) -> InWords<Checkpoint> {
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
-        flow_report: if version < 2 { FlowReport::default() } else { read_report(file)? },
+        gas_report: if version < 2 { GasReport::default() } else { read_report(file)? },
     })
 }
 
-fn read_report(file: &SerialFile) -> InWords<FlowReport> {
-    Ok(FlowReport {
+fn read_report(file: &SerialFile) -> InWords<GasReport> {
+    Ok(GasReport {
         iterations: file.number("/gas", "iterations")?,
         raised_cells: file.number("/gas", "raised_cells")?,
         courant: file.number("/gas", "courant")?,

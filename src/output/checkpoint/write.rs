@@ -117,7 +117,7 @@ fn write_head(
     file.set_number("/sizes", "largest_diameter", sizes.largest_diameter)?;
     file.set_number("/sizes", "largest_mass", sizes.largest_mass)?;
     file.make_group("/gas")?;
-    let report = &checkpoint.flow_report;
+    let report = &checkpoint.gas_report;
     file.set_number("/gas", "iterations", report.iterations)?;
     file.set_number("/gas", "raised_cells", report.raised_cells)?;
     file.set_number("/gas", "courant", report.courant)?;

@@ -1,6 +1,6 @@
 //! What the gas loses against what particles gain.
 
-use super::CellCoupling;
+use super::exchange::ParticleExchange;
 use crate::grid::Field;
 use crate::numbers::{ExactSum, Quantum};
 use crate::parallel::Communicator;
@@ -10,13 +10,13 @@ use crate::parallel::Communicator;
 pub(super) struct Exchanged {
     /// Force that the gas loses at its faces.
     pub(super) lost: [ExactSum; 3],
-    /// Forces on particles, as counts of the lattice of forces.
+    /// Forces on particles, in quanta of force.
     pub(super) gained: [i64; 3],
 }
 
-impl CellCoupling {
+impl ParticleExchange {
     /// Largest component of the force on all particles less what the gas loses, as of the last
-    /// [`CellCoupling::press`]. Collective.
+    /// [`ParticleExchange::set_forces`]. Collective.
     pub(super) fn momentum_error(&self, quantum: Quantum, ranks: &dyn Communicator) -> f64 {
         let Exchanged { lost, gained } = &self.exchanged;
         let mut integers: Vec<i64> = (0..3)
@@ -35,20 +35,21 @@ impl CellCoupling {
         components.fold(0.0, |largest, error| if error <= largest { largest } else { error })
     }
 
-    /// Force along an axis that the gas loses on this rank.
+    /// Force along an axis that the gas loses on this rank,
+    /// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the sum over faces of what it solves for.
     pub(super) fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
         let mut sum = ExactSum::default();
         let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
         let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
-        let fields = [&self.seen[axis], &self.seen[3 + axis], beta, beta_v, &bed.voidage];
+        let fields = [&self.in_cells[axis], &self.in_cells[3 + axis], beta, beta_v, &bed.voidage];
         let [length, rows, layers] = bed.voidage.count();
         for (j, k) in (0..layers).flat_map(|k| (0..rows).map(move |j| (j as isize, k as isize))) {
             let row = |field: &Field| field.index([0, j, k]);
             let [u, gradient, beta, beta_v, eps] =
                 fields.map(|field| &field.values()[row(field)..][..length]);
             for i in 0..length {
-                let pressed = (1.0 - eps[i]) * (gradient[i] - buoyancy);
-                sum.add(volume * (beta[i] * u[i] - beta_v[i] - pressed));
+                let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
+                sum.add(volume * (beta[i] * u[i] - beta_v[i] - by_pressure));
             }
         }
         sum

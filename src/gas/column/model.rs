@@ -1,7 +1,7 @@
-//! A column of gas: one-dimensional, incompressible, without inertia.
+//! The column gas as a case chooses it: one-dimensional, incompressible, without inertia.
 
-use super::{DragCorrelation, DragLaw};
 use crate::domain::Bounds;
+use crate::gas::{DragLaw, ParticleDrag};
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
 use std::f64::consts::PI;
@@ -96,66 +96,6 @@ impl ColumnGas {
                 beta * (gas_velocity - fields.drag_velocity[node]) / (1.0 - phi) * width
             })
             .sum()
-    }
-}
-
-/// Drag of a gas on single particles in a suspension.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParticleDrag {
-    /// Drag law.
-    pub law: DragLaw,
-    /// xi, the drag over that of the law (Liu 2016: 0.2, for clustered particles).
-    pub factor: f64,
-    /// Gas viscosity.
-    pub viscosity: f64,
-    /// Gas density.
-    pub density: f64,
-}
-
-impl ParticleDrag {
-    /// xi (V / phi) beta = xi 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
-    /// where the solids fraction is phi and U_s - u_s is `slip`.
-    ///
-    /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
-    #[inline(always)]
-    pub fn per_velocity(&self, diameter: f64, solids_fraction: f64, slip: f64) -> f64 {
-        let reynolds = match self.law.depends_on_reynolds() {
-            true => self.reynolds(diameter, slip),
-            false => 0.0,
-        };
-        self.stokes(diameter) * self.law.scaled_drag(solids_fraction, reynolds)
-    }
-
-    /// The same for many particles at once, in vector instructions.
-    #[inline(always)]
-    pub fn per_velocities<const N: usize>(
-        &self,
-        diameter: &[f64; N],
-        solids_fraction: &[f64; N],
-        slip: &[f64; N],
-    ) -> [f64; N] {
-        let mut reynolds = [0.0; N];
-        if self.law.depends_on_reynolds() {
-            for lane in 0..N {
-                reynolds[lane] = self.reynolds(diameter[lane], slip[lane]);
-            }
-        }
-        let mut drag = self.law.scaled_drags(solids_fraction, &reynolds);
-        for lane in 0..N {
-            drag[lane] *= self.stokes(diameter[lane]);
-        }
-        drag
-    }
-
-    #[inline(always)]
-    fn reynolds(&self, diameter: f64, slip: f64) -> f64 {
-        self.density * diameter * slip.abs() / self.viscosity
-    }
-
-    /// xi 3 pi mu d.
-    #[inline(always)]
-    fn stokes(&self, diameter: f64) -> f64 {
-        self.factor * (3.0 * PI * self.viscosity * diameter)
     }
 }
 

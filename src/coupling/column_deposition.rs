@@ -22,7 +22,7 @@ pub struct Bed {
 
 /// Sums over particles, exact in any order: every addend lies on a lattice.
 #[derive(Clone, Debug)]
-pub struct CoarseGraining {
+pub struct ColumnDeposition {
     /// Smallest and largest diameter.
     diameters: [f64; 2],
     /// Of volume and its flux; of diameter and its flux.
@@ -39,7 +39,7 @@ pub struct CoarseGraining {
 /// to the upper. Every fourth particle has sums of its own, so that none waits for the last one's.
 type IntervalSums = [[f64; 4]; 4];
 
-impl CoarseGraining {
+impl ColumnDeposition {
     /// Room for solids fractions up to 4 (they end the run at 1) and for speeds up to the limit.
     pub fn new(grid: &ColumnGrid, speed_limit: f64, diameters: [f64; 2]) -> Self {
         let volume = grid.cell_volume();
@@ -56,7 +56,7 @@ impl CoarseGraining {
     }
 
     /// The owned particles as they were deposited last.
-    pub(super) fn blocks(&self) -> &[ColumnBlock] {
+    pub(crate) fn blocks(&self) -> &[ColumnBlock] {
         &self.blocks
     }
 

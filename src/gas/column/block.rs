@@ -1,32 +1,17 @@
-//! The column of gas at a block of particles: fields, drag, and force.
+//! The column gas at a block of particles: fields, drag, and force.
 
-use super::column_block::{ColumnBlock, Lanes};
+use crate::coupling::{ColumnBlock, Lanes};
 use crate::gas::ParticleDrag;
-use crate::grid::ColumnGrid;
-use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged, four, four_mut};
+use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged, four};
 use crate::particles::{ForceTorque, LANES};
 use std::f64::consts::PI;
 
-/// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its way to the
-/// upper end, then the second's.
-pub(super) fn interval_fields(
-    grid: &ColumnGrid,
-    [first, second]: [&[f64]; 2],
-    in_intervals: &mut Vec<[f64; 4]>,
-) {
-    in_intervals.clear();
-    in_intervals.extend((0..grid.intervals()).map(|interval| {
-        let [lower, upper] = grid.ends(interval);
-        [first[lower], first[upper] - first[lower], second[lower], second[upper] - second[lower]]
-    }));
-}
-
 /// Particles, and the gas between the nodes of its grid.
 #[derive(Clone, Copy)]
-pub(super) struct Column<'a> {
+pub(super) struct ParticlesInColumn<'a> {
     /// The particles in it.
     pub(super) blocks: &'a [ColumnBlock],
-    /// phi and u_s as [`interval_fields`]; likewise diameters per volume and u_d, of no interval if all particles are
+    /// phi and u_s as [`interval_fields`](crate::coupling::interval_fields); likewise diameters per volume and u_d, of no interval if all particles are
     /// of one size.
     pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
     pub(super) drag: ParticleDrag,
@@ -50,14 +35,14 @@ struct GasBlock {
 
 impl GasBlock {
     #[inline(always)]
-    fn fill<Q: F64x4>(&mut self, column: &Column, particles: &ColumnBlock) {
+    fn fill<Q: F64x4>(&mut self, column: &ParticlesInColumn, particles: &ColumnBlock) {
         let [of_volume, of_diameter] = column.between_nodes;
         let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
-        interpolate::<Q>(particles, of_volume, fields);
+        particles.interpolate::<Q>(of_volume, fields);
         let sizes_differ = !of_diameter.is_empty();
         if sizes_differ {
             let fields = [&mut self.diameter_density, &mut self.drag_velocity];
-            interpolate::<Q>(particles, of_diameter, fields);
+            particles.interpolate::<Q>(of_diameter, fields);
         } else {
             self.drag_velocity = self.solids_velocity;
         }
@@ -68,7 +53,7 @@ impl GasBlock {
     }
 
     #[inline(always)]
-    fn find_drag(&mut self, column: &Column, radius: &Lanes) {
+    fn find_drag(&mut self, column: &ParticlesInColumn, radius: &Lanes) {
         let (mut diameter, mut slip) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             diameter[lane] = 2.0 * radius[lane];
@@ -101,27 +86,8 @@ impl GasBlock {
     }
 }
 
-/// Linear interpolation of two fields, with the weights of coarse graining.
-#[inline(always)]
-fn interpolate<Q: F64x4>(
-    particles: &ColumnBlock,
-    in_intervals: &[[f64; 4]],
-    [first, second]: [&mut Lanes; 2],
-) {
-    for from in (0..LANES).step_by(4) {
-        let mut rows = [Q::splat(0.0); 4];
-        for row in 0..4 {
-            rows[row] = Q::load(&in_intervals[particles.interval[from + row] as usize]);
-        }
-        let weight = Q::load(four(&particles.of_upper, from));
-        let [lower, displacement, second_lower, second_way] = Q::transposed(rows);
-        lower.plus(weight.times(displacement)).store(four_mut(first, from));
-        second_lower.plus(weight.times(second_way)).store(four_mut(second, from));
-    }
-}
-
 /// A force that has no meaning.
-pub(super) struct Beyond {
+pub(super) struct ForceTooLarge {
     /// Of which particle.
     pub(super) index: usize,
     /// A component of it.
@@ -131,7 +97,7 @@ pub(super) struct Beyond {
 
 /// Adds the gas force to each particle; gives their sum, as counts of the lattice.
 pub(super) struct AddForces<'a> {
-    pub(super) column: Column<'a>,
+    pub(super) column: ParticlesInColumn<'a>,
     /// Whether there is lateral drag.
     pub(super) lateral: bool,
     pub(super) quantum: Quantum,
@@ -141,7 +107,7 @@ pub(super) struct AddForces<'a> {
 }
 
 impl SimdKernel for AddForces<'_> {
-    type Output = Result<[i64; 3], Beyond>;
+    type Output = Result<[i64; 3], ForceTooLarge>;
 
     #[inline(always)]
     fn run<Q: F64x4>(self) -> Self::Output {
@@ -165,7 +131,7 @@ impl SimdKernel for AddForces<'_> {
                     out_of_range[lane] = u64::from(!within);
                 }
                 if let Some(lane) = first_flagged(&out_of_range) {
-                    return Err(Beyond {
+                    return Err(ForceTooLarge {
                         index: number * LANES + lane,
                         force: force[lane].abs(),
                         solids_fraction: block.solids_fraction[lane],
@@ -196,7 +162,7 @@ fn scatter<Q: F64x4>(axis: usize, force: &mut Lanes, loads: &mut [ForceTorque]) 
 
 /// Sums the force at U_s = 0 and its slope dF/dU_s, with the drag of the column's U_s, as counts of their lattices.
 pub(super) struct SumSlopes<'a> {
-    pub(super) column: Column<'a>,
+    pub(super) column: ParticlesInColumn<'a>,
     /// Of the force, of the slope.
     pub(super) quanta: [Quantum; 2],
     /// Particles in the blocks.

@@ -1,8 +1,8 @@
 use super::*;
-use crate::domain::{Decomposition, Face, RankGrid};
-use crate::gas::{Beetstra, DragLaw};
+use crate::domain::{Bounds, Decomposition, Face, RankGrid};
+use crate::gas::{Beetstra, DragLaw, ParticleDrag};
 use crate::numbers::{ExactSum, random_of, uniform};
-use crate::parallel::{CollectiveError, agree, run_on_threads};
+use crate::parallel::{CollectiveError, FieldHalo, agree, run_on_threads};
 use std::sync::Mutex;
 
 const COUNTS: [usize; 3] = [7, 5, 12];
@@ -26,7 +26,8 @@ fn model(filter_width: f64) -> CouplingModel {
 }
 
 fn limits() -> ParticleLimits {
-    ParticleLimits { diameters: [DIAMETER; 2], force: 10.0, speed: 10.0, stray: 0.3 }
+    let force_quantum = Quantum::spanning(FORCES);
+    ParticleLimits { diameters: [DIAMETER; 2], force: 10.0, force_quantum, speed: 10.0, drift: 0.3 }
 }
 
 fn numbers<const N: usize>(id: u64, purpose: &str) -> [f64; N] {
@@ -34,17 +35,17 @@ fn numbers<const N: usize>(id: u64, purpose: &str) -> [f64; N] {
     std::array::from_fn(|_| uniform(&mut generator))
 }
 
-/// A bed in the lower half that touches all walls. Some have strayed since they were given to their rank.
+/// A bed in the lower half that touches all walls. Some have drifted since they were sorted to their rank.
 fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
     let (bounds, mut particles) = (bounds(), Particles::default());
     for id in 0..count {
         let [x, y, z, dx, dy, dz] = numbers(id, "place");
         let quantum = |v: Vector3<f64>| bounds.position_quantum().round_vector(v);
         let sorted = bounds.wrap(quantum(Vector3::new(7.7 * x, 5.0 * y, 6.0 * z)));
-        let stray = 0.5 * (Vector3::new(dx, dy, dz) - Vector3::repeat(0.5));
+        let drift = 0.5 * (Vector3::new(dx, dy, dz) - Vector3::repeat(0.5));
         let [u, v, w] = numbers(id, "velocity").map(|part| part - 0.5);
         if decomposition.owner_of(&sorted) == rank {
-            let position = sorted + quantum(stray);
+            let position = sorted + quantum(drift);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
         }
     }
@@ -52,8 +53,8 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
 }
 
 /// A gas with something everywhere, its halos filled; nothing moves through walls.
-fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> GasState {
-    let mut gas = GasState::at_rest(part);
+fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> GasFields {
+    let mut gas = GasFields::at_rest(part);
     let [nx, ny, nz] = part.count.map(|count| count as isize);
     for (k, j, i) in
         (0..=nz).flat_map(|k| (0..=ny).flat_map(move |j| (0..=nx).map(move |i| (k, j, i))))
@@ -67,7 +68,7 @@ fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> 
         *gas.velocity[2].at_mut([i, j, k]) = 2.0 * w + 1.0;
         *gas.pressure.at_mut([i, j, k]) = p;
     }
-    let GasState { velocity: [u, v, w], pressure, .. } = &mut gas;
+    let GasFields { velocity: [u, v, w], pressure, .. } = &mut gas;
     halo.refresh(&mut [u, v, w, pressure], ranks);
     gas
 }
@@ -109,18 +110,18 @@ fn couple(
     let results = run_on_threads(grid.iter().product(), |ranks| {
         let bounds = bounds();
         let subdomain = decomposition.subdomain(&bounds, ranks.rank());
-        let mut coupling = CellCoupling::new(model, limits(), &cells, subdomain).unwrap();
-        let part = *coupling.part();
+        let mut exchange = ParticleExchange::new(model, limits(), &cells, subdomain).unwrap();
+        let part = *exchange.part();
         let mut particles = bed_of(&decomposition, ranks.rank(), count);
         let mut halo = FieldHalo::new(subdomain);
         let gas = gas_on(&part, &mut halo, ranks);
-        agree(coupling.observe(&particles, &gas, step, ranks), ranks)?;
-        agree(coupling.press(&mut particles, &gas, (GRAVITY, quantum), ranks), ranks)?;
-        let error = coupling.momentum_error(quantum, ranks);
+        agree(exchange.deposit(&particles, &gas, step, ranks), ranks)?;
+        agree(exchange.set_forces(&mut particles, &gas, GRAVITY, ranks), ranks)?;
+        let error = exchange.momentum_error(quantum, ranks);
         let mut found = found.lock().unwrap();
         found.error = error;
-        found.raised += coupling.raised_cells();
-        let BedOnGrid { voidage, momentum_transfer, transferred_velocity } = coupling.bed();
+        found.raised += exchange.raised_cells();
+        let BedOnGrid { voidage, momentum_transfer, transferred_velocity } = exchange.bed();
         let [x, y, z] = transferred_velocity;
         let mut columns = [voidage, momentum_transfer, x, y, z].map(Field::owned);
         let [nx, ny, _] = part.count;
@@ -236,7 +237,7 @@ fn the_bits_do_not_depend_on_the_cut() {
 }
 
 #[test]
-fn a_gas_step_that_is_too_long_is_refused_in_words() {
+fn a_gas_step_that_is_too_long_is_refused() {
     let error = couple([1, 1, 2], &model(0.0), (300, 1.0)).unwrap_err();
     assert!(error.0.contains("b dt / (m eps^2)"), "{error}");
 }
@@ -251,11 +252,11 @@ fn cells_that_are_too_full_are_counted() {
 }
 
 #[test]
-fn cells_smaller_than_what_particles_may_stray_are_refused() {
+fn cells_smaller_than_the_drift_of_particles_are_refused() {
     let cells = BoxGrid::new(&bounds(), [40, 5, 12]);
     let bounds = bounds();
     let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
     let subdomain = decomposition.subdomain(&bounds, 0);
-    let result = CellCoupling::new(&model(0.0), limits(), &cells, subdomain);
-    assert!(result.unwrap_err().contains("may stray"));
+    let result = ParticleExchange::new(&model(0.0), limits(), &cells, subdomain);
+    assert!(result.unwrap_err().contains("may drift"));
 }

@@ -1,72 +1,24 @@
-//! Grid to particles: the force of the one-dimensional gas, Moon 2006 eqs (11), (12) and (18).
+//! The column gas in a run: superficial velocity and force on particles, Moon 2006 eqs (11), (12) and (18).
 
-use super::gas_block::{AddForces, Column, SumSlopes, interval_fields};
-use super::{Bed, CoarseGraining};
+use super::block::{AddForces, ParticlesInColumn, SumSlopes};
+use super::model::{ColumnFields, ColumnGas, Drive, WeightBalance};
+use crate::coupling::{Bed, ColumnDeposition, interval_fields};
 use crate::domain::Bounds;
-use crate::gas::{ColumnFields, ColumnGas, DragCorrelation, Drive, WeightBalance};
+use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, with_simd};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
-use thiserror::Error;
-
-/// A gas force that has no meaning.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum GasForceOutOfRange {
-    /// On one particle.
-    #[error(
-        "the gas force on particle {particle} is {force:.3e} (limit {limit:.3e}) at a solids fraction of \
-         {solids_fraction:.3}: particles overlap too much, or time.step is too long"
-    )]
-    Particle {
-        /// Its id.
-        particle: u64,
-        /// A component of the force.
-        force: f64,
-        /// What it may be.
-        limit: f64,
-        /// Solids fraction at the particle.
-        solids_fraction: f64,
-    },
-    /// A drag coefficient, force per velocity.
-    #[error(
-        "the drag of the gas on particle {particle} is {drag:.3e} per velocity (limit {limit:.3e}): the gas there \
-         is too fast or undefined"
-    )]
-    Drag {
-        /// Id of the particle.
-        particle: u64,
-        /// Its drag coefficient.
-        drag: f64,
-        /// What it may be.
-        limit: f64,
-    },
-    /// A gas step that is too long for the drag.
-    #[error(
-        "in one gas step the drag takes {response:.3} of the velocity of particle {particle} relative to the gas \
-         (b dt / (m eps^2), limit {limit}): use fewer gas.substeps or a shorter time.step"
-    )]
-    Response {
-        /// Id of the particle.
-        particle: u64,
-        /// The part taken.
-        response: f64,
-        /// What it may be.
-        limit: f64,
-    },
-    /// On the whole bed.
-    #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
-    NoBalance(f64),
-}
 
 /// Iterations that the superficial velocity of a weight-carrying gas may take; 5 to 10 are usual.
 const MOST_ITERATIONS: usize = 100;
 
-/// The column gas at work: its grid, the bed on it, and the superficial velocity of the moment.
+/// The column gas in a run: its grid, the bed on it, and the superficial velocity now. Disposable.
 #[derive(Clone, Debug)]
-pub struct FluidForce {
+pub struct ColumnSolver {
+    gas: ColumnGas,
     grid: ColumnGrid,
-    coarse_graining: CoarseGraining,
+    deposition: ColumnDeposition,
     bed: Bed,
     superficial_velocity: f64,
     quantum: Quantum,
@@ -76,28 +28,21 @@ pub struct FluidForce {
     between_nodes: [Vec<[f64; 4]>; 2],
 }
 
-impl FluidForce {
-    /// For forces on a lattice up to one limit, speeds up to another, and diameters from the smallest to the
-    /// largest.
-    pub fn new(
-        gas: &ColumnGas,
-        bounds: &Bounds,
-        quantum: Quantum,
-        (force_limit, speed_limit): (f64, f64),
-        diameters: [f64; 2],
-    ) -> Self {
+impl ColumnSolver {
+    /// For a gas in a box, and particles within limits.
+    pub fn new(gas: &ColumnGas, bounds: &Bounds, limits: &ParticleLimits) -> Self {
         let grid = gas.grid(bounds);
-        let coarse_graining = CoarseGraining::new(&grid, speed_limit, diameters);
         // Drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
-        let slope_quantum = Quantum::spanning(1024.0 * force_limit / speed_limit);
+        let slope_quantum = Quantum::spanning(1024.0 * limits.force / limits.speed);
         Self {
+            deposition: ColumnDeposition::new(&grid, limits.speed, limits.diameters),
+            gas: gas.clone(),
             grid,
-            coarse_graining,
             bed: Bed::default(),
             superficial_velocity: 0.0,
-            quantum,
+            quantum: limits.force_quantum,
             slope_quantum,
-            limit: force_limit,
+            limit: limits.force,
             between_nodes: Default::default(),
         }
     }
@@ -107,7 +52,7 @@ impl FluidForce {
         &self.grid
     }
 
-    /// The bed on the grid, as of the last [`FluidForce::coarse_grain`].
+    /// The bed on the grid, as of the last [`ColumnSolver::advance`].
     pub fn bed(&self) -> &Bed {
         &self.bed
     }
@@ -117,56 +62,55 @@ impl FluidForce {
         self.superficial_velocity
     }
 
-    /// phi and u_s of the bed now. Collective.
-    pub fn coarse_grain(&mut self, particles: &Particles, ranks: &dyn Communicator) {
-        self.coarse_graining.deposit(particles, &self.grid, &mut self.bed, ranks);
-        let Bed { solids_fraction, solids_velocity, diameter_density, drag_velocity } = &self.bed;
-        let [of_volume, of_diameter] = &mut self.between_nodes;
-        interval_fields(&self.grid, [solids_fraction, solids_velocity], of_volume);
-        if self.coarse_graining.sizes_differ() {
-            interval_fields(&self.grid, [diameter_density, drag_velocity], of_diameter);
-        }
-    }
-
-    /// What the particles feel of the gas if it moves at this superficial velocity.
-    fn column(&self, gas: &ColumnGas, superficial_velocity: f64) -> Column<'_> {
-        Column {
-            blocks: self.coarse_graining.blocks(),
-            between_nodes: &self.between_nodes,
-            drag: gas.particle_drag(),
-            superficial_velocity,
-        }
-    }
-
-    /// Sets U_s: what the case says for this time, or what carries the weight. Collective.
+    /// The superficial velocity of a time, for the bed as it is now. Collective.
     ///
     /// # Errors
     /// If no velocity carries the weight; the same on all ranks.
-    pub fn set_superficial_velocity(
+    pub fn advance(
         &mut self,
-        gas: &ColumnGas,
         particles: &Particles,
-        time_and_gravity: (f64, f64),
+        step: &GasStep,
         ranks: &dyn Communicator,
     ) -> Result<(), GasForceOutOfRange> {
-        let (time, gravity) = time_and_gravity;
-        self.superficial_velocity = match &gas.drive {
-            Drive::Velocity(schedule) => schedule.at(time),
+        self.deposit(particles, ranks);
+        self.superficial_velocity = match &self.gas.drive {
+            Drive::Velocity(schedule) => schedule.at(step.time),
             Drive::Weight(balance) => {
-                let weight = self.weight_of(particles, gravity, ranks);
+                let weight = self.weight_of(particles, step.gravity, ranks);
                 match balance {
                     WeightBalance::ParticleForce => {
-                        self.velocity_by_particle_force(gas, particles, weight, ranks)?
+                        self.velocity_by_particle_force(particles, weight, ranks)?
                     }
-                    WeightBalance::GridIntegral => self.velocity_by_grid_integral(gas, weight)?,
+                    WeightBalance::GridIntegral => self.velocity_by_grid_integral(weight)?,
                 }
             }
         };
         Ok(())
     }
 
-    /// Adds the gas force to each owned particle, at the place and velocity that it was coarse-grained with; returns
-    /// their sum here, as counts of the force lattice.
+    /// phi and u_s of the bed now.
+    fn deposit(&mut self, particles: &Particles, ranks: &dyn Communicator) {
+        self.deposition.deposit(particles, &self.grid, &mut self.bed, ranks);
+        let Bed { solids_fraction, solids_velocity, diameter_density, drag_velocity } = &self.bed;
+        let [of_volume, of_diameter] = &mut self.between_nodes;
+        interval_fields(&self.grid, [solids_fraction, solids_velocity], of_volume);
+        if self.deposition.sizes_differ() {
+            interval_fields(&self.grid, [diameter_density, drag_velocity], of_diameter);
+        }
+    }
+
+    /// The particles, in gas of this superficial velocity.
+    fn particles_in(&self, superficial_velocity: f64) -> ParticlesInColumn<'_> {
+        ParticlesInColumn {
+            blocks: self.deposition.blocks(),
+            between_nodes: &self.between_nodes,
+            drag: self.gas.particle_drag(),
+            superficial_velocity,
+        }
+    }
+
+    /// Adds the gas force to each owned particle, at the position and velocity that it was deposited with; returns
+    /// their sum here, in quanta of force.
     ///
     /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
     /// -dp/dz = B (u_g - u_d) / (1 - phi), B the drag of all particles per volume; laterally -(V / phi) beta v if the
@@ -175,31 +119,27 @@ impl FluidForce {
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub fn add_to(
-        &self,
-        gas: &ColumnGas,
-        particles: &mut Particles,
-    ) -> Result<[i64; 3], GasForceOutOfRange> {
-        let column = self.column(gas, self.superficial_velocity);
+    pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
+        let column = self.particles_in(self.superficial_velocity);
         let owned = particles.owned_count();
         let work = AddForces {
             column,
-            lateral: gas.lateral_drag,
+            lateral: self.gas.lateral_drag,
             quantum: self.quantum,
             limit: self.limit,
             loads: &mut particles.forces[..owned],
         };
-        with_simd(work).map_err(|beyond| GasForceOutOfRange::Particle {
-            particle: particles.id[beyond.index],
-            force: beyond.force,
+        with_simd(work).map_err(|too_large| GasForceOutOfRange::Particle {
+            particle: particles.id[too_large.index],
+            force: too_large.force,
             limit: self.limit,
-            solids_fraction: beyond.solids_fraction,
+            solids_fraction: too_large.solids_fraction,
         })
     }
 
     /// The pressure drop over the column by the grid integral, for results.
-    pub fn pressure_drop(&self, gas: &ColumnGas) -> f64 {
-        gas.pressure_drop(&self.grid, &self.fields(), self.superficial_velocity)
+    pub fn pressure_drop(&self) -> f64 {
+        self.gas.pressure_drop(&self.grid, &self.fields(), self.superficial_velocity)
     }
 
     fn fields(&self) -> ColumnFields<'_> {
@@ -226,7 +166,6 @@ impl FluidForce {
     /// particles' forces: nearer than that the sums do not settle.
     fn velocity_by_particle_force(
         &self,
-        gas: &ColumnGas,
         particles: &Particles,
         weight: f64,
         ranks: &dyn Communicator,
@@ -234,7 +173,7 @@ impl FluidForce {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
             let [constant, slope] = with_simd(SumSlopes {
-                column: self.column(gas, velocity),
+                column: self.particles_in(velocity),
                 quanta: [self.quantum, self.slope_quantum],
                 count: particles.owned_count(),
             });
@@ -249,7 +188,7 @@ impl FluidForce {
             let rounding = (sums[2] as f64 * self.quantum.spacing()).max(1.0e-13 * weight.abs());
             let converged = ((next - velocity) * slope).abs() <= rounding;
             velocity = next;
-            if converged || !gas.drag.depends_on_reynolds() {
+            if converged || !self.gas.drag.depends_on_reynolds() {
                 return self.finite(velocity);
             }
         }
@@ -257,14 +196,10 @@ impl FluidForce {
     }
 
     /// U_s from the grid integral = W / S, by the secant method: exact at once for a linear drag law.
-    fn velocity_by_grid_integral(
-        &self,
-        gas: &ColumnGas,
-        weight: f64,
-    ) -> Result<f64, GasForceOutOfRange> {
+    fn velocity_by_grid_integral(&self, weight: f64) -> Result<f64, GasForceOutOfRange> {
         let target = weight / (self.grid.cell_volume() / self.grid.spacing());
         let excess =
-            |velocity: f64| gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
+            |velocity: f64| self.gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
         let (mut old, mut velocity) = (0.0, self.grid.spacing());
         let (mut excess_old, mut excess_now) = (excess(old), excess(velocity));
         for _ in 0..MOST_ITERATIONS {

@@ -1,0 +1,120 @@
+//! Particles and the cells of one rank: where each particle lies among them, and sums over ranks.
+
+use super::corners::{Corners, deposit};
+use super::filter::Filter;
+use crate::domain::{Bounds, Subdomain};
+use crate::grid::{BoxGrid, CellLocator, Field, LocalCells};
+use crate::numbers::Quantum;
+use crate::parallel::{Communicator, FieldHalo};
+use crate::particles::Particles;
+use nalgebra::Vector3;
+
+/// Transfers between the particles and the cells of one rank: hats around cell centres, then the filter if there is
+/// one. Disposable.
+///
+/// One set of weights serves both directions, so that interpolation is the adjoint of deposition.
+#[derive(Clone, Debug)]
+pub struct CellTransfer {
+    bounds: Bounds,
+    cell_volume: f64,
+    ends: [[bool; 2]; 3],
+    locator: CellLocator,
+    halo: FieldHalo,
+    filter: Option<Filter>,
+    /// Where each owned particle was at the last deposition of volume.
+    corners: Vec<Corners>,
+}
+
+impl CellTransfer {
+    /// For one rank's part of a grid, and a filter of this full width at half maximum (0 for none).
+    pub fn new(grid: &BoxGrid, filter_width: f64, subdomain: Subdomain) -> Self {
+        let part = grid.local_cells(subdomain);
+        Self {
+            bounds: subdomain.bounds.clone(),
+            cell_volume: grid.cell_volume(),
+            ends: std::array::from_fn(|axis| part.at_ends(axis)),
+            locator: CellLocator::new(grid, part),
+            halo: FieldHalo::new(subdomain),
+            filter: Filter::new(grid, filter_width),
+            corners: Vec::new(),
+        }
+    }
+
+    /// Whether particles that have moved so far since they were sorted to ranks still lie within reach of their
+    /// rank's halos.
+    pub fn reaches(grid: &BoxGrid, drift: f64) -> bool {
+        drift <= CellLocator::STRAY * grid.spacing().min()
+    }
+
+    /// The cells of this rank.
+    pub fn part(&self) -> &LocalCells {
+        self.locator.part()
+    }
+
+    /// The cells around each owned particle, as of the last [`CellTransfer::deposit_volume`].
+    pub fn corners(&self) -> &[Corners] {
+        &self.corners
+    }
+
+    /// The cells around a point, for fields that are like `field`.
+    #[inline(always)]
+    pub fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
+        let weights = self.locator.weights(&self.bounds.wrap(*position));
+        Corners::of(&weights, field)
+    }
+
+    /// Sets the fraction of each owned cell that particles fill, and finds the cells around each particle.
+    /// Shares of volume are rounded to `quantum`. Collective.
+    ///
+    /// Before: owned particles are current. After: halos of the field are out of date.
+    pub fn deposit_volume(
+        &mut self,
+        particles: &Particles,
+        quantum: Quantum,
+        solids_fraction: &mut Field,
+        ranks: &dyn Communicator,
+    ) {
+        solids_fraction.values_mut().fill(0.0);
+        self.corners.clear();
+        for i in 0..particles.owned_count() {
+            let corners = self.corners_at(&particles.body[i].position, solids_fraction);
+            self.corners.push(corners);
+            deposit([&mut *solids_fraction], [quantum], &corners, [particles.volume(i)]);
+        }
+        self.sum_per_volume(&mut [solids_fraction], ranks);
+    }
+
+    /// Turns amounts that particles gave to cells and halos into amounts per volume of owned cells, filtered.
+    /// Collective.
+    ///
+    /// After: halos are out of date.
+    pub fn sum_per_volume(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        self.halo.add_to_owners(fields, ranks);
+        for field in fields.iter_mut() {
+            field.values_mut().iter_mut().for_each(|value| *value /= self.cell_volume);
+        }
+        self.filter(fields, ranks);
+    }
+
+    /// Adds what halos hold to the cells that own it. Collective.
+    pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        self.halo.add_to_owners(fields, ranks);
+    }
+
+    /// Filters fields that are then interpolated, and fills their halos. Collective.
+    pub fn prepare_interpolation(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        self.filter(fields, ranks);
+        self.halo.refresh(fields, ranks);
+    }
+
+    /// Fills the halos of fields. Collective.
+    pub fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        self.halo.refresh(fields, ranks);
+    }
+
+    fn filter(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        if let Some(filter) = &mut self.filter {
+            filter.apply(fields, &self.ends, &mut self.halo, ranks);
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Why a gas cannot go on.
+
+use super::volume_averaged::NavierStokesError;
+use thiserror::Error;
+
+/// A gas force that has no meaning.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GasForceOutOfRange {
+    /// On one particle.
+    #[error(
+        "the gas force on particle {particle} is {force:.3e} (limit {limit:.3e}) at a solids fraction of \
+         {solids_fraction:.3}: particles overlap too much, or time.step is too long"
+    )]
+    Particle {
+        /// Its id.
+        particle: u64,
+        /// A component of the force.
+        force: f64,
+        /// What it may be.
+        limit: f64,
+        /// Solids fraction at the particle.
+        solids_fraction: f64,
+    },
+    /// A drag coefficient, force per velocity.
+    #[error(
+        "the drag of the gas on particle {particle} is {drag:.3e} per velocity (limit {limit:.3e}): the gas there \
+         is too fast or undefined"
+    )]
+    Drag {
+        /// Id of the particle.
+        particle: u64,
+        /// Its drag coefficient.
+        drag: f64,
+        /// What it may be.
+        limit: f64,
+    },
+    /// A gas step that is too long for the drag.
+    #[error(
+        "in one gas step the drag takes {response:.3} of the velocity of particle {particle} relative to the gas \
+         (b dt / (m eps^2), limit {limit}): use fewer gas.substeps or a shorter time.step"
+    )]
+    Response {
+        /// Id of the particle.
+        particle: u64,
+        /// The part taken.
+        response: f64,
+        /// What it may be.
+        limit: f64,
+    },
+    /// On the whole bed.
+    #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
+    NoBalance(f64),
+}
+
+/// Why a step of a gas is not possible.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GasError {
+    /// Its force on a particle has no meaning. May differ between ranks.
+    #[error(transparent)]
+    Force(#[from] GasForceOutOfRange),
+    /// Its equations cannot be solved. The same on all ranks.
+    #[error(transparent)]
+    Equations(#[from] NavierStokesError),
+}

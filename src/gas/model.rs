@@ -1,0 +1,82 @@
+//! The gas as a case chooses it for a stage.
+
+use super::ColumnGas;
+use super::volume_averaged::VolumeAveragedModel;
+use crate::domain::Decomposition;
+use crate::numbers::Quantum;
+use crate::parallel::CollectiveError;
+
+/// The gas of a stage.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one for each stage of a case")]
+pub enum GasModel {
+    /// No gas.
+    #[default]
+    None,
+    /// One-dimensional, without inertia.
+    Column(ColumnGas),
+    /// In three dimensions.
+    VolumeAveraged(VolumeAveragedModel),
+}
+
+/// Bounds of what particles are and do: sums over them have room for that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleLimits {
+    /// Smallest and largest diameter.
+    pub diameters: [f64; 2],
+    /// Largest component of one particle's gas force.
+    pub force: f64,
+    /// What forces are rounded to.
+    pub force_quantum: Quantum,
+    /// Largest speed of particles, and of gas relative to them.
+    pub speed: f64,
+    /// How far a particle may be from where it was when it was sorted to its rank.
+    pub drift: f64,
+}
+
+impl GasModel {
+    /// The column gas, if it is that.
+    pub fn column(&self) -> Option<&ColumnGas> {
+        match self {
+            Self::Column(gas) => Some(gas),
+            Self::None | Self::VolumeAveraged(_) => None,
+        }
+    }
+
+    /// The volume-averaged gas, if it is that.
+    pub fn volume_averaged(&self) -> Option<&VolumeAveragedModel> {
+        match self {
+            Self::VolumeAveraged(model) => Some(model),
+            Self::None | Self::Column(_) => None,
+        }
+    }
+
+    /// Steps of the particles in one of the gas.
+    pub fn substeps(&self) -> u64 {
+        match self {
+            Self::None | Self::Column(_) => 1,
+            Self::VolumeAveraged(model) => model.substeps,
+        }
+    }
+
+    /// The decomposition with its cut planes moved to cell faces, if the gas has cells; subdomains are at least
+    /// `width` wide.
+    ///
+    /// # Errors
+    /// If there are too few cells for the ranks.
+    pub fn align(
+        &self,
+        decomposition: &Decomposition,
+        width: f64,
+    ) -> Result<Decomposition, CollectiveError> {
+        match self {
+            Self::None | Self::Column(_) => Ok(decomposition.clone()),
+            Self::VolumeAveraged(model) => model.aligned(decomposition, width).ok_or_else(|| {
+                let (cells, ranks) = (model.grid.counts(), decomposition.grid());
+                CollectiveError(format!(
+                    "the gas's cells, {cells:?}, are too few for {ranks} ranks"
+                ))
+            }),
+        }
+    }
+}

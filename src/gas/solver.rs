@@ -1,0 +1,205 @@
+//! The gas in a run: it advances, acts on the particles, and is read off, whichever it is.
+
+use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAveragedState};
+use super::{
+    ColumnSolver, GasError, GasForceOutOfRange, GasModel, GasReport, GasState, ParticleLimits,
+};
+use crate::domain::{Decomposition, Subdomain};
+use crate::parallel::{CellRecord, CollectiveError, Communicator};
+use crate::particles::Particles;
+use nalgebra::Vector3;
+
+/// The gas of the present stage on one rank. Disposable.
+#[derive(Clone, Debug, Default)]
+#[allow(clippy::large_enum_variant, reason = "one in a run")]
+pub enum GasSolver {
+    /// No gas.
+    #[default]
+    None,
+    /// The column gas.
+    Column(ColumnSolver),
+    /// The volume-averaged gas.
+    VolumeAveraged(VolumeAveragedSolver),
+}
+
+/// When and how long a step of the gas is.
+#[derive(Clone, Copy, Debug)]
+pub struct GasStep {
+    /// Time at its beginning.
+    pub time: f64,
+    /// Its length.
+    pub dt: f64,
+    /// Downward acceleration.
+    pub gravity: f64,
+}
+
+/// Where the gas is to be, and how it is spread over the ranks now.
+#[derive(Clone, Copy, Debug)]
+pub struct GasLayout<'a> {
+    /// What sums over particles must have room for.
+    pub limits: ParticleLimits,
+    /// By which the state of the gas is spread now.
+    pub before: &'a Decomposition,
+    /// By which it is spread afterwards.
+    pub subdomain: Subdomain<'a>,
+    /// The time now.
+    pub time: f64,
+}
+
+/// What is read off the gas for the time series.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GasObservables {
+    /// U_s; of the volume-averaged gas its mean over the bottom; 0 without gas.
+    pub superficial_velocity: f64,
+    /// Pressure drop over the column; of the volume-averaged gas the mean pressure at the bottom less that at the
+    /// top, hydrostatic head left out.
+    pub pressure_drop: f64,
+    /// How the last step went.
+    pub report: GasReport,
+}
+
+impl GasSolver {
+    /// Makes the gas ready on a decomposition: begins it when it is switched on, brings its cells to their owners
+    /// when cut planes have moved, ends it when it is switched off. Collective.
+    ///
+    /// Before: particles are with their owners.
+    ///
+    /// # Errors
+    /// If its cells are too small for how far particles may drift; the same on all ranks.
+    pub fn distribute(
+        &mut self,
+        model: &GasModel,
+        state: &mut GasState,
+        particles: &mut Particles,
+        layout: &GasLayout,
+        ranks: &dyn Communicator,
+    ) -> Result<(), CollectiveError> {
+        match model {
+            GasModel::None => *self = Self::None,
+            GasModel::Column(gas) => {
+                if !matches!(self, Self::Column(_)) {
+                    let solver = ColumnSolver::new(gas, layout.subdomain.bounds, &layout.limits);
+                    *self = Self::Column(solver);
+                }
+            }
+            GasModel::VolumeAveraged(model) => {
+                if matches!(self, Self::VolumeAveraged(_))
+                    && layout.before == layout.subdomain.decomposition
+                {
+                    return Ok(());
+                }
+                let (solver, new) = volume_averaged(model, state, particles, layout, ranks)?;
+                *self = Self::VolumeAveraged(solver);
+                *state = GasState::VolumeAveraged(new);
+                return Ok(());
+            }
+        }
+        if *state != GasState::None {
+            *state = GasState::None;
+            particles.gas_force.fill(Vector3::zeros());
+        }
+        Ok(())
+    }
+
+    /// A step of the gas from the particles as they are now. Collective.
+    ///
+    /// # Errors
+    /// If the step or a force has no meaning; may differ between ranks.
+    pub fn advance(
+        &mut self,
+        state: &mut GasState,
+        particles: &mut Particles,
+        step: &GasStep,
+        ranks: &dyn Communicator,
+    ) -> Result<(), GasError> {
+        match (self, state) {
+            (Self::None, _) | (Self::VolumeAveraged(_), GasState::None) => Ok(()),
+            (Self::Column(solver), _) => Ok(solver.advance(particles, step, ranks)?),
+            (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
+                solver.advance(state, particles, step, ranks)
+            }
+        }
+    }
+
+    /// Adds the force of the gas to each owned particle; returns their sum here, in quanta of force.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
+    pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
+        match self {
+            Self::None => Ok([0; 3]),
+            Self::Column(solver) => solver.add_forces(particles),
+            Self::VolumeAveraged(solver) => Ok(solver.add_forces(particles)),
+        }
+    }
+
+    /// What the time series shows. Collective.
+    pub fn observables(&self, state: &GasState, ranks: &dyn Communicator) -> GasObservables {
+        let (superficial_velocity, pressure_drop) = match (self, state) {
+            (Self::None, _) | (Self::VolumeAveraged(_), GasState::None) => (0.0, 0.0),
+            (Self::Column(solver), _) => (solver.superficial_velocity(), solver.pressure_drop()),
+            (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
+                solver.flow_through(state, ranks)
+            }
+        };
+        GasObservables { superficial_velocity, pressure_drop, report: state.report() }
+    }
+
+    /// What a checkpoint keeps of this rank's cells; nothing of a gas without cells.
+    pub fn records(&self, state: &GasState) -> Vec<CellRecord> {
+        match (self, state) {
+            (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
+                solver.records(state)
+            }
+            (Self::None | Self::Column(_), _) | (_, GasState::None) => Vec::new(),
+        }
+    }
+
+    /// What snapshots show of this rank's cells; nothing of a gas without cells. Collective.
+    pub fn sample(
+        &mut self,
+        state: &GasState,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> Option<Vec<CellRecord>> {
+        match (self, state) {
+            (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
+                Some(solver.sample(state, particles, ranks))
+            }
+            (Self::None | Self::Column(_), _) | (_, GasState::None) => None,
+        }
+    }
+
+    /// The column gas, if it is that.
+    pub fn column(&self) -> Option<&ColumnSolver> {
+        match self {
+            Self::Column(solver) => Some(solver),
+            Self::None | Self::VolumeAveraged(_) => None,
+        }
+    }
+}
+
+/// Solver and state of the volume-averaged gas on a new decomposition: at rest if there was none.
+fn volume_averaged(
+    model: &VolumeAveragedModel,
+    state: &GasState,
+    particles: &Particles,
+    layout: &GasLayout,
+    ranks: &dyn Communicator,
+) -> Result<(VolumeAveragedSolver, VolumeAveragedState), CollectiveError> {
+    let GasLayout { limits, before, subdomain, time } = *layout;
+    let solver = VolumeAveragedSolver::new(model, limits, subdomain);
+    let mut solver = solver.map_err(CollectiveError)?;
+    let state = match state {
+        GasState::None => solver.at_rest(particles, time, ranks),
+        GasState::VolumeAveraged(state) => {
+            let before = before.subdomain(subdomain.bounds, ranks.rank());
+            let records = state.records(&model.grid.local_cells(before));
+            let mut state =
+                VolumeAveragedState::from_records(model, &records, state.report, subdomain, ranks);
+            solver.complete(&mut state, time, ranks);
+            state
+        }
+    };
+    Ok((solver, state))
+}

@@ -1,0 +1,295 @@
+//! The exchange of momentum between particles and gas: what the gas sees of the particles, and its force on them.
+//!
+//! One set of weights serves both directions: hats around cell centres, then the filter if there is one, then
+//! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
+//! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
+
+use super::momentum_balance::Exchanged;
+use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
+use crate::coupling::{CellTransfer, deposit, interpolate, mean_gradient, mean_of_faces};
+use crate::domain::Subdomain;
+use crate::gas::{GasForceOutOfRange, ParticleLimits};
+use crate::grid::{BoxGrid, Field, LocalCells};
+use crate::numbers::{Quantum, within};
+use crate::parallel::Communicator;
+use crate::particles::Particles;
+use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// The exchange of momentum between the particles and the gas of one rank. Disposable.
+#[derive(Clone, Debug)]
+pub struct ParticleExchange {
+    model: CouplingModel,
+    limits: ParticleLimits,
+    pub(super) spacing: Vector3<f64>,
+    transfer: CellTransfer,
+    quanta: Quanta,
+    largest_drag: f64,
+    pub(super) bed: BedOnGrid,
+    /// b of each owned particle, force per velocity.
+    drag: Vec<f64>,
+    /// The gas in cell centres: velocity, then pressure gradient.
+    pub(super) in_cells: [Field; 6],
+    raised_cells: u64,
+    pub(super) exchanged: Exchanged,
+}
+
+/// Quanta that shares of particles are rounded to.
+#[derive(Clone, Copy, Debug)]
+struct Quanta {
+    volume: Quantum,
+    drag: Quantum,
+    /// Drag coefficient times velocity.
+    drag_flux: Quantum,
+}
+
+impl ParticleExchange {
+    /// For one rank's part of a grid.
+    ///
+    /// # Errors
+    /// If cells are so small that particles may drift beyond their rank's halo between two sortings.
+    pub fn new(
+        model: &CouplingModel,
+        limits: ParticleLimits,
+        grid: &BoxGrid,
+        subdomain: Subdomain,
+    ) -> Result<Self, String> {
+        if !CellTransfer::reaches(grid, limits.drift) {
+            return Err(format!(
+                "a cell of the gas is {:.3e} wide, but particles may drift {:.3e} before they are sorted to ranks \
+                 again: use larger cells or a smaller parallel.skin",
+                grid.spacing().min(),
+                limits.drift
+            ));
+        }
+        let part = grid.local_cells(subdomain);
+        let [smallest, largest] = limits.diameters;
+        let slip = 2.0 * limits.speed;
+        let largest_drag = model.drag.per_velocity(largest, 1.0 - model.least_voidage, slip);
+        // A cell has room for this many of the smallest particles; quanta allow for four times as many.
+        let room = 1.0 + grid.cell_volume() / (PI / 6.0 * smallest.powi(3));
+        let drag = room * largest_drag;
+        let quanta = Quanta {
+            volume: Quantum::spanning(grid.cell_volume() + largest.powi(3)),
+            drag: Quantum::spanning(drag),
+            drag_flux: Quantum::spanning(drag * limits.speed),
+        };
+        let zero = Field::new(&part, GAS_HALO);
+        Ok(Self {
+            model: model.clone(),
+            limits,
+            spacing: grid.spacing(),
+            transfer: CellTransfer::new(grid, model.filter_width, subdomain),
+            quanta,
+            largest_drag,
+            bed: BedOnGrid::empty(&part),
+            drag: Vec::new(),
+            in_cells: std::array::from_fn(|_| zero.clone()),
+            raised_cells: 0,
+            exchanged: Exchanged::default(),
+        })
+    }
+
+    /// The cells of this rank.
+    pub fn part(&self) -> &LocalCells {
+        self.transfer.part()
+    }
+
+    /// What the gas sees of the particles, as of the last [`ParticleExchange::deposit`].
+    pub fn bed(&self) -> &BedOnGrid {
+        &self.bed
+    }
+
+    /// Number of cells on this rank whose voidage was raised to the least one at the last deposition.
+    pub fn raised_cells(&self) -> u64 {
+        self.raised_cells
+    }
+
+    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_cell, and
+    /// (beta v) = sum_i w_i b_i v_i / V_cell, with b_i by the solids fraction of now and the gas velocity of the
+    /// last gas step. `dt` is the length of the next. Collective.
+    ///
+    /// Before: halos of the gas are current. After: halos of voidage are; those of the rest are the gas's task.
+    ///
+    /// # Errors
+    /// If a drag coefficient has no meaning, or the gas step is too long for it; may differ between ranks.
+    pub fn deposit(
+        &mut self,
+        particles: &Particles,
+        gas: &GasFields,
+        dt: f64,
+        ranks: &dyn Communicator,
+    ) -> Result<(), GasForceOutOfRange> {
+        self.deposit_volume(particles, ranks);
+        self.centre_velocity(gas);
+        let [x, y, z, _, _, _] = &mut self.in_cells;
+        self.transfer.prepare_interpolation(&mut [x, y, z], ranks);
+        let result = self.deposit_drag(particles, dt);
+        let BedOnGrid { momentum_transfer, transferred_velocity: [x, y, z], .. } = &mut self.bed;
+        self.transfer.sum_per_volume(&mut [momentum_transfer, x, y, z], ranks);
+        let coefficients = self.bed.momentum_transfer.values_mut();
+        coefficients.iter_mut().for_each(|value| *value = value.max(0.0)); // the filter rounds
+        result
+    }
+
+    /// Deposits the particles' volume alone: the voidage. Collective.
+    pub fn deposit_volume(&mut self, particles: &Particles, ranks: &dyn Communicator) {
+        let voidage = &mut self.bed.voidage;
+        self.transfer.deposit_volume(particles, self.quanta.volume, voidage, ranks);
+        self.raised_cells = 0;
+        let along_x = voidage.count()[0];
+        for row in voidage.rows() {
+            for value in &mut voidage.values_mut()[row..row + along_x] {
+                let eps = (1.0 - *value).min(1.0); // the filter rounds
+                self.raised_cells += u64::from(eps < self.model.least_voidage);
+                *value = eps.max(self.model.least_voidage);
+            }
+        }
+        self.transfer.refresh(&mut [voidage], ranks);
+    }
+
+    /// Finds the drag coefficient of each owned particle and gives its shares to the cells around.
+    fn deposit_drag(&mut self, particles: &Particles, dt: f64) -> Result<(), GasForceOutOfRange> {
+        self.drag.clear();
+        let mut result = Ok(());
+        let BedOnGrid { voidage, momentum_transfer, transferred_velocity: [x, y, z] } =
+            &mut self.bed;
+        let mut fields = [momentum_transfer, x, y, z];
+        fields.iter_mut().for_each(|field| field.values_mut().fill(0.0));
+        let quanta =
+            [self.quanta.drag, self.quanta.drag_flux, self.quanta.drag_flux, self.quanta.drag_flux];
+        let [gas_x, gas_y, gas_z, _, _, _] = &self.in_cells;
+        let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
+        for (i, corners) in self.transfer.corners().iter().enumerate() {
+            let [u, v, w, eps] = interpolate([gas_x, gas_y, gas_z, &*voidage], corners);
+            let velocity = particles.body[i].velocity;
+            let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
+            let diameter = 2.0 * particles.body[i].radius;
+            let drag = self.model.drag.per_velocity(diameter, 1.0 - eps, slip);
+            result = result.and(check.of(i, drag, eps));
+            self.drag.push(drag);
+            let amounts = [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z];
+            deposit(fields.each_mut().map(|field| &mut **field), quanta, corners, amounts);
+        }
+        result
+    }
+
+    /// Sets the force of the gas on each owned particle,
+    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the quantum of force. Collective.
+    ///
+    /// `gravity` is the downward acceleration: the pressure of the gas is less its hydrostatic head, which acts
+    /// on particles as buoyancy rho_g V g. Before: the bed is that of [`ParticleExchange::deposit`] at the same
+    /// positions and velocities, and halos of the gas are current.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined; may differ between ranks.
+    pub fn set_forces(
+        &mut self,
+        particles: &mut Particles,
+        gas: &GasFields,
+        gravity: f64,
+        ranks: &dyn Communicator,
+    ) -> Result<(), GasForceOutOfRange> {
+        let quantum = self.limits.force_quantum;
+        let buoyancy = self.model.drag.density * gravity;
+        self.interpolate_gas(gas, buoyancy, ranks);
+        let mut total = [0; 3];
+        let mut result = Ok(());
+        for (i, corners) in self.transfer.corners().iter().enumerate() {
+            let [u, v, w, gx, gy, gz] = interpolate(self.in_cells.each_ref(), corners);
+            let slip = Vector3::new(u, v, w) - particles.body[i].velocity;
+            let gradient = Vector3::new(gx, gy, gz - buoyancy);
+            let force = self.drag[i] * slip - particles.volume(i) * gradient;
+            let force = quantum.round_vector(force);
+            if !within(&force, self.limits.force) {
+                let [eps] = interpolate([&self.bed.voidage], corners);
+                result = result.and(Err(GasForceOutOfRange::Particle {
+                    particle: particles.id[i],
+                    force: force.amax(),
+                    limit: self.limits.force,
+                    solids_fraction: 1.0 - eps,
+                }));
+            }
+            particles.gas_force[i] = force;
+            for axis in 0..3 {
+                total[axis] += quantum.count(force[axis]);
+            }
+        }
+        self.exchanged.gained = total;
+        result
+    }
+
+    /// Mean velocity of the solids in each owned cell, by volume; 0 where there are none. Collective.
+    pub fn solids_velocity(
+        &mut self,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> [Field; 3] {
+        let zero = Field::new(self.part(), GAS_HALO);
+        let [mut volume, mut x, mut y, mut z] = std::array::from_fn(|_| zero.clone());
+        let of_flux = Quantum::spanning(self.quanta.volume.range() * self.limits.speed);
+        let quanta = [self.quanta.volume, of_flux, of_flux, of_flux];
+        for i in 0..particles.owned_count() {
+            let corners = self.transfer.corners_at(&particles.body[i].position, &volume);
+            let (amount, v) = (particles.volume(i), particles.body[i].velocity);
+            let amounts = [amount, amount * v.x, amount * v.y, amount * v.z];
+            deposit([&mut volume, &mut x, &mut y, &mut z], quanta, &corners, amounts);
+        }
+        self.transfer.add_to_owners(&mut [&mut volume, &mut x, &mut y, &mut z], ranks);
+        [x, y, z].map(|mut flux| {
+            for (flux, &volume) in flux.values_mut().iter_mut().zip(volume.values()) {
+                *flux = if volume > 0.0 { *flux / volume } else { 0.0 };
+            }
+            flux
+        })
+    }
+
+    /// Velocity of the gas in cells.
+    fn centre_velocity(&mut self, gas: &GasFields) {
+        for axis in 0..3 {
+            mean_of_faces(&gas.velocity[axis], axis, &mut self.in_cells[axis]);
+        }
+    }
+
+    /// Velocity of the gas and pressure gradient in cells, ready for interpolation; before they are filtered, what
+    /// the gas loses.
+    fn interpolate_gas(&mut self, gas: &GasFields, buoyancy: f64, ranks: &dyn Communicator) {
+        self.centre_velocity(gas);
+        for axis in 0..3 {
+            let distance = self.spacing[axis];
+            mean_gradient(&gas.pressure, axis, distance, &mut self.in_cells[3 + axis]);
+            self.exchanged.lost[axis] = self.lost(axis, if axis == 2 { buoyancy } else { 0.0 });
+        }
+        self.transfer.prepare_interpolation(&mut self.in_cells.each_mut(), ranks);
+    }
+}
+
+/// What bounds the drag of particles in a gas step of length `dt`.
+#[derive(Clone, Copy)]
+struct ResponseCheck<'a> {
+    particles: &'a Particles,
+    dt: f64,
+    largest_drag: f64,
+}
+
+impl ResponseCheck<'_> {
+    /// Whether the drag on a particle in this voidage has a meaning, and takes no more of its velocity relative to
+    /// the gas than is allowed.
+    #[inline(always)]
+    fn of(&self, index: usize, drag: f64, voidage: f64) -> Result<(), GasForceOutOfRange> {
+        let response = drag_response(drag, self.dt, self.particles.body[index].mass, voidage);
+        let (particle, limit) = (self.particles.id[index], self.largest_drag);
+        if drag.is_nan() || drag > limit {
+            return Err(GasForceOutOfRange::Drag { particle, drag, limit });
+        }
+        if response.is_nan() || response > LARGEST_DRAG_RESPONSE {
+            let limit = LARGEST_DRAG_RESPONSE;
+            return Err(GasForceOutOfRange::Response { particle, response, limit });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

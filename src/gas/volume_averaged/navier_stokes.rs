@@ -1,0 +1,317 @@
+//! One step of the equations of the gas.
+
+use super::advection::{add_advection, courant_rate, larger, set_fluxes};
+use super::boundaries::{
+    continue_correction, continue_pressure, continue_velocity, mirror, set_boundary_faces,
+};
+use super::momentum::{Forces, Momentum};
+use super::viscosity::{ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation};
+use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
+use crate::domain::Subdomain;
+use crate::grid::{BoxGrid, Field, LocalCells};
+use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
+use crate::parallel::{Communicator, FieldHalo};
+use crate::rules::{LARGEST_STEP_NUMBER, step_number};
+use nalgebra::Vector3;
+
+/// Advances the gas on a rank's part of the grid. Holds nothing that the future depends on.
+#[derive(Clone, Debug)]
+pub struct NavierStokesSolver {
+    part: LocalCells,
+    spacing: Vector3<f64>,
+    halo: FieldHalo,
+    pressure_solver: PressureSolver,
+    explicit: ExplicitForces,
+    predicted: [Field; 3],
+    coefficients: [Field; 3],
+    diagonal: Field,
+    residual: Field,
+    change: Field,
+}
+
+/// Advection and viscous force, which are explicit in time.
+#[derive(Clone, Debug)]
+struct ExplicitForces {
+    /// eps u.
+    flux: [Field; 3],
+    /// div u.
+    dilatation: Field,
+    /// Force per volume on faces.
+    rate: [Field; 3],
+}
+
+impl ExplicitForces {
+    fn set_fluxes(&mut self, velocity: &[Field; 3], voidage: &Field, part: &LocalCells) {
+        set_fluxes(&mut self.flux, velocity, voidage, part);
+    }
+
+    /// Adds the forces of a velocity whose fluxes are set.
+    fn add(
+        &mut self,
+        velocity: &[Field; 3],
+        voidage: &Field,
+        place: (&LocalCells, &VolumeAveragedGas),
+        spacing: Vector3<f64>,
+    ) {
+        set_dilatation(&mut self.dilatation, velocity, place.0, spacing);
+        let fields = ViscousFields { velocity, dilatation: &self.dilatation, voidage };
+        for (axis, rate) in self.rate.iter_mut().enumerate() {
+            add_advection(rate, (&velocity[axis], axis), &self.flux, place, spacing);
+            add_viscous_force(rate, axis, fields, place, spacing);
+        }
+    }
+
+    /// The mean, where the forces of two velocities were added.
+    fn halve(&mut self) {
+        for rate in self.rate.iter_mut().flat_map(|rate| rate.values_mut()) {
+            *rate *= 0.5;
+        }
+    }
+}
+
+/// A step and what acts in it, besides pressure and particles.
+#[derive(Clone, Copy, Debug)]
+pub struct NavierStokesStep<'a> {
+    /// Time at its beginning.
+    pub time: f64,
+    /// Its length.
+    pub dt: f64,
+    /// Driving force per volume of gas, minus a mean gradient of pressure: what moves gas through a periodic box.
+    pub driving: Vector3<f64>,
+    /// Another force per volume, on faces, in the middle of the step.
+    pub source: Option<&'a [Field; 3]>,
+}
+
+/// How a step went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavierStokesReport {
+    /// dt times the largest sum of |eps u| / (eps spacing) over the axes.
+    pub courant: f64,
+    /// dt times the largest rate at which viscosity damps.
+    pub viscous: f64,
+    /// The pressure equation.
+    pub convergence: Convergence,
+}
+
+/// Why a step is not possible: the same on all ranks.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NavierStokesError {
+    /// Advection and viscosity are explicit.
+    #[error(
+        "the gas's step of {dt:.3e} is too long: 2 x {courant:.3} (Courant number) + {viscous:.3} / 2 (viscosity) may \
+         not exceed 1; at this instant steps up to {longest:.3e} would do"
+    )]
+    StepTooLong {
+        /// The step.
+        dt: f64,
+        /// Courant number.
+        courant: f64,
+        /// Viscous number.
+        viscous: f64,
+        /// The longest step that is allowed now.
+        longest: f64,
+    },
+    /// A velocity or the voidage is undefined.
+    #[error("the gas's velocity, or the voidage that it was given, is infinite or not a number")]
+    NotFinite,
+    /// The voidage is out of its range.
+    #[error(
+        "the gas was given voidages from {least} to {largest}; all must be above 0 and at most 1"
+    )]
+    Voidage {
+        /// The smallest, or 1.
+        least: f64,
+        /// The largest.
+        largest: f64,
+    },
+    /// The pressure equation has no solution.
+    #[error(transparent)]
+    Pressure(#[from] LinearSolverError),
+}
+
+impl NavierStokesSolver {
+    /// For a cut whose planes lie on cell faces, with at least two cells between them ([`BoxGrid::aligned`]).
+    pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
+        let part = grid.local_cells(subdomain);
+        let zero = || Field::new(&part, GAS_HALO);
+        let three = || [zero(), zero(), zero()];
+        Self {
+            part,
+            spacing: grid.spacing(),
+            halo: FieldHalo::new(subdomain),
+            pressure_solver: PressureSolver::new(grid, subdomain),
+            explicit: ExplicitForces { flux: three(), dilatation: zero(), rate: three() },
+            predicted: three(),
+            coefficients: three(),
+            diagonal: zero(),
+            residual: zero(),
+            change: zero(),
+        }
+    }
+
+    /// This rank's part of the grid.
+    pub fn part(&self) -> &LocalCells {
+        &self.part
+    }
+
+    /// Fills what a state needs beyond owned cells, at its time: at the start, and after a checkpoint was read.
+    pub fn complete(
+        &mut self,
+        gas: &VolumeAveragedGas,
+        state: &mut GasFields,
+        time: f64,
+        ranks: &dyn Communicator,
+    ) {
+        let GasFields { velocity, pressure, voidage } = state;
+        let place = (&self.part, gas);
+        self.halo.refresh(&mut [voidage, pressure], ranks);
+        mirror(&mut [voidage], place.0, gas);
+        continue_pressure(pressure, place.0, gas);
+        set_boundary_faces(velocity, voidage, place, time);
+        self.halo.refresh(&mut velocity.each_mut(), ranks);
+        continue_velocity(velocity, place);
+    }
+
+    /// Advances the gas by a step, in which the voidage goes from the state's to the bed's.
+    ///
+    /// 1. Two predictions with implicit drag and the old pressure, advection and viscosity from the beginning
+    ///    of the step, then from the mean of beginning and first prediction (Heun).
+    /// 2. The change of pressure p' from continuity,
+    ///    div[eps^2 / (eps rho/dt + beta) grad p'] = div(eps u) + (eps - eps_old)/dt.
+    /// 3. The velocity loses eps / (eps rho/dt + beta) grad p': it then obeys continuity to the tolerance of
+    ///    the pressure equation.
+    ///
+    /// Before: owned cells of the bed, a complete state. After: halos of both are filled.
+    ///
+    /// # Errors
+    /// See [`NavierStokesError`]; the state is then as before.
+    pub fn advance(
+        &mut self,
+        gas: &VolumeAveragedGas,
+        state: &mut GasFields,
+        bed: &mut BedOnGrid,
+        step: &NavierStokesStep,
+        ranks: &dyn Communicator,
+    ) -> Result<NavierStokesReport, NavierStokesError> {
+        self.complete_bed(gas, bed, ranks);
+        let place = (&self.part.clone(), gas);
+        self.explicit.set_fluxes(&state.velocity, &state.voidage, place.0);
+        let (courant, viscous) = self.limits(gas, bed, step.dt, ranks)?;
+        self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
+        self.explicit.add(&state.velocity, &state.voidage, place, self.spacing);
+        let (dt, spacing, part) = (step.dt, self.spacing, place.0);
+        let momentum = Momentum { gas, part, spacing, bed, dt };
+        self.predict(&momentum, state, step, ranks);
+        self.explicit.set_fluxes(&self.predicted, &bed.voidage, part);
+        self.explicit.add(&self.predicted, &bed.voidage, place, spacing);
+        self.explicit.halve();
+        self.predict(&momentum, state, step, ranks);
+        let convergence = self.solve_pressure(&momentum, &state.voidage, ranks)?;
+        self.finish(&momentum, state, ranks);
+        Ok(NavierStokesReport { courant, viscous, convergence })
+    }
+
+    fn complete_bed(
+        &mut self,
+        gas: &VolumeAveragedGas,
+        bed: &mut BedOnGrid,
+        ranks: &dyn Communicator,
+    ) {
+        let [x, y, z] = &mut bed.transferred_velocity;
+        let mut fields = [&mut bed.voidage, &mut bed.momentum_transfer, x, y, z];
+        self.halo.refresh(&mut fields, ranks);
+        mirror(&mut fields, &self.part, gas);
+    }
+
+    /// Courant and viscous numbers; an error if the step is too long for them.
+    fn limits(
+        &self,
+        gas: &VolumeAveragedGas,
+        bed: &BedOnGrid,
+        dt: f64,
+        ranks: &dyn Communicator,
+    ) -> Result<(f64, f64), NavierStokesError> {
+        let largest = bed.voidage.owned().fold(0.0, |largest, eps| larger(eps, largest));
+        let least = -bed.voidage.owned().fold(-1.0, |largest, eps| larger(-eps, largest));
+        let courant = courant_rate(&self.explicit.flux, &bed.voidage, &self.part, self.spacing);
+        let viscous = largest_viscous_rate(&bed.voidage, (&self.part, gas), self.spacing);
+        let mut numbers = [largest, -least, courant, viscous];
+        ranks.maximum(&mut numbers);
+        let [largest, least, courant, viscous] = numbers;
+        let least = -least;
+        if largest.is_finite() && !(least > 0.0 && largest <= 1.0) {
+            return Err(NavierStokesError::Voidage { least, largest });
+        }
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(NavierStokesError::NotFinite);
+        }
+        let rate = step_number(courant, viscous);
+        let (courant, viscous) = (dt * courant, dt * viscous);
+        match dt * rate <= LARGEST_STEP_NUMBER {
+            true => Ok((courant, viscous)),
+            false => {
+                Err(NavierStokesError::StepTooLong { dt, courant, viscous, longest: 1.0 / rate })
+            }
+        }
+    }
+
+    /// The velocity at the end of the step, as advection and viscosity, drag and the old pressure make it.
+    fn predict(
+        &mut self,
+        momentum: &Momentum,
+        state: &GasFields,
+        step: &NavierStokesStep,
+        ranks: &dyn Communicator,
+    ) {
+        for axis in 0..3 {
+            let forces = Forces {
+                rate: &self.explicit.rate[axis],
+                pressure: &state.pressure,
+                driving: step.driving[axis],
+                source: step.source.map(|source| &source[axis]),
+            };
+            momentum.predict(axis, &state.velocity[axis], forces, &mut self.predicted[axis]);
+        }
+        let place = (&self.part, momentum.gas);
+        let end = step.time + step.dt;
+        set_boundary_faces(&mut self.predicted, &momentum.bed.voidage, place, end);
+        self.halo.refresh(&mut self.predicted.each_mut(), ranks);
+        continue_velocity(&mut self.predicted, place);
+    }
+
+    /// The change of pressure that the predicted velocity needs for continuity, halo included.
+    fn solve_pressure(
+        &mut self,
+        momentum: &Momentum,
+        voidage_before: &Field,
+        ranks: &dyn Communicator,
+    ) -> Result<Convergence, LinearSolverError> {
+        momentum.set_coefficients(&mut self.coefficients, &mut self.diagonal);
+        momentum.set_continuity_residual(&mut self.residual, &self.predicted, voidage_before);
+        let solver = &mut self.pressure_solver;
+        let [x, y, z] = &self.coefficients;
+        solver.set_coefficients([x, y, z], Some(&self.diagonal), ranks)?;
+        self.change.values_mut().fill(0.0);
+        let tolerance = momentum.gas.tolerance;
+        let convergence = solver.solve(&mut self.change, &self.residual, tolerance, ranks)?;
+        self.halo.refresh(&mut [&mut self.change], ranks);
+        continue_correction(&mut self.change, &self.part, momentum.gas);
+        Ok(convergence)
+    }
+
+    /// Brings the state to the end of the step.
+    fn finish(&mut self, momentum: &Momentum, state: &mut GasFields, ranks: &dyn Communicator) {
+        momentum.correct(&mut self.predicted, &self.change);
+        for (velocity, predicted) in state.velocity.iter_mut().zip(&self.predicted) {
+            velocity.values_mut().copy_from_slice(predicted.values());
+        }
+        let changes = self.change.values();
+        let pressures = state.pressure.values_mut().iter_mut();
+        pressures.zip(changes).for_each(|(pressure, change)| *pressure += change);
+        state.voidage.values_mut().copy_from_slice(momentum.bed.voidage.values());
+        let place = (&self.part, momentum.gas);
+        self.halo.refresh(&mut state.velocity.each_mut(), ranks);
+        continue_velocity(&mut state.velocity, place);
+        continue_pressure(&mut state.pressure, &self.part, momentum.gas);
+    }
+}

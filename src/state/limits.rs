@@ -1,0 +1,61 @@
+//! Sizes of the particles, and what they may not exceed.
+
+use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
+use crate::numbers::Quantum;
+use crate::rules::speed_limit;
+
+/// The smallest and largest particles of a run at its begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeRange {
+    /// Smallest diameter.
+    pub smallest_diameter: f64,
+    /// Largest diameter.
+    pub largest_diameter: f64,
+    /// Largest mass.
+    pub largest_mass: f64,
+}
+
+/// What a run may not exceed: beyond, its numbers would mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Largest component of one contact's force or of one particle's gas force.
+    pub force: f64,
+    /// Largest speed: a tenth of the smallest diameter in one step.
+    pub speed: f64,
+}
+
+impl Limits {
+    /// Overlap, over the smallest diameter, at which a contact is no longer a contact.
+    const LARGEST_OVERLAP: f64 = 0.5;
+    /// Contacts (each at the limit) that a particle's force has room for.
+    const CONTACTS: f64 = 64.0;
+
+    /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
+    pub fn new<'a>(
+        interfaces: impl IntoIterator<Item = &'a ContactModel>,
+        cohesion: Option<&VanDerWaals>,
+        diameters: [f64; 2],
+        largest_weight: f64,
+        time_step: f64,
+    ) -> Self {
+        let [smallest, largest] = diameters;
+        let overlap = Self::LARGEST_OVERLAP * smallest;
+        let of_law = |interface: &ContactModel| interface.law.largest_force(overlap, 0.5 * largest);
+        let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
+        let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
+        Self {
+            force: elastic + attraction + largest_weight,
+            speed: speed_limit(smallest, time_step),
+        }
+    }
+
+    /// The lattice of forces: room for many contacts at the limit.
+    pub fn force_quantum(&self) -> Quantum {
+        Quantum::spanning(Self::CONTACTS * self.force)
+    }
+
+    /// The lattice of torques, of forces at the largest radius.
+    pub fn torque_quantum(&self, largest_radius: f64) -> Quantum {
+        Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
+    }
+}

@@ -1,0 +1,19 @@
+//! The three kinds of data: what a checkpoint holds ([`State`]), what the case chose ([`Models`]), and what can be
+//! dropped and made anew at any time ([`Workspace`]).
+
+mod balance;
+mod clock;
+mod domain;
+mod limits;
+mod models;
+mod run_state;
+mod workspace;
+
+pub use crate::gas::GasReport;
+pub use balance::Balance;
+pub use clock::Clock;
+pub use domain::Domain;
+pub use limits::{Limits, SizeRange};
+pub use models::{Models, range_of};
+pub use run_state::{Departed, State};
+pub use workspace::{Requests, Tallies, Workspace};

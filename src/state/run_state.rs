@@ -1,0 +1,33 @@
+//! What a checkpoint holds.
+
+use super::{Clock, SizeRange};
+use crate::gas::GasState;
+use crate::particles::{Contacts, Particles};
+
+/// Particles that left through an open face.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Departed {
+    /// How many.
+    pub count: u64,
+    /// Their volume, summed in the order of departure and of ids.
+    pub volume: f64,
+}
+
+/// What a checkpoint holds: with the models, all that the future depends on.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Owned particles and ghosts.
+    pub particles: Particles,
+    /// Near pairs, and what the touching ones remember.
+    pub contacts: Contacts,
+    /// Time.
+    pub clock: Clock,
+    /// What has left the box.
+    pub departed: Departed,
+    /// Sizes of the particles that the run began with: limits and lattices follow from them.
+    pub sizes: SizeRange,
+    /// What the gas is, on this rank's cells.
+    pub gas: GasState,
+    /// Length of the step whose second kick is still due. No checkpoint is written before it is done.
+    pub kick_due: Option<f64>,
+}

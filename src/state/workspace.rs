@@ -1,0 +1,97 @@
+//! What can be dropped and made anew at any time.
+
+use super::{Balance, Domain, Models, SizeRange};
+use crate::domain::{Decomposition, WallPose};
+use crate::gas::GasSolver;
+use crate::parallel::ParticleHalo;
+use crate::particles::{Neighbours, Reach};
+use crate::timers::Timers;
+use std::time::Duration;
+
+/// What can be dropped and made anew at any time: lists, plans, buffers. None of it changes a result.
+#[derive(Debug)]
+pub struct Workspace {
+    /// When the neighbour list was built, and its cells.
+    pub neighbours: Neighbours,
+    /// Who is whose ghost.
+    pub halo: ParticleHalo,
+    /// How the box is cut.
+    pub decomposition: Decomposition,
+    /// How far lists look.
+    pub reach: Reach,
+    /// When cut planes move.
+    pub balance: Option<Balance>,
+    /// Where the walls are at this step.
+    pub wall_poses: Vec<WallPose>,
+    /// The gas of the present stage.
+    pub gas: GasSolver,
+    /// Sums of the last force evaluation.
+    pub tallies: Tallies,
+    /// Time spent.
+    pub timers: Timers,
+    /// Of that, on particles at the last look at the ranks' loads.
+    looked_at: Duration,
+    /// What went wrong on this rank, until the ranks next agree.
+    pub fault: Option<String>,
+    /// What this rank was asked for.
+    pub requests: Requests,
+}
+
+/// What a rank was asked for between two steps, by a signal or by the clock on the wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Requests {
+    /// Stop, with a checkpoint.
+    pub stop: bool,
+    /// Write a checkpoint and go on.
+    pub checkpoint: bool,
+}
+
+/// External forces on this rank's particles at the last evaluation, as counts of the force lattice: sums
+/// over ranks are exact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tallies {
+    /// On each wall, by the particles.
+    pub on_walls: Vec<[i64; 3]>,
+    /// On the particles, by the gas.
+    pub by_gas: [i64; 3],
+}
+
+impl Workspace {
+    /// An empty workspace.
+    pub fn new(decomposition: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
+        Self {
+            neighbours: Neighbours::default(),
+            halo: ParticleHalo::default(),
+            decomposition,
+            reach: Reach { range: 0.0, skin },
+            balance,
+            wall_poses: Vec::new(),
+            gas: GasSolver::None,
+            tallies: Tallies::default(),
+            timers: Timers::default(),
+            looked_at: Duration::ZERO,
+            fault: None,
+            requests: Requests::default(),
+        }
+    }
+
+    /// Time spent on particles since this was last asked.
+    pub fn time_since_last_look(&mut self) -> Duration {
+        let now = self.timers.on_particles;
+        now - std::mem::replace(&mut self.looked_at, now)
+    }
+
+    /// Moves the walls to where they are at the end of a step of this length.
+    pub fn move_walls(&mut self, domain: &Domain, time: f64, step: f64) {
+        self.wall_poses.clear();
+        self.wall_poses.extend(domain.walls.iter().map(|wall| wall.pose(time, step)));
+    }
+
+    /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
+    pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
+        self.reach.range = models.range(sizes);
+        self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
+        self.tallies.by_gas = [0; 3];
+        self.gas = GasSolver::None;
+    }
+}
