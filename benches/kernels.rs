@@ -1,7 +1,7 @@
 //! Nanoseconds per contact, per pair, per particle, per ghost of what a step consists of, in and out of cache.
 //!
 //! `scripts/bench --parts kernels` runs it and makes a table. What is called within a step is timed within steps of a bed
-//! that rests, by the timers of the stages; the rest is called by itself.
+//! that rests, by the timers of the phases; the rest is called by itself.
 #![allow(missing_docs, reason = "criterion_group makes an undocumented function")]
 
 #[path = "../tests/beds/mod.rs"]
@@ -22,7 +22,7 @@ use talcum::linear_solver::{PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, ParticleHalo, migrate, run_on_threads};
 use talcum::particles::{ContactHistories, ContactHistory};
 use talcum::time_step::rebuild;
-use talcum::timers::Stage;
+use talcum::timers::Phase;
 
 /// Particles along an edge: 1,000 fit into the second-level cache, 125,000 (some 60 MB) into none.
 const EDGES: [u64; 2] = [10, 50];
@@ -41,17 +41,17 @@ fn quantum(edge: u64, spacing: f64) -> Bench {
     bench
 }
 
-/// Seconds that a rank has spent in a stage.
-fn spent(run: &Run, stage: Stage) -> f64 {
-    let stages = run.work.timers.over_ranks(run.ranks);
-    stages.iter().find(|time| time.stage == stage).map_or(0.0, |time| time.mean)
+/// Seconds that a rank has spent in a phase.
+fn spent(run: &Run, phase: Phase) -> f64 {
+    let phases = run.work.timers.over_ranks(run.ranks);
+    phases.iter().find(|time| time.phase == phase).map_or(0.0, |time| time.mean)
 }
 
-/// Times one stage within steps; `count` tells how many items a step has.
-fn time_stage(
+/// Times one phase within steps; `count` tells how many items a step has.
+fn time_phase(
     group: &mut BenchmarkGroup<WallTime>,
     name: &str,
-    (bench, stage): (&Bench, Stage),
+    (bench, phase): (&Bench, Phase),
     count: impl Fn(&Run) -> usize,
 ) {
     let mut run = bench.alone();
@@ -60,9 +60,9 @@ fn time_stage(
     group.throughput(Throughput::Elements(count(&run) as u64));
     group.bench_function(format!("{name}/{size}"), |bencher| {
         bencher.iter_custom(|steps| {
-            let before = spent(&run, stage);
+            let before = spent(&run, phase);
             run.steps(steps);
-            Duration::from_secs_f64(spent(&run, stage) - before)
+            Duration::from_secs_f64(spent(&run, phase) - before)
         });
     });
 }
@@ -83,24 +83,24 @@ fn within_steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step");
     for edge in EDGES {
         let mut touching = quantum(edge, TOUCHING);
-        time_stage(&mut group, "pair forces per contact", (&touching, Stage::Contacts), pairs);
-        time_stage(
+        time_phase(&mut group, "pair forces per contact", (&touching, Phase::Contacts), pairs);
+        time_phase(
             &mut group,
             "integration per particle",
-            (&touching, Stage::Integrate),
+            (&touching, Phase::Integrate),
             particles,
         );
-        time_stage(&mut group, "list check per particle", (&touching, Stage::Decide), particles);
-        time_stage(&mut group, "image refresh per ghost", (&touching, Stage::Halo), ghosts);
+        time_phase(&mut group, "list check per particle", (&touching, Phase::Decide), particles);
+        time_phase(&mut group, "image refresh per ghost", (&touching, Phase::Halo), ghosts);
         let apart = quantum(edge, APART);
-        time_stage(&mut group, "candidate check per pair", (&apart, Stage::Contacts), pairs);
+        time_phase(&mut group, "candidate check per pair", (&apart, Phase::Contacts), pairs);
         touching.gas = Some(gas(0.0));
-        let stages = [
-            ("coarse-graining and interpolation per particle", Stage::Gas),
-            ("gas force per particle", Stage::GasForce),
+        let phases = [
+            ("coarse-graining and interpolation per particle", Phase::Gas),
+            ("gas force per particle", Phase::GasForce),
         ];
-        for (name, stage) in stages {
-            time_stage(&mut group, name, (&touching, stage), particles);
+        for (name, phase) in phases {
+            time_phase(&mut group, name, (&touching, phase), particles);
         }
     }
     group.finish();

@@ -9,7 +9,7 @@ use crate::particles::{
     ContactHistories, Particles, Ranges, Step, begin_with_weight, kick, kick_and_drift,
 };
 use crate::state::{Domain, Models, Requests, State, Workspace};
-use crate::timers::{Stage, processor_time};
+use crate::timers::{Phase, processor_time};
 use std::collections::HashSet;
 use thiserror::Error;
 
@@ -55,13 +55,13 @@ pub fn advance(
     state.clock.tick();
     let weight = models.weight_at(state.clock.time());
     let integrate = || kick_and_drift(&mut state.particles, late, Step { dt, quantum, weight });
-    let displacement = work.timers.time(Stage::Integrate, integrate);
+    let displacement = work.timers.time(Phase::Integrate, integrate);
     work.move_walls(domain, state.clock.time(), dt);
     let decision = decide(state, displacement, domain, work, ranks)?;
     if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
     } else {
-        work.timers.time(Stage::Halo, || work.halo.refresh(&mut state.particles, ranks));
+        work.timers.time(Phase::Halo, || work.halo.refresh(&mut state.particles, ranks));
     }
     evaluate_forces(state, domain, models, work, dt, ranks);
     state.kick_due = Some(dt);
@@ -72,7 +72,7 @@ pub fn advance(
 /// anybody looks at them.
 pub fn complete(state: &mut State, work: &mut Workspace) {
     if let Some(dt) = state.kick_due.take() {
-        work.timers.time(Stage::Integrate, || kick(&mut state.particles, dt));
+        work.timers.time(Phase::Integrate, || kick(&mut state.particles, dt));
     }
 }
 
@@ -132,7 +132,7 @@ fn decide(
     let Workspace { neighbours, wall_poses, timers, reach, fault, requests, .. } = work;
     let step = state.clock.step;
     let balance_due = work.balance.is_some_and(|balance| balance.is_overdue(step));
-    timers.time(Stage::Decide, || {
+    timers.time(Phase::Decide, || {
         let particles = &state.particles;
         let near_faces = neighbours.may_have_passed(displacement);
         let beyond = |kind| if near_faces { first_beyond(particles, domain, kind) } else { None };
@@ -237,7 +237,7 @@ fn arrange(
     work.timers.on_particles += processor_time() - before;
     agree(rebuilt, ranks).map_err(unstable)?;
     let settled = distribute_gas(state, domain, models, work, &old_decomposition, ranks);
-    work.timers.add(Stage::Rebuild, begin.elapsed());
+    work.timers.add(Phase::Rebuild, begin.elapsed());
     settled.map_err(unstable)
 }
 
@@ -359,7 +359,7 @@ fn evaluate_forces(
         torque_quantum: models.torque_quantum,
     };
     let State { particles, contacts, gas: gas_state, clock, .. } = state;
-    let advanced = timers.time(Stage::Gas, || {
+    let advanced = timers.time(Phase::Gas, || {
         let substeps = models.gas.substeps();
         if !clock.step.is_multiple_of(substeps) {
             return Ok(()); // the force of the last gas step holds
@@ -368,12 +368,12 @@ fn evaluate_forces(
         gas.advance(gas_state, particles, &step, ranks)
     });
     let before = processor_time();
-    let pairs = timers.time(Stage::Contacts, || add_pair_forces(particles, contacts, &laws));
-    let walls = timers.time(Stage::Walls, || {
+    let pairs = timers.time(Phase::Contacts, || add_pair_forces(particles, contacts, &laws));
+    let walls = timers.time(Phase::Walls, || {
         let walls = PosedWalls { walls: &domain.walls, poses: wall_poses };
         add_wall_forces(particles, contacts, walls, &laws, &mut tallies.on_walls)
     });
-    let by_gas = timers.time(Stage::GasForce, || gas.add_forces(particles));
+    let by_gas = timers.time(Phase::GasForce, || gas.add_forces(particles));
     timers.on_particles += processor_time() - before;
     tallies.by_gas = *by_gas.as_ref().unwrap_or(&[0; 3]);
     let message = [

@@ -1,12 +1,12 @@
-//! How the time of a run divides over the stages of the step.
+//! How the time of a run divides over the phases of the step.
 
 use crate::parallel::Communicator;
 use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
-/// The stages of a step, in the order of the step, and the rest of the run.
+/// The phases of a step, in the order of the step, and the rest of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum Phase {
     /// Kick and drift.
     Integrate,
     /// Whether the list is outdated: one small reduction, in which ranks wait for each other.
@@ -27,8 +27,8 @@ pub enum Stage {
     Output,
 }
 
-impl Stage {
-    /// All stages.
+impl Phase {
+    /// All phases.
     pub const ALL: [Self; 9] = [
         Self::Integrate,
         Self::Decide,
@@ -57,12 +57,12 @@ impl Stage {
     }
 }
 
-/// Time spent in each stage on this rank.
+/// Time spent in each phase on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Timers {
     /// Processor time for lists of this rank's particles and forces on them, in which it waits for no other rank.
     pub on_particles: Duration,
-    spent: [Duration; Stage::ALL.len()],
+    spent: [Duration; Phase::ALL.len()],
 }
 
 /// Time that this thread has had a processor: not what other programs took from it.
@@ -71,11 +71,11 @@ pub fn processor_time() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-/// One stage over all ranks.
+/// One phase over all ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StageTime {
-    /// Which stage.
-    pub stage: Stage,
+pub struct PhaseTime {
+    /// Which phase.
+    pub phase: Phase,
     /// Mean over ranks, in seconds.
     pub mean: f64,
     /// Largest over ranks, in seconds.
@@ -83,32 +83,32 @@ pub struct StageTime {
 }
 
 impl Timers {
-    /// Runs a stage and adds its time.
+    /// Runs a phase and adds its time.
     #[inline]
-    pub fn time<T>(&mut self, stage: Stage, work: impl FnOnce() -> T) -> T {
+    pub fn time<T>(&mut self, phase: Phase, work: impl FnOnce() -> T) -> T {
         let begin = Instant::now();
         let result = work();
-        self.spent[stage as usize] += begin.elapsed();
+        self.spent[phase as usize] += begin.elapsed();
         result
     }
 
-    /// Adds time to a stage.
-    pub fn add(&mut self, stage: Stage, time: Duration) {
-        self.spent[stage as usize] += time;
+    /// Adds time to a phase.
+    pub fn add(&mut self, phase: Phase, time: Duration) {
+        self.spent[phase as usize] += time;
     }
 
-    /// Mean and largest time of each stage over ranks. Collective.
-    pub fn over_ranks(&self, ranks: &dyn Communicator) -> Vec<StageTime> {
+    /// Mean and largest time of each phase over ranks. Collective.
+    pub fn over_ranks(&self, ranks: &dyn Communicator) -> Vec<PhaseTime> {
         let seconds = self.spent.map(|spent| spent.as_secs_f64());
         let mut largest = seconds;
         ranks.maximum(&mut largest);
         let mut nanoseconds = self.spent.map(|spent| spent.as_nanos() as i64);
         ranks.sum_integers(&mut nanoseconds);
         let mean_of = |index: usize| nanoseconds[index] as f64 * 1.0e-9 / ranks.size() as f64;
-        let row = |stage: Stage| {
-            let index = stage as usize;
-            StageTime { stage, mean: mean_of(index), largest: largest[index] }
+        let row = |phase: Phase| {
+            let index = phase as usize;
+            PhaseTime { phase, mean: mean_of(index), largest: largest[index] }
         };
-        Stage::ALL.map(row).to_vec()
+        Phase::ALL.map(row).to_vec()
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use talcum::case::{Amount, BedPart, Case, Start};
 use talcum::parallel::OneRank;
-use talcum::simulation::{self, Conditions, OutputFolder, begin_from_case};
+use talcum::simulation::{self, OutputFolder, RunOptions, start_from_case};
 
 fn files(folder: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -135,15 +135,15 @@ fn every_case_of_the_repository_takes_steps() {
         }
         let name = file.display();
         let folder = tempfile::tempdir().unwrap();
-        let beginning = begin_from_case(&case, None, &OneRank)
+        let initial = start_from_case(&case, None, &OneRank)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let conditions = Conditions {
+        let options = RunOptions {
             end_time: 20.0 * case.stages[0].time_step,
             folder: OutputFolder { path: folder.path().to_owned(), case_folder: PathBuf::new() },
             stop: &AtomicBool::new(false),
             watch: &mut |_| (),
         };
-        let outcome = simulation::run(&case, beginning, conditions, &OneRank)
+        let outcome = simulation::run(&case, initial, options, &OneRank)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!((outcome.steps, outcome.complete), (20, true), "{name}");
         run += 1;

@@ -4,7 +4,7 @@ mod beds;
 
 use beds::{Bench, OPEN, PERIODIC, PLATE, Run, attraction, gas, law, shaken};
 use std::f64::consts::PI;
-use talcum::analysis::{BedProfile, Measures, MomentumProbe, measure};
+use talcum::analysis::{BedProfile, Measures, MomentumProbe, RunView, measure};
 use talcum::domain::{EffectiveGravity, Face};
 use talcum::gas::{DragLaw, Drive, WeightBalance};
 use talcum::grid::ColumnGrid;
@@ -30,7 +30,8 @@ fn momentum_transfer(drag: DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 {
 fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
     run.steps(1);
-    measure(&run.state, &run.domain, &run.models, &run.work, profile, Some(probe), run.ranks)
+    let Run { state, domain, models, work, ranks } = run;
+    measure(RunView { state, domain, models, work }, profile, Some(probe), *ranks)
 }
 
 fn profile_of(run: &Run) -> BedProfile {
@@ -138,7 +139,8 @@ fn plate_gas_and_weight_change_the_momentum_at_every_step() {
                     run.work.tallies.by_gas = [0; 3];
                     let Run { state, domain, models, work, ranks } = run;
                     let probe = Some(probe);
-                    let wrong = measure(state, domain, models, work, &mut profile, probe, *ranks);
+                    let view = RunView { state, domain, models, work };
+                    let wrong = measure(view, &mut profile, probe, *ranks);
                     without_gas = without_gas.min(wrong.momentum_error);
                 }
             }

@@ -3,7 +3,12 @@
 mod bed_profile;
 mod digest;
 mod measures;
+mod momentum;
+mod observation;
+mod sums;
 
 pub use bed_profile::BedProfile;
 pub use digest::Digest;
-pub use measures::{Measures, MomentumProbe, measure};
+pub use measures::{Column, Measures, Quantity, measure};
+pub use momentum::MomentumProbe;
+pub use observation::RunView;

@@ -7,7 +7,7 @@ use crate::parallel::Communicator;
 use std::fmt::Write;
 use std::path::Path;
 
-/// What is in a checkpoint, in words; the last line is the digest of its state.
+/// Describes what is in a checkpoint; the last line is the digest of its state.
 pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> {
     let (checkpoint, provenance, digest) = checkpoint::read(path, ranks)?;
     let particles = ranks.total(checkpoint.particles.len());

@@ -39,11 +39,11 @@ enum Command {
         /// The case file.
         case: PathBuf,
         #[command(flatten)]
-        options: RunOptions,
+        options: RunArguments,
         /// Remove the results of an earlier run in the output folder first.
         #[arg(long, conflicts_with = "resume")]
         force: bool,
-        /// Go on from the newest good checkpoint in the output folder; begin if there is none.
+        /// Go on from the newest good checkpoint in the output folder; start anew if there is none.
         #[arg(long)]
         resume: bool,
     },
@@ -52,11 +52,11 @@ enum Command {
         /// The checkpoint.
         checkpoint: PathBuf,
         #[command(flatten)]
-        options: RunOptions,
+        options: RunArguments,
     },
     /// Print the normal force over the overlap, of two bodies slowly pressed together and parted, as CSV.
     Contact(contact::ContactOptions),
-    /// Say in words what is in a checkpoint.
+    /// Describe what is in a checkpoint.
     Info {
         /// The checkpoint.
         file: PathBuf,
@@ -74,7 +74,7 @@ struct Changes {
 }
 
 #[derive(Debug, Args)]
-struct RunOptions {
+struct RunArguments {
     #[command(flatten)]
     changes: Changes,
     /// The folder of results (default: results/NAME of the case; in a restart, the checkpoint's folder).
@@ -118,7 +118,7 @@ pub fn main() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    match obey(command, &ranks) {
+    match dispatch(command, &ranks) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if ranks.is_root() {
@@ -136,7 +136,7 @@ fn start_log(ranks: &dyn Communicator) {
     env_logger::Builder::from_env(environment).format_timestamp(None).format_target(false).init();
 }
 
-fn obey(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
+fn dispatch(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
     match command {
         Command::Check { case, changes } => check::check(&case, &changes, ranks),
         Command::Run { case, options, force, resume } => {

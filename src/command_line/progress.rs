@@ -65,12 +65,12 @@ fn message(progress: &Progress) -> String {
     let remaining = Duration::from_secs_f64(seconds * left as f64 / done.max(1) as f64);
     format!(
         "time {time:.6} of {end:.6}, {rate:.2} million particle-steps/s, {} left",
-        in_words(remaining)
+        readable(remaining)
     )
 }
 
 /// A duration as people say it: 45 s, 12 min, 3 h 20 min.
-pub(super) fn in_words(duration: Duration) -> String {
+pub(super) fn readable(duration: Duration) -> String {
     let seconds = duration.as_secs();
     match seconds {
         0..=99 => format!("{seconds} s"),
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn durations_read_well() {
-        let message = [45, 750, 12_000].map(|seconds| in_words(Duration::from_secs(seconds)));
+        let message = [45, 750, 12_000].map(|seconds| readable(Duration::from_secs(seconds)));
         assert_eq!(message, ["45 s", "13 min", "3 h 20 min"]);
     }
 }

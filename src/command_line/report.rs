@@ -1,6 +1,6 @@
-//! What a run says of itself: at its begin, and at its end.
+//! What a run reports: at its start, and at its end.
 
-use super::progress::in_words;
+use super::progress::readable;
 use crate::case::Case;
 use crate::simulation::Outcome;
 use std::fmt::Write;
@@ -24,35 +24,35 @@ pub(super) fn count_of(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
-/// A number to be read, to six digits: lengths of a box are rounded to a lattice, 0.002 to 0.0020000000000000018.
+/// A number to be read, to six digits: lengths of a box are rounded to a quantum, 0.002 to 0.0020000000000000018.
 pub(super) fn six_digits(number: f64) -> f64 {
     format!("{number:.5e}").parse().unwrap_or(number)
 }
 
-/// The end of a run: rates, the share of each stage of the step, and what has left.
+/// The end of a run: rates, the share of each phase of the step, and what has left.
 pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     let seconds = outcome.elapsed.as_secs_f64();
     let rate = outcome.particle_steps / seconds.max(1.0e-9) * 1.0e-6;
     let mut message = format!(
         "{} steps in {}: {rate:.2} million particle-steps/s, {:.2} per rank\n",
         outcome.steps,
-        in_words(outcome.elapsed),
+        readable(outcome.elapsed),
         rate / ranks as f64
     );
-    let total: f64 = outcome.stages.iter().map(|stage| stage.mean).sum();
+    let total: f64 = outcome.phases.iter().map(|phase| phase.mean).sum();
     let _ = writeln!(
         message,
         "{:<24}{:>10}{:>8}{:>22}",
         "stage", "seconds", "share", "largest over mean"
     );
-    for stage in &outcome.stages {
-        let imbalance = if stage.mean > 0.0 { stage.largest / stage.mean } else { 1.0 };
-        let share = 100.0 * stage.mean / total.max(1.0e-12);
+    for phase in &outcome.phases {
+        let imbalance = if phase.mean > 0.0 { phase.largest / phase.mean } else { 1.0 };
+        let share = 100.0 * phase.mean / total.max(1.0e-12);
         let _ = writeln!(
             message,
             "{:<24}{:>10.2}{share:>6.1} %{imbalance:>22.2}",
-            stage.stage.name(),
-            stage.mean
+            phase.phase.name(),
+            phase.mean
         );
     }
     if outcome.departed > 0 {
@@ -66,7 +66,7 @@ mod tests {
     use super::six_digits;
 
     #[test]
-    fn numbers_are_told_to_six_digits_whatever_their_size() {
+    fn numbers_are_printed_to_six_digits_whatever_their_size() {
         let told =
             [0.0020000000000000018, 123456.789, -1.0, 0.0].map(|x| six_digits(x).to_string());
         assert_eq!(told, ["0.002", "123457", "-1", "0"]);

@@ -2,12 +2,12 @@
 
 use super::progress::ProgressReport;
 use super::reading::read_case;
-use super::{RunOptions, report, signals};
+use super::{RunArguments, report, signals};
 use crate::case::Case;
 use crate::output::checkpoint;
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
-    self, Beginning, Conditions, Outcome, OutputFolder, begin_from_case, begin_from_checkpoint,
+    self, InitialState, Outcome, OutputFolder, RunOptions, start_from_case, start_from_checkpoint,
 };
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// What happens to the results of an earlier run in the output folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Earlier {
-    /// They are kept: the run does not begin.
+    /// They are kept: the run does not start.
     Keep,
     /// They are removed.
     Remove,
@@ -36,7 +36,7 @@ impl Earlier {
 /// Runs a case from its start, or from the newest good checkpoint in its output folder.
 pub(super) fn run(
     path: &Path,
-    options: &RunOptions,
+    options: &RunArguments,
     earlier: Earlier,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
@@ -46,10 +46,10 @@ pub(super) fn run(
         path: options.output.clone().unwrap_or_else(|| Path::new("results").join(name)),
         case_folder: path.parent().map(absolute).unwrap_or_default(),
     };
-    make_way(&folder, earlier, ranks)?;
-    let beginning = match earlier {
+    prepare_folder(&folder, earlier, ranks)?;
+    let initial = match earlier {
         Earlier::Continue => resume(&case, &folder, options, ranks)?,
-        _ => begin_from_case(&case, options.changes.ranks, ranks)?,
+        _ => start_from_case(&case, options.changes.ranks, ranks)?,
     };
     let output = folder.path.display().to_string();
     let resume = |_: &Path| {
@@ -57,13 +57,13 @@ pub(super) fn run(
             options.changes.set.iter().map(|change| format!(" --set '{change}'")).collect();
         format!("talcum run {} --resume --output {output}{changes}", path.display())
     };
-    go(&case, beginning, folder, options, &resume, ranks)
+    run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
 /// Goes on from a checkpoint with the case that it holds.
 pub(super) fn restart(
     path: &Path,
-    options: &RunOptions,
+    options: &RunArguments,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let (checkpoint, _, digest) = checkpoint::read(path, ranks)?;
@@ -78,25 +78,25 @@ pub(super) fn restart(
     // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
     let continues = same_folder(&folder.path, &own_folder);
     if !continues {
-        make_way(&folder, Earlier::Keep, ranks)?;
+        prepare_folder(&folder, Earlier::Keep, ranks)?;
     }
     let grid = options.changes.ranks;
-    let beginning = begin_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
+    let initial = start_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
     let resume = |checkpoint: &Path| format!("talcum restart {}", checkpoint.display());
-    go(&case, beginning, folder, options, &resume, ranks)
+    run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
 /// The newest good checkpoint of the folder, or the start of the case if there is none.
 fn resume(
     case: &Case,
     folder: &OutputFolder,
-    options: &RunOptions,
+    options: &RunArguments,
     ranks: &dyn Communicator,
-) -> anyhow::Result<Beginning> {
+) -> anyhow::Result<InitialState> {
     let grid = options.changes.ranks;
     let exists = ranks.any(ranks.is_root() && folder.path.is_dir());
     if !exists {
-        return Ok(begin_from_case(case, grid, ranks)?);
+        return Ok(start_from_case(case, grid, ranks)?);
     }
     let search = checkpoint::newest_good(&folder.path, ranks)?;
     for refused in &search.refused {
@@ -111,21 +111,21 @@ fn resume(
                     "the case has changed since that checkpoint; it goes on with the new one"
                 );
             }
-            Ok(begin_from_checkpoint(case, checkpoint, grid, true, ranks)?)
+            Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
-            say(ranks, "no checkpoint to resume from: beginning");
-            Ok(begin_from_case(case, grid, ranks)?)
+            say(ranks, "no checkpoint to resume from: starting anew");
+            Ok(start_from_case(case, grid, ranks)?)
         }
         None => bail!(
-            "{}: no checkpoint is good; begin anew with --force, which removes them",
+            "{}: no checkpoint is good; start anew with --force, which removes them",
             folder.path.display()
         ),
     }
 }
 
 /// Refuses, or removes, what an earlier run has left.
-fn make_way(
+fn prepare_folder(
     folder: &OutputFolder,
     earlier: Earlier,
     ranks: &dyn Communicator,
@@ -145,36 +145,36 @@ fn make_way(
     }
 }
 
-fn go(
+fn run_to_end(
     case: &Case,
-    beginning: Beginning,
+    initial: InitialState,
     folder: OutputFolder,
-    options: &RunOptions,
+    options: &RunArguments,
     resume: &dyn Fn(&Path) -> String,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let end_time = options.until.unwrap_or(case.end_time());
-    let now = beginning.state.clock.time();
+    let now = initial.state.clock.time();
     if !(end_time.is_finite() && end_time >= now) {
         bail!(
-            "--until {end_time}: must be at least {now}, the time of the state that the run begins with"
+            "--until {end_time}: must be at least {now}, the time of the state that the run starts from"
         );
     }
-    let particles = ranks.total(beginning.state.particles.owned_count());
+    let particles = ranks.total(initial.state.particles.owned_count());
     say(ranks, report::head(case, particles, ranks.size()).trim_end());
     let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
     let mut progress = ProgressReport::new();
-    let conditions =
-        Conditions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
-    let outcome = simulation::run(case, beginning, conditions, ranks)?;
+    let run_options =
+        RunOptions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
+    let outcome = simulation::run(case, initial, run_options, ranks)?;
     progress.finish();
     let until = options.until.map(|time| format!(" --until {time}")).unwrap_or_default();
     let resume = resume(&outcome.checkpoint) + &until;
-    say(ranks, &farewell(&outcome, &resume, ranks.size()));
+    say(ranks, &summary(&outcome, &resume, ranks.size()));
     Ok(())
 }
 
-fn farewell(outcome: &Outcome, resume: &str, ranks: usize) -> String {
+fn summary(outcome: &Outcome, resume: &str, ranks: usize) -> String {
     let table = report::table(outcome, ranks);
     let checkpoint = outcome.checkpoint.display();
     let end = match outcome.complete {
@@ -186,11 +186,11 @@ fn farewell(outcome: &Outcome, resume: &str, ranks: usize) -> String {
     format!("{table}{end}\ndigest {}", outcome.digest)
 }
 
-/// Words on standard output, from rank 0.
+/// Prints a message on standard output, from rank 0.
 pub(super) fn say(ranks: &dyn Communicator, message: &str) {
     use std::io::Write;
     if ranks.is_root() {
-        // Nobody is left to hear it if standard output is closed; the run is worth more.
+        // Nobody reads it if standard output is closed; the run is worth more.
         let _ = writeln!(std::io::stdout(), "{message}");
     }
 }

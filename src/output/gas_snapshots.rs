@@ -7,8 +7,12 @@
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
+use super::output_file::continue_or_create;
 use super::table::{Rows, TableHead};
-use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
+use super::{
+    ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
+    Sample, metadata_copy, on_root,
+};
 use crate::grid::BoxGrid;
 use crate::parallel::{CellRecord, Communicator, sort_by_id};
 
@@ -26,6 +30,20 @@ pub struct GasSnapshots {
 }
 
 impl GasSnapshots {
+    /// In the list of outputs.
+    pub const KIND: OutputKind =
+        OutputKind { file_name: "gas.vtkhdf", needs_momentum_before: false, open: Self::open };
+
+    /// Nothing for a case without a volume-averaged gas.
+    fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
+        let Some(grid) = opening.gas_grid else { return Ok(None) };
+        let snapshots = match opening.continue_after {
+            Some(time) => Self::resume(path, time, grid, opening.head, ranks)?,
+            None => Self::create(path, grid, opening.head, ranks)?,
+        };
+        Ok(Some(Box::new(snapshots)))
+    }
+
     /// Begins a file, in the place of one that is there. Collective.
     ///
     /// # Errors
@@ -33,15 +51,14 @@ impl GasSnapshots {
     pub fn create(
         path: &Path,
         grid: &BoxGrid,
-        case_text: &str,
-        provenance: &Provenance,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, grid, case_text, provenance))?;
+        on_root(path, ranks, || create(path, grid, head))?;
         Ok(Self { path: path.to_owned() })
     }
 
-    /// Continues a file as it was last kept, after the snapshots up to and including `time`; later ones are
+    /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
     /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
     ///
     /// # Errors
@@ -49,18 +66,17 @@ impl GasSnapshots {
     pub fn resume(
         path: &Path,
         time: f64,
-        (grid, case_text): (&BoxGrid, &str),
-        provenance: &Provenance,
+        grid: &BoxGrid,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            if path.exists() {
-                match cut_after(path, time) {
-                    Ok(()) => return metadata_copy::keep(path, &tables()),
-                    Err(reason) => set_aside(path, &reason)?,
-                }
-            }
-            create(path, grid, case_text, provenance)
+            let is_continued = continue_or_create(
+                path,
+                || cut_after(path, time).map(|()| true),
+                || create(path, grid, head).map(|()| false),
+            )?;
+            if is_continued { metadata_copy::commit(path, &tables()) } else { Ok(()) }
         })?;
         Ok(Self { path: path.to_owned() })
     }
@@ -82,14 +98,20 @@ impl GasSnapshots {
         on_root(&self.path, ranks, || append(&self.path, time, &all))?;
         Ok(())
     }
+}
 
-    /// Makes the snapshots so far safe: whenever the program is killed from now on, [`GasSnapshots::resume`]
-    /// finds them. Collective.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or its copy not be written.
-    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+impl Output for GasSnapshots {
+    fn write(
+        &mut self,
+        sample: &mut Sample<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        let Some(cells) = (sample.gas_cells)() else { return Ok(()) };
+        self.append(sample.measures.time, &cells, ranks)
+    }
+
+    fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
     }
 }
 
@@ -108,11 +130,11 @@ fn offsets(name: &str) -> String {
     format!("/VTKHDF/Steps/CellDataOffsets/{name}")
 }
 
-fn create(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -> InWords<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, grid, case_text, provenance))
+fn create(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, grid, head))
 }
 
-fn make(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -> InWords<()> {
+fn make(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
     for group in ["/VTKHDF", "/VTKHDF/CellData", "/VTKHDF/Steps", "/VTKHDF/Steps/CellDataOffsets"] {
         file.make_group(group)?;
@@ -128,15 +150,15 @@ fn make(path: &Path, grid: &BoxGrid, case_text: &str, provenance: &Provenance) -
     file.set_numbers("/VTKHDF", "Direction", &[1.0_f64, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, message) in provenance.entries() {
+    for (name, message) in head.provenance.entries() {
         file.set_text("/talcum", name, &message)?;
     }
-    file.set_text("/talcum", "case", case_text)?;
-    make_tables(&file, [nz, ny, nx], &ColumnUnits::of_system(&provenance.units))?;
+    file.set_text("/talcum", "case", head.case_text)?;
+    make_tables(&file, [nz, ny, nx], &head.units())?;
     file.close()
 }
 
-fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> InWords<()> {
+fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> MessageResult<()> {
     let described = [
         (units.pressure, "pressure of the gas less its hydrostatic head"),
         (units.speed, "velocity of the gas between the particles, mean of a cell's faces"),
@@ -157,7 +179,7 @@ fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> InW
     file.make_table::<f64>(&head, Rows::Growing(STEP_PIECE))
 }
 
-fn append(path: &Path, time: f64, cells: &[CellRecord]) -> InWords<()> {
+fn append(path: &Path, time: f64, cells: &[CellRecord]) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     let step: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     for (name, width, first) in FIELDS {
@@ -171,8 +193,8 @@ fn append(path: &Path, time: f64, cells: &[CellRecord]) -> InWords<()> {
 }
 
 /// Drops the snapshots after a time.
-fn cut_after(path: &Path, time: f64) -> InWords<()> {
-    let found_length = metadata_copy::bring_back(path)?;
+fn cut_after(path: &Path, time: f64) -> MessageResult<()> {
+    let found_length = metadata_copy::restore(path)?;
     let file = SerialFile::open_to_change(path)?;
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;

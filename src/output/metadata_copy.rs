@@ -12,7 +12,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
-use super::{InWords, sync_folder, with_suffix};
+use super::{MessageResult, OutputError, on_root, sync_folder, with_suffix};
+use crate::parallel::Communicator;
 
 /// First bytes of a copy.
 const MARK: &[u8; 16] = b"\nTalcum copy  1\n";
@@ -27,8 +28,8 @@ fn path_of_copy(path: &Path) -> PathBuf {
 pub(super) fn create(
     path: &Path,
     tables: &[String],
-    make: impl FnOnce(&Path) -> InWords<()>,
-) -> InWords<()> {
+    make: impl FnOnce(&Path) -> MessageResult<()>,
+) -> MessageResult<()> {
     // The copy of an older file would be put into this one.
     match std::fs::remove_file(path_of_copy(path)) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.to_string()),
@@ -37,12 +38,12 @@ pub(super) fn create(
     let partial = with_suffix(path, ".partial");
     make(&partial)?;
     std::fs::rename(&partial, path).map_err(|error| error.to_string())?;
-    keep(path, tables)
+    commit(path, tables)
 }
 
 /// Copies the metadata of a closed file, in the place of an earlier copy, and brings the file to the disk:
 /// from now on the rows that it has are safe.
-pub(super) fn keep(path: &Path, tables: &[String]) -> InWords<()> {
+pub(super) fn commit(path: &Path, tables: &[String]) -> MessageResult<()> {
     let file = SerialFile::open(path)?;
     let mut rows = Vec::new();
     for name in tables {
@@ -51,6 +52,15 @@ pub(super) fn keep(path: &Path, tables: &[String]) -> InWords<()> {
     file.close()?;
     copy_all_but(path, rows).map_err(|error| format!("its metadata cannot be copied: {error}"))?;
     sync_folder(path)
+}
+
+/// The same on rank 0. Collective.
+pub(super) fn commit_on_root(
+    path: &Path,
+    tables: &[String],
+    ranks: &dyn Communicator,
+) -> Result<(), OutputError> {
+    on_root(path, ranks, || commit(path, tables)).map(|_| ())
 }
 
 fn copy_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<()> {
@@ -94,9 +104,9 @@ fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
     gaps
 }
 
-/// Makes a file again the one that was kept. Returns the length that was found: rows that lay beyond it are
+/// Makes a file again the one that was committed. Returns the length that was found: rows that lay beyond it are
 /// lost. Without a copy nothing is done.
-pub(super) fn bring_back(path: &Path) -> InWords<u64> {
+pub(super) fn restore(path: &Path) -> MessageResult<u64> {
     let found = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
     let place = path_of_copy(path);
     if !place.exists() {
@@ -118,11 +128,11 @@ struct Copy<'a> {
 
 impl<'a> Copy<'a> {
     fn of_bytes(bytes: &'a [u8]) -> Option<Self> {
-        let (sealed, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_LENGTH)?)?;
-        if *blake3::hash(sealed).as_bytes() != *hash {
+        let (covered, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_LENGTH)?)?;
+        if *blake3::hash(covered).as_bytes() != *hash {
             return None;
         }
-        let mut rest = sealed.strip_prefix(MARK)?;
+        let mut rest = covered.strip_prefix(MARK)?;
         let length = number(&mut rest)?;
         let count = number(&mut rest)?;
         let ranges: Vec<[u64; 2]> = (0..count)
@@ -160,7 +170,7 @@ pub(super) fn require_rows(
     name: &str,
     rows: u64,
     found_length: u64,
-) -> InWords<()> {
+) -> MessageResult<()> {
     let end = file.places_of_rows(name, rows)?.iter().map(|place| place.end).max().unwrap_or(0);
     if end > found_length {
         return Err(format!("it was cut short: rows of {name} lie beyond its end"));
@@ -179,7 +189,7 @@ mod tests {
         WIDTHS.iter().map(|width| format!("/rows/{width}")).collect()
     }
 
-    fn make(path: &Path) -> InWords<()> {
+    fn make(path: &Path) -> MessageResult<()> {
         let file = SerialFile::create(path)?;
         file.make_group("/rows")?;
         file.set_number("/rows", "count", 0_i64)?;
@@ -205,8 +215,8 @@ mod tests {
     }
 
     /// A resumed run: the first `rows` rows are wanted, and must be as they were written.
-    fn resume(path: &Path, rows: u64) -> InWords<()> {
-        let found = bring_back(path)?;
+    fn resume(path: &Path, rows: u64) -> MessageResult<()> {
+        let found = restore(path)?;
         let file = SerialFile::open_to_change(path)?;
         tables().iter().try_for_each(|name| require_rows(&file, name, rows, found))?;
         for (name, width) in tables().iter().zip(WIDTHS) {
@@ -236,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn no_part_of_a_write_takes_away_rows_that_were_kept() {
+    fn no_part_of_a_write_takes_away_committed_rows() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.h5");
         create(&path, &tables(), make).unwrap();
@@ -246,7 +256,7 @@ mod tests {
             let more = [1, 30, 700, 3, 2000, 40][round];
             append(&path, rows..rows + more);
             rows += more;
-            keep(&path, &tables()).unwrap();
+            commit(&path, &tables()).unwrap();
             let before = std::fs::read(&path).unwrap();
             for (step, more) in [1, 9, 300, 5].into_iter().enumerate() {
                 append(&path, rows..rows + more);
@@ -256,8 +266,8 @@ mod tests {
                     std::fs::write(&path, mixed(&before, &after, trial)).unwrap();
                     resume(&path, rows).unwrap();
                 }
-                // Killed once more, after the resumed run has kept what it goes on from.
-                keep(&path, &tables()).unwrap();
+                // Killed once more, after the resumed run has committed what it goes on from.
+                commit(&path, &tables()).unwrap();
                 let seed = 1000 + step as u64;
                 std::fs::write(&path, mixed(&before, &after, seed)).unwrap();
                 resume(&path, rows).unwrap();
@@ -266,12 +276,12 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_mended_or_said() {
+    fn damage_is_repaired_or_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.h5");
         create(&path, &tables(), make).unwrap();
         append(&path, 0..100);
-        keep(&path, &tables()).unwrap();
+        commit(&path, &tables()).unwrap();
         let whole = std::fs::read(&path).unwrap();
         let mut damaged = whole.clone();
         damaged[..200].fill(0xff);

@@ -1,6 +1,6 @@
-//! Files that a run leaves: checkpoints, tables and pictures. Their schemas: `docs/files.md`.
+//! Files that a run leaves: checkpoints, tables and snapshots. Their schemas: `docs/files.md`.
 //!
-//! What fails on one rank fails on all, in the same words.
+//! What fails on one rank fails on all, with the same message.
 
 use std::path::{Path, PathBuf};
 
@@ -10,6 +10,7 @@ pub mod checkpoint;
 mod gas_snapshots;
 mod hdf5_file;
 mod metadata_copy;
+mod output_file;
 mod particle_snapshots;
 mod profiles;
 mod provenance;
@@ -19,6 +20,7 @@ mod table;
 mod units;
 
 pub use gas_snapshots::GasSnapshots;
+pub use output_file::{Head, OpenedOutput, Opening, Output, OutputKind, Sample};
 pub use particle_snapshots::ParticleSnapshots;
 pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;
@@ -35,11 +37,15 @@ pub struct OutputError {
     pub message: String,
 }
 
-/// A result whose error does not yet know which file it speaks of.
-pub(crate) type InWords<T> = Result<T, String>;
+/// A result whose error is a message that does not yet name the file.
+pub(crate) type MessageResult<T> = Result<T, String>;
 
 /// Makes an error on one rank an error on all. Collective.
-fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Result<T, OutputError> {
+fn agreed<T>(
+    path: &Path,
+    result: MessageResult<T>,
+    ranks: &dyn Communicator,
+) -> Result<T, OutputError> {
     agree(result, ranks).map_err(|error| OutputError { path: path.to_owned(), message: error.0 })
 }
 
@@ -47,7 +53,7 @@ fn agreed<T>(path: &Path, result: InWords<T>, ranks: &dyn Communicator) -> Resul
 pub(crate) fn on_root<T>(
     path: &Path,
     ranks: &dyn Communicator,
-    work: impl FnOnce() -> InWords<T>,
+    work: impl FnOnce() -> MessageResult<T>,
 ) -> Result<Option<T>, OutputError> {
     let result = if ranks.is_root() { work().map(Some) } else { Ok(None) };
     agreed(path, result, ranks)
@@ -61,14 +67,14 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 }
 
 /// Brings a rename in a file's folder to the disk.
-fn sync_folder(path: &Path) -> InWords<()> {
+fn sync_folder(path: &Path) -> MessageResult<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let opened = std::fs::File::open(folder.unwrap_or(Path::new(".")));
     opened.and_then(|folder| folder.sync_all()).map_err(|error| error.to_string())
 }
 
 /// Moves a file that cannot be continued out of the way: `name.unreadable-1`, or the next free number.
-fn set_aside(path: &Path, reason: &str) -> InWords<()> {
+fn set_aside(path: &Path, reason: &str) -> MessageResult<()> {
     let free = (1..).map(|number| with_suffix(path, &format!(".unreadable-{number}")));
     let aside = free.into_iter().find(|aside| !aside.exists());
     let aside = aside.expect("there are more numbers than files");

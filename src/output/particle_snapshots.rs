@@ -7,8 +7,12 @@
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::{SerialFile, SharedFile};
+use super::output_file::continue_or_create;
 use super::table::{Rows, TableHead};
-use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
+use super::{
+    ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
+    Sample, metadata_copy, on_root,
+};
 use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
 
 /// The kinds of cells that PolyData may have; we have none, but their groups must be there.
@@ -33,21 +37,35 @@ pub struct ParticleSnapshots {
 }
 
 impl ParticleSnapshots {
+    /// In the list of outputs.
+    pub const KIND: OutputKind = OutputKind {
+        file_name: "particles.vtkhdf",
+        needs_momentum_before: false,
+        open: Self::open,
+    };
+
+    fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
+        let snapshots = match opening.continue_after {
+            Some(time) => Self::resume(path, time, opening.head, ranks)?,
+            None => Self::create(path, opening.head, ranks)?,
+        };
+        Ok(Some(Box::new(snapshots)))
+    }
+
     /// Begins a file, in the place of one that is there. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn create(
         path: &Path,
-        case_text: &str,
-        provenance: &Provenance,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, case_text, provenance))?;
+        on_root(path, ranks, || create(path, head))?;
         Ok(Self { path: path.to_owned(), steps: 0, points: 0 })
     }
 
-    /// Continues a file as it was last kept, after the snapshots up to and including `time`; later ones are
+    /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
     /// dropped. A file that cannot be read is set aside with a warning, and a new one begun. Collective.
     ///
     /// # Errors
@@ -55,21 +73,22 @@ impl ParticleSnapshots {
     pub fn resume(
         path: &Path,
         time: f64,
-        case_text: &str,
-        provenance: &Provenance,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let decomposition = on_root(path, ranks, || {
-            if path.exists() {
-                match cut_after(path, time) {
-                    Ok(kept) => return metadata_copy::keep(path, &tables()).map(|()| kept),
-                    Err(reason) => set_aside(path, &reason)?,
-                }
+        let found = on_root(path, ranks, || {
+            let found = continue_or_create(
+                path,
+                || cut_after(path, time).map(Some),
+                || create(path, head).map(|()| None),
+            )?;
+            if found.is_some() {
+                metadata_copy::commit(path, &tables())?;
             }
-            create(path, case_text, provenance)?;
-            Ok([0, 0])
+            Ok(found.unwrap_or_default())
         })?;
-        let mut counts = decomposition.unwrap_or_default().map(|count| count as i64);
+        // Rank 0 alone has found some: the sum tells all.
+        let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
         let [steps, points] = counts.map(|count| count as u64);
         Ok(Self { path: path.to_owned(), steps, points })
@@ -82,7 +101,7 @@ impl ParticleSnapshots {
     pub fn append(
         &mut self,
         time: f64,
-        particles: &impl Records<ParticleRecord>,
+        particles: &(impl Records<ParticleRecord> + ?Sized),
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let block = sort_by_id(particles, |particle| [particle.id, 0], ranks);
@@ -108,14 +127,19 @@ impl ParticleSnapshots {
         self.points = after;
         Ok(())
     }
+}
 
-    /// Makes the snapshots so far safe: whenever the program is killed from now on,
-    /// [`ParticleSnapshots::resume`] finds them. Collective.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or its copy not be written.
-    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+impl Output for ParticleSnapshots {
+    fn write(
+        &mut self,
+        sample: &mut Sample<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        self.append(sample.measures.time, sample.particles, ranks)
+    }
+
+    fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
     }
 }
 
@@ -144,11 +168,11 @@ fn tables() -> Vec<String> {
     [point_tables(), step_tables(), wider.to_vec()].concat()
 }
 
-fn create(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, case_text, provenance))
+fn create(path: &Path, head: Head<'_>) -> MessageResult<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, head))
 }
 
-fn make(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
+fn make(path: &Path, head: Head<'_>) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
     for group in ["/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/Steps", "/VTKHDF/Steps/PointDataOffsets"]
     {
@@ -158,16 +182,16 @@ fn make(path: &Path, case_text: &str, provenance: &Provenance) -> InWords<()> {
     file.set_format_name("/VTKHDF", "Type", b"PolyData")?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, message) in provenance.entries() {
+    for (name, message) in head.provenance.entries() {
         file.set_text("/talcum", name, &message)?;
     }
-    file.set_text("/talcum", "case", case_text)?;
-    make_point_tables(&file, &ColumnUnits::of_system(&provenance.units))?;
-    make_step_tables(&file, &ColumnUnits::of_system(&provenance.units))?;
+    file.set_text("/talcum", "case", head.case_text)?;
+    make_point_tables(&file, &head.units())?;
+    make_step_tables(&file, &head.units())?;
     file.close()
 }
 
-fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
+fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()> {
     let rows = Rows::Growing(POINT_PIECE);
     let numbers = [
         ("/VTKHDF/Points", 3, units.length, "centres, of one time after another, sorted by id"),
@@ -182,7 +206,7 @@ fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
     file.make_table::<i64>(&TableHead { name, width: 1, unit: "1", description }, rows)
 }
 
-fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
+fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()> {
     let rows = Rows::Growing(STEP_PIECE);
     let head = TableHead {
         name: "/VTKHDF/Steps/Values",
@@ -210,7 +234,7 @@ fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> InWords<()> {
 }
 
 /// Makes the rows from `before` to `after` the snapshot number `step`.
-fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> InWords<()> {
+fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     file.append("/VTKHDF/Steps/Values", &[time])?;
     for name in step_tables() {
@@ -232,8 +256,8 @@ fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> InWor
 }
 
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
-fn cut_after(path: &Path, time: f64) -> InWords<[u64; 2]> {
-    let found_length = metadata_copy::bring_back(path)?;
+fn cut_after(path: &Path, time: f64) -> MessageResult<[u64; 2]> {
+    let found_length = metadata_copy::restore(path)?;
     let file = SerialFile::open_to_change(path)?;
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;

@@ -5,8 +5,12 @@
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
+use super::output_file::continue_or_create;
 use super::table::{Rows, TableHead};
-use super::{ColumnUnits, InWords, OutputError, Provenance, metadata_copy, on_root, set_aside};
+use super::{
+    Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
+    metadata_copy, on_root,
+};
 use crate::parallel::Communicator;
 
 /// Datasets that grow with time.
@@ -36,6 +40,20 @@ pub struct Profiles {
 }
 
 impl Profiles {
+    /// In the list of outputs.
+    pub const KIND: OutputKind =
+        OutputKind { file_name: "profiles.h5", needs_momentum_before: false, open: Self::open };
+
+    fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
+        let grid = opening.profile_grid;
+        let heights: Vec<f64> = (0..grid.nodes()).map(|node| grid.height_of(node)).collect();
+        let profiles = match opening.continue_after {
+            Some(time) => Self::resume(path, time, &heights, opening.head, ranks)?,
+            None => Self::create(path, &heights, opening.head, ranks)?,
+        };
+        Ok(Some(Box::new(profiles)))
+    }
+
     /// Begins a file for profiles at the given heights, in the place of one that is there. Collective.
     ///
     /// # Errors
@@ -43,34 +61,32 @@ impl Profiles {
     pub fn create(
         path: &Path,
         heights: &[f64],
-        case_text: &str,
-        provenance: &Provenance,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, heights, case_text, provenance))?;
+        on_root(path, ranks, || create(path, heights, head))?;
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
 
-    /// Continues a file as it was last kept, after the rows up to and including `time`; later ones are dropped.
-    /// A file that cannot be read, or has other heights, is set aside. Collective.
+    /// Continues a file as it was last committed, after the rows up to and including `time`; later ones are
+    /// dropped. A file that cannot be read, or has other heights, is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn resume(
         path: &Path,
         time: f64,
-        (heights, case_text): (&[f64], &str),
-        provenance: &Provenance,
+        heights: &[f64],
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            if path.exists() {
-                match cut_after(path, time, heights) {
-                    Ok(()) => return metadata_copy::keep(path, &tables()),
-                    Err(reason) => set_aside(path, &reason)?,
-                }
-            }
-            create(path, heights, case_text, provenance)
+            let is_continued = continue_or_create(
+                path,
+                || cut_after(path, time, heights).map(|()| true),
+                || create(path, heights, head).map(|()| false),
+            )?;
+            if is_continued { metadata_copy::commit(path, &tables()) } else { Ok(()) }
         })?;
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
@@ -94,14 +110,25 @@ impl Profiles {
         })?;
         Ok(())
     }
+}
 
-    /// Makes the rows so far safe: whenever the program is killed from now on, [`Profiles::resume`] finds them.
-    /// Collective.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or its copy not be written.
-    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        on_root(&self.path, ranks, || metadata_copy::keep(&self.path, &tables())).map(|_| ())
+impl Output for Profiles {
+    fn write(
+        &mut self,
+        sample: &mut Sample<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        let row = ProfileRow {
+            time: sample.measures.time,
+            superficial_velocity: sample.measures.superficial_velocity,
+            solids_fraction: &sample.bed.solids_fraction,
+            solids_velocity: &sample.bed.solids_velocity,
+        };
+        self.append(&row, ranks)
+    }
+
+    fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
     }
 }
 
@@ -109,37 +136,37 @@ fn tables() -> Vec<String> {
     GROWING.map(str::to_owned).to_vec()
 }
 
-fn create(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, heights, case_text, provenance))
+fn create(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
+    metadata_copy::create(path, &tables(), |path| make(path, heights, head))
 }
 
-fn make(path: &Path, heights: &[f64], case_text: &str, provenance: &Provenance) -> InWords<()> {
+fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
-    for (name, message) in provenance.entries() {
+    for (name, message) in head.provenance.entries() {
         file.set_text("/", name, &message)?;
     }
-    file.set_text("/", "case", case_text)?;
-    let units = ColumnUnits::of_system(&provenance.units);
+    file.set_text("/", "case", head.case_text)?;
+    let units = head.units();
     let nodes = heights.len();
-    let head = |name, width, unit, description| TableHead { name, width, unit, description };
+    let table = |name, width, unit, description| TableHead { name, width, unit, description };
     let description = "heights of the grid's nodes";
     let rows = Rows::Fixed(nodes as u64);
-    file.make_table::<f64>(&head("/height", 1, units.length, description), rows)?;
+    file.make_table::<f64>(&table("/height", 1, units.length, description), rows)?;
     file.fill("/height", heights)?;
     let descriptions =
         ["time", "superficial gas velocity", "solids volume fraction", "mean solids velocity, up"];
     let column_units = [units.time, units.speed, "1", units.speed];
     let widths = [1, 1, nodes, nodes];
-    for (place, name) in GROWING.into_iter().enumerate() {
-        let head = head(name, widths[place], column_units[place], descriptions[place]);
+    for (column, name) in GROWING.into_iter().enumerate() {
+        let head = table(name, widths[column], column_units[column], descriptions[column]);
         file.make_table::<f64>(&head, Rows::Growing(PIECE))?;
     }
     file.close()
 }
 
 /// Drops the rows after a time.
-fn cut_after(path: &Path, time: f64, heights: &[f64]) -> InWords<()> {
-    let found_length = metadata_copy::bring_back(path)?;
+fn cut_after(path: &Path, time: f64, heights: &[f64]) -> MessageResult<()> {
+    let found_length = metadata_copy::restore(path)?;
     let file = SerialFile::open_to_change(path)?;
     let same_bits = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
     let stored: Vec<f64> = file.read("/height")?;
@@ -157,7 +184,12 @@ fn cut_after(path: &Path, time: f64, heights: &[f64]) -> InWords<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::Provenance;
     use crate::parallel::run_on_threads;
+
+    fn head(provenance: &Provenance) -> Head<'_> {
+        Head { case_text: "title = 1", provenance }
+    }
 
     fn append(profiles: &Profiles, step: u32, ranks: &dyn Communicator) {
         let x = f64::from(step);
@@ -183,28 +215,27 @@ mod tests {
         let heights = [0.5, 1.5, 2.5];
         run_on_threads(2, |ranks| {
             let provenance = Provenance::here_and_now("A bed", "si", ranks);
-            let profiles = Profiles::create(&path, &heights, "title = 1", &provenance, ranks);
+            let profiles = Profiles::create(&path, &heights, head(&provenance), ranks);
             let profiles = profiles.unwrap();
             (0..100).for_each(|step| append(&profiles, step, ranks));
-            profiles.keep(ranks).unwrap();
+            profiles.commit(ranks).unwrap();
         });
         let whole = contents(&path);
         assert_eq!(whole[2].len(), 300);
         run_on_threads(2, |ranks| {
             let provenance = Provenance::here_and_now("A bed", "si", ranks);
-            let given = (&heights[..], "title = 1");
-            let time = 0.1 * 70.0;
-            let profiles = Profiles::resume(&path, time, given, &provenance, ranks).unwrap();
+            let (time, head) = (0.1 * 70.0, head(&provenance));
+            let profiles = Profiles::resume(&path, time, &heights, head, ranks).unwrap();
             let rows = if ranks.is_root() { contents(&path)[0].len() } else { 71 };
             assert_eq!(rows, 71);
             (71..100).for_each(|step| append(&profiles, step, ranks));
-            profiles.keep(ranks).unwrap();
+            profiles.commit(ranks).unwrap();
         });
         assert_eq!(contents(&path), whole);
         let other = [0.5, 1.5];
         run_on_threads(1, |ranks| {
             let provenance = Provenance::here_and_now("A bed", "si", ranks);
-            Profiles::resume(&path, 7.0, (&other, ""), &provenance, ranks).unwrap();
+            Profiles::resume(&path, 7.0, &other, head(&provenance), ranks).unwrap();
         });
         assert_eq!(contents(&folder.path().join("profiles.h5.unreadable-1")), whole);
         assert_eq!(contents(&path)[0].len(), 0);

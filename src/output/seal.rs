@@ -10,7 +10,7 @@ use std::path::Path;
 
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::{InWords, OutputError, agreed, on_root};
+use super::{MessageResult, OutputError, agreed, on_root};
 use crate::parallel::Communicator;
 
 /// How files are sealed, or were.
@@ -108,7 +108,7 @@ pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputE
     agreed(path, if same { Ok(()) } else { Err(message.to_owned()) }, ranks)
 }
 
-fn read_seal(path: &Path) -> InWords<Seal> {
+fn read_seal(path: &Path) -> MessageResult<Seal> {
     let mut file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
     let metadata = file.metadata().map_err(unreadable)?;

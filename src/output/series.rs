@@ -4,63 +4,46 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::output_file::continue_or_create;
 use super::{
-    ColumnUnits, InWords, OutputError, Provenance, on_root, set_aside, sync_folder, with_suffix,
+    ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
+    Sample, on_root, sync_folder, with_suffix,
 };
 use crate::analysis::Measures;
 use crate::parallel::Communicator;
-
-/// Name, unit and value of every column, in the order of the file.
-fn columns(row: &Measures, units: &ColumnUnits) -> [(&'static str, &'static str, f64); 21] {
-    let ColumnUnits { time, length, speed, energy, .. } = *units;
-    [
-        ("time", time, row.time),
-        ("superficial_velocity", speed, row.superficial_velocity),
-        ("grid_pressure_drop", "1", row.grid_pressure_drop),
-        ("gas_force", "1", row.gas_force),
-        ("plate_stress", "1", row.plate_stress),
-        ("effective_gravity", "1", row.effective_gravity),
-        ("centre_height", length, row.centre_height),
-        ("centre_velocity", speed, row.centre_velocity),
-        ("bed_bottom", length, row.bed_bottom),
-        ("bed_top", length, row.bed_top),
-        ("mean_kinetic_energy", energy, row.mean_kinetic_energy),
-        ("fluctuating_kinetic_energy", energy, row.fluctuating_kinetic_energy),
-        ("coordination_number", "1", row.coordination_number),
-        ("momentum_error", "1", row.momentum_error),
-        ("mass_error", "1", row.mass_error),
-        ("particles", "1", row.particles),
-        ("departed", "1", row.departed),
-        ("gas_iterations", "1", row.gas_iterations),
-        ("gas_courant", "1", row.gas_courant),
-        ("raised_cells", "1", row.raised_cells),
-        ("exchange_error", "1", row.exchange_error),
-    ]
-}
 
 /// The open table: comments with what was run, a header with units, and a row for each time.
 #[derive(Debug)]
 pub struct Series {
     path: PathBuf,
-    units: ColumnUnits,
     /// On rank 0.
     file: Option<File>,
 }
 
 impl Series {
+    /// In the list of outputs.
+    pub const KIND: OutputKind =
+        OutputKind { file_name: "series.csv", needs_momentum_before: true, open: Self::open };
+
+    fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
+        let series = match opening.continue_after {
+            Some(time) => Self::resume(path, time, opening.head, ranks)?,
+            None => Self::create(path, opening.head, ranks)?,
+        };
+        Ok(Some(Box::new(series)))
+    }
+
     /// Begins a table, in the place of one that is there. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
     pub fn create(
         path: &Path,
-        case_text: &str,
-        provenance: &Provenance,
-        units: ColumnUnits,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let file = on_root(path, ranks, || create(path, case_text, provenance, &units))?;
-        Ok(Self { path: path.to_owned(), units, file })
+        let file = on_root(path, ranks, || create(path, head))?;
+        Ok(Self { path: path.to_owned(), file })
     }
 
     /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
@@ -70,21 +53,19 @@ impl Series {
     /// If the file cannot be written.
     pub fn resume(
         path: &Path,
-        (time, case_text): (f64, &str),
-        provenance: &Provenance,
-        units: ColumnUnits,
+        time: f64,
+        head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let file = on_root(path, ranks, || {
-            if path.exists() {
-                match kept(path, time, &units) {
-                    Ok(text) => return replace(path, &text),
-                    Err(reason) => set_aside(path, &reason)?,
-                }
-            }
-            create(path, case_text, provenance, &units)
+            let rows = continue_or_create(
+                path,
+                || rows_up_to(path, time, &head.units()).map(Some),
+                || Ok(None),
+            )?;
+            rows.map_or_else(|| create(path, head), |text| replace(path, &text))
         })?;
-        Ok(Self { path: path.to_owned(), units, file })
+        Ok(Self { path: path.to_owned(), file })
     }
 
     /// Adds a row, which is in the file on return. Rank 0's row counts. Collective.
@@ -92,20 +73,26 @@ impl Series {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        let values = columns(row, &self.units).map(|(_, _, value)| shortest(value));
-        let line = values.join(",") + "\n";
+        let values = Measures::COLUMNS.iter().map(|column| shortest((column.value)(row)));
+        let line = values.collect::<Vec<_>>().join(",") + "\n";
         on_root(&self.path, ranks, || {
             let file = self.file.as_mut().ok_or("the file is not open")?;
             file.write_all(line.as_bytes()).map_err(|error| error.to_string())
         })?;
         Ok(())
     }
+}
 
-    /// Brings the rows so far to the disk. Collective.
-    ///
-    /// # Errors
-    /// If that fails.
-    pub fn keep(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+impl Output for Series {
+    fn write(
+        &mut self,
+        sample: &mut Sample<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        self.append(sample.measures, ranks)
+    }
+
+    fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         on_root(&self.path, ranks, || {
             let file = self.file.as_ref().ok_or("the file is not open")?;
             file.sync_all().map_err(|error| error.to_string())
@@ -116,8 +103,9 @@ impl Series {
 
 /// The line of names and units.
 fn header(units: &ColumnUnits) -> String {
-    let columns = columns(&Measures::default(), units);
-    columns.map(|(name, unit, _)| format!("{name} [{unit}]")).join(",")
+    let columns = Measures::COLUMNS.iter();
+    let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.quantity)));
+    names.collect::<Vec<_>>().join(",")
 }
 
 /// The shortest text from which the same bits are read.
@@ -126,27 +114,22 @@ fn shortest(value: f64) -> String {
     if plain { format!("{value}") } else { format!("{value:e}") }
 }
 
-fn create(
-    path: &Path,
-    case_text: &str,
-    provenance: &Provenance,
-    units: &ColumnUnits,
-) -> InWords<File> {
+fn create(path: &Path, head: Head<'_>) -> MessageResult<File> {
     let mut text = String::new();
-    for (name, message) in provenance.entries() {
+    for (name, message) in head.provenance.entries() {
         text += &format!("# {name}: {}\n", message.replace(['\n', '\r'], " "));
     }
-    for line in case_text.lines() {
+    for line in head.case_text.lines() {
         text += format!("# case: {line}").trim_end();
         text += "\n";
     }
-    text += &header(units);
+    text += &header(&head.units());
     text += "\n";
     replace(path, &text)
 }
 
 /// Replaces a file at one stroke and opens it to append.
-fn replace(path: &Path, text: &str) -> InWords<File> {
+fn replace(path: &Path, text: &str) -> MessageResult<File> {
     let replace = || {
         let partial = with_suffix(path, ".partial");
         let mut file = File::create(&partial)?;
@@ -160,7 +143,7 @@ fn replace(path: &Path, text: &str) -> InWords<File> {
 }
 
 /// The text of a table up to and including a time.
-fn kept(path: &Path, time: f64, units: &ColumnUnits) -> InWords<String> {
+fn rows_up_to(path: &Path, time: f64, units: &ColumnUnits) -> MessageResult<String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let mut kept = String::new();
     let mut columns = None;
@@ -189,10 +172,11 @@ fn kept(path: &Path, time: f64, units: &ColumnUnits) -> InWords<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::Provenance;
     use crate::parallel::{OneRank, run_on_threads};
 
-    fn provenance() -> Provenance {
-        Provenance::here_and_now("A bed", "dimensionless", &OneRank)
+    fn provenance(units: &str) -> Provenance {
+        Provenance::here_and_now("A bed", units, &OneRank)
     }
 
     fn row(time: f64) -> Measures {
@@ -203,10 +187,10 @@ mod tests {
     fn a_resumed_table_is_that_of_an_uninterrupted_run() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
-        let (provenance, units) = (provenance(), ColumnUnits::DIMENSIONLESS);
+        let provenance = provenance("dimensionless");
+        let head = Head { case_text: "title = \"A\"\n\na = 1", provenance: &provenance };
         run_on_threads(2, |ranks| {
-            let mut series =
-                Series::create(&path, "title = \"A\"\n\na = 1", &provenance, units, ranks).unwrap();
+            let mut series = Series::create(&path, head, ranks).unwrap();
             (0..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
         });
         let whole = std::fs::read_to_string(&path).unwrap();
@@ -218,8 +202,7 @@ mod tests {
         // A kill in the middle of a row after the checkpoint.
         std::fs::write(&path, &whole[..whole.len() - 30]).unwrap();
         run_on_threads(2, |ranks| {
-            let given = (0.1 * 5.0, "");
-            let mut series = Series::resume(&path, given, &provenance, units, ranks).unwrap();
+            let mut series = Series::resume(&path, 0.1 * 5.0, head, ranks).unwrap();
             (6..9).for_each(|k| series.append(&row(0.1 * f64::from(k)), ranks).unwrap());
         });
         assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
@@ -230,7 +213,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");
         std::fs::write(&path, "a,b\n1,2\n").unwrap();
-        Series::resume(&path, (1.0, ""), &provenance(), ColumnUnits::SI, &OneRank).unwrap();
+        let provenance = provenance("si");
+        let head = Head { case_text: "", provenance: &provenance };
+        Series::resume(&path, 1.0, head, &OneRank).unwrap();
         let aside = folder.path().join("series.csv.unreadable-1");
         assert_eq!(std::fs::read_to_string(aside).unwrap(), "a,b\n1,2\n");
         assert!(std::fs::read_to_string(&path).unwrap().contains("\ntime [s],"));
@@ -245,11 +230,12 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_said_on_all_ranks() {
+    fn a_table_that_cannot_be_written_is_an_error_on_all_ranks() {
         let path = Path::new("/nonexistent-folder/series.csv");
-        let provenance = provenance();
+        let provenance = provenance("si");
+        let head = Head { case_text: "", provenance: &provenance };
         run_on_threads(3, |ranks| {
-            let error = Series::create(path, "", &provenance, ColumnUnits::SI, ranks).unwrap_err();
+            let error = Series::create(path, head, ranks).unwrap_err();
             assert!(error.to_string().contains("nonexistent-folder/series.csv: No such file"));
         });
     }

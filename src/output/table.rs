@@ -1,4 +1,4 @@
-//! What a dataset is, in words that know nothing of HDF5.
+//! What a dataset is, apart from HDF5.
 
 /// Name, shape and meaning of a dataset.
 #[derive(Clone, Copy)]
@@ -7,7 +7,7 @@ pub(super) struct TableHead<'a> {
     pub(super) name: &'a str,
     /// Numbers in a row; 1 for a plain column.
     pub(super) width: usize,
-    /// Unit in words; `1` for pure numbers.
+    /// Name of the unit; `1` for pure numbers.
     pub(super) unit: &'a str,
     /// Meaning.
     pub(super) description: &'a str,
@@ -16,7 +16,7 @@ pub(super) struct TableHead<'a> {
 /// How many rows a dataset has.
 #[derive(Clone, Copy)]
 pub(super) enum Rows {
-    /// So many, for ever.
+    /// So many, from the start.
     Fixed(u64),
     /// None yet; stored in pieces of so many rows.
     Growing(usize),

@@ -1,6 +1,8 @@
-//! Words for units in the headers of tables and at every dataset.
+//! Names of units in the headers of tables and at every dataset.
 
-/// The unit of each kind of quantity, in words.
+use crate::analysis::Quantity;
+
+/// The name of the unit of each kind of quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ColumnUnits {
     /// Of time.
@@ -61,6 +63,17 @@ impl ColumnUnits {
         volume: "d^3",
         number: "1",
     };
+
+    /// The unit of a quantity of the series.
+    pub fn of(&self, quantity: Quantity) -> &'static str {
+        match quantity {
+            Quantity::Time => self.time,
+            Quantity::Length => self.length,
+            Quantity::Speed => self.speed,
+            Quantity::Energy => self.energy,
+            Quantity::Number => self.number,
+        }
+    }
 
     /// The units of a system as the case names it: `"si"`, or otherwise the dimensionless one.
     pub fn of_system(name: &str) -> Self {

@@ -1,4 +1,4 @@
-//! Where a run begins: with a new bed, with the end of another run, or with its own checkpoint.
+//! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
 use super::layout::{LayoutError, aligned, lay_out};
 use crate::case::{BedPart, Case, Start as BedStart};
@@ -14,7 +14,7 @@ use crate::state::{Clock, Departed, GasReport, SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
 
-/// Why a run cannot begin. The same on all ranks.
+/// Why a run cannot start. The same on all ranks.
 #[derive(Debug, Error)]
 pub enum StartError {
     /// The ranks cannot divide the box.
@@ -36,29 +36,40 @@ pub enum StartError {
     },
 }
 
-/// A state spread over the ranks, and what is still to be done before its first step.
-pub struct Beginning {
+/// Where an initial state comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A new bed: forces are still to be found, and results begin with it.
+    NewBed,
+    /// A checkpoint, after which new results begin.
+    Checkpoint,
+    /// A checkpoint among results that are continued.
+    ContinuedRun,
+}
+
+/// A state distributed over the ranks, and what is still to be done before its first step.
+pub struct InitialState {
     /// The state, without ghosts and lists.
     pub state: State,
     /// An empty workspace.
     pub work: Workspace,
-    /// How it starts.
-    pub start: Start,
+    /// Histories of its contacts.
+    pub histories: ContactHistories,
+    /// Where it comes from.
+    pub origin: Origin,
 }
 
-/// How the first step is prepared.
-pub struct Start {
-    /// The histories of all contacts of this rank's particles.
-    pub histories: ContactHistories,
-    /// Whether forces are still to be found.
-    pub new_bed: bool,
-    /// Whether results are continued from this time on.
-    pub continues: bool,
+/// What a state holds beside its records.
+#[derive(Clone, Copy)]
+struct StateHeader {
+    clock: Clock,
+    departed: Departed,
+    sizes: SizeRange,
 }
 
 /// What this rank holds of a bed, before it is sent to its owners.
 #[derive(Default)]
-struct Share {
+struct LocalRecords {
     particles: Vec<ParticleRecord>,
     contacts: Vec<ContactRecord>,
     wall_contacts: Vec<WallContactRecord>,
@@ -70,61 +81,55 @@ struct Share {
 ///
 /// # Errors
 /// If it cannot be made, or the ranks cannot divide it.
-pub fn begin_from_case(
+pub fn start_from_case(
     case: &Case,
     grid: Option<RankGrid>,
     ranks: &dyn Communicator,
-) -> Result<Beginning, StartError> {
-    let share = match &case.particles.start {
+) -> Result<InitialState, StartError> {
+    let records = match &case.particles.start {
         BedStart::Run { path } => {
             let (end, _, _) = checkpoint::read(path, ranks)?;
-            let mut share = share_of(end);
-            share.cells.clear(); // the gas begins anew
-            share
+            // The gas starts from rest.
+            LocalRecords { cells: Vec::new(), ..LocalRecords::of(end) }
         }
         _ => {
             let part = BedPart { number: ranks.rank(), of: ranks.size() };
             let bed = agree(case.initial_bed(part), ranks).map_err(StartError::Bed)?;
-            Share { particles: bed.particles, ..Share::default() }
+            LocalRecords { particles: bed.particles, ..LocalRecords::default() }
         }
     };
     let sizes = match case.size_range() {
         Some(sizes) => sizes,
-        None => measured_sizes(&share.particles, ranks),
+        None => measured_sizes(&records.particles, ranks),
     };
-    let time_step = case.stages[0].time_step;
-    let start = (Clock::new(time_step), Departed::default(), sizes);
-    spread(case, share, start, grid, ranks).map(|(state, work, histories)| Beginning {
-        state,
-        work,
-        start: Start { histories, new_bed: true, continues: false },
-    })
+    let clock = Clock::new(case.stages[0].time_step);
+    let header = StateHeader { clock, departed: Departed::default(), sizes };
+    distribute(case, records, header, Origin::NewBed, grid, ranks)
 }
 
 /// The state of a checkpoint; `continues` says whether earlier results are in the output folder. Collective.
 ///
 /// # Errors
 /// If the ranks cannot divide it, or it does not fit the case.
-pub fn begin_from_checkpoint(
+pub fn start_from_checkpoint(
     case: &Case,
     checkpoint: Checkpoint,
     grid: Option<RankGrid>,
     continues: bool,
     ranks: &dyn Communicator,
-) -> Result<Beginning, StartError> {
-    let start = (checkpoint.clock, checkpoint.departed, checkpoint.sizes);
-    let share = share_of(checkpoint);
-    spread(case, share, start, grid, ranks).map(|(state, work, histories)| Beginning {
-        state,
-        work,
-        start: Start { histories, new_bed: false, continues },
-    })
+) -> Result<InitialState, StartError> {
+    let Checkpoint { clock, departed, sizes, .. } = checkpoint;
+    let header = StateHeader { clock, departed, sizes };
+    let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
+    distribute(case, LocalRecords::of(checkpoint), header, origin, grid, ranks)
 }
 
-fn share_of(checkpoint: Checkpoint) -> Share {
-    let Checkpoint { particles, contacts, wall_contacts, cells, gas_report: report, .. } =
-        checkpoint;
-    Share { particles, contacts, wall_contacts, cells, report }
+impl LocalRecords {
+    fn of(checkpoint: Checkpoint) -> Self {
+        let Checkpoint { particles, contacts, wall_contacts, cells, gas_report: report, .. } =
+            checkpoint;
+        Self { particles, contacts, wall_contacts, cells, report }
+    }
 }
 
 fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {
@@ -139,25 +144,25 @@ fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> Siz
     SizeRange { smallest_diameter: -smallest, largest_diameter, largest_mass }
 }
 
-type Spread = (State, Workspace, ContactHistories);
-
-fn spread(
+/// Sends the records to the ranks that own them. Collective.
+fn distribute(
     case: &Case,
-    share: Share,
-    (clock, departed, sizes): (Clock, Departed, SizeRange),
+    records: LocalRecords,
+    header: StateHeader,
+    origin: Origin,
     grid: Option<RankGrid>,
     ranks: &dyn Communicator,
-) -> Result<Spread, StartError> {
+) -> Result<InitialState, StartError> {
+    let StateHeader { clock, departed, sizes } = header;
     if let Some((key, message)) = case.check_sizes(&sizes).into_iter().next() {
         return Err(StartError::Sizes { key, message });
     }
     let mut decomposition = lay_out(case, &sizes, grid, ranks.size())?;
-    let skin = case.parallel.skin * sizes.largest_diameter;
     if case.parallel.balance.is_some() {
-        decomposition = balanced_at_start(case, &decomposition, &share.particles, &sizes, ranks);
+        decomposition = balanced_at_start(case, &decomposition, &records.particles, &sizes, ranks);
         decomposition = aligned(case, decomposition, case.ghost_width(&sizes))?;
     }
-    let Share { particles: records, contacts, wall_contacts, cells, report } = share;
+    let LocalRecords { particles: records, contacts, wall_contacts, cells, report } = records;
     let records = send_to_owners(records, &decomposition, ranks);
     let mut particles = Particles::with_room_for(records.len());
     for record in records {
@@ -171,7 +176,9 @@ fn spread(
     }
     let contacts = Contacts::default();
     let state = State { particles, contacts, clock, departed, sizes, gas, kick_due: None };
-    Ok((state, Workspace::new(decomposition, skin, case.parallel.balance), histories))
+    let skin = case.parallel.skin * sizes.largest_diameter;
+    let work = Workspace::new(decomposition, skin, case.parallel.balance);
+    Ok(InitialState { state, work, histories, origin })
 }
 
 fn balanced_at_start(

@@ -7,7 +7,7 @@
 use super::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, attraction, gas, law, shaken};
 use super::gas_on_cells;
 use std::f64::consts::PI;
-use talcum::analysis::{BedProfile, measure};
+use talcum::analysis::{BedProfile, RunView, measure};
 use talcum::domain::RankGrid;
 use talcum::gas::{BaseNode, DragLaw};
 use talcum::grid::ColumnGrid;
@@ -75,7 +75,8 @@ fn next_cycle(run: &mut Run) -> Cycle {
             row[1] += force * run.work.tallies.by_gas[2] as f64;
             if step % (steps / samples) == 0 {
                 let Run { state, domain, models, work, ranks } = run;
-                let now = measure(state, domain, models, work, &mut profile, None, *ranks);
+                let view = RunView { state, domain, models, work };
+                let now = measure(view, &mut profile, None, *ranks);
                 row[2] += now.grid_pressure_drop / samples as f64;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::beds::{Bench, PERIODIC, PLATE, Run, law};
 use super::gas_on_cells;
-use talcum::analysis::{BedProfile, Measures, measure};
+use talcum::analysis::{BedProfile, Measures, RunView, measure};
 use talcum::gas::DragLaw;
 use talcum::grid::ColumnGrid;
 
@@ -24,7 +24,7 @@ fn rows(velocity: f64) -> Vec<Measures> {
     let mut read = |run: &mut Run| {
         run.steps(25);
         let Run { state, domain, models, work, ranks } = run;
-        measure(state, domain, models, work, &mut profile, None, *ranks)
+        measure(RunView { state, domain, models, work }, &mut profile, None, *ranks)
     };
     (0..1600).map(|_| read(&mut run)).collect()
 }

@@ -1,11 +1,11 @@
 //! The file of the gas.
 
-use super::{check_by_vtk, time};
+use super::{check_by_vtk, head, time};
 use nalgebra::Vector3;
 use std::path::Path;
 use talcum::domain::{Bounds, Face};
 use talcum::grid::BoxGrid;
-use talcum::output::{GasSnapshots, Provenance};
+use talcum::output::{GasSnapshots, Output, Provenance};
 use talcum::parallel::{CellRecord, Communicator, run_on_threads};
 
 const COUNTS: [usize; 3] = [2, 3, 5];
@@ -34,12 +34,11 @@ fn append(snapshots: &GasSnapshots, step: usize, ranks: &dyn Communicator) {
 fn write_all(path: &Path, ranks: usize) {
     run_on_threads(ranks, |ranks| {
         let provenance = provenance(ranks);
-        let snapshots =
-            GasSnapshots::create(path, &grid(), "title = 1", &provenance, ranks).unwrap();
+        let snapshots = GasSnapshots::create(path, &grid(), head(&provenance), ranks).unwrap();
         for step in 0..STEPS {
             append(&snapshots, step, ranks);
             if step == 2 {
-                snapshots.keep(ranks).unwrap();
+                snapshots.commit(ranks).unwrap();
             }
         }
     });
@@ -52,7 +51,7 @@ fn check(path: &Path) {
 }
 
 #[test]
-fn vtk_reads_what_was_written_on_any_number_of_ranks() {
+fn vtk_reads_gas_written_on_any_number_of_ranks() {
     let folder = tempfile::tempdir().unwrap();
     for ranks in 1..=3 {
         let path = folder.path().join(format!("gas-{ranks}.vtkhdf"));
@@ -62,18 +61,18 @@ fn vtk_reads_what_was_written_on_any_number_of_ranks() {
 }
 
 #[test]
-fn a_resumed_file_is_that_of_an_uninterrupted_run() {
+fn a_resumed_gas_file_is_that_of_an_uninterrupted_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("gas.vtkhdf");
     write_all(&path, 2);
-    for (kept, ranks) in [(1, 3), (0, 1)] {
+    for (committed, ranks) in [(1, 3), (0, 1)] {
         run_on_threads(ranks, |ranks| {
             let (grid, provenance) = (grid(), provenance(ranks));
-            let message = (&grid, "title = 1");
+            let head = head(&provenance);
             let snapshots =
-                GasSnapshots::resume(&path, time(kept), message, &provenance, ranks).unwrap();
-            (kept + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
-            snapshots.keep(ranks).unwrap();
+                GasSnapshots::resume(&path, time(committed), &grid, head, ranks).unwrap();
+            (committed + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
+            snapshots.commit(ranks).unwrap();
         });
         check(&path);
     }

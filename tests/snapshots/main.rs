@@ -8,6 +8,12 @@ mod particles;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
+use talcum::output::{Head, Provenance};
+
+/// The head of a file of these tests.
+fn head(provenance: &Provenance) -> Head<'_> {
+    Head { case_text: "title = 1", provenance }
+}
 
 /// Time of a snapshot.
 fn time(step: usize) -> f64 {

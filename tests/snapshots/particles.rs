@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::{check_by_vtk, time};
+use super::{check_by_vtk, head, time};
 use bytemuck::Zeroable;
-use talcum::output::{ParticleSnapshots, Provenance};
+use talcum::output::{Output, ParticleSnapshots, Provenance};
 use talcum::parallel::{Communicator, ParticleRecord, run_on_threads};
 
 /// Particles at each of the times 0, 0.1, ...; some times have none, most another number.
@@ -36,10 +36,10 @@ fn provenance(ranks: &dyn Communicator) -> Provenance {
 
 fn write_all(path: &Path, ranks: usize) {
     run_on_threads(ranks, |ranks| {
-        let mut snapshots =
-            ParticleSnapshots::create(path, "title = 1", &provenance(ranks), ranks).unwrap();
+        let provenance = provenance(ranks);
+        let mut snapshots = ParticleSnapshots::create(path, head(&provenance), ranks).unwrap();
         (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
-        snapshots.keep(ranks).unwrap();
+        snapshots.commit(ranks).unwrap();
     });
 }
 
@@ -56,7 +56,7 @@ fn check(path: &Path) {
 }
 
 #[test]
-fn vtk_reads_what_was_written_on_any_number_of_ranks() {
+fn vtk_reads_particles_written_on_any_number_of_ranks() {
     let folder = tempfile::tempdir().unwrap();
     for ranks in 1..=3 {
         let path = folder.path().join(format!("particles-{ranks}.vtkhdf"));
@@ -66,33 +66,33 @@ fn vtk_reads_what_was_written_on_any_number_of_ranks() {
 }
 
 #[test]
-fn a_resumed_file_is_that_of_an_uninterrupted_run() {
+fn a_resumed_particle_file_is_that_of_an_uninterrupted_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     write_all(&path, 2);
-    for (kept, ranks) in [(4, 3), (0, 1), (6, 2)] {
+    for (committed, ranks) in [(4, 3), (0, 1), (6, 2)] {
         run_on_threads(ranks, |ranks| {
             let provenance = provenance(ranks);
             let mut snapshots =
-                ParticleSnapshots::resume(&path, time(kept), "title = 1", &provenance, ranks)
+                ParticleSnapshots::resume(&path, time(committed), head(&provenance), ranks)
                     .unwrap();
-            (kept + 1..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
-            snapshots.keep(ranks).unwrap();
+            (committed + 1..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
+            snapshots.commit(ranks).unwrap();
         });
         check(&path);
     }
 }
 
 #[test]
-fn a_file_that_a_kill_left_in_pieces_is_continued() {
+fn a_file_damaged_by_a_kill_is_continued_from_its_last_commit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     for ranks in [1, 2] {
         run_on_threads(ranks, |ranks| {
-            let mut snapshots =
-                ParticleSnapshots::create(&path, "title = 1", &provenance(ranks), ranks).unwrap();
+            let provenance = provenance(ranks);
+            let mut snapshots = ParticleSnapshots::create(&path, head(&provenance), ranks).unwrap();
             (0..4).for_each(|step| append(&mut snapshots, step, ranks));
-            snapshots.keep(ranks).unwrap();
+            snapshots.commit(ranks).unwrap();
             (4..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
         });
         // Its head did not reach the disk.
@@ -102,7 +102,7 @@ fn a_file_that_a_kill_left_in_pieces_is_continued() {
         run_on_threads(ranks, |ranks| {
             let provenance = provenance(ranks);
             let mut snapshots =
-                ParticleSnapshots::resume(&path, time(3), "title = 1", &provenance, ranks).unwrap();
+                ParticleSnapshots::resume(&path, time(3), head(&provenance), ranks).unwrap();
             (4..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
         });
         check(&path);
@@ -111,7 +111,7 @@ fn a_file_that_a_kill_left_in_pieces_is_continued() {
 }
 
 #[test]
-fn an_unreadable_file_is_set_aside() {
+fn an_unreadable_particle_file_is_set_aside() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     write_all(&path, 1);
@@ -120,7 +120,7 @@ fn an_unreadable_file_is_set_aside() {
     run_on_threads(2, |ranks| {
         let provenance = provenance(ranks);
         let mut snapshots =
-            ParticleSnapshots::resume(&path, 0.0, "title = 1", &provenance, ranks).unwrap();
+            ParticleSnapshots::resume(&path, 0.0, head(&provenance), ranks).unwrap();
         (0..COUNTS.len()).for_each(|step| append(&mut snapshots, step, ranks));
     });
     check(&path);

@@ -3,14 +3,14 @@
 mod stage;
 
 use super::Changes;
-use super::progress::in_words;
+use super::progress::readable;
 use super::reading::read_case;
 use super::report::six_digits;
 use super::run::say;
 use crate::case::Case;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::parallel::Communicator;
-use crate::simulation::{Beginning, begin_from_case};
+use crate::simulation::{InitialState, start_from_case};
 use crate::state::{SizeRange, State};
 use crate::time_step;
 use std::fmt::Write;
@@ -29,22 +29,22 @@ pub(super) fn check(
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let case = read_case(path, &changes.set, ranks)?;
-    let mut beginning = begin_from_case(&case, changes.ranks, ranks)?;
-    let particles = ranks.total(beginning.state.particles.owned_count());
-    let sizes = beginning.state.sizes;
+    let mut initial = start_from_case(&case, changes.ranks, ranks)?;
+    let particles = ranks.total(initial.state.particles.owned_count());
+    let sizes = initial.state.sizes;
     let mut message = super::report::head(&case, particles, ranks.size());
     describe_box(&mut message, &case, &sizes);
     for stage in &case.stages {
         stage::describe(&mut message, &case, stage, &sizes);
     }
-    describe_ranks(&mut message, &beginning, ranks);
+    describe_ranks(&mut message, &initial, ranks);
     let megabytes = particles as f64 * BYTES_PER_PARTICLE * 1.0e-6;
     let _ = writeln!(message, "memory: about {megabytes:.0} MB in all, and 50 MB per rank");
     // Before the trial: what stands here helps where the trial fails.
     say(ranks, message.trim_end());
-    let seconds = trial(&case, &mut beginning, ranks)?;
+    let seconds = trial(&case, &mut initial, ranks)?;
     let steps = case.end_time() / case.stages[0].time_step;
-    let total = in_words(Duration::from_secs_f64(seconds * steps));
+    let total = readable(Duration::from_secs_f64(seconds * steps));
     let on_ranks = super::report::count_of(ranks.size(), "rank");
     say(
         ranks,
@@ -111,12 +111,12 @@ fn describe_wall(wall: &Wall) -> String {
     message
 }
 
-fn describe_ranks(message: &mut String, beginning: &Beginning, ranks: &dyn Communicator) {
-    let here = beginning.state.particles.owned_count() as u64;
+fn describe_ranks(message: &mut String, initial: &InitialState, ranks: &dyn Communicator) {
+    let here = initial.state.particles.owned_count() as u64;
     let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
     for (rank, bytes) in counts.iter().enumerate() {
         let corners =
-            beginning.work.decomposition.block_bounds(rank).map(|corner| corner.map(six_digits));
+            initial.work.decomposition.block_bounds(rank).map(|corner| corner.map(six_digits));
         let [lower, upper] = corners;
         let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
         let _ = writeln!(
@@ -128,21 +128,21 @@ fn describe_ranks(message: &mut String, beginning: &Beginning, ranks: &dyn Commu
 }
 
 /// Seconds per step, from the first steps of the case.
-fn trial(case: &Case, beginning: &mut Beginning, ranks: &dyn Communicator) -> anyhow::Result<f64> {
-    let Beginning { state, work, start } = beginning;
+fn trial(case: &Case, initial: &mut InitialState, ranks: &dyn Communicator) -> anyhow::Result<f64> {
+    let InitialState { state, work, histories, .. } = initial;
     let State { sizes, .. } = *state;
     let models = case.stages[0].models(&sizes);
     work.prepare(&case.domain, &models, &sizes);
-    let histories = std::mem::take(&mut start.histories);
+    let histories = std::mem::take(histories);
     time_step::begin(state, &case.domain, &models, work, histories, true, ranks)?;
-    let begin = Instant::now();
+    let start = Instant::now();
     let mut steps = 0;
     // The pace of rank 0 decides for all: a collective look every few steps.
-    while !ranks.any(ranks.is_root() && begin.elapsed() > TRIAL) {
+    while !ranks.any(ranks.is_root() && start.elapsed() > TRIAL) {
         for _ in 0..10 {
             time_step::advance(state, &case.domain, &models, work, ranks)?;
         }
         steps += 10;
     }
-    Ok(begin.elapsed().as_secs_f64() / f64::from(steps.max(1)))
+    Ok(start.elapsed().as_secs_f64() / f64::from(steps.max(1)))
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Checkpoint, read};
 use crate::analysis::Digest;
-use crate::output::{InWords, OutputError, Provenance, on_root};
+use crate::output::{MessageResult, OutputError, Provenance, on_root};
 use crate::parallel::Communicator;
 
 /// What a search for checkpoints found.
@@ -95,13 +95,13 @@ pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(
 }
 
 /// The steps of a folder's checkpoints, ascending.
-fn steps_in(folder: &Path) -> InWords<Vec<u64>> {
+fn steps_in(folder: &Path) -> MessageResult<Vec<u64>> {
     let mut steps: Vec<u64> = file_names(folder)?.iter().filter_map(|name| step_of(name)).collect();
     steps.sort_unstable();
     Ok(steps)
 }
 
-fn file_names(folder: &Path) -> InWords<Vec<String>> {
+fn file_names(folder: &Path) -> MessageResult<Vec<String>> {
     let unreadable = |error: std::io::Error| format!("the folder cannot be read: {error}");
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {

@@ -6,7 +6,7 @@ use super::Checkpoint;
 use super::schema::{FORMAT, Table, VERSION};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
-use crate::output::{InWords, OutputError, Provenance, agreed, seal};
+use crate::output::{MessageResult, OutputError, Provenance, agreed, seal};
 use crate::parallel::Communicator;
 use crate::state::{Clock, Departed, GasReport, SizeRange};
 
@@ -50,7 +50,7 @@ pub fn read(
     Ok((checkpoint, provenance, digest))
 }
 
-fn read_head(path: &Path) -> InWords<Head> {
+fn read_head(path: &Path) -> MessageResult<Head> {
     let file = SerialFile::open(path)?;
     if file.text("/", "format").as_deref() != Ok(FORMAT) {
         return Err("this is not a checkpoint of Talcum".to_owned());
@@ -80,7 +80,7 @@ fn read_head(path: &Path) -> InWords<Head> {
 }
 
 /// Everything but the rows.
-fn read_small(file: &SerialFile, version: u64) -> InWords<Checkpoint> {
+fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
     let case_text = file.text("/", "case")?;
     if file.text("/", "case_blake3")? != blake3::hash(case_text.as_bytes()).to_hex().as_str() {
         return Err("the text of the case is damaged".to_owned());
@@ -115,7 +115,7 @@ fn read_small(file: &SerialFile, version: u64) -> InWords<Checkpoint> {
     })
 }
 
-fn read_report(file: &SerialFile) -> InWords<GasReport> {
+fn read_report(file: &SerialFile) -> MessageResult<GasReport> {
     Ok(GasReport {
         iterations: file.number("/gas", "iterations")?,
         raised_cells: file.number("/gas", "raised_cells")?,
@@ -124,7 +124,7 @@ fn read_report(file: &SerialFile) -> InWords<GasReport> {
     })
 }
 
-fn read_provenance(file: &SerialFile) -> InWords<Provenance> {
+fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {
     let text = |name: &str| file.text("/", name);
     let ranks = text("ranks")?;
     Ok(Provenance {
@@ -139,7 +139,7 @@ fn read_provenance(file: &SerialFile) -> InWords<Provenance> {
 }
 
 /// The number of rows of a table; all its columns of this version must have it, and their widths.
-fn rows_of<R: Table>(file: &SerialFile, version: u64) -> InWords<u64> {
+fn rows_of<R: Table>(file: &SerialFile, version: u64) -> MessageResult<u64> {
     let (rows, _) = file.shape(R::IDS[0].name)?;
     let ids = R::IDS.iter().map(|column| (column.name, 1));
     let numbers = R::NUMBERS.iter().filter(|column| column.since <= version);

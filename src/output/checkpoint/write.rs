@@ -11,7 +11,8 @@ use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
 use crate::output::{
-    ColumnUnits, InWords, OutputError, Provenance, agreed, on_root, seal, sync_folder, with_suffix,
+    ColumnUnits, MessageResult, OutputError, Provenance, agreed, on_root, seal, sync_folder,
+    with_suffix,
 };
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedBlock,
@@ -68,7 +69,7 @@ pub fn write(
 
 /// Does some writing while a thread brings to the disk, over and over, what was written so far: otherwise the disk
 /// would idle until all is written. The thread speaks to no other rank.
-fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, InWords<()>) {
+fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, MessageResult<()>) {
     let (writing, wait) = channel::<()>();
     let sync = move || -> std::io::Result<()> {
         let file = std::fs::File::open(path)?;
@@ -91,7 +92,7 @@ fn write_head(
     checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
     provenance: &Provenance,
     digest: Digest,
-) -> InWords<()> {
+) -> MessageResult<()> {
     let text = |name: &str, text: &str| file.set_text("/", name, text);
     text("format", FORMAT)?;
     file.set_number("/", "schema_version", VERSION)?;
@@ -125,7 +126,11 @@ fn write_head(
     ["/particles", "/contacts", "/wall_contacts"].iter().try_for_each(|name| file.make_group(name))
 }
 
-fn make_datasets<R: Table>(file: &SerialFile, rows: Rows, units: &ColumnUnits) -> InWords<()> {
+fn make_datasets<R: Table>(
+    file: &SerialFile,
+    rows: Rows,
+    units: &ColumnUnits,
+) -> MessageResult<()> {
     for column in R::IDS {
         let (name, description) = (column.name, column.description);
         file.make_table::<u64>(&TableHead { name, width: 1, unit: "1", description }, rows)?;
@@ -155,7 +160,10 @@ fn write_table<R: Table>(
     file.agreed(errors.into_iter().next().map_or(Ok(()), Err))
 }
 
-fn write_rows<R: Table>(datasets: &[SharedDataset<'_>], band: &SortedBlock<R>) -> InWords<()> {
+fn write_rows<R: Table>(
+    datasets: &[SharedDataset<'_>],
+    band: &SortedBlock<R>,
+) -> MessageResult<()> {
     let (ids, numbers) = datasets.split_at(R::IDS.len());
     let mut written = Ok(());
     for (column, dataset) in R::IDS.iter().zip(ids) {

@@ -16,7 +16,7 @@ use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents};
 
 use self::rows::{place_of_piece, read_rows, set_rows, write};
 use super::table::{Rows, TableHead};
-use super::{InWords, OutputError, agreed};
+use super::{MessageResult, OutputError, agreed};
 use crate::parallel::{Communicator, FileAccess, records_of_bytes};
 
 /// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
@@ -36,37 +36,37 @@ impl Element for i64 {}
 /// A file that this process alone has open.
 pub(super) struct SerialFile(File);
 
-fn in_words<T>(result: hdf5::Result<T>) -> InWords<T> {
+fn in_words<T>(result: hdf5::Result<T>) -> MessageResult<T> {
     result.map_err(|error| format!("HDF5 says: {error}"))
 }
 
 impl SerialFile {
     /// A new, empty file in the place of what was there.
-    pub(super) fn create(path: &Path) -> InWords<Self> {
+    pub(super) fn create(path: &Path) -> MessageResult<Self> {
         in_words(options().create(path)).map(Self)
     }
 
     /// A file that is only read.
-    pub(super) fn open(path: &Path) -> InWords<Self> {
+    pub(super) fn open(path: &Path) -> MessageResult<Self> {
         in_words(options().open(path)).map(Self)
     }
 
     /// A file that is changed.
-    pub(super) fn open_to_change(path: &Path) -> InWords<Self> {
+    pub(super) fn open_to_change(path: &Path) -> MessageResult<Self> {
         in_words(options().open_rw(path)).map(Self)
     }
 
     /// Brings everything to the file and closes it.
-    pub(super) fn close(self) -> InWords<()> {
+    pub(super) fn close(self) -> MessageResult<()> {
         in_words(self.0.flush().and_then(|()| self.0.close()))
     }
 
-    pub(super) fn make_group(&self, name: &str) -> InWords<()> {
+    pub(super) fn make_group(&self, name: &str) -> MessageResult<()> {
         in_words(self.0.create_group(name)).map(|_| ())
     }
 
     /// A text attribute of the group `/...`.
-    pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> InWords<()> {
+    pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> MessageResult<()> {
         let group = in_words(self.0.group(group))?;
         in_words(set_text(&group, name, text))
     }
@@ -77,7 +77,7 @@ impl SerialFile {
         group: &str,
         name: &str,
         text: &[u8; N],
-    ) -> InWords<()> {
+    ) -> MessageResult<()> {
         let text = FixedAscii::<N>::from_ascii(text).map_err(|error| error.to_string())?;
         let set = || {
             let group = self.0.group(group)?;
@@ -87,7 +87,12 @@ impl SerialFile {
     }
 
     /// A number attribute, new or changed.
-    pub(super) fn set_number<T: Element>(&self, group: &str, name: &str, to: T) -> InWords<()> {
+    pub(super) fn set_number<T: Element>(
+        &self,
+        group: &str,
+        name: &str,
+        to: T,
+    ) -> MessageResult<()> {
         let set = || {
             let group = self.0.group(group)?;
             let exists = group.attr_names()?.iter().any(|known| known == name);
@@ -99,7 +104,12 @@ impl SerialFile {
     }
 
     /// An attribute of several numbers.
-    pub(super) fn set_numbers<T: Element>(&self, group: &str, name: &str, to: &[T]) -> InWords<()> {
+    pub(super) fn set_numbers<T: Element>(
+        &self,
+        group: &str,
+        name: &str,
+        to: &[T],
+    ) -> MessageResult<()> {
         let set = || {
             let group = self.0.group(group)?;
             group.new_attr::<T>().shape([to.len()]).create(name)?.write_raw(to)
@@ -107,28 +117,32 @@ impl SerialFile {
         in_words(set())
     }
 
-    pub(super) fn text(&self, group: &str, name: &str) -> InWords<String> {
+    pub(super) fn text(&self, group: &str, name: &str) -> MessageResult<String> {
         let get = || self.0.group(group)?.attr(name)?.read_scalar::<VarLenUnicode>();
         get().map(|text| text.as_str().to_owned()).map_err(|error| missing(group, name, &error))
     }
 
-    pub(super) fn number<T: Element>(&self, group: &str, name: &str) -> InWords<T> {
+    pub(super) fn number<T: Element>(&self, group: &str, name: &str) -> MessageResult<T> {
         let get = || self.0.group(group)?.attr(name)?.read_scalar::<T>();
         get().map_err(|error| missing(group, name, &error))
     }
 
     /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
     /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
-    pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> InWords<()> {
+    pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> MessageResult<()> {
         self.make::<T>(head, &[], rows)
     }
 
     /// A new dataset whose rows are blocks of this shape; stored by single rows.
-    pub(super) fn make_blocks<T: Element>(&self, head: &TableHead, shape: &[usize]) -> InWords<()> {
+    pub(super) fn make_blocks<T: Element>(
+        &self,
+        head: &TableHead,
+        shape: &[usize],
+    ) -> MessageResult<()> {
         self.make::<T>(head, shape, Rows::Growing(1))
     }
 
-    fn make<T: Element>(&self, head: &TableHead, shape: &[usize], rows: Rows) -> InWords<()> {
+    fn make<T: Element>(&self, head: &TableHead, shape: &[usize], rows: Rows) -> MessageResult<()> {
         let make = || {
             let width = if head.width == 1 { &[][..] } else { &[head.width] };
             let width = &[shape, width].concat()[..];
@@ -149,7 +163,7 @@ impl SerialFile {
     }
 
     /// Rows of a dataset, and numbers in each.
-    pub(super) fn shape(&self, name: &str) -> InWords<(u64, usize)> {
+    pub(super) fn shape(&self, name: &str) -> MessageResult<(u64, usize)> {
         let shape =
             in_words(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
         match &shape.shape()[..] {
@@ -159,7 +173,7 @@ impl SerialFile {
     }
 
     /// All rows of a dataset.
-    pub(super) fn read<T: Element>(&self, name: &str) -> InWords<Vec<T>> {
+    pub(super) fn read<T: Element>(&self, name: &str) -> MessageResult<Vec<T>> {
         let dataset = in_words(self.0.dataset(name))?;
         if dataset.size() * size_of::<T>() > self.0.size() as usize {
             return Err(format!("{name} claims to be larger than the file"));
@@ -168,12 +182,12 @@ impl SerialFile {
     }
 
     /// Writes all rows of a dataset.
-    pub(super) fn fill<T: Element>(&self, name: &str, values: &[T]) -> InWords<()> {
+    pub(super) fn fill<T: Element>(&self, name: &str, values: &[T]) -> MessageResult<()> {
         in_words(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
     }
 
     /// Cuts a dataset to its first rows.
-    pub(super) fn cut(&self, name: &str, rows: u64) -> InWords<()> {
+    pub(super) fn cut(&self, name: &str, rows: u64) -> MessageResult<()> {
         if self.shape(name)?.0 < rows {
             return Err(format!("{name} has fewer than {rows} rows"));
         }
@@ -182,7 +196,7 @@ impl SerialFile {
 
     /// Where the first rows of a growing dataset lie in the file, in bytes: whole pieces, those with any of
     /// these rows in them.
-    pub(super) fn places_of_rows(&self, name: &str, rows: u64) -> InWords<Vec<Range<u64>>> {
+    pub(super) fn places_of_rows(&self, name: &str, rows: u64) -> MessageResult<Vec<Range<u64>>> {
         let places = || {
             let dataset = self.0.dataset(name)?;
             let piece = dataset.chunk().ok_or("the dataset does not grow")?;
@@ -192,7 +206,7 @@ impl SerialFile {
     }
 
     /// Appends rows to a dataset.
-    pub(super) fn append<T: Element>(&self, name: &str, values: &[T]) -> InWords<()> {
+    pub(super) fn append<T: Element>(&self, name: &str, values: &[T]) -> MessageResult<()> {
         let (rows, width) = self.shape(name)?;
         let added = (values.len() / width.max(1)) as u64;
         let append = || {
@@ -292,7 +306,7 @@ impl<'r> SharedFile<'r> {
     }
 
     /// An error of any rank is one of all.
-    pub(super) fn agreed<T>(&self, result: InWords<T>) -> Result<T, OutputError> {
+    pub(super) fn agreed<T>(&self, result: MessageResult<T>) -> Result<T, OutputError> {
         agreed(&self.path, result, self.ranks)
     }
 
@@ -326,7 +340,7 @@ pub(super) struct SharedDataset<'f> {
 impl SharedDataset<'_> {
     /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of ranks,
     /// without gaps. Collective, but an error is this rank's alone.
-    pub(super) fn write_rows<T: Element>(&self, first_row: u64, values: &[T]) -> InWords<()> {
+    pub(super) fn write_rows<T: Element>(&self, first_row: u64, values: &[T]) -> MessageResult<()> {
         let gathered;
         let values = if self.together {
             values

@@ -1,0 +1,162 @@
+//! What the numbers of the series are made of: sums over particles, forces from outside, and the gas.
+
+use super::sums::sums;
+use super::{BedProfile, MomentumProbe};
+use crate::domain::BASE_PLATE;
+use crate::gas::GasObservables;
+use crate::parallel::Communicator;
+use crate::state::{Domain, Models, State, Tallies, Workspace};
+
+/// A run at the end of a step, to be read.
+#[derive(Clone, Copy)]
+pub struct RunView<'a> {
+    /// The state.
+    pub state: &'a State,
+    /// Box and walls.
+    pub domain: &'a Domain,
+    /// What acts.
+    pub models: &'a Models,
+    /// Lists, tallies, and the gas on its grid.
+    pub work: &'a Workspace,
+}
+
+/// Sums over all particles.
+pub(super) struct ParticleSums {
+    pub(super) count: f64,
+    pub(super) mass: f64,
+    /// Of mass times height.
+    pub(super) moment: f64,
+    /// Of vertical momentum.
+    pub(super) vertical_momentum: f64,
+    /// Of the kinetic energy of translation.
+    pub(super) energy: f64,
+    pub(super) volume: f64,
+    /// Touching neighbours; twice the number of touching pairs.
+    pub(super) neighbours: f64,
+}
+
+/// Forces that do not come from other particles, over all ranks.
+struct ExternalForces {
+    /// Of walls, gas and weight on the bed.
+    total: [f64; 3],
+    /// Vertical, of the gas on the bed.
+    gas: f64,
+    /// Of the bed on the base plate, downwards.
+    plate: f64,
+}
+
+/// A run at one instant, in sums that are the same on all ranks and on any number of them.
+pub(super) struct Observation {
+    pub(super) time: f64,
+    pub(super) particles: ParticleSums,
+    pub(super) departed: u64,
+    /// M g, the weight at rest.
+    weight: f64,
+    /// g.
+    pub(super) gravity: f64,
+    /// g_eff.
+    pub(super) effective_gravity: f64,
+    pub(super) gas_force: f64,
+    pub(super) plate_force: f64,
+    /// Largest component of d(momentum)/dt less the external forces; 0 without a probe before the step.
+    pub(super) momentum_imbalance: f64,
+    /// M V^2 / 2.
+    pub(super) mean_energy: f64,
+    pub(super) gas: GasObservables,
+    /// Pressure drop times cross-section.
+    pub(super) pressure_force: f64,
+    pub(super) bed_bottom: f64,
+    pub(super) bed_top: f64,
+    /// Volume of solids on the grid of the profile.
+    pub(super) volume_on_grid: f64,
+}
+
+impl Observation {
+    /// Reads a run. Collective.
+    ///
+    /// Before: the view is of the end of a step; `probe` was taken before that step, if there was one.
+    pub(super) fn of(
+        view: RunView<'_>,
+        profile: &mut BedProfile,
+        probe: Option<MomentumProbe>,
+        ranks: &dyn Communicator,
+    ) -> Self {
+        let RunView { state, domain, models, work } = view;
+        profile.update(&state.particles, ranks);
+        let particles = ParticleSums::of(state, domain, ranks);
+        let external = ExternalForces::of(view, ranks);
+        let after = MomentumProbe::take(&state.particles, ranks);
+        let imbalance = |before: MomentumProbe| {
+            before.largest_imbalance(&after, external.total, models.time_step)
+        };
+        let momentum = after.momentum();
+        let mean_energy = match particles.mass > 0.0 {
+            true => 0.5 * momentum.iter().map(|p| p * p).sum::<f64>() / particles.mass,
+            false => 0.0,
+        };
+        let gas = work.gas.observables(&state.gas, ranks);
+        let (bed_bottom, bed_top) = profile.bottom_and_top();
+        let time = state.clock.time();
+        Self {
+            time,
+            departed: state.departed.count,
+            weight: particles.mass * models.gravity.magnitude,
+            particles,
+            gravity: models.gravity.magnitude,
+            effective_gravity: models.gravity.at(time),
+            gas_force: external.gas,
+            plate_force: external.plate,
+            momentum_imbalance: probe.map_or(0.0, imbalance),
+            mean_energy,
+            gas,
+            pressure_force: gas.pressure_drop * domain.bounds.cross_section(),
+            bed_bottom,
+            bed_top,
+            volume_on_grid: profile.solids_volume(),
+        }
+    }
+
+    /// A force over the weight of the bed at rest; as it is if there is no weight.
+    pub(super) fn over_weight(&self, force: f64) -> f64 {
+        if self.weight > 0.0 { force / self.weight } else { force }
+    }
+}
+
+impl ParticleSums {
+    fn of(state: &State, domain: &Domain, ranks: &dyn Communicator) -> Self {
+        let particles = &state.particles;
+        let height = |i: usize| domain.bounds.wrap_coordinate(2, particles.body[i].position.z);
+        let of_particle = |i: usize| {
+            let (m, v) = (particles.body[i].mass, particles.body[i].velocity);
+            // Those of all particles of the rank, counted once.
+            let neighbours = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
+            let energy = 0.5 * m * v.norm_squared();
+            [1.0, m, m * height(i), m * v.z, energy, particles.volume(i), neighbours as f64]
+        };
+        let [count, mass, moment, vertical_momentum, energy, volume, neighbours] =
+            sums(particles, ranks, of_particle);
+        Self { count, mass, moment, vertical_momentum, energy, volume, neighbours }
+    }
+}
+
+impl ExternalForces {
+    /// From the tallies of the last force evaluation, in which walls are pushed by the particles. Collective.
+    fn of(view: RunView<'_>, ranks: &dyn Communicator) -> Self {
+        let RunView { state, domain, models, work } = view;
+        let Tallies { on_walls, by_gas } = &work.tallies;
+        let particles = &state.particles;
+        let weight = models.weight_at(state.clock.time());
+        let owned = particles.body[..particles.owned_count()].iter();
+        let weight: i64 = owned.map(|body| weight.quantum.count(weight.of(body.mass))).sum();
+        let on_all_walls = |axis: usize| on_walls.iter().map(|force| force[axis]).sum::<i64>();
+        let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
+        let walls = domain.walls.iter().zip(on_walls);
+        let on_plate = walls.filter(|(wall, _)| wall.name == BASE_PLATE);
+        let plate = on_plate.map(|(_, force)| -force[2]).sum();
+        let mut counts = [external[0], external[1], external[2] - weight, by_gas[2], plate];
+        ranks.sum_integers(&mut counts);
+        let spacing = models.force_quantum.spacing();
+        let [x, y, z, gas, plate] = counts.map(|count| count as f64 * spacing);
+        Self { total: [x, y, z], gas, plate }
+    }
+}

@@ -1,0 +1,58 @@
+//! When checkpoints are due, and how many are kept.
+
+use super::interval::Interval;
+use crate::analysis::Digest;
+use crate::case::CheckpointPlan;
+use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::{OutputError, Provenance};
+use crate::parallel::{Communicator, ParticleRecord, Records};
+use crate::state::Clock;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A checkpoint that was written.
+#[derive(Clone, Debug)]
+pub(super) struct WrittenCheckpoint {
+    pub(super) path: PathBuf,
+    /// Of the state in it.
+    pub(super) digest: Digest,
+}
+
+/// The checkpoints of a run.
+pub(super) struct Checkpoints {
+    plan: CheckpointPlan,
+    last: Instant,
+}
+
+impl Checkpoints {
+    /// As the case plans them; the wall-clock time since the last one counts from now.
+    pub(super) fn new(plan: &CheckpointPlan) -> Self {
+        Self { plan: plan.clone(), last: Instant::now() }
+    }
+
+    /// Whether one is due now by simulated time or steps.
+    pub(super) fn due(&self, clock: &Clock) -> bool {
+        Interval(self.plan.every).due(clock, clock.step)
+            || self.plan.every_steps.is_some_and(|steps| clock.step.is_multiple_of(steps))
+    }
+
+    /// Whether one is due by wall-clock time, on this rank.
+    pub(super) fn due_by_wall_clock(&self) -> bool {
+        self.plan.every_wall_clock.is_some_and(|every| self.last.elapsed() >= every)
+    }
+
+    /// Writes one into a folder and removes the oldest ones beyond the number kept. Collective.
+    pub(super) fn write(
+        &mut self,
+        folder: &Path,
+        checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
+        provenance: &Provenance,
+        ranks: &dyn Communicator,
+    ) -> Result<WrittenCheckpoint, OutputError> {
+        let path = folder.join(checkpoint::file_name(checkpoint.clock.step));
+        let digest = checkpoint::write(&path, checkpoint, provenance, ranks)?;
+        checkpoint::prune(folder, self.plan.keep, ranks)?;
+        self.last = Instant::now();
+        Ok(WrittenCheckpoint { path, digest })
+    }
+}

@@ -1,0 +1,304 @@
+//! A run under way: one step after another, and what is due after each.
+
+use super::checkpoints::{Checkpoints, WrittenCheckpoint};
+use super::folder::{OutputFolder, make_folder, mark_complete};
+use super::outputs::Outputs;
+use super::start::{InitialState, Origin};
+use super::{RunError, memory};
+use crate::analysis::{BedProfile, MomentumProbe, RunView, measure};
+use crate::case::Case;
+use crate::gas::GasModel;
+use crate::grid::ColumnGrid;
+use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::{Head, Opening, OutputError, Provenance, Sample};
+use crate::parallel::{
+    Communicator, ContactRecord, MadeRecords, ParticleRecord, Records, WallContactRecord,
+};
+use crate::particles::ContactHistories;
+use crate::state::{Models, SizeRange, State, Workspace};
+use crate::time_step;
+use crate::timers::{Phase, PhaseTime};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Steps between looks at the wall-clock time, and between reports of the progress.
+pub(super) const WATCH_EVERY: u64 = 64;
+
+/// When the present stage of the case was entered.
+struct StageStart {
+    instant: Instant,
+    step: u64,
+}
+
+/// A run between two steps.
+pub(super) struct Simulation<'a> {
+    case: &'a Case,
+    state: State,
+    work: Workspace,
+    models: Models,
+    stage: usize,
+    stage_start: StageStart,
+    profile: BedProfile,
+    folder: OutputFolder,
+    provenance: Provenance,
+    outputs: Outputs,
+    checkpoints: Checkpoints,
+    expected_particles: u64,
+    ranks: &'a dyn Communicator,
+}
+
+impl<'a> Simulation<'a> {
+    /// Lists and, for a new bed, forces of the initial state; the files of results. Collective.
+    pub(super) fn new(
+        case: &'a Case,
+        initial: InitialState,
+        folder: OutputFolder,
+        ranks: &'a dyn Communicator,
+    ) -> Result<Self, RunError> {
+        let InitialState { mut state, mut work, histories, origin } = initial;
+        let is_new = origin == Origin::NewBed;
+        let stage = next_stage(case, &state);
+        let models = case.stages[stage].models(&state.sizes);
+        state.clock = state.clock.with_time_step(models.time_step);
+        work.prepare(&case.domain, &models, &state.sizes);
+        time_step::begin(&mut state, &case.domain, &models, &mut work, histories, is_new, ranks)?;
+        memory::give_back();
+        let profile = profile_of(case, &models, &state.sizes);
+        let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
+        let head = Head { case_text: &case.text, provenance: &provenance };
+        let continue_after = (origin == Origin::ContinuedRun).then(|| state.clock.time());
+        let gas_grid = case.volume_averaged().map(|model| &model.grid);
+        let opening = Opening { head, continue_after, profile_grid: profile.grid(), gas_grid };
+        let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
+        let here = ranks.total(state.particles.owned_count()) as u64;
+        let mut simulation = Self {
+            case,
+            stage,
+            stage_start: StageStart { instant: Instant::now(), step: state.clock.step },
+            expected_particles: here + state.departed.count,
+            state,
+            work,
+            models,
+            profile,
+            folder,
+            provenance,
+            outputs,
+            checkpoints: Checkpoints::new(&case.checkpoint),
+            ranks,
+        };
+        // The row of the first instant belongs to the run that led to it, where there was one.
+        if is_new {
+            simulation.write_due(None)?;
+        }
+        Ok(simulation)
+    }
+
+    /// Steps since the start of the case.
+    pub(super) fn steps_done(&self) -> u64 {
+        self.state.clock.step
+    }
+
+    /// Simulated time.
+    pub(super) fn time(&self) -> f64 {
+        self.state.clock.time()
+    }
+
+    /// Simulated time of a step.
+    pub(super) fn time_of(&self, step: u64) -> f64 {
+        self.state.clock.time_of(step)
+    }
+
+    /// The step at which a time is reached, the present one at the earliest.
+    pub(super) fn step_at(&self, time: f64) -> u64 {
+        let clock = &self.state.clock;
+        let steps = ((time - clock.origin_time) / clock.time_step).round().max(0.0) as u64;
+        (clock.origin_step + steps).max(clock.step)
+    }
+
+    /// Particles in the box. Collective.
+    pub(super) fn particle_count(&self) -> usize {
+        self.ranks.total(self.state.particles.owned_count())
+    }
+
+    /// Particles that have left since the start of the case.
+    pub(super) fn departed_count(&self) -> u64 {
+        self.state.departed.count
+    }
+
+    /// How the time of the run divides. Collective.
+    pub(super) fn times_over_ranks(&self) -> Vec<PhaseTime> {
+        self.work.timers.over_ranks(self.ranks)
+    }
+
+    /// Notes whether this rank is asked to stop or to write a checkpoint, by a signal or by wall-clock time since `began`.
+    pub(super) fn poll_requests(&mut self, stop: &AtomicBool, began: Instant) {
+        let requests = &mut self.work.requests;
+        requests.stop = stop.load(Ordering::Relaxed);
+        requests.checkpoint = false;
+        if self.ranks.is_root() && self.state.clock.step.is_multiple_of(WATCH_EVERY) {
+            requests.stop |= self.case.wall_clock.is_some_and(|limit| began.elapsed() >= limit);
+            requests.checkpoint = self.checkpoints.due_by_wall_clock();
+        }
+    }
+
+    /// One step, and what is due after it. Returns whether the run was asked to stop. Collective.
+    pub(super) fn step(&mut self) -> Result<bool, RunError> {
+        self.enter_stage()?;
+        let domain = &self.case.domain;
+        let next = self.state.clock.step + 1;
+        let needs_momentum = self.outputs.needs_momentum_before(&self.state.clock, next);
+        if needs_momentum {
+            time_step::complete(&mut self.state, &mut self.work);
+        }
+        let probe = needs_momentum.then(|| MomentumProbe::take(&self.state.particles, self.ranks));
+        let requests =
+            time_step::advance(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
+        let output_start = Instant::now();
+        self.write_due(probe)?;
+        if requests.checkpoint || self.checkpoints.due(&self.state.clock) {
+            self.write_checkpoint()?;
+        }
+        self.work.timers.add(Phase::Output, output_start.elapsed());
+        Ok(requests.stop)
+    }
+
+    /// Changes the models when the next stage begins.
+    fn enter_stage(&mut self) -> Result<(), RunError> {
+        let stage = next_stage(self.case, &self.state);
+        if stage == self.stage {
+            return Ok(());
+        }
+        self.report_stage();
+        self.stage = stage;
+        self.models = self.case.stages[stage].models(&self.state.sizes);
+        log::info!("stage \"{}\" begins", self.case.stages[stage].name);
+        self.work.prepare(&self.case.domain, &self.models, &self.state.sizes);
+        let domain = &self.case.domain;
+        time_step::rebuild(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
+        Ok(())
+    }
+
+    /// Logs the rate of the stage that ends; the next one starts.
+    fn report_stage(&mut self) {
+        let now = StageStart { instant: Instant::now(), step: self.state.clock.step };
+        let StageStart { instant, step } = std::mem::replace(&mut self.stage_start, now);
+        let steps = self.state.clock.step - step;
+        let particles = (self.expected_particles - self.state.departed.count) as f64;
+        let rate = steps as f64 * particles / instant.elapsed().as_secs_f64().max(1.0e-9) * 1.0e-6;
+        let name = &self.case.stages[self.stage].name;
+        log::info!("stage \"{name}\" ends: {steps} steps, {rate:.2} million particle-steps/s");
+    }
+
+    /// Rows, profiles and snapshots that are due at this step. Collective.
+    fn write_due(&mut self, probe: Option<MomentumProbe>) -> Result<(), RunError> {
+        if !self.outputs.due(&self.state.clock, self.state.clock.step) {
+            return Ok(());
+        }
+        self.complete_step()?;
+        let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
+        let view = RunView { state, domain: &case.domain, models, work };
+        let measures = measure(view, profile, probe, *ranks);
+        let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
+        let mut sample = Sample {
+            measures: &measures,
+            bed: profile.bed(),
+            particles: &records(case, state),
+            gas_cells: &mut gas_cells,
+        };
+        outputs.write(&state.clock, &mut sample, *ranks)?;
+        let found = measures.particles as u64 + state.departed.count;
+        if found != self.expected_particles {
+            let expected = self.expected_particles;
+            return Err(RunError::ParticleCount { found, expected });
+        }
+        Ok(())
+    }
+
+    /// Velocities at the time of the clock, and forces that have a meaning: before anything is written. Collective.
+    fn complete_step(&mut self) -> Result<(), RunError> {
+        time_step::complete(&mut self.state, &mut self.work);
+        Ok(time_step::confirm(&self.state, &mut self.work, self.ranks)?)
+    }
+
+    /// Commits the results and then writes a checkpoint, so that a run that is killed goes on from it with all of them.
+    /// Collective.
+    fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
+        self.complete_step()?;
+        self.outputs.commit(self.ranks)?;
+        let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;
+        let ContactHistories { pairs, walls } = state.contacts.histories_once(&state.particles);
+        let checkpoint = Checkpoint {
+            clock: state.clock,
+            departed: state.departed,
+            sizes: state.sizes,
+            case_text: case.text.clone(),
+            case_folder: folder.case_folder.display().to_string(),
+            particles: records(case, state),
+            contacts: pairs.into_iter().map(ContactRecord::from).collect(),
+            wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
+            cells: work.gas.records(&state.gas),
+            gas_report: state.gas.report(),
+        };
+        let written = checkpoints.write(&folder.path, &checkpoint, provenance, *ranks)?;
+        drop(checkpoint);
+        memory::give_back();
+        Ok(written)
+    }
+
+    /// The last checkpoint, and the mark of a case that has come to its end. Collective.
+    pub(super) fn finish(&mut self, complete: bool) -> Result<WrittenCheckpoint, RunError> {
+        self.report_stage();
+        let written = self.write_checkpoint()?;
+        if complete {
+            mark_complete(&self.folder.path, &written.digest, self.ranks)?;
+        }
+        Ok(written)
+    }
+}
+
+/// Makes the folder of results and opens the files in it, at a step. Collective.
+fn open_outputs(
+    folder: &OutputFolder,
+    case: &Case,
+    opening: &Opening<'_>,
+    step: u64,
+    ranks: &dyn Communicator,
+) -> Result<Outputs, OutputError> {
+    make_folder(&folder.path, &case.text, ranks)?;
+    if opening.continue_after.is_some() {
+        checkpoint::supersede(&folder.path, step, ranks)?;
+    }
+    Outputs::open(&folder.path, &case.output, opening, ranks)
+}
+
+/// The stage of the step that comes next.
+fn next_stage(case: &Case, state: &State) -> usize {
+    let middle = state.clock.time() + 0.5 * state.clock.time_step;
+    let next = case.stages.partition_point(|stage| stage.start <= middle);
+    next.saturating_sub(1)
+}
+
+/// This rank's particles as records, with wrapped positions.
+fn records(case: &Case, state: &State) -> impl Records<ParticleRecord> {
+    let (bounds, particles) = (&case.domain.bounds, &state.particles);
+    MadeRecords(particles.owned_count(), |index: usize| ParticleRecord {
+        position: bounds.wrap(particles.body[index].position).into(),
+        ..ParticleRecord::of(particles, index)
+    })
+}
+
+/// The profile of the bed, on the grid of the first gas or on one of 1.5 diameters.
+fn profile_of(case: &Case, models: &Models, sizes: &SizeRange) -> BedProfile {
+    let bounds = &case.domain.bounds;
+    let mut gases = case.stages.iter().map(|stage| &stage.gas);
+    let grid = match gases.find(|gas| **gas != GasModel::None).unwrap_or(&GasModel::None) {
+        GasModel::Column(gas) => gas.grid(bounds),
+        GasModel::VolumeAveraged(model) => ColumnGrid::new(bounds, model.grid.spacing().z, 1.0),
+        GasModel::None => {
+            let nodes = (bounds.lengths().z / (1.5 * sizes.largest_diameter)).round().max(2.0);
+            ColumnGrid::new(bounds, bounds.lengths().z / nodes, 1.0)
+        }
+    };
+    let diameters = [sizes.smallest_diameter, sizes.largest_diameter];
+    BedProfile::new(grid, models.limits.speed, diameters, case.output.bed_threshold)
+}
