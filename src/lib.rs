@@ -45,16 +45,16 @@
 //!
 //! # One answer
 //!
-//! Positions and forces lie on lattices on which sums are exact ([`numbers::Quantum`] \[Demmel2015\]);
+//! Positions and forces are multiples of quanta, so that sums are exact ([`numbers::Quantum`] \[Demmel2015\]);
 //! diagnostics are summed exactly ([`numbers::ExactSum`] \[Neal2015\]). So nothing depends on the number of
-//! ranks, the cut of the box, the order of work, or restarts. `ARCHITECTURE.md` has the reasons, and a list
+//! ranks, the decomposition of the box, the order of work, or restarts. `ARCHITECTURE.md` has the reasons, and a list
 //! of what would break it.
 //!
 //! # Modules
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
-//! [`domain`], [`particles`], [`contact`], [`grid`], [`gas`], [`coupling`], [`parallel`]. Around them:
-//! [`analysis`], [`output`], [`case`], [`simulation`], [`timers`], [`command_line`].
+//! [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
+//! [`parallel`]. Around them: [`analysis`], [`output`], [`case`], [`simulation`], [`timers`], [`command_line`].
 //!
 //! # References
 //!

@@ -86,7 +86,7 @@ fn whole(shares: Vec<Checkpoint>) -> Checkpoint {
 }
 
 #[test]
-fn a_state_comes_back_on_any_number_of_ranks() {
+fn a_checkpoint_is_read_back_on_any_number_of_ranks() {
     let folder = tempfile::tempdir().unwrap();
     for count in [0, 1, 2, 53] {
         let original = whole(vec![share(count, 12, &OneRank)]);
@@ -118,7 +118,7 @@ fn a_state_comes_back_on_any_number_of_ranks() {
 }
 
 #[test]
-fn the_file_does_not_depend_on_the_number_of_ranks() {
+fn a_checkpoint_has_the_same_bytes_from_any_number_of_ranks() {
     let folder = tempfile::tempdir().unwrap();
     let provenance = provenance(&OneRank);
     let files = [1, 2, 3].map(|n| {
@@ -140,7 +140,7 @@ fn refusal(path: &Path) -> String {
 }
 
 #[test]
-fn files_cut_short_are_refused() {
+fn truncated_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
@@ -194,7 +194,7 @@ fn foreign_files_are_refused() {
     assert!(refusal(&path).contains("HDF5 file of another program"));
 }
 
-/// Changes a checkpoint in a way that no damage could, and seals it again.
+/// Changes a checkpoint in a way that no damage could, and appends its checksum again.
 fn forge(path: &Path, change: impl FnOnce(&hdf5::File)) {
     let bytes = std::fs::read(path).unwrap();
     std::fs::write(path, &bytes[..bytes.len() - 40]).unwrap();
@@ -212,7 +212,7 @@ fn forge(path: &Path, change: impl FnOnce(&hdf5::File)) {
 }
 
 #[test]
-fn whole_files_with_another_content_are_refused() {
+fn intact_files_with_inconsistent_content_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     let forged = |change: fn(&hdf5::File)| {
@@ -241,7 +241,7 @@ fn whole_files_with_another_content_are_refused() {
 }
 
 #[test]
-fn files_from_before_rolling_springs_and_gas_in_three_dimensions_are_read() {
+fn files_of_schema_version_1_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
     let mut state = share(20, 12, &OneRank);
@@ -271,7 +271,7 @@ fn files_from_before_rolling_springs_and_gas_in_three_dimensions_are_read() {
 }
 
 #[test]
-fn the_newest_whole_checkpoint_is_found() {
+fn the_newest_intact_checkpoint_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let path = |step| folder.path().join(file_name(step));
     assert!(newest_good(folder.path(), &OneRank).unwrap().found.is_none());
@@ -302,7 +302,7 @@ fn the_newest_whole_checkpoint_is_found() {
 }
 
 #[test]
-fn a_checkpoint_that_cannot_be_written_leaves_the_old_one() {
+fn a_failed_write_leaves_the_old_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file_name(1));
     let digest = write(&path, &share(5, 1, &OneRank), &provenance(&OneRank), &OneRank).unwrap();

@@ -23,7 +23,7 @@ fn failure(ended: &Ended) -> &str {
 }
 
 #[test]
-fn a_case_that_cannot_be_read() {
+fn an_unreadable_case_stops_with_an_error_message() {
     for ranks in [0, 2] {
         let ended = talcum(ranks, &["run", "/nowhere/case.toml"]);
         let message = failure(&ended);
@@ -37,7 +37,7 @@ fn a_case_that_cannot_be_read() {
 }
 
 #[test]
-fn all_errors_of_a_case_in_one_message() {
+fn all_errors_of_a_case_are_reported_in_one_message() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.toml");
     let text = fs::read_to_string(smoke("walls")).unwrap();
@@ -59,7 +59,7 @@ fn all_errors_of_a_case_in_one_message() {
 }
 
 #[test]
-fn ranks_that_cannot_divide_the_box() {
+fn a_rank_grid_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let ended = run(4, "staged", folder.path(), &["--ranks", "4,1,1"]);
     assert!(failure(&ended).contains("4 ranks along x cut the box into blocks"), "{ended:?}");
@@ -76,7 +76,7 @@ fn ranks_that_cannot_divide_the_box() {
 }
 
 #[test]
-fn a_bed_that_blows_up_says_what_to_do() {
+fn an_unstable_run_advises_a_shorter_time_step() {
     for ranks in [0, 2] {
         let folder = tempfile::tempdir().unwrap();
         let ended = run(ranks, "rank-equality", folder.path(), &["--set", "time.step=3.2e-3"]);
@@ -87,7 +87,7 @@ fn a_bed_that_blows_up_says_what_to_do() {
 }
 
 #[test]
-fn a_plug_that_meets_the_top_ends_the_run_in_words() {
+fn a_particle_at_a_stop_face_ends_the_run_with_an_error() {
     for ranks in [0, 2] {
         let folder = tempfile::tempdir().unwrap();
         let low = ["--set", "box.lengths=[5.1,5.1,17.0]", "--set", "gas.superficial_velocity=0.9"];
@@ -99,7 +99,7 @@ fn a_plug_that_meets_the_top_ends_the_run_in_words() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written() {
+fn an_unwritable_output_folder_stops_all_ranks() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "").unwrap();
@@ -119,7 +119,7 @@ fn a_folder_that_cannot_be_written() {
 }
 
 #[test]
-fn a_checkpoint_that_cannot_be_written_ends_all_ranks() {
+fn an_unwritable_checkpoint_stops_all_ranks() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("checkpoint-000000000400.h5.partial")).unwrap();
     let in_between = ["--resume", "--set", "checkpoint.every_steps=200"];
@@ -129,7 +129,7 @@ fn a_checkpoint_that_cannot_be_written_ends_all_ranks() {
 }
 
 #[test]
-fn files_that_are_no_checkpoints() {
+fn files_that_are_not_checkpoints_are_refused() {
     let text = smoke("walls");
     for ranks in [0, 2] {
         for command in ["restart", "info"] {
@@ -145,7 +145,7 @@ fn files_that_are_no_checkpoints() {
 }
 
 #[test]
-fn a_command_line_that_is_not_understood_has_code_2() {
+fn an_invalid_command_line_has_exit_code_2() {
     let case = smoke("walls");
     for (ranks, arguments) in [
         (0, &["run", &case, "--outptu", "x"][..]),
@@ -171,7 +171,7 @@ fn a_command_line_that_is_not_understood_has_code_2() {
 }
 
 #[test]
-fn times_that_cannot_be() {
+fn an_impossible_end_time_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for until in ["nan", "inf", "--until=-1"] {
         let arguments = if until.starts_with('-') { vec![until] } else { vec!["--until", until] };
@@ -184,7 +184,7 @@ fn times_that_cannot_be() {
 }
 
 #[test]
-fn a_rank_that_is_killed_takes_the_others_along() {
+fn killing_one_rank_ends_all() {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("rank-equality"), folder.path().display().to_string());
     let mut running = start(3, &["run", &case, "--output", &output, "--until", "1e6"]);
@@ -199,7 +199,7 @@ fn a_rank_that_is_killed_takes_the_others_along() {
 }
 
 #[test]
-fn check_says_what_would_run_and_leaves_nothing() {
+fn check_describes_the_run_and_writes_nothing() {
     for (ranks, name) in [(0, "staged"), (2, "polydisperse")] {
         let ended = talcum(ranks, &["check", &smoke(name)]);
         assert_eq!(ended.code(), Some(0), "{ended:?}");

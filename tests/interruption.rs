@@ -77,7 +77,7 @@ fn signals_stop_two_ranks_with_a_checkpoint() {
 
 /// Slurm's warning may reach `mpirun`, which passes it on, or one rank only.
 #[test]
-fn a_warning_to_mpirun_or_to_one_rank_stops_all() {
+fn a_signal_to_mpirun_or_to_one_rank_stops_all() {
     for to_mpirun in [true, false] {
         let folder = tempfile::tempdir().unwrap();
         let case = smoke("walls");
@@ -90,7 +90,7 @@ fn a_warning_to_mpirun_or_to_one_rank_stops_all() {
 }
 
 #[test]
-fn the_words_of_a_stopped_run_repeat_its_changes() {
+fn the_resume_command_of_a_stopped_run_repeats_its_overrides() {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("walls"), text(folder.path()));
     let limit = ["--set", "run.wall_clock=1s", "--set", "contact.friction=0.4", "--until", "1e6"];
@@ -108,7 +108,7 @@ fn the_words_of_a_stopped_run_repeat_its_changes() {
 }
 
 #[test]
-fn the_clock_on_the_wall_stops_a_run_with_a_checkpoint() {
+fn wall_clock_time_stops_a_run_with_a_checkpoint() {
     for ranks in [0, 2] {
         let folder = tempfile::tempdir().unwrap();
         let case = smoke("rank-equality");
@@ -221,7 +221,7 @@ fn a_kill_of_one_rank_ends_all_and_leaves_a_checkpoint_that_restarts() {
 /// What a kill in the middle of a write leaves of a file, made by hand: its head, which says where its rows
 /// are, is damaged.
 #[test]
-fn damaged_results_lose_no_row_of_before_the_checkpoint() {
+fn damaged_results_keep_all_rows_before_the_checkpoint() {
     const RESULTS: [&str; 2] = ["profiles.h5", "particles.vtkhdf"];
     let [folder, whole] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     let case = smoke("walls");
@@ -255,7 +255,7 @@ fn damaged_results_lose_no_row_of_before_the_checkpoint() {
 }
 
 #[test]
-fn a_damaged_checkpoint_is_passed_over_in_words() {
+fn a_damaged_checkpoint_is_skipped_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let whole = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("rank-equality"), text(folder.path()));
@@ -290,7 +290,7 @@ fn a_damaged_checkpoint_is_passed_over_in_words() {
 }
 
 #[test]
-fn one_kept_checkpoint_outlives_a_damaged_one() {
+fn resuming_keeps_the_good_checkpoint_beside_a_damaged_one() {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("walls"), text(folder.path()));
     let keep = |count: &str| ["--set".to_owned(), format!("checkpoint.keep={count}")];

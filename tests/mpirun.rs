@@ -40,7 +40,7 @@ fn mean_coordination_number(series: &str) -> f64 {
 const BALANCE_OFF: [&str; 2] = ["--set", "parallel.balance=off"];
 
 #[test]
-fn any_ranks_give_the_same_bits_over_twenty_thousand_steps() {
+fn the_digest_is_the_same_on_any_number_of_mpi_ranks() {
     const BLOCKS: [&str; 2] = ["--ranks", "2,2,2"];
     let expected = run(0, "5", &[]);
     assert!(mean_coordination_number(&expected.series) > 2.0, "{}", expected.series);
@@ -65,7 +65,7 @@ fn any_ranks_give_the_same_bits_over_twenty_thousand_steps() {
 
 /// Runs that must differ do.
 #[test]
-fn another_bed_gives_another_digest() {
+fn another_seed_gives_another_digest() {
     let one = run(0, "0.1", &[]);
     let other = run(0, "0.1", &["--set", "particles.seed=8"]);
     assert_ne!(one.digest, other.digest);

@@ -53,7 +53,7 @@ fn assert_same_results(one: &Path, other: &Path) {
 
 /// Stages, ramps, steps and a vibration, stopped in the middle of the ramp of cohesion.
 #[test]
-fn a_stopped_run_goes_on_with_the_same_bits_on_other_ranks() {
+fn a_restart_on_other_ranks_gives_the_same_bits() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let case = smoke("staged");
@@ -89,7 +89,7 @@ fn a_stopped_run_goes_on_with_the_same_bits_on_other_ranks() {
 }
 
 #[test]
-fn departures_and_sizes_survive_a_restart() {
+fn departures_and_initial_sizes_survive_a_restart() {
     for (name, half) in [("open-top", "1.7"), ("polydisperse", "2.05"), ("periodic-weight", "1.2")]
     {
         let folder = tempfile::tempdir().unwrap();
@@ -108,7 +108,7 @@ fn departures_and_sizes_survive_a_restart() {
 }
 
 #[test]
-fn a_run_may_begin_from_the_end_of_another() {
+fn a_run_can_start_from_the_end_of_another() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let output = text(&place("settled"));
@@ -134,7 +134,7 @@ fn a_run_may_begin_from_the_end_of_another() {
 }
 
 #[test]
-fn keys_may_change_on_restart() {
+fn keys_can_change_on_restart() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let output = text(&place("start"));
@@ -170,7 +170,7 @@ fn keys_may_change_on_restart() {
 }
 
 #[test]
-fn an_earlier_future_is_not_taken_for_the_present_one() {
+fn later_checkpoints_are_superseded_by_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let case = smoke("rank-equality");
@@ -198,7 +198,7 @@ fn an_earlier_future_is_not_taken_for_the_present_one() {
 }
 
 #[test]
-fn results_are_kept_continued_or_replaced_as_told() {
+fn earlier_results_are_kept_continued_or_replaced_as_asked() {
     let folder = tempfile::tempdir().unwrap();
     let output = text(folder.path());
     let case = smoke("walls");

@@ -10,7 +10,7 @@ use crate::parallel::{
 };
 use crate::state::Clock;
 
-/// Hash of the physical state: clock, particles, and what their contacts remember.
+/// Hash of the physical state: clock, particles, and contact histories.
 ///
 /// Each record is hashed for itself (XXH3, 128 bits as two integers), and the hashes are
 /// added, each integer modulo 2^64. A sum does not know in which order records lie, nor on which rank, so
@@ -22,10 +22,22 @@ use crate::state::Clock;
 /// hashed together with the number of records, the step and the time.
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
-/// spring that is not bent is left out, and what only a gas in three dimensions has, its cells and its force on
+/// spring that is not bent is left out, and what only a volume-averaged gas has, its cells and its force on
 /// particles, where there is none: the digest of a state without them is that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
+
+/// One rank's records of a state, in any order.
+pub struct StateRecords<'a, P: ?Sized> {
+    /// Particles, positions wrapped into the box.
+    pub particles: &'a P,
+    /// Touching pairs.
+    pub contacts: &'a [ContactRecord],
+    /// Particles that touch a wall.
+    pub wall_contacts: &'a [WallContactRecord],
+    /// Cells of a volume-averaged gas; none without such a gas.
+    pub cells: &'a [CellRecord],
+}
 
 /// Bits of -0.0.
 const NEGATIVE_ZERO: u64 = 1 << 63;
@@ -35,11 +47,10 @@ impl Digest {
     /// Positions must be wrapped into the box. Collective.
     pub fn of(
         clock: &Clock,
-        particles: &(impl Records<ParticleRecord> + ?Sized),
-        contacts: &[ContactRecord],
-        (wall_contacts, cells): (&[WallContactRecord], &[CellRecord]),
+        records: &StateRecords<'_, impl Records<ParticleRecord> + ?Sized>,
         ranks: &dyn Communicator,
     ) -> Self {
+        let StateRecords { particles, contacts, wall_contacts, cells } = *records;
         let [a, b, c] =
             [sum(b'p', 1, 3, particles), sum(b'c', 2, 3, contacts), sum(b'w', 2, 3, wall_contacts)];
         let mut sums = [a, b, c, sum(b'g', 1, 0, cells)].concat();
@@ -70,14 +81,14 @@ fn sum<T: Pod>(
     let mut bytes = vec![kind; 1 + size_of::<T>()];
     for index in 0..records.count() {
         let mut record = records.at(index);
-        let message: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
-        for number in &mut message[ids..] {
+        let words: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
+        for number in &mut words[ids..] {
             *number = if *number == NEGATIVE_ZERO { 0 } else { *number };
         }
-        let (always, last) = message.split_at(message.len() - optional);
-        let message = if last.iter().all(|&word| word == 0) { always } else { message };
-        let end = 1 + size_of_val(message);
-        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(message) {
+        let (always, last) = words.split_at(words.len() - optional);
+        let words = if last.iter().all(|&word| word == 0) { always } else { words };
+        let end = 1 + size_of_val(words);
+        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(words) {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
         let hash = xxh3_128(&bytes[..end]);
@@ -134,40 +145,53 @@ mod tests {
         WallContactRecord { particle, ..Zeroable::zeroed() }
     }
 
-    fn digest(particles: &[ParticleRecord], contacts: &[ContactRecord]) -> String {
-        Digest::of(&Clock::new(0.1), particles, contacts, (&[], &[]), &OneRank).to_string()
+    fn digest(particles: &[ParticleRecord], contacts: &[ContactRecord]) -> Digest {
+        digest_at(&Clock::new(0.1), particles, contacts)
+    }
+
+    fn digest_at(
+        clock: &Clock,
+        particles: &[ParticleRecord],
+        contacts: &[ContactRecord],
+    ) -> Digest {
+        let records = StateRecords { particles, contacts, wall_contacts: &[], cells: &[] };
+        Digest::of(clock, &records, &OneRank)
     }
 
     #[test]
-    fn the_same_on_any_number_of_ranks_and_in_any_order() {
+    fn the_digest_is_the_same_on_any_number_of_ranks_and_in_any_order() {
         let clock = Clock { step: 7, ..Clock::new(0.1) };
         let particles: Vec<_> = (0..20).map(particle).collect();
         let contacts: Vec<_> = (0..9).map(contact).collect();
         let walls: Vec<_> = (0..3).map(wall_contact).collect();
         let cells: Vec<_> = (0..5).map(cell).collect();
-        let alone = Digest::of(&clock, &particles, &contacts, (&walls, &cells), &OneRank);
+        let whole = StateRecords {
+            particles: &particles,
+            contacts: &contacts,
+            wall_contacts: &walls,
+            cells: &cells,
+        };
+        let alone = Digest::of(&clock, &whole, &OneRank);
         assert_eq!(alone.to_string().len(), 32);
         for n in 1..=3 {
             let digests = run_on_threads(n, |ranks| {
                 fn share<T: Copy>(all: &[T], ranks: &dyn Communicator) -> Vec<T> {
                     all.iter().rev().skip(ranks.rank()).step_by(ranks.size()).copied().collect()
                 }
-                let particles = share(&particles, ranks);
-                let contacts = share(&contacts, ranks);
-                Digest::of(
-                    &clock,
-                    &particles,
-                    &contacts,
-                    (&share(&walls, ranks), &share(&cells, ranks)),
-                    ranks,
-                )
+                let records = StateRecords {
+                    particles: &share(&particles, ranks),
+                    contacts: &share(&contacts, ranks),
+                    wall_contacts: &share(&walls, ranks),
+                    cells: &share(&cells, ranks),
+                };
+                Digest::of(&clock, &records, ranks)
             });
             assert!(digests.iter().all(|&digest| digest == alone));
         }
     }
 
     #[test]
-    fn every_part_of_the_state_counts() {
+    fn the_digest_sees_every_number_of_the_state() {
         let particles: Vec<_> = (0..4).map(particle).collect();
         let contacts = [contact(0)];
         let original = digest(&particles, &contacts);
@@ -184,14 +208,11 @@ mod tests {
         assert_ne!(digest(&particles[1..], &contacts), original);
         assert_ne!(digest(&particles, &[contacts[0], contacts[0], contacts[0]]), original);
         let later = Clock { step: 1, ..Clock::new(0.1) };
-        assert_ne!(
-            Digest::of(&later, &particles, &contacts, (&[], &[]), &OneRank).to_string(),
-            original
-        );
+        assert_ne!(digest_at(&later, &particles, &contacts), original);
     }
 
     #[test]
-    fn a_zero_has_no_sign() {
+    fn the_digest_ignores_the_sign_of_zero() {
         let plus = particle(0);
         let mut minus = plus;
         minus.velocity[1] = -0.0;

@@ -8,7 +8,7 @@ mod observation;
 mod sums;
 
 pub use bed_profile::BedProfile;
-pub use digest::Digest;
+pub use digest::{Digest, StateRecords};
 pub use measures::{Column, Measures, Quantity, measure};
 pub use momentum::MomentumProbe;
 pub use observation::RunView;

@@ -3,7 +3,7 @@
 use super::reading::read_case;
 use super::run::say;
 use crate::case::{Case, Stage};
-use crate::contact::{ContactForceLaw, ContactModel, force_loop};
+use crate::contact::{ContactForceLaw, force_loop};
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use crate::rules::ReducedBody;
@@ -31,7 +31,7 @@ pub(super) struct ContactOptions {
     /// The largest overlap (default: a thousandth of the reference diameter, or twice the length of a neck).
     #[arg(long, value_name = "LENGTH", value_parser = positive)]
     overlap: Option<f64>,
-    /// Points on each of the four ways: pressed half, parted, pressed, parted.
+    /// Points on each of the four parts: half loading, unloading, full loading, separation.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     points: u32,
 }
@@ -48,8 +48,7 @@ pub(super) fn contact(options: &ContactOptions, ranks: &dyn Communicator) -> any
     let case = read_case(&options.case, &options.set, ranks)?;
     let stage = stage_of(&case, options.stage.as_deref())?;
     let wall = options.wall.as_deref().map(|name| wall_of(&case, name)).transpose()?;
-    let interface = wall.map_or(&stage.contact, |number| &stage.at_walls[number]);
-    say(ranks, table(&case, stage, (interface, wall.is_some()), options).trim_end());
+    say(ranks, table(&case, stage, wall, options).trim_end());
     Ok(())
 }
 
@@ -71,13 +70,11 @@ fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
     })
 }
 
-/// Comments, a line of names with units, and a row for each point.
-fn table(
-    case: &Case,
-    stage: &Stage,
-    (interface, at_wall): (&ContactModel, bool),
-    options: &ContactOptions,
-) -> String {
+/// Comments, a line of names with units, and a row for each point; of a particle and the wall of a number, or of two
+/// particles.
+fn table(case: &Case, stage: &Stage, wall: Option<usize>, options: &ContactOptions) -> String {
+    let contact = wall.map_or(&stage.contact, |number| &stage.at_walls[number]);
+    let at_wall = wall.is_some();
     let diameter = case.particles.reference_diameter;
     let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
     let bodies = match at_wall {
@@ -91,11 +88,11 @@ fn table(
         None => 0.0,
     };
     let range = cohesion.map_or(0.0, |cohesion| cohesion.range());
-    let default = (OVERLAP * diameter).max(2.0 * interface.law.contact_range(bodies.radius));
+    let default = (OVERLAP * diameter).max(2.0 * contact.law.contact_range(bodies.radius));
     let overlap = options.overlap.unwrap_or(default);
     let points = options.points as usize;
     let points = force_loop(
-        &interface.law,
+        &contact.law,
         (bodies.mass, bodies.radius),
         overlap,
         points,

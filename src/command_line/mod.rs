@@ -54,7 +54,7 @@ enum Command {
         #[command(flatten)]
         options: RunArguments,
     },
-    /// Print the normal force over the overlap, of two bodies slowly pressed together and parted, as CSV.
+    /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
     Contact(contact::ContactOptions),
     /// Describe what is in a checkpoint.
     Info {

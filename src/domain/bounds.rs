@@ -13,7 +13,7 @@ pub enum Face {
     Wall,
     /// Particles whose centre passes leave for good; they are counted.
     Open,
-    /// A particle whose centre passes ends the run, in words.
+    /// A particle whose centre passes stops the run with an error.
     Stop,
 }
 
@@ -61,7 +61,7 @@ impl Bounds {
         (0..3).all(|axis| self.is_periodic(axis))
     }
 
-    /// The lattice of positions.
+    /// The quantum of positions.
     pub fn position_quantum(&self) -> Quantum {
         self.quantum
     }

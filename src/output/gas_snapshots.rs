@@ -150,8 +150,8 @@ fn make(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
     file.set_numbers("/VTKHDF", "Direction", &[1.0_f64, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, message) in head.provenance.entries() {
-        file.set_text("/talcum", name, &message)?;
+    for (name, entry) in head.provenance.entries() {
+        file.set_text("/talcum", name, &entry)?;
     }
     file.set_text("/talcum", "case", head.case_text)?;
     make_tables(&file, [nz, ny, nx], &head.units())?;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::parallel::{Communicator, agree};
 
 pub mod checkpoint;
+mod checksum;
 mod gas_snapshots;
 mod hdf5_file;
 mod metadata_copy;
@@ -14,7 +15,6 @@ mod output_file;
 mod particle_snapshots;
 mod profiles;
 mod provenance;
-mod seal;
 mod series;
 mod table;
 mod units;

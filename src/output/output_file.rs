@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
-use crate::analysis::Measures;
-use crate::coupling::Bed;
+use crate::analysis::{BedProfile, Measures};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellRecord, Communicator, ParticleRecord, Records};
 
@@ -34,7 +33,7 @@ pub struct Sample<'a> {
     /// Its numbers.
     pub measures: &'a Measures,
     /// The bed over the height.
-    pub bed: &'a Bed,
+    pub profile: &'a BedProfile,
     /// This rank's particles, positions wrapped into the box.
     pub particles: &'a dyn Records<ParticleRecord>,
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.

@@ -182,8 +182,8 @@ fn make(path: &Path, head: Head<'_>) -> MessageResult<()> {
     file.set_format_name("/VTKHDF", "Type", b"PolyData")?;
     file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
     file.make_group("/talcum")?;
-    for (name, message) in head.provenance.entries() {
-        file.set_text("/talcum", name, &message)?;
+    for (name, entry) in head.provenance.entries() {
+        file.set_text("/talcum", name, &entry)?;
     }
     file.set_text("/talcum", "case", head.case_text)?;
     make_point_tables(&file, &head.units())?;

@@ -118,11 +118,12 @@ impl Output for Profiles {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
+        let bed = sample.profile.bed();
         let row = ProfileRow {
             time: sample.measures.time,
             superficial_velocity: sample.measures.superficial_velocity,
-            solids_fraction: &sample.bed.solids_fraction,
-            solids_velocity: &sample.bed.solids_velocity,
+            solids_fraction: &bed.solids_fraction,
+            solids_velocity: &bed.solids_velocity,
         };
         self.append(&row, ranks)
     }
@@ -142,8 +143,8 @@ fn create(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
 
 fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
-    for (name, message) in head.provenance.entries() {
-        file.set_text("/", name, &message)?;
+    for (name, entry) in head.provenance.entries() {
+        file.set_text("/", name, &entry)?;
     }
     file.set_text("/", "case", head.case_text)?;
     let units = head.units();

@@ -55,7 +55,7 @@ impl Provenance {
     }
 }
 
-/// Host, processor and number of cores, in words.
+/// Host, processor and number of cores.
 fn machine() -> String {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let host = read("/proc/sys/kernel/hostname");

@@ -116,8 +116,8 @@ fn shortest(value: f64) -> String {
 
 fn create(path: &Path, head: Head<'_>) -> MessageResult<File> {
     let mut text = String::new();
-    for (name, message) in head.provenance.entries() {
-        text += &format!("# {name}: {}\n", message.replace(['\n', '\r'], " "));
+    for (name, entry) in head.provenance.entries() {
+        text += &format!("# {name}: {}\n", entry.replace(['\n', '\r'], " "));
     }
     for line in head.case_text.lines() {
         text += format!("# case: {line}").trim_end();

@@ -201,7 +201,7 @@ impl<'a> Simulation<'a> {
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
             measures: &measures,
-            bed: profile.bed(),
+            profile,
             particles: &records(case, state),
             gas_cells: &mut gas_cells,
         };

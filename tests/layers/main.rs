@@ -173,7 +173,7 @@ fn planted_violations_are_caught() {
         ("command_line/run.rs", "use mpi::topology::Communicator;"),
         ("parallel/migrate.rs", "fn f() { ::mpi::initialize(); mpi::initialize(); }"),
         ("parallel/mpi_ranks_too.rs", "use mpi::Tag;"),
-        ("output/seal.rs", "extern crate hdf5_sys; fn f() { hdf5_sys::h5::H5open(); }"),
+        ("output/checksum.rs", "extern crate hdf5_sys; fn f() { hdf5_sys::h5::H5open(); }"),
         ("turbulence/mod.rs", ""),
     ] {
         assert!(!violations(file, text, &table).is_empty(), "{file}: {text}");

@@ -1,10 +1,10 @@
 //! Checkpoints: one HDF5 file with all that the future of a run depends on, written by all ranks, read
 //! by any number of ranks.
 //!
-//! Never in it: ghosts, neighbour lists, the cut of the box, or anything that follows from the rest. Rows
+//! Never in it: ghosts, neighbour lists, the decomposition of the box, or anything that follows from the rest. Rows
 //! are sorted by id, so that the file does not depend on the number of ranks.
 
-use crate::analysis::Digest;
+use crate::analysis::{Digest, StateRecords};
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
 use crate::state::{Clock, Departed, GasReport, SizeRange};
 
@@ -17,7 +17,7 @@ pub use folder::{Search, file_name, newest_good, prune, supersede};
 pub use read::read;
 pub use write::write;
 
-/// One rank's share of a state, and what the run was started with. Particles are records that are there, or that are
+/// One rank's part of a state, and what the run was started with. Particles are records that are there, or that are
 /// made while they are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<P = Vec<ParticleRecord>> {
@@ -33,11 +33,11 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
-    /// What touching pairs remember, each on one rank, in any order.
+    /// Histories of touching pairs, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,
-    /// What contacts with walls remember, each on one rank, in any order.
+    /// Histories of contacts with walls, each on one rank, in any order.
     pub wall_contacts: Vec<WallContactRecord>,
-    /// Cells of a gas in three dimensions, each on one rank, in any order; none without such a gas.
+    /// Cells of a volume-averaged gas, each on one rank, in any order; none without such a gas.
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
@@ -46,7 +46,12 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
 impl<P: Records<ParticleRecord>> Checkpoint<P> {
     /// Hash of the state over all ranks. Collective.
     pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
-        let rest = (&self.wall_contacts[..], &self.cells[..]);
-        Digest::of(&self.clock, &self.particles, &self.contacts, rest, ranks)
+        let records = StateRecords {
+            particles: &self.particles,
+            contacts: &self.contacts,
+            wall_contacts: &self.wall_contacts,
+            cells: &self.cells,
+        };
+        Digest::of(&self.clock, &records, ranks)
     }
 }

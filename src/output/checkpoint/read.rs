@@ -6,7 +6,7 @@ use super::Checkpoint;
 use super::schema::{FORMAT, Table, VERSION};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
-use crate::output::{MessageResult, OutputError, Provenance, agreed, seal};
+use crate::output::{MessageResult, OutputError, Provenance, agreed, checksum};
 use crate::parallel::Communicator;
 use crate::state::{Clock, Departed, GasReport, SizeRange};
 
@@ -26,13 +26,13 @@ struct Head {
 /// digest of the state. Collective.
 ///
 /// # Errors
-/// In words, if the file is missing, empty, cut short, damaged, not a checkpoint, of a newer schema, or
+/// If the file is missing, empty, cut short, damaged, not a checkpoint, of a newer schema, or
 /// if the state in it is not the one whose digest it names.
 pub fn read(
     path: &Path,
     ranks: &dyn Communicator,
 ) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
-    seal::check(path, ranks)?;
+    checksum::check(path, ranks)?;
     let Head { mut checkpoint, provenance, digest: stored, version, rows } =
         agreed(path, read_head(path), ranks)?;
     let file = SharedFile::open_to_read(path, ranks)?;

@@ -11,7 +11,7 @@ use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
 use crate::output::{
-    ColumnUnits, MessageResult, OutputError, Provenance, agreed, on_root, seal, sync_folder,
+    ColumnUnits, MessageResult, OutputError, Provenance, agreed, checksum, on_root, sync_folder,
     with_suffix,
 };
 use crate::parallel::{
@@ -59,7 +59,7 @@ pub fn write(
     });
     written?;
     agreed(&partial, synced, ranks)?;
-    seal::seal(&partial, ranks)?;
+    checksum::append(&partial, ranks)?;
     on_root(path, ranks, || {
         std::fs::rename(&partial, path).map_err(|error| error.to_string())?;
         sync_folder(path)
@@ -96,8 +96,8 @@ fn write_head(
     let text = |name: &str, text: &str| file.set_text("/", name, text);
     text("format", FORMAT)?;
     file.set_number("/", "schema_version", VERSION)?;
-    for (name, message) in provenance.entries() {
-        text(name, &message)?;
+    for (name, entry) in provenance.entries() {
+        text(name, &entry)?;
     }
     text("case", &checkpoint.case_text)?;
     text("case_blake3", blake3::hash(checkpoint.case_text.as_bytes()).to_hex().as_str())?;

@@ -36,39 +36,39 @@ impl Element for i64 {}
 /// A file that this process alone has open.
 pub(super) struct SerialFile(File);
 
-fn in_words<T>(result: hdf5::Result<T>) -> MessageResult<T> {
+fn described<T>(result: hdf5::Result<T>) -> MessageResult<T> {
     result.map_err(|error| format!("HDF5 says: {error}"))
 }
 
 impl SerialFile {
     /// A new, empty file in the place of what was there.
     pub(super) fn create(path: &Path) -> MessageResult<Self> {
-        in_words(options().create(path)).map(Self)
+        described(options().create(path)).map(Self)
     }
 
     /// A file that is only read.
     pub(super) fn open(path: &Path) -> MessageResult<Self> {
-        in_words(options().open(path)).map(Self)
+        described(options().open(path)).map(Self)
     }
 
     /// A file that is changed.
     pub(super) fn open_to_change(path: &Path) -> MessageResult<Self> {
-        in_words(options().open_rw(path)).map(Self)
+        described(options().open_rw(path)).map(Self)
     }
 
     /// Brings everything to the file and closes it.
     pub(super) fn close(self) -> MessageResult<()> {
-        in_words(self.0.flush().and_then(|()| self.0.close()))
+        described(self.0.flush().and_then(|()| self.0.close()))
     }
 
     pub(super) fn make_group(&self, name: &str) -> MessageResult<()> {
-        in_words(self.0.create_group(name)).map(|_| ())
+        described(self.0.create_group(name)).map(|_| ())
     }
 
     /// A text attribute of the group `/...`.
     pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> MessageResult<()> {
-        let group = in_words(self.0.group(group))?;
-        in_words(set_text(&group, name, text))
+        let group = described(self.0.group(group))?;
+        described(set_text(&group, name, text))
     }
 
     /// A text attribute of a fixed length, as the VTKHDF format asks for.
@@ -83,7 +83,7 @@ impl SerialFile {
             let group = self.0.group(group)?;
             group.new_attr::<FixedAscii<N>>().create(name)?.write_scalar(&text)
         };
-        in_words(set())
+        described(set())
     }
 
     /// A number attribute, new or changed.
@@ -100,7 +100,7 @@ impl SerialFile {
                 if exists { group.attr(name)? } else { group.new_attr::<T>().create(name)? };
             attribute.write_scalar(&to)
         };
-        in_words(set())
+        described(set())
     }
 
     /// An attribute of several numbers.
@@ -114,7 +114,7 @@ impl SerialFile {
             let group = self.0.group(group)?;
             group.new_attr::<T>().shape([to.len()]).create(name)?.write_raw(to)
         };
-        in_words(set())
+        described(set())
     }
 
     pub(super) fn text(&self, group: &str, name: &str) -> MessageResult<String> {
@@ -159,13 +159,13 @@ impl SerialFile {
             set_text(&dataset, "unit", head.unit)?;
             set_text(&dataset, "description", head.description)
         };
-        in_words(make())
+        described(make())
     }
 
     /// Rows of a dataset, and numbers in each.
     pub(super) fn shape(&self, name: &str) -> MessageResult<(u64, usize)> {
         let shape =
-            in_words(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
+            described(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
         match &shape.shape()[..] {
             [rows, inner @ ..] => Ok((*rows as u64, inner.iter().product())),
             [] => Err(format!("{name} is no table")),
@@ -174,16 +174,16 @@ impl SerialFile {
 
     /// All rows of a dataset.
     pub(super) fn read<T: Element>(&self, name: &str) -> MessageResult<Vec<T>> {
-        let dataset = in_words(self.0.dataset(name))?;
+        let dataset = described(self.0.dataset(name))?;
         if dataset.size() * size_of::<T>() > self.0.size() as usize {
             return Err(format!("{name} claims to be larger than the file"));
         }
-        in_words(dataset.read_raw())
+        described(dataset.read_raw())
     }
 
     /// Writes all rows of a dataset.
     pub(super) fn fill<T: Element>(&self, name: &str, values: &[T]) -> MessageResult<()> {
-        in_words(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
+        described(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
     }
 
     /// Cuts a dataset to its first rows.
@@ -191,7 +191,7 @@ impl SerialFile {
         if self.shape(name)?.0 < rows {
             return Err(format!("{name} has fewer than {rows} rows"));
         }
-        in_words(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
+        described(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
     }
 
     /// Where the first rows of a growing dataset lie in the file, in bytes: whole pieces, those with any of
@@ -202,7 +202,7 @@ impl SerialFile {
             let piece = dataset.chunk().ok_or("the dataset does not grow")?;
             (0..rows).step_by(piece[0].max(1)).map(|row| place_of_piece(&dataset, row)).collect()
         };
-        in_words(places()).map_err(|message| format!("{name}: {message}"))
+        described(places()).map_err(|message| format!("{name}: {message}"))
     }
 
     /// Appends rows to a dataset.
@@ -214,7 +214,7 @@ impl SerialFile {
             set_rows(&dataset, rows + added)?;
             write(&dataset, rows, values, false)
         };
-        in_words(append())
+        described(append())
     }
 }
 
@@ -262,7 +262,7 @@ impl<'r> SharedFile<'r> {
         } else {
             Ok(None)
         };
-        let file = agreed(path, in_words(opened), ranks)?;
+        let file = agreed(path, described(opened), ranks)?;
         Ok(Self { path: path.to_owned(), file, ranks, together })
     }
 
@@ -276,7 +276,7 @@ impl<'r> SharedFile<'r> {
             Some(file) => file.dataset(name).and_then(|dataset| work(&dataset)),
             None => Ok(T::default()),
         };
-        let result = in_words(result).map_err(|message| format!("{name}: {message}"));
+        let result = described(result).map_err(|message| format!("{name}: {message}"));
         agreed(&self.path, result, self.ranks)
     }
 
@@ -288,7 +288,7 @@ impl<'r> SharedFile<'r> {
     /// Opens a dataset to write to it in several turns.
     pub(super) fn dataset(&self, name: &str) -> Result<SharedDataset<'_>, OutputError> {
         let opened = self.file.as_ref().map(|file| file.dataset(name)).transpose();
-        let opened = in_words(opened).map_err(|message| format!("{name}: {message}"));
+        let opened = described(opened).map_err(|message| format!("{name}: {message}"));
         let dataset = self.agreed(opened)?;
         let name = name.to_owned();
         Ok(SharedDataset { name, dataset, ranks: self.ranks, together: self.together })
@@ -323,7 +323,7 @@ impl<'r> SharedFile<'r> {
     /// Brings everything to the file and closes it.
     pub(super) fn close(self) -> Result<(), OutputError> {
         let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
-        agreed(&self.path, in_words(closed), self.ranks)
+        agreed(&self.path, described(closed), self.ranks)
     }
 }
 
@@ -352,7 +352,7 @@ impl SharedDataset<'_> {
         let Some(dataset) = &self.dataset else { return Ok(()) };
         // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
         let written = write(dataset, first_row, values, self.together && dataset.is_chunked());
-        in_words(written).map_err(|message| format!("{}: {message}", self.name))
+        described(written).map_err(|message| format!("{}: {message}", self.name))
     }
 }
 

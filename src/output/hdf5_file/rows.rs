@@ -88,7 +88,7 @@ enum Buffer {
 }
 
 /// Moves `rows` rows from `first_row` on between memory and file. `together`: all ranks take part, and
-/// those without rows too, or the others would wait for ever; the safe interface cannot do this.
+/// those without rows too, or the others would wait without end; the safe interface cannot do this.
 #[allow(unsafe_code, reason = "collective transfers are missing in the safe interface")]
 fn transfer<T: Element>(
     dataset: &Dataset,
@@ -119,20 +119,19 @@ fn transfer<T: Element>(
         if together {
             h5check(H5Pset_dxpl_mpio(how.0, H5FD_mpio_xfer_t::H5FD_MPIO_COLLECTIVE))?;
         }
+        let (memory, file) = (memory_space.0, file_space.0);
         if rows == 0 {
-            h5check(H5Sselect_none(file_space.0))?;
-            h5check(H5Sselect_none(memory_space.0))?;
+            h5check(H5Sselect_none(file))?;
+            h5check(H5Sselect_none(memory))?;
         } else {
             let (select, start) = (H5S_seloper_t::H5S_SELECT_SET, start.as_ptr());
             let (none, count) = (ptr::null(), count.as_ptr());
-            h5check(H5Sselect_hyperslab(file_space.0, select, start, none, count, none))?;
+            h5check(H5Sselect_hyperslab(file, select, start, none, count, none))?;
         }
-        let (history, file) = (memory_space.0, file_space.0);
+        let (dataset, kind) = (dataset.id(), datatype.id());
         h5check(match buffer {
-            Buffer::Write(from) => {
-                H5Dwrite(dataset.id(), datatype.id(), history, file, how.0, from)
-            }
-            Buffer::Read(to) => H5Dread(dataset.id(), datatype.id(), history, file, how.0, to),
+            Buffer::Write(from) => H5Dwrite(dataset, kind, memory, file, how.0, from),
+            Buffer::Read(to) => H5Dread(dataset, kind, memory, file, how.0, to),
         })
     })
     .map(|_| ())

@@ -1,7 +1,7 @@
-//! A hash over the bytes of a file, kept at its end: the HDF5 library is shown no byte that was not
+//! A checksum trailer: a hash over the bytes of a file, at its end. The HDF5 library is shown no byte that was not
 //! written, since it may crash on damaged files.
 //!
-//! HDF5 ignores what follows its data, so that a sealed file is still an HDF5 file. The bytes are hashed in
+//! HDF5 ignores what follows its data, so that a file with a trailer is still an HDF5 file. The bytes are hashed in
 //! blocks, by all ranks together.
 
 use std::fs::{File, OpenOptions};
@@ -13,7 +13,7 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::{MessageResult, OutputError, agreed, on_root};
 use crate::parallel::Communicator;
 
-/// How files are sealed, or were.
+/// How checksums are made, or were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// BLAKE3, 256 bits: older files.
@@ -23,7 +23,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// First bytes of the seal.
+    /// First bytes of the trailer.
     fn mark(self) -> &'static [u8; 16] {
         match self {
             Self::First => b"\nTalcum seal  1\n",
@@ -46,69 +46,69 @@ impl Kind {
     }
 }
 
-/// What a seal says: the length of what is sealed, and its hash.
-struct Seal {
+/// What a trailer says: the length of what it covers, and its hash.
+struct Trailer {
     kind: Kind,
     length: u64,
     hash: Vec<u8>,
 }
 
-/// Mark and length of what is sealed, before the hash.
+/// Mark and length of what is covered, before the hash.
 const HEAD_LENGTH: usize = 16 + 8;
-/// The longest seal.
+/// The longest trailer.
 const LONGEST: u64 = (HEAD_LENGTH + Kind::First.hash_length()) as u64;
 /// Bytes that are hashed as one.
 const BLOCK: u64 = 1 << 22;
 /// First bytes of an HDF5 file.
 const HDF5_SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
 
-impl Seal {
+impl Trailer {
     fn to_bytes(&self) -> Vec<u8> {
         [&self.kind.mark()[..], &self.length.to_le_bytes(), &self.hash].concat()
     }
 
-    /// The seal at the end of a file, of which the last bytes are known and the length.
+    /// The trailer at the end of a file, of which the last bytes are known and the length.
     fn at_end(bytes: &[u8], file_length: u64) -> Option<Self> {
         [Kind::First, Kind::Second].into_iter().find_map(|kind| {
             let from = bytes.len().checked_sub(HEAD_LENGTH + kind.hash_length())?;
             let hash = bytes[from + HEAD_LENGTH..].to_vec();
             let length = file_length - (bytes.len() - from) as u64;
-            let seal = Self { kind, length, hash };
-            (seal.to_bytes() == bytes[from..]).then_some(seal)
+            let trailer = Self { kind, length, hash };
+            (trailer.to_bytes() == bytes[from..]).then_some(trailer)
         })
     }
 }
 
-/// Seals a closed file and brings it to the disk. Collective.
-pub(super) fn seal(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
-    seal_by(Kind::Second, path, ranks)
+/// Appends the trailer to a closed file and brings it to the disk. Collective.
+pub(super) fn append(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    append_kind(Kind::Second, path, ranks)
 }
 
-fn seal_by(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
+fn append_kind(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
     let length = std::fs::metadata(path).map(|data| data.len()).map_err(|error| error.to_string());
     let length = agreed(path, length, ranks)?;
     let hash = hash_of(kind, path, length, ranks)?;
     on_root(path, ranks, || {
-        let append = || {
+        let write = || {
             let mut file = OpenOptions::new().append(true).open(path)?;
-            file.write_all(&Seal { kind, length, hash }.to_bytes())
+            file.write_all(&Trailer { kind, length, hash }.to_bytes())
         };
-        append().map_err(|error: std::io::Error| error.to_string())
+        write().map_err(|error: std::io::Error| error.to_string())
     })?;
     // Each rank wrote through its own machine.
     let synced = File::open(path).and_then(|file| file.sync_all());
     agreed(path, synced.map_err(|error| error.to_string()), ranks)
 }
 
-/// Refuses a file that is not, byte for byte, what was sealed. Collective.
+/// Refuses a file that is not, byte for byte, what its trailer covers. Collective.
 pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
-    let Seal { kind, length, hash } = agreed(path, read_seal(path), ranks)?;
+    let Trailer { kind, length, hash } = agreed(path, read_trailer(path), ranks)?;
     let same = hash_of(kind, path, length, ranks)? == hash;
     let message = "the file is damaged: its bytes are not those that were written";
     agreed(path, if same { Ok(()) } else { Err(message.to_owned()) }, ranks)
 }
 
-fn read_seal(path: &Path) -> MessageResult<Seal> {
+fn read_trailer(path: &Path) -> MessageResult<Trailer> {
     let mut file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
     let metadata = file.metadata().map_err(unreadable)?;
@@ -127,15 +127,15 @@ fn read_seal(path: &Path) -> MessageResult<Seal> {
     let mut end = Vec::new();
     file.seek(SeekFrom::Start(length.saturating_sub(LONGEST))).map_err(unreadable)?;
     file.read_to_end(&mut end).map_err(unreadable)?;
-    if let Some(seal) = Seal::at_end(&end, length) {
-        return Ok(seal);
+    if let Some(trailer) = Trailer::at_end(&end, length) {
+        return Ok(trailer);
     }
     match promised_length(&start) {
         Some(promised) if promised > length => {
             Err(format!("the file was cut short: it has {length} of {promised} bytes"))
         }
         _ => Err(
-            "the file does not end in Talcum's seal: it was cut short or damaged, or is an HDF5 \
+            "the file does not end in Talcum's checksum: it was cut short or damaged, or is an HDF5 \
                   file of another program, not a checkpoint"
                 .to_owned(),
         ),
@@ -160,7 +160,7 @@ fn hash_of(
     length: u64,
     ranks: &dyn Communicator,
 ) -> Result<Vec<u8>, OutputError> {
-    let own = own_hashes(kind, path, length, (ranks.rank(), ranks.size()));
+    let own = own_hashes(kind, path, length, ranks);
     let own = agreed(path, own.map_err(|error| error.to_string()), ranks)?;
     let mut bytes = Vec::new();
     if let Some(gathered) = ranks.gather_to_root(&own) {
@@ -175,17 +175,17 @@ fn hash_of(
     Ok(bytes)
 }
 
-/// Hashes of the blocks `rank`, `rank + size`, ...
+/// Hashes of this rank's blocks: every one of as many as there are ranks, from its own number on.
 fn own_hashes(
     kind: Kind,
     path: &Path,
     length: u64,
-    (rank, size): (usize, usize),
+    ranks: &dyn Communicator,
 ) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     let mut hashes = Vec::new();
     let mut block = vec![0; BLOCK.min(length) as usize];
-    for number in (rank as u64..length.div_ceil(BLOCK)).step_by(size) {
+    for number in (ranks.rank() as u64..length.div_ceil(BLOCK)).step_by(ranks.size()) {
         let start = number * BLOCK;
         let bytes = &mut block[..BLOCK.min(length - start) as usize];
         file.seek(SeekFrom::Start(start))?;
@@ -201,7 +201,7 @@ mod tests {
     use crate::parallel::{OneRank, run_on_threads};
 
     #[test]
-    fn a_seal_of_several_blocks_is_the_same_on_any_number_of_ranks() {
+    fn a_checksum_of_several_blocks_is_the_same_on_any_number_of_ranks() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large");
         let mut bytes = HDF5_SIGNATURE.to_vec();
@@ -209,7 +209,7 @@ mod tests {
         std::fs::write(&path, &bytes).unwrap();
         for kind in [Kind::First, Kind::Second] {
             std::fs::write(&path, &bytes).unwrap();
-            seal_by(kind, &path, &OneRank).unwrap();
+            append_kind(kind, &path, &OneRank).unwrap();
             for n in 1..=4 {
                 run_on_threads(n, |ranks| check(&path, ranks).unwrap());
             }

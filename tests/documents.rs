@@ -1,0 +1,77 @@
+//! Paths that the documents name exist.
+
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+use std::fs;
+use std::path::Path;
+
+const DOCUMENTS: [&str; 10] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "docs/files.md",
+    "docs/glossary.md",
+    "docs/input.md",
+    "docs/performance.md",
+    "docs/verification.md",
+    "cases/benchmark/README.md",
+];
+
+/// Files of the examples, which the reader is to write, and of programs beside this one.
+const NOT_OURS: [&str; 2] =
+    ["src/contact/laws/linear_spring.rs", "tests/cases/good/linear-spring.toml"];
+
+/// Endings of files of the repository; others are results.
+const ENDINGS: [&str; 6] = [".rs", ".md", ".py", ".toml", ".sh", ".slurm"];
+
+/// Texts between backticks, and targets of links, that look like paths.
+fn paths_in(text: &str) -> Vec<&str> {
+    let quoted = text.split('`').skip(1).step_by(2);
+    let linked = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+    let is_path = |path: &&str| {
+        let plain = path.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c));
+        let top = ["src/", "tests/", "docs/", "scripts/", "cases/", "jobs/", "benches/"];
+        let is_inside = top.iter().any(|folder| path.starts_with(folder));
+        plain && !path.starts_with(['/', '.']) && (is_inside || ends_like_ours(path))
+    };
+    quoted.chain(linked).filter(is_path).collect()
+}
+
+fn ends_like_ours(path: &str) -> bool {
+    path.contains('/') && ENDINGS.iter().any(|ending| path.ends_with(ending))
+}
+
+/// Whether a path exists in the repository, in its sources, or beside the document that names it.
+fn exists(path: &str, document: &str) -> bool {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let beside = Path::new(document).parent().unwrap();
+    [Path::new(""), Path::new("src"), beside]
+        .iter()
+        .any(|folder| root.join(folder).join(path).exists())
+}
+
+#[test]
+fn paths_named_in_documents_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (mut found, mut count) = (Vec::new(), 0);
+    for document in DOCUMENTS {
+        let text = fs::read_to_string(root.join(document)).unwrap();
+        let paths = paths_in(&text);
+        count += paths.len();
+        let missing = paths.into_iter().filter(|path| !exists(path, document));
+        let missing = missing.filter(|path| !NOT_OURS.contains(path));
+        found.extend(missing.map(|path| format!("{document} names {path}")));
+    }
+    assert!(count > 50, "{count}");
+    assert!(found.is_empty(), "there is no such file:\n{}", found.join("\n"));
+}
+
+#[test]
+fn a_path_that_does_not_exist_is_found() {
+    let text = "See `src/state.rs`, `output/nowhere.rs`, [a](docs/lost.md#there), `a / b`, `results/x.h5`.";
+    let paths = paths_in(text);
+    assert_eq!(paths, ["src/state.rs", "output/nowhere.rs", "docs/lost.md"]);
+    let missing: Vec<&&str> = paths.iter().filter(|path| !exists(path, "README.md")).collect();
+    assert_eq!(missing, [&"output/nowhere.rs", &"docs/lost.md"]);
+}
