@@ -69,9 +69,9 @@ fn paths_named_in_documents_exist() {
 
 #[test]
 fn a_path_that_does_not_exist_is_found() {
-    let text = "See `src/state.rs`, `output/nowhere.rs`, [a](docs/lost.md#there), `a / b`, `results/x.h5`.";
+    let text = "See `src/timers.rs`, `output/nowhere.rs`, [a](docs/lost.md#there), `a / b`, `results/x.h5`.";
     let paths = paths_in(text);
-    assert_eq!(paths, ["src/state.rs", "output/nowhere.rs", "docs/lost.md"]);
+    assert_eq!(paths, ["src/timers.rs", "output/nowhere.rs", "docs/lost.md"]);
     let missing: Vec<&&str> = paths.iter().filter(|path| !exists(path, "README.md")).collect();
     assert_eq!(missing, [&"output/nowhere.rs", &"docs/lost.md"]);
 }

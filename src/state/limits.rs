@@ -4,7 +4,7 @@ use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
 use crate::numbers::Quantum;
 use crate::rules::speed_limit;
 
-/// The smallest and largest particles of a run at its begin.
+/// The smallest and largest particles of a run at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizeRange {
     /// Smallest diameter.
@@ -49,12 +49,12 @@ impl Limits {
         }
     }
 
-    /// The lattice of forces: room for many contacts at the limit.
+    /// The quantum of forces: room for many contacts at the limit.
     pub fn force_quantum(&self) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force)
     }
 
-    /// The lattice of torques, of forces at the largest radius.
+    /// The quantum of torques, of forces at the largest radius.
     pub fn torque_quantum(&self, largest_radius: f64) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
     }

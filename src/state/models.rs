@@ -23,7 +23,7 @@ pub struct Models {
     pub gravity: EffectiveGravity,
     /// Length of a step.
     pub time_step: f64,
-    /// Bounds of what particles may do; beyond them the run ends in words.
+    /// Bounds of what particles may do; beyond them the run stops with an error message.
     pub limits: Limits,
     /// Lattice that forces are rounded to.
     pub force_quantum: Quantum,

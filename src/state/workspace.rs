@@ -37,7 +37,7 @@ pub struct Workspace {
     pub requests: Requests,
 }
 
-/// What a rank was asked for between two steps, by a signal or by the clock on the wall.
+/// What a rank was asked for between two steps, by a signal or by wall-clock time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Requests {
     /// Stop, with a checkpoint.
