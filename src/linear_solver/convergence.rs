@@ -1,18 +1,19 @@
-//! What a solve is asked for, and how it went.
+//! How accurate a solution has to be, and how the solve went.
 
-/// When a solution is good enough: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all
-/// cells; or at most 2^-52 |D p|, D being the diagonal of A, which is what rounding leaves where the pressure is large
-/// and all but constant (contrasts of 10^9).
+/// The criterion of convergence: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all cells.
+///
+/// A residual of 2^-52 |D p|, D being the diagonal of A, is accepted too: it is the rounding error of b - A p where
+/// the pressure is large and almost constant (coefficients that differ by 10^9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Part of the norm of the right-hand side; of what is left of it if a mean is taken away.
+    /// Fraction of the norm of the right-hand side, after its mean was subtracted in a closed box.
     pub relative: f64,
-    /// In the unit of the right-hand side; 0 for none.
+    /// In units of the right-hand side; 0 if there is no absolute tolerance.
     pub absolute: f64,
 }
 
 impl Tolerance {
-    /// Relative to the right-hand side alone.
+    /// A tolerance relative to the right-hand side only.
     pub fn relative(relative: f64) -> Self {
         Self { relative, absolute: 0.0 }
     }
@@ -21,18 +22,17 @@ impl Tolerance {
 /// How a solve went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
-    /// Iterations, 0 if the start value was good enough.
+    /// Number of iterations; 0 if the start values were good enough.
     pub iterations: usize,
-    /// |b - A p| at the end, formed anew from the solution.
+    /// |b - A p| at the end, computed from the solution.
     pub residual: f64,
     /// |b|.
     pub right_hand_side: f64,
-    /// The mean that was taken from the right-hand side of a closed box: 0 unless what flows in there does not
-    /// flow out.
+    /// The mean that was subtracted from the right-hand side in a closed box; 0 if as much flows in as out.
     pub removed_mean: f64,
 }
 
-/// Why there is no solution: the same on all ranks.
+/// Why there is no solution. The same error on all ranks.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LinearSolverError {
     /// A coefficient is negative, infinite or undefined.
@@ -40,21 +40,21 @@ pub enum LinearSolverError {
         "the pressure equation has {0} coefficients that are negative, infinite or not a number; all must be at least 0"
     )]
     Coefficients(usize),
-    /// The right-hand side or the start value is infinite or undefined.
-    #[error("the pressure equation's right-hand side or start value is infinite or not a number")]
+    /// The right-hand side or a start value is infinite or undefined.
+    #[error("the pressure equation's right-hand side or a start value is infinite or not a number")]
     NotFinite,
-    /// The limit of iterations was reached.
+    /// The limit on the number of iterations was reached.
     #[error(
         "the pressure equation did not converge: residual {residual:.3e} after {iterations} iterations, allowed is \
-         {allowed:.3e}; either the equation has no solution (a part of the box without outlet takes in more than it \
-         gives) or its coefficients differ too much"
+         {allowed:.3e}; either the equation has no solution (more flows into a part of the box without outlet than out of \
+         it) or its coefficients differ too much"
     )]
     NotConverged {
         /// Iterations done.
         iterations: usize,
-        /// Norm of the residual.
+        /// Norm of the residual reached.
         residual: f64,
-        /// Norm that was asked for.
+        /// Largest norm allowed.
         allowed: f64,
     },
 }

@@ -1,41 +1,55 @@
-//! The pressure equation on the cells of the box, across all ranks, with the same bits on any cut.
+//! The pressure equation on the cells of the box, solved by all ranks together. The result has the same bits for any
+//! decomposition.
 //!
 //! ```text
 //! (A p)_c = sum over the faces f of cell c of a_f (p_c - p_nb) + d_c p_c = b_c
 //! ```
 //!
-//! a_f >= 0 couples the two cells of a face, d_c >= 0 holds a cell towards zero (an outlet, a time derivative). Areas
-//! and distances are in a_f and d_c, so that A is symmetric. Conjugate gradients \[Hestenes1952\], preconditioned by
-//! one V-cycle of geometric multigrid, after Ashby and Falgout \[Ashby1996\]:
+//! a_f >= 0 couples the two cells of a face; d_c >= 0 couples a cell to zero (an outlet, a time derivative). Areas and
+//! distances are contained in a_f and d_c, so that A is symmetric.
 //!
-//! * coarse grids keep every other cell, along the axes along which cells are narrowest, and follow from the whole
-//!   grid alone ([`PressureSolver::new`]);
-//! * a cell that is left out takes its value from its two neighbours along the axis by the coefficients of its faces,
-//!   which is exact in one dimension, so that jumps of coefficients do no harm; restriction is the transpose;
-//! * coarse coefficients: in series along the axis, in parallel across it;
-//! * smoothing by Chebyshev polynomials of the Jacobi iteration, every cell by itself;
-//! * small levels are held by every rank; the smallest is factorised.
+//! The method is conjugate gradients \[Hestenes1952\], preconditioned by one cycle of geometric multigrid
+//! \[Ashby1996\]:
 //!
-//! Dot products are summed as integers (`exact_dot`), so that nothing depends on the order of cells.
+//! * `level_grid`: a coarser grid keeps every other cell along the axes along which cells are narrowest
+//!   (semi-coarsening). Coarse grids follow from the whole grid alone, not from the decomposition.
+//! * `interpolation`, `prolongation`: a cell that is left out is interpolated between its two neighbours along the
+//!   axis with weights that follow from the coefficients of its faces. This is exact in one dimension, so that jumps
+//!   of the coefficients do no harm \[Alcouffe1981\]. Restriction is the transpose.
+//! * `coarse_operator`: coefficients of the coarser grid, in series along the axis and in parallel across it.
+//! * `chebyshev_smoother`: a Chebyshev polynomial of the Jacobi iteration \[Adams2003\], which, unlike Gauss-Seidel,
+//!   does not depend on the order of the cells.
+//! * `replication`, `direct_solver`: every rank holds the small levels as a whole, and factorises the coarsest.
+//! * `multigrid`: the hierarchy of levels, and the V- and W-cycle over them.
+//! * `conjugate_gradients`, `pressure_solver`: the iteration, and what the rest of the crate calls.
 //!
-//! * Hestenes1952: M. R. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems", J. Res.
-//!   Nat. Bur. Stand. 49 (1952) 409-436.
+//! Dot products are sums of integers (`dot_product`), so that their bits do not depend on the order of the cells.
+//!
+//! * Adams2003: M. Adams, M. Brezina, J. Hu, R. Tuminaro, "Parallel multigrid smoothing: polynomial versus
+//!   Gauss-Seidel", J. Comput. Phys. 188 (2003) 593-610.
+//! * Alcouffe1981: R. E. Alcouffe, A. Brandt, J. E. Dendy, J. W. Painter, "The multi-grid method for the diffusion
+//!   equation with strongly discontinuous coefficients", SIAM J. Sci. Stat. Comput. 2 (1981) 430-454.
 //! * Ashby1996: S. F. Ashby, R. D. Falgout, "A parallel multigrid preconditioned conjugate gradient algorithm for
 //!   groundwater flow simulations", Nucl. Sci. Eng. 124 (1996) 145-159.
+//! * Hestenes1952: M. R. Hestenes, E. Stiefel, "Methods of conjugate gradients for solving linear systems", J. Res.
+//!   Nat. Bur. Stand. 49 (1952) 409-436.
 
-mod coarsening;
+mod cell_pairs;
+mod chebyshev_smoother;
+mod coarse_operator;
+mod conjugate_gradients;
 mod convergence;
-mod direct;
-mod exact_dot;
-mod gathering;
-mod hierarchy;
+mod direct_solver;
+mod dot_product;
+mod interpolation;
+mod level_grid;
+mod level_transfer;
+mod multigrid;
 mod operator;
-mod pairs;
 mod pressure_solver;
+mod prolongation;
+mod replication;
 mod rows;
-mod smoothing;
-mod step;
-mod transfer;
 
 pub use convergence::{Convergence, LinearSolverError, Tolerance};
 pub use pressure_solver::PressureSolver;

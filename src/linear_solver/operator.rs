@@ -1,12 +1,16 @@
-//! The operator on the cells of a part, row by row.
+//! The operator A on the cells of a rank, row by row:
+//!
+//! ```text
+//! (A p)_c = sum over the faces f of cell c of a_f (p_c - p_nb) + d_c p_c
+//! ```
 
-use super::exact_dot::RunningDot;
+use super::dot_product::RunningDot;
 use super::rows::rows;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 
-/// a_f on the lower faces of cells, axis by axis, and d_c. Halo: two cells; faces on the box's own faces are zero, but
-/// through periodic ones.
+/// a_f of the lower faces of cells along x, y and z, and d_c. The halo is two cells wide; faces in the faces of the box
+/// are zero, unless those are periodic.
 #[derive(Clone, Debug)]
 pub(super) struct Coefficients {
     pub(super) faces: [Field; 3],
@@ -14,8 +18,8 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    pub(super) fn new(part: &LocalCells) -> Self {
-        let zero = || Field::new(part, 2);
+    pub(super) fn new(cells: &LocalCells) -> Self {
+        let zero = || Field::new(cells, 2);
         Self { faces: [zero(), zero(), zero()], diagonal: zero() }
     }
 
@@ -25,7 +29,7 @@ impl Coefficients {
         [x, y, z, &mut self.diagonal]
     }
 
-    /// Sum of a_f + d_c of a cell, by its place.
+    /// The diagonal of A, the sum of a_f and d_c, for the cell of an index.
     #[inline(always)]
     fn sum(&self, cell: usize) -> f64 {
         let strides = self.diagonal.strides();
@@ -36,7 +40,7 @@ impl Coefficients {
         (along(0) + along(1)) + (along(2) + self.diagonal.values()[cell])
     }
 
-    /// 1 / (sum of a_f + d_c); zero for a cell that nothing holds.
+    /// The inverse of the diagonal of A; zero for a cell without any coupling.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field) {
         let length = inverse.count()[0];
         for [from, to] in rows([&self.diagonal, inverse]) {
@@ -47,7 +51,7 @@ impl Coefficients {
         }
     }
 
-    /// (sum of a_f + d_c) p_c.
+    /// D p, D being the diagonal of A.
     pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
         let length = p.count()[0];
         for [from, to] in rows([&self.diagonal, p]) {
@@ -58,7 +62,17 @@ impl Coefficients {
     }
 }
 
-/// A row of cells along x with its coefficients, and the numbers of the cells and of their neighbours.
+/// A x = b on the cells of a rank.
+pub(super) struct Equation<'a> {
+    /// A.
+    pub(super) coefficients: &'a Coefficients,
+    /// b.
+    pub(super) right_hand_side: &'a Field,
+    /// x, or an approximation to it.
+    pub(super) solution: &'a mut Field,
+}
+
+/// A row of cells along x with its coefficients, and the values in the cells and in their neighbours.
 #[derive(Clone, Copy)]
 pub(super) struct StencilRow<'a> {
     lower_faces: [&'a [f64]; 3],
@@ -70,27 +84,27 @@ pub(super) struct StencilRow<'a> {
 }
 
 impl<'a> StencilRow<'a> {
-    /// The `length` cells that begin in these places of the coefficients and of the numbers.
+    /// `length` cells, from an index into the coefficients and one into the values.
     #[inline(always)]
     pub(super) fn new(
-        (coefficients, place): (&'a Coefficients, usize),
-        (numbers, row): (&'a Field, usize),
+        (coefficients, first): (&'a Coefficients, usize),
+        (values, row): (&'a Field, usize),
         length: usize,
     ) -> Self {
         let faces = coefficients.faces.each_ref().map(Field::values);
-        let beyond = coefficients.diagonal.strides();
-        let (strides, p) = (numbers.strides(), numbers.values());
+        let to_upper = coefficients.diagonal.strides();
+        let (strides, p) = (values.strides(), values.values());
         Self {
-            lower_faces: from_places(faces, [place; 3], length),
-            upper_faces: from_places(faces, beyond.map(|along| place + along), length),
-            diagonal: &coefficients.diagonal.values()[place..][..length],
+            lower_faces: slices(faces, [first; 3], length),
+            upper_faces: slices(faces, to_upper.map(|stride| first + stride), length),
+            diagonal: &coefficients.diagonal.values()[first..][..length],
             centre: &p[row..][..length],
-            below: from_places([p; 3], strides.map(|along| row - along), length),
-            above: from_places([p; 3], strides.map(|along| row + along), length),
+            below: slices([p; 3], strides.map(|stride| row - stride), length),
+            above: slices([p; 3], strides.map(|stride| row + stride), length),
         }
     }
 
-    /// (A p) of the i-th cell of the row; always in the same order.
+    /// A p in the i-th cell of the row. The order of the sum is fixed.
     #[inline(always)]
     pub(super) fn apply(&self, i: usize) -> f64 {
         let centre = self.centre[i];
@@ -108,11 +122,11 @@ impl<'a> StencilRow<'a> {
 }
 
 #[inline(always)]
-fn from_places([x, y, z]: [&[f64]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[f64]; 3] {
+fn slices([x, y, z]: [&[f64]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[f64]; 3] {
     [&x[i..][..length], &y[j..][..length], &z[k..][..length]]
 }
 
-/// q = A p, and p . q; both have halos of one width.
+/// q = A p; adds p . q to `dot`. The halos of p and q have the same width.
 pub(super) fn apply(
     coefficients: &Coefficients,
     p: &Field,
@@ -136,8 +150,8 @@ impl VectorWork for Apply<'_> {
     fn run(self) -> RunningDot {
         let Self { coefficients, p, q, mut dot } = self;
         let length = p.count()[0];
-        for [place, row] in rows([&coefficients.diagonal, p]) {
-            let stencil = StencilRow::new((coefficients, place), (p, row), length);
+        for [first, row] in rows([&coefficients.diagonal, p]) {
+            let stencil = StencilRow::new((coefficients, first), (p, row), length);
             let result = &mut q.values_mut()[row..][..length];
             for (i, value) in result.iter_mut().enumerate() {
                 *value = stencil.apply(i);
@@ -148,14 +162,15 @@ impl VectorWork for Apply<'_> {
     }
 }
 
-/// r = b - A p.
-pub(super) fn residual(coefficients: &Coefficients, p: &Field, b: &Field, r: &mut Field) {
-    in_wide_vectors(Residual { coefficients, p, b, r });
+/// r = b - A x. Before: the halo of x is current.
+pub(super) fn residual(equation: &Equation, r: &mut Field) {
+    let Equation { coefficients, right_hand_side: b, solution: ref x } = *equation;
+    in_wide_vectors(Residual { coefficients, x, b, r });
 }
 
 struct Residual<'a> {
     coefficients: &'a Coefficients,
-    p: &'a Field,
+    x: &'a Field,
     b: &'a Field,
     r: &'a mut Field,
 }
@@ -165,13 +180,13 @@ impl VectorWork for Residual<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { coefficients, p, b, r } = self;
-        let length = p.count()[0];
-        for [place, row, right, rest] in rows([&coefficients.diagonal, p, b, r]) {
-            let stencil = StencilRow::new((coefficients, place), (p, row), length);
-            let right = &b.values()[right..][..length];
-            for (i, value) in r.values_mut()[rest..][..length].iter_mut().enumerate() {
-                *value = right[i] - stencil.apply(i);
+        let Self { coefficients, x, b, r } = self;
+        let length = x.count()[0];
+        for [first, row, row_of_b, row_of_r] in rows([&coefficients.diagonal, x, b, r]) {
+            let stencil = StencilRow::new((coefficients, first), (x, row), length);
+            let b = &b.values()[row_of_b..][..length];
+            for (i, value) in r.values_mut()[row_of_r..][..length].iter_mut().enumerate() {
+                *value = b[i] - stencil.apply(i);
             }
         }
     }

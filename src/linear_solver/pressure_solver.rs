@@ -1,20 +1,17 @@
-//! Preconditioned conjugate gradients.
+//! The pressure equation as the gas solvers pose it.
 
-use super::coarsening::LevelGrid;
+use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
 use super::convergence::{Convergence, LinearSolverError, Tolerance};
-use super::exact_dot::{DotProduct, RunningDot};
-use super::hierarchy::{Cycle, Hierarchy};
-use super::operator::{Coefficients, apply, residual};
+use super::dot_product::DotProduct;
+use super::level_grid::LevelGrid;
+use super::multigrid::Multigrid;
+use super::operator::{Coefficients, Equation};
 use super::rows::rows;
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
 
-/// Iterations after which a solve is given up.
-const ITERATION_LIMIT: usize = 200;
-
-/// Solves A p = b on the cells of the box; holds all that it needs between two solves.
+/// Solves A p = b on the cells of the box; it keeps its memory from one solve to the next.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -28,9 +25,9 @@ const ITERATION_LIMIT: usize = 200;
 /// let grid = BoxGrid::new(&bounds, [1, 1, 10]);
 /// let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
 /// let subdomain = decomposition.subdomain(&bounds, 0);
-/// let part = grid.local_cells(subdomain);
+/// let cells = grid.local_cells(subdomain);
 /// let field = |value: f64| {
-///     let mut field = Field::new(&part, 1);
+///     let mut field = Field::new(&cells, 1);
 ///     field.set_owned((0..10).map(|_| value));
 ///     field
 /// };
@@ -47,51 +44,46 @@ const ITERATION_LIMIT: usize = 200;
 /// ```
 #[derive(Clone, Debug)]
 pub struct PressureSolver {
-    part: LocalCells,
+    cells: LocalCells,
     periodic: [bool; 3],
     halo: FieldHalo,
     coefficients: Coefficients,
-    /// Nothing holds the mean of the solution: no cell has a diagonal.
+    /// No cell is coupled to zero, so that the mean of the solution is undetermined.
     closed: bool,
-    hierarchy: Hierarchy,
-    right: Field,
+    multigrid: Multigrid,
+    gradients: ConjugateGradients,
+    right_hand_side: Field,
     solution: Field,
-    residual: Field,
-    preconditioned: Field,
-    direction: Field,
-    image: Field,
 }
 
 impl PressureSolver {
-    /// For a grid whose cut has its planes on cell faces ([`BoxGrid::aligned`]).
+    /// For a grid and a subdomain whose faces lie on cell faces ([`BoxGrid::aligned`]).
     ///
-    /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is taken here.
+    /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is allocated here.
     pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
-        let part = grid.local_cells(subdomain);
-        let zero = || Field::new(&part, 1);
+        let cells = grid.local_cells(subdomain);
+        let finest = LevelGrid::finest(grid, subdomain.decomposition);
         Self {
-            part,
+            cells,
             periodic: [0, 1, 2].map(|axis| grid.is_periodic(axis)),
             halo: FieldHalo::new(subdomain),
-            coefficients: Coefficients::new(&part),
+            coefficients: Coefficients::new(&cells),
             closed: true,
-            hierarchy: Hierarchy::new(&LevelGrid::finest(grid, subdomain.decomposition), subdomain),
-            right: zero(),
-            solution: zero(),
-            residual: zero(),
-            preconditioned: zero(),
-            direction: zero(),
-            image: zero(),
+            multigrid: Multigrid::new(&finest, subdomain),
+            gradients: ConjugateGradients::new(&cells),
+            right_hand_side: Field::new(&cells, 1),
+            solution: Field::new(&cells, 1),
         }
     }
 
-    /// Sets a_f, on the lower faces of cells for x, y and z, and d_c (none: 0), and builds the coarse levels.
+    /// Sets a_f, for the lower faces of cells along x, y and z, and d_c (zero if `None`), and builds the coarse levels.
     ///
-    /// Of the fields, owned cells are read; their halos may be of any width. Faces on the box's own faces, other than
-    /// periodic ones, count as closed whatever stands there: an outlet of given pressure is a diagonal. Collective.
+    /// Only owned cells of the fields are read; their halos may have any width. Faces that lie in a face of the box,
+    /// unless that is periodic, count as closed whatever the field holds there: an outlet of given pressure is expressed
+    /// by d_c. Collective.
     ///
     /// # Errors
-    /// If a coefficient is negative, infinite or undefined, on all ranks.
+    /// If a coefficient is negative, infinite or undefined on any rank: the same error on all ranks.
     pub fn set_coefficients(
         &mut self,
         faces: [&Field; 3],
@@ -109,36 +101,36 @@ impl PressureSolver {
         let allowed = |value: f64| (0.0..=f64::MAX).contains(&value);
         let fields = self.coefficients.fields();
         let wrong: usize = fields.iter().map(|field| count(field, |a| !allowed(a))).sum();
-        let holding = count(&self.coefficients.diagonal, |d| d > 0.0);
-        let mut counts = [wrong as i64, holding as i64];
+        let coupled_to_zero = count(&self.coefficients.diagonal, |d| d > 0.0);
+        let mut counts = [wrong as i64, coupled_to_zero as i64];
         ranks.sum_integers(&mut counts);
         if counts[0] != 0 {
             return Err(LinearSolverError::Coefficients(counts[0] as usize));
         }
         self.closed = counts[1] == 0;
         self.halo.refresh(&mut self.coefficients.fields(), ranks);
-        self.hierarchy.set_coefficients(&self.coefficients, ranks);
+        self.multigrid.set_coefficients(&self.coefficients, ranks);
         Ok(())
     }
 
-    /// Nothing passes the box's own lower face, nor between a cell and itself.
+    /// Nothing passes the lower face of the box, nor flows from a cell to itself.
     fn close_lower_face(&mut self, axis: usize) {
-        let closed = !self.periodic[axis] || self.part.counts[axis] == 1;
-        if closed && self.part.start[axis] == 0 {
+        let closed = !self.periodic[axis] || self.cells.counts[axis] == 1;
+        if closed && self.cells.start[axis] == 0 {
             let field = &mut self.coefficients.faces[axis];
             let rows: Vec<_> = field.slab(axis, (0, 1)).collect();
             rows.into_iter().for_each(|row| field.values_mut()[row].fill(0.0));
         }
     }
 
-    /// Solves A p = b from the start value in `solution`, of which owned cells are read and set.
+    /// Solves A p = b, starting from the values in `solution`. Only owned cells of both fields are read and set.
     ///
-    /// In a closed box (no diagonal anywhere) the mean of the right-hand side is taken away, and the solution has
-    /// mean zero. Collective; the result is the same bits on any cut.
+    /// In a closed box (d_c = 0 everywhere) the mean of the right-hand side is subtracted, and the solution has mean
+    /// zero. Collective; the bits of the result do not depend on the decomposition.
     ///
     /// # Errors
-    /// If the right-hand side or the start value is not finite, or the limit of 200 iterations is reached: on all
-    /// ranks, and `solution` keeps the start value.
+    /// If the right-hand side or the start values are not finite, or after 200 iterations: the same error on all ranks;
+    /// `solution` then keeps the start values.
     pub fn solve(
         &mut self,
         solution: &mut Field,
@@ -147,129 +139,57 @@ impl PressureSolver {
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
         copy_owned(solution, &mut self.solution);
-        copy_owned(right_hand_side, &mut self.right);
+        copy_owned(right_hand_side, &mut self.right_hand_side);
+        let Self { multigrid, halo, gradients, closed, .. } = self;
+        let right = &mut self.right_hand_side;
         let removed_mean =
-            if self.closed { self.remove_mean(Of::RightHandSide, ranks) } else { 0.0 };
-        let size = DotProduct::default().of(&self.right, &self.right, ranks).sqrt();
-        if size == 0.0 {
+            if *closed { remove_mean(right, &self.cells, gradients.scratch(), ranks) } else { 0.0 };
+        let norm = DotProduct::default().of(right, right, ranks).sqrt();
+        if norm == 0.0 {
             self.solution.values_mut().fill(0.0);
             copy_owned(&self.solution, solution);
             return Ok(Convergence { removed_mean, ..Convergence::default() });
         }
-        let allowed = (tolerance.relative * size).max(tolerance.absolute);
-        let (iterations, residual) = self.iterate(allowed, ranks)?;
-        if self.closed {
-            self.remove_mean(Of::Solution, ranks);
+        let allowed = (tolerance.relative * norm).max(tolerance.absolute);
+        let mut equation = Equation {
+            coefficients: &self.coefficients,
+            right_hand_side: right,
+            solution: &mut self.solution,
+        };
+        let preconditioner = Preconditioner { multigrid, halo };
+        let solved = gradients.solve(&mut equation, preconditioner, allowed, ranks)?;
+        if *closed {
+            remove_mean(&mut self.solution, &self.cells, gradients.scratch(), ranks);
         }
         copy_owned(&self.solution, solution);
-        Ok(Convergence { iterations, residual, right_hand_side: size, removed_mean })
-    }
-
-    /// Runs of conjugate gradients, until b - A p, formed anew, is as small as allowed or as rounding lets it be; number of iterations, and
-    /// norm of the residual.
-    fn iterate(
-        &mut self,
-        allowed: f64,
-        ranks: &dyn Communicator,
-    ) -> Result<(usize, f64), LinearSolverError> {
-        let mut run = Run::default();
-        let mut done = 0;
-        loop {
-            self.halo.refresh(&mut [&mut self.solution], ranks);
-            residual(&self.coefficients, &self.solution, &self.right, &mut self.residual);
-            let size = run.squares.of(&self.residual, &self.residual, ranks).sqrt();
-            if !(size + allowed).is_finite() {
-                return Err(LinearSolverError::NotFinite);
-            }
-            if size <= allowed || (done > 0 && size <= self.rounding(ranks)) {
-                return Ok((done, size));
-            }
-            self.run(&mut run, &mut done, (size, allowed), ranks)?;
-        }
-    }
-
-    /// What rounding makes of b - A p: 2^-52 |D p|, D being the diagonal of A. No solution in doubles is better than
-    /// about that. Collective.
-    fn rounding(&mut self, ranks: &dyn Communicator) -> f64 {
-        self.coefficients.scale_by_diagonal(&self.solution, &mut self.image);
-        DotProduct::default().of(&self.image, &self.image, ranks).sqrt() * f64::EPSILON
-    }
-
-    /// Conjugate gradients from the residual at hand, of a norm above what is allowed, until the residual that they
-    /// carry along is as small.
-    fn run(
-        &mut self,
-        run: &mut Run,
-        done: &mut usize,
-        (mut size, allowed): (f64, f64),
-        ranks: &dyn Communicator,
-    ) -> Result<(), LinearSolverError> {
-        let mut last_energy = f64::INFINITY;
-        while size > allowed {
-            let failed =
-                LinearSolverError::NotConverged { iterations: *done, residual: size, allowed };
-            if *done == ITERATION_LIMIT {
-                return Err(failed);
-            }
-            let mut energy = self.precondition(run, ranks);
-            if energy <= 0.0 {
-                run.cycle = Cycle::V;
-                last_energy = f64::INFINITY;
-                energy = self.precondition(run, ranks);
-            }
-            let beta = energy / last_energy;
-            last_energy = energy;
-            let towards = &self.preconditioned;
-            in_wide_vectors(Turn { beta, towards, direction: &mut self.direction });
-            self.halo.refresh(&mut [&mut self.direction], ranks);
-            let dot = run.curvatures.begin();
-            let dot = apply(&self.coefficients, &self.direction, &mut self.image, dot);
-            let curvature = run.curvatures.finish(dot, [&self.direction, &self.image], ranks);
-            let running = in_wide_vectors(Advance {
-                length: energy / curvature,
-                direction: &self.direction,
-                image: &self.image,
-                solution: &mut self.solution,
-                residual: &mut self.residual,
-                squares: run.squares.begin(),
-            });
-            let square = run.squares.finish(running, [&self.residual, &self.residual], ranks);
-            if !square.is_finite() {
-                return Err(failed);
-            }
-            size = square.sqrt();
-            *done += 1;
-        }
-        Ok(())
-    }
-
-    /// z = M r, and r . z. Collective.
-    fn precondition(&mut self, run: &mut Run, ranks: &dyn Communicator) -> f64 {
-        let equation = (&self.residual, &mut self.preconditioned);
-        self.hierarchy.cycle(&self.coefficients, equation, run.cycle, ranks);
-        run.energies.of(&self.residual, &self.preconditioned, ranks)
-    }
-
-    /// Subtracts the mean over all cells, summed exactly; returns it.
-    fn remove_mean(&mut self, of: Of, ranks: &dyn Communicator) -> f64 {
-        let Self { solution, right, image, part, .. } = self;
-        let field = match of {
-            Of::RightHandSide => right,
-            Of::Solution => solution,
-        };
-        image.values_mut().fill(1.0);
-        let sum = DotProduct::default().of(field, image, ranks);
-        let mean = sum / part.counts.iter().product::<usize>() as f64;
-        for [row] in rows([field]) {
-            let row = row..row + part.count[0];
-            field.values_mut()[row].iter_mut().for_each(|value| *value -= mean);
-        }
-        image.values_mut().fill(0.0);
-        mean
+        Ok(Convergence {
+            iterations: solved.iterations,
+            residual: solved.residual,
+            right_hand_side: norm,
+            removed_mean,
+        })
     }
 }
 
-/// The owned numbers of another field, whose halo may have another width.
+/// Subtracts the mean over all cells of the grid, whose sum is exact; returns it. Overwrites `ones`. Collective.
+fn remove_mean(
+    field: &mut Field,
+    cells: &LocalCells,
+    ones: &mut Field,
+    ranks: &dyn Communicator,
+) -> f64 {
+    ones.values_mut().fill(1.0);
+    let sum = DotProduct::default().of(field, ones, ranks);
+    ones.values_mut().fill(0.0);
+    let mean = sum / cells.counts.iter().product::<usize>() as f64;
+    let length = field.count()[0];
+    for [row] in rows([&*field]) {
+        field.values_mut()[row..][..length].iter_mut().for_each(|value| *value -= mean);
+    }
+    mean
+}
+
+/// Copies the owned values of another field, whose halo may have another width.
 fn copy_owned(from: &Field, to: &mut Field) {
     let length = from.count()[0];
     for [source, target] in rows([from, &*to]) {
@@ -277,90 +197,9 @@ fn copy_owned(from: &Field, to: &mut Field) {
     }
 }
 
-/// How many owned numbers are of a kind.
-fn count(field: &Field, is: impl Fn(f64) -> bool) -> usize {
+/// How many owned values satisfy a condition.
+fn count(field: &Field, condition: impl Fn(f64) -> bool) -> usize {
     let length = field.count()[0];
     let row = |[row]: [usize; 1]| &field.values()[row..][..length];
-    rows([field]).map(|place| row(place).iter().filter(|&&value| is(value)).count()).sum()
-}
-
-/// What is kept from run to run of a solve: the magnitudes of dot products, and the kind of cycle.
-#[derive(Clone, Copy, Debug)]
-struct Run {
-    /// r . r
-    squares: DotProduct,
-    /// r . M r
-    energies: DotProduct,
-    /// p . A p
-    curvatures: DotProduct,
-    /// V once W was found not to be positive definite.
-    cycle: Cycle,
-}
-
-impl Default for Run {
-    fn default() -> Self {
-        let [squares, energies, curvatures] = [DotProduct::default(); 3];
-        Self { squares, energies, curvatures, cycle: Cycle::W }
-    }
-}
-
-/// What a mean is taken from.
-#[derive(Clone, Copy)]
-enum Of {
-    RightHandSide,
-    Solution,
-}
-
-/// p = z + beta p.
-struct Turn<'a> {
-    beta: f64,
-    towards: &'a Field,
-    direction: &'a mut Field,
-}
-
-impl VectorWork for Turn<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let length = self.direction.count()[0];
-        for [row] in rows([self.direction]) {
-            let towards = &self.towards.values()[row..][..length];
-            for (p, z) in self.direction.values_mut()[row..][..length].iter_mut().zip(towards) {
-                *p = z + self.beta * *p;
-            }
-        }
-    }
-}
-
-/// x += alpha p, r -= alpha q, and r . r.
-struct Advance<'a> {
-    length: f64,
-    direction: &'a Field,
-    image: &'a Field,
-    solution: &'a mut Field,
-    residual: &'a mut Field,
-    squares: RunningDot,
-}
-
-impl VectorWork for Advance<'_> {
-    type Output = RunningDot;
-
-    #[inline(always)]
-    fn run(mut self) -> RunningDot {
-        let length = self.direction.count()[0];
-        for [row] in rows([self.direction]) {
-            let p = &self.direction.values()[row..][..length];
-            for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {
-                *x += self.length * p;
-            }
-            let q = &self.image.values()[row..][..length];
-            let r = &mut self.residual.values_mut()[row..][..length];
-            for (r, q) in r.iter_mut().zip(q) {
-                *r -= self.length * q;
-            }
-            self.squares.add_row(r, r);
-        }
-        self.squares
-    }
+    rows([field]).map(|at| row(at).iter().filter(|&&value| condition(value)).count()).sum()
 }

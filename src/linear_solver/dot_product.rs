@@ -1,20 +1,22 @@
-//! Dot products whose bits do not depend on the order of their terms.
+//! Reproducible dot products: their bits do not depend on the order of their terms.
 //!
-//! Each product is split into a multiple of a coarse and a multiple of a fine spacing, and the multiples are added as
-//! integers, which the compiler does side by side. Method: Demmel & Nguyen (2015) with two bins.
+//! Each product is split into a multiple of a coarse and a multiple of a fine quantum, and the multiples are added as
+//! integers, which the compiler vectorises. The method is indexed summation with two bins \[Demmel2015\].
+//!
+//! * Demmel2015: J. Demmel, H. D. Nguyen, "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015) 2060-2070.
 
 use super::rows::rows;
 use crate::grid::Field;
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
 
-/// Terms that are added as 64-bit integers before they are carried over: each is below 2^51.
+/// Terms that are added as 64-bit integers, each below 2^51, before the sum is carried over to a wider integer.
 const TERMS_BETWEEN_CARRIES: usize = 1024;
 
-/// How far products may exceed the last value of a dot product before its quanta is chosen anew.
+/// How many times as large as the last value of a dot product a term may be before new quanta are chosen.
 const HEADROOM: f64 = 4_294_967_296.0; // 2^32
 
-/// Two quanta for the terms of a sum, from the bound of their magnitude: spacings of 2^-51 and 2^-103 of it.
+/// The two quanta of the terms of a sum: 2^-51 and 2^-103 times a bound of their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TermQuanta {
     /// A power of two.
@@ -22,10 +24,10 @@ struct TermQuanta {
 }
 
 impl TermQuanta {
-    /// Smaller bounds would put the fine spacing out of the range of doubles.
+    /// With a smaller bound the fine quantum would underflow.
     const SMALLEST: f64 = 1.0e-270;
 
-    fn reaching(largest: f64) -> Self {
+    fn spanning(largest: f64) -> Self {
         let mut limit = 1.0_f64;
         while limit < largest {
             limit *= 2.0;
@@ -36,22 +38,23 @@ impl TermQuanta {
         Self { limit }
     }
 
-    /// What is added to a term so that the last bit of the sum stands for one spacing: coarse, fine.
+    /// Added to a term, they give a sum whose last bit stands for one quantum: coarse, fine.
     #[inline(always)]
     fn shifts(self) -> [f64; 2] {
         [3.0 * self.limit, 3.0 * self.limit * 0.5_f64.powi(52)]
     }
 
-    fn spacings(self) -> [f64; 2] {
+    /// The coarse and the fine quantum.
+    fn quanta(self) -> [f64; 2] {
         [self.limit * 0.5_f64.powi(51), self.limit * 0.5_f64.powi(103)]
     }
 }
 
-/// An exact sum of terms rounded to the fine quanta.
+/// An exact sum of terms that are rounded to multiples of the fine quantum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FixedPointSum {
     multiples: [i128; 2],
-    /// Terms beyond the bound, undefined ones (NaN) among them: then the sum has no meaning.
+    /// Number of terms beyond the bound or undefined (NaN). If it is not zero, the sum is meaningless.
     beyond: i64,
 }
 
@@ -59,7 +62,7 @@ impl FixedPointSum {
     const INTEGERS: usize = 5;
     const SPLIT: i128 = 1 << 48;
 
-    /// Adds a_i b_i of a row.
+    /// Adds a_i b_i for all i of a row.
     #[inline(always)]
     fn add_row(&mut self, quanta: TermQuanta, a: &[f64], b: &[f64]) {
         for (a, b) in a.chunks(TERMS_BETWEEN_CARRIES).zip(b.chunks(TERMS_BETWEEN_CARRIES)) {
@@ -103,37 +106,37 @@ impl FixedPointSum {
 
     /// The value, unless a term lay beyond the bound.
     fn value(self, quanta: TermQuanta) -> Option<f64> {
-        let [coarse, fine] = quanta.spacings();
+        let [coarse, fine] = quanta.quanta();
         let [high, low] = self.multiples.map(|sum| sum as f64);
         (self.beyond == 0).then_some(high * coarse + low * fine)
     }
 }
 
-/// A dot product that is formed again and again: its quanta follows its value.
+/// A dot product that is computed again and again; its quanta follow from its last value.
 ///
-/// Of N terms each is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value: as long as
-/// the value keeps its magnitude the relative error is below N 2^-71, and terms are never added in vain. The result
-/// is the same for any order of cells and any number of ranks.
+/// Each of N terms is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value. As long as
+/// the value keeps its magnitude, the relative error is below N 2^-71 and no sum needs to be repeated. The result is the
+/// same for any order of the cells and any number of ranks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DotProduct {
     quanta: TermQuanta,
 }
 
 impl Default for DotProduct {
-    /// With a bound so small that the first product chooses its quanta.
+    /// With a bound of zero, so that the first product chooses its quanta.
     fn default() -> Self {
         Self { quanta: TermQuanta { limit: 0.0 } }
     }
 }
 
 impl DotProduct {
-    /// A sum to which rows are added: [`RunningDot::add_row`].
+    /// Starts a sum, to which rows are added with [`RunningDot::add_row`].
     pub(super) fn begin(self) -> RunningDot {
         RunningDot { quanta: self.quanta, sum: FixedPointSum::default() }
     }
 
-    /// The sum over ranks of what was added up; if terms lay beyond the bound, once more from `a` and `b`.
-    /// Undefined (NaN) if a term is infinite or undefined. Collective.
+    /// The sum over all ranks. If terms lay beyond the bound, it is computed again from `a` and `b`. Undefined (NaN) if a
+    /// term is infinite or undefined. Collective.
     pub(super) fn finish(
         &mut self,
         running: RunningDot,
@@ -142,35 +145,36 @@ impl DotProduct {
     ) -> f64 {
         let value = match total(running, ranks) {
             Some(value) => value,
-            None => match self.anew(a, b, ranks) {
+            None => match self.with_new_quanta(a, b, ranks) {
                 Some(value) => value,
                 None => return f64::NAN,
             },
         };
         if value != 0.0 {
-            self.quanta = TermQuanta::reaching((HEADROOM * value.abs()).min(f64::MAX / 8.0));
+            self.quanta = TermQuanta::spanning((HEADROOM * value.abs()).min(f64::MAX / 8.0));
         }
         value
     }
 
-    /// The dot product of the owned numbers of two fields. Collective.
+    /// The dot product of the owned values of two fields. Collective.
     pub(super) fn of(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> f64 {
         let running = in_wide_vectors(AddRows { running: self.begin(), a, b });
         self.finish(running, [a, b], ranks)
     }
 
-    fn anew(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> Option<f64> {
+    /// Chooses the quanta from the largest term. `None` if that is infinite or undefined.
+    fn with_new_quanta(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> Option<f64> {
         let mut largest = [in_wide_vectors(LargestTerm { a, b })];
         ranks.maximum(&mut largest);
         if largest[0] > f64::MAX / 8.0 {
             return None;
         }
-        self.quanta = TermQuanta::reaching(largest[0]);
+        self.quanta = TermQuanta::spanning(largest[0]);
         total(in_wide_vectors(AddRows { running: self.begin(), a, b }), ranks)
     }
 }
 
-/// A dot product of which some rows are added up, on one rank.
+/// The sum over some rows of one rank.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunningDot {
     quanta: TermQuanta,
@@ -178,7 +182,7 @@ pub(super) struct RunningDot {
 }
 
 impl RunningDot {
-    /// Adds a_i b_i of a row.
+    /// Adds a_i b_i for all i of a row.
     #[inline(always)]
     pub(super) fn add_row(&mut self, a: &[f64], b: &[f64]) {
         self.sum.add_row(self.quanta, a, b);
@@ -226,7 +230,7 @@ impl VectorWork for LargestTerm<'_> {
         for [a, b] in rows([self.a, self.b]) {
             let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
             for (a, b) in a.iter().zip(b) {
-                // Bits of magnitudes are ordered like magnitudes, undefined numbers being the largest.
+                // The bit patterns of magnitudes have the order of the magnitudes, with NaN as the largest.
                 largest = largest.max((a * b).abs().to_bits());
             }
         }

@@ -1,0 +1,99 @@
+//! Which cells of a grid are paired along one axis to form the cells of the next coarser grid.
+
+use crate::grid::LocalCells;
+use std::ops::Range;
+
+/// The cells 2m and 2m + 1 along an axis form a pair, which is the coarse cell m. It belongs to the owner of the first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellPairs {
+    pub(super) axis: usize,
+    pub(super) fine: LocalCells,
+    pub(super) coarse: LocalCells,
+    pub(super) periodic: bool,
+}
+
+/// Fine cells in a row along x whose indices along the axis of the pairs are all even or all odd.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellRun {
+    /// The first cell.
+    pub(super) first: [isize; 3],
+    /// Its index along the axis of the pairs, in the whole grid.
+    pub(super) global_index: usize,
+    /// From one cell to the next along x: 1 or 2.
+    stride: usize,
+    length: usize,
+}
+
+impl CellRun {
+    /// Indices of the cells in a field, from that of the first cell.
+    #[inline(always)]
+    pub(super) fn cells(self, first: usize) -> impl Iterator<Item = usize> {
+        (0..self.length).map(move |i| first + i * self.stride)
+    }
+}
+
+impl CellPairs {
+    /// All owned fine cells.
+    pub(super) fn runs(&self) -> impl Iterator<Item = CellRun> + use<> {
+        let pairs = *self;
+        let [nx, ny, nz] = self.fine.count.map(|count| count as isize);
+        let (parities, stride) = if self.axis == 0 { (nx.min(2), 2) } else { (1, 1) };
+        row_starts([0..1, 0..ny, 0..nz]).flat_map(move |[_, j, k]| {
+            (0..parities).map(move |i| {
+                let first = [i, j, k];
+                let length = ((nx - i) as usize).div_ceil(stride);
+                CellRun { first, global_index: pairs.global_index(first), stride, length }
+            })
+        })
+    }
+
+    /// The first cells of the rows of owned pairs, in the order of `Field::rows`.
+    pub(super) fn coarse_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+        let [_, ny, nz] = self.coarse.count.map(|count| count as isize);
+        row_starts([0..1, 0..ny, 0..nz])
+    }
+
+    /// The index of a fine cell along the axis, in the whole grid.
+    pub(super) fn global_index(&self, cell: [isize; 3]) -> usize {
+        (self.fine.start[self.axis] as isize + cell[self.axis]) as usize
+    }
+
+    /// The first fine cell of a pair.
+    pub(super) fn first_of(&self, pair: [isize; 3]) -> [isize; 3] {
+        let global = 2 * (self.coarse.start[self.axis] as isize + pair[self.axis]);
+        let mut cell = pair;
+        cell[self.axis] = global - self.fine.start[self.axis] as isize;
+        cell
+    }
+
+    /// Whether the pair of a global index is a single cell, above which the grid repeats.
+    pub(super) fn is_single_before_wrap(&self, pair: isize) -> bool {
+        let (cells, pairs) = (self.fine.counts[self.axis], self.coarse.counts[self.axis]);
+        self.periodic && cells % 2 == 1 && pair + 1 == pairs as isize
+    }
+
+    /// Pairs to which values are restricted: owned ones, and the halo across the axes before this one, along which
+    /// restriction continues.
+    pub(super) fn restricted(&self) -> [Range<isize>; 3] {
+        [0, 1, 2].map(|axis| {
+            let count = self.coarse.count[axis] as isize;
+            if axis < self.axis { -2..count + 2 } else { 0..count }
+        })
+    }
+
+    /// Cells to which values are prolonged: owned ones, and one layer of the halo across the axes after this one unless
+    /// this is the last step.
+    pub(super) fn prolonged(&self, last: bool) -> [Range<isize>; 3] {
+        [0, 1, 2].map(|axis| {
+            let count = self.fine.count[axis] as isize;
+            if axis > self.axis && !last { -1..count + 1 } else { 0..count }
+        })
+    }
+}
+
+/// The first cells of rows along x.
+#[inline(always)]
+pub(super) fn row_starts([x, y, z]: [Range<isize>; 3]) -> impl Iterator<Item = [isize; 3]> {
+    let start = x.start;
+    z.flat_map(move |k| y.clone().map(move |j| [start, j, k]))
+}

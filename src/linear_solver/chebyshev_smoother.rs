@@ -1,0 +1,170 @@
+//! Smoothing: three steps of the Chebyshev iteration with the Jacobi preconditioner D^-1 (Saad, "Iterative methods for
+//! sparse linear systems", 2nd edition 2003, algorithm 12.1).
+//!
+//! The eigenvalues of D^-1 A lie in [0, 2], since the diagonal is at least the sum of the other coefficients of its
+//! row. The polynomial is small on [`SMOOTHED`], the part of the spectrum that coarse grids do not represent. It is the
+//! same before and after the coarse-grid correction, so that the cycle is symmetric.
+
+use super::operator::{Coefficients, StencilRow};
+use super::rows::rows;
+use crate::grid::Field;
+use crate::numbers::{VectorWork, in_wide_vectors};
+
+/// Eigenvalues of D^-1 A that are smoothed. Waves shorter than four cells along one axis have eigenvalues of at least
+/// 1/3; where coefficients jump, coarse grids also fail to represent some smaller ones.
+const SMOOTHED: [f64; 2] = [0.2, 2.0];
+
+/// x_1 = x_0 + FIRST D^-1 r_0.
+const FIRST: f64 = 2.0 / (SMOOTHED[0] + SMOOTHED[1]);
+
+/// For x_2 and x_3.
+const NEXT: [Recurrence; 2] = Recurrence::chebyshev(SMOOTHED);
+
+/// x_(n+1) = x_n + momentum (x_n - x_(n-1)) + step D^-1 r_n.
+#[derive(Clone, Copy, Debug)]
+struct Recurrence {
+    momentum: f64,
+    step: f64,
+}
+
+impl Recurrence {
+    /// The coefficients of the Chebyshev iteration on an interval of eigenvalues.
+    const fn chebyshev([lower, upper]: [f64; 2]) -> [Self; 2] {
+        let half_width = 0.5 * (upper - lower);
+        let sigma = 0.5 * (upper + lower) / half_width;
+        let first = 1.0 / sigma;
+        let second = 1.0 / (2.0 * sigma - first);
+        let third = 1.0 / (2.0 * sigma - second);
+        [
+            Self { momentum: second * first, step: 2.0 * second / half_width },
+            Self { momentum: third * second, step: 2.0 * third / half_width },
+        ]
+    }
+}
+
+/// A x = b with the inverse of the diagonal D of A.
+#[derive(Clone, Copy)]
+pub(super) struct System<'a> {
+    pub(super) coefficients: &'a Coefficients,
+    pub(super) inverse_diagonal: &'a Field,
+    pub(super) right_hand_side: &'a Field,
+}
+
+/// Smooths from x_0 = 0, or from the x_0 in `solution`, whose halo is then current. After: the halo of `solution` is
+/// current; `scratch` is overwritten.
+pub(super) fn smooth(
+    system: System,
+    [solution, scratch]: [&mut Field; 2],
+    from_zero: bool,
+    mut refresh: impl FnMut(&mut Field),
+) {
+    if from_zero {
+        in_wide_vectors(FirstFromZero { system, next: scratch });
+        refresh(scratch);
+        in_wide_vectors(Next::<true> {
+            system,
+            recurrence: NEXT[0],
+            present: scratch,
+            last: solution,
+        });
+    } else {
+        in_wide_vectors(First { system, solution, next: scratch });
+        refresh(scratch);
+        in_wide_vectors(Next::<false> {
+            system,
+            recurrence: NEXT[0],
+            present: scratch,
+            last: solution,
+        });
+    }
+    refresh(solution);
+    in_wide_vectors(Next::<false> {
+        system,
+        recurrence: NEXT[1],
+        present: solution,
+        last: scratch,
+    });
+    std::mem::swap(solution, scratch);
+    refresh(solution);
+}
+
+/// x_1 from x_0 = 0.
+struct FirstFromZero<'a> {
+    system: System<'a>,
+    next: &'a mut Field,
+}
+
+impl VectorWork for FirstFromZero<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let length = self.next.count()[0];
+        for [row, right] in rows([&*self.next, self.system.right_hand_side]) {
+            let right = &self.system.right_hand_side.values()[right..][..length];
+            let inverse = &self.system.inverse_diagonal.values()[row..][..length];
+            for (i, next) in self.next.values_mut()[row..][..length].iter_mut().enumerate() {
+                *next = FIRST * (inverse[i] * right[i]);
+            }
+        }
+    }
+}
+
+/// x_1 from x_0.
+struct First<'a> {
+    system: System<'a>,
+    solution: &'a Field,
+    next: &'a mut Field,
+}
+
+impl VectorWork for First<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { system, solution, next } = self;
+        let length = next.count()[0];
+        for [row, first, right] in
+            rows([&*next, &system.coefficients.diagonal, system.right_hand_side])
+        {
+            let stencil = StencilRow::new((system.coefficients, first), (solution, row), length);
+            let right = &system.right_hand_side.values()[right..][..length];
+            let inverse = &system.inverse_diagonal.values()[row..][..length];
+            let x = stencil.centre();
+            for (i, next) in next.values_mut()[row..][..length].iter_mut().enumerate() {
+                *next = x[i] + FIRST * (inverse[i] * (right[i] - stencil.apply(i)));
+            }
+        }
+    }
+}
+
+/// x_(n+1) from x_n; overwrites x_(n-1), or what stands there if x_(n-1) is zero.
+struct Next<'a, const FROM_ZERO: bool> {
+    system: System<'a>,
+    recurrence: Recurrence,
+    present: &'a Field,
+    last: &'a mut Field,
+}
+
+impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { system, recurrence: Recurrence { momentum, step }, present, last } = self;
+        let length = last.count()[0];
+        for [row, first, right] in
+            rows([&*last, &system.coefficients.diagonal, system.right_hand_side])
+        {
+            let stencil = StencilRow::new((system.coefficients, first), (present, row), length);
+            let right = &system.right_hand_side.values()[right..][..length];
+            let inverse = &system.inverse_diagonal.values()[row..][..length];
+            let x = stencil.centre();
+            for (i, value) in last.values_mut()[row..][..length].iter_mut().enumerate() {
+                let last = if FROM_ZERO { 0.0 } else { *value };
+                let scaled = inverse[i] * (right[i] - stencil.apply(i));
+                *value = x[i] + (momentum * (x[i] - last) + step * scaled);
+            }
+        }
+    }
+}

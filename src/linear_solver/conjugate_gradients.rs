@@ -1,0 +1,258 @@
+//! Conjugate gradients with a multigrid preconditioner M (Saad, "Iterative methods for sparse linear systems",
+//! 2nd edition 2003, algorithm 9.1):
+//!
+//! ```text
+//! z = M r,   beta = (r . z) / (r . z)_last,   p <- z + beta p,
+//! q = A p,   alpha = (r . z) / (p . q),       x <- x + alpha p,   r <- r - alpha q.
+//! ```
+
+use super::convergence::LinearSolverError;
+use super::dot_product::{DotProduct, RunningDot};
+use super::multigrid::{Cycle, Multigrid};
+use super::operator::{Equation, apply, residual};
+use super::rows::rows;
+use crate::grid::{Field, LocalCells};
+use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::parallel::{Communicator, FieldHalo};
+
+/// Iterations after which a solve is given up.
+const ITERATION_LIMIT: usize = 200;
+
+/// The vectors of the iteration.
+#[derive(Clone, Debug)]
+pub(super) struct ConjugateGradients {
+    /// r
+    residual: Field,
+    /// z = M r
+    preconditioned: Field,
+    /// p
+    direction: Field,
+    /// q = A p
+    applied: Field,
+}
+
+/// How far a solve has come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solved {
+    /// Iterations done.
+    pub(super) iterations: usize,
+    /// |b - A x|.
+    pub(super) residual: f64,
+}
+
+/// The preconditioner, and the halo of the vectors that it and the operator are applied to.
+pub(super) struct Preconditioner<'a> {
+    pub(super) multigrid: &'a mut Multigrid,
+    pub(super) halo: &'a mut FieldHalo,
+}
+
+/// What is kept when the iteration is restarted: the magnitudes of the dot products, and the kind of cycle.
+#[derive(Clone, Copy, Debug)]
+struct Restart {
+    /// r . r
+    squared_residual: DotProduct,
+    /// r . z
+    residual_dot_preconditioned: DotProduct,
+    /// p . A p
+    curvature: DotProduct,
+    /// V once W was found not to be positive definite.
+    cycle: Cycle,
+    iterations: usize,
+}
+
+impl Restart {
+    fn new() -> Self {
+        let dot = DotProduct::default();
+        Self {
+            squared_residual: dot,
+            residual_dot_preconditioned: dot,
+            curvature: dot,
+            cycle: Cycle::W,
+            iterations: 0,
+        }
+    }
+}
+
+impl ConjugateGradients {
+    pub(super) fn new(cells: &LocalCells) -> Self {
+        let zero = || Field::new(cells, 1);
+        Self { residual: zero(), preconditioned: zero(), direction: zero(), applied: zero() }
+    }
+
+    /// A vector that may be overwritten between two solves.
+    pub(super) fn scratch(&mut self) -> &mut Field {
+        &mut self.applied
+    }
+
+    /// Improves the solution until |b - A x|, computed from the solution itself, is as small as allowed or as rounding
+    /// permits. The iteration is restarted if only the residual that it updates is small. Collective.
+    pub(super) fn solve(
+        &mut self,
+        equation: &mut Equation,
+        mut preconditioner: Preconditioner,
+        allowed: f64,
+        ranks: &dyn Communicator,
+    ) -> Result<Solved, LinearSolverError> {
+        let mut restart = Restart::new();
+        loop {
+            preconditioner.halo.refresh(&mut [&mut *equation.solution], ranks);
+            residual(equation, &mut self.residual);
+            let norm = restart.squared_residual.of(&self.residual, &self.residual, ranks).sqrt();
+            if !(norm + allowed).is_finite() {
+                return Err(LinearSolverError::NotFinite);
+            }
+            let iterations = restart.iterations;
+            if norm <= allowed || (iterations > 0 && norm <= self.rounding(equation, ranks)) {
+                return Ok(Solved { iterations, residual: norm });
+            }
+            self.iterate(equation, &mut preconditioner, &mut restart, [norm, allowed], ranks)?;
+        }
+    }
+
+    /// The rounding error of b - A x: 2^-52 |D x|, D being the diagonal of A. No solution in double precision has a
+    /// residual much below it. Collective.
+    fn rounding(&mut self, equation: &Equation, ranks: &dyn Communicator) -> f64 {
+        equation.coefficients.scale_by_diagonal(equation.solution, &mut self.applied);
+        DotProduct::default().of(&self.applied, &self.applied, ranks).sqrt() * f64::EPSILON
+    }
+
+    /// Iterates from the residual at hand, whose norm is given, until the norm of the updated residual is allowed.
+    fn iterate(
+        &mut self,
+        equation: &mut Equation,
+        preconditioner: &mut Preconditioner,
+        restart: &mut Restart,
+        [mut norm, allowed]: [f64; 2],
+        ranks: &dyn Communicator,
+    ) -> Result<(), LinearSolverError> {
+        let mut last_product = f64::INFINITY;
+        while norm > allowed {
+            let failed = LinearSolverError::NotConverged {
+                iterations: restart.iterations,
+                residual: norm,
+                allowed,
+            };
+            if restart.iterations == ITERATION_LIMIT {
+                return Err(failed);
+            }
+            let mut product = self.precondition(equation, preconditioner, restart, ranks);
+            if product <= 0.0 {
+                restart.cycle = Cycle::V;
+                last_product = f64::INFINITY;
+                product = self.precondition(equation, preconditioner, restart, ranks);
+            }
+            self.update_direction(product / last_product);
+            last_product = product;
+            preconditioner.halo.refresh(&mut [&mut self.direction], ranks);
+            let squared_norm = self.update_solution(equation, restart, product, ranks);
+            if !squared_norm.is_finite() {
+                return Err(failed);
+            }
+            norm = squared_norm.sqrt();
+            restart.iterations += 1;
+        }
+        Ok(())
+    }
+
+    /// z = M r; returns r . z. Collective.
+    fn precondition(
+        &mut self,
+        equation: &Equation,
+        preconditioner: &mut Preconditioner,
+        restart: &mut Restart,
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        let mut correction = Equation {
+            coefficients: equation.coefficients,
+            right_hand_side: &self.residual,
+            solution: &mut self.preconditioned,
+        };
+        preconditioner.multigrid.cycle(&mut correction, restart.cycle, ranks);
+        restart.residual_dot_preconditioned.of(&self.residual, &self.preconditioned, ranks)
+    }
+
+    /// p <- z + beta p.
+    fn update_direction(&mut self, beta: f64) {
+        let Self { preconditioned, direction, .. } = self;
+        in_wide_vectors(UpdateDirection { beta, preconditioned, direction });
+    }
+
+    /// q = A p, x <- x + alpha p, r <- r - alpha q with alpha = (r . z) / (p . q); returns r . r. Before: the halo of
+    /// p is current. Collective.
+    fn update_solution(
+        &mut self,
+        equation: &mut Equation,
+        restart: &mut Restart,
+        residual_dot_preconditioned: f64,
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        let Self { residual, direction, applied, .. } = self;
+        let dot = restart.curvature.begin();
+        let dot = apply(equation.coefficients, direction, applied, dot);
+        let curvature = restart.curvature.finish(dot, [direction, applied], ranks);
+        let squared_residual = in_wide_vectors(UpdateSolution {
+            alpha: residual_dot_preconditioned / curvature,
+            direction,
+            applied,
+            solution: equation.solution,
+            residual,
+            squared_residual: restart.squared_residual.begin(),
+        });
+        restart.squared_residual.finish(squared_residual, [residual, residual], ranks)
+    }
+}
+
+/// p <- z + beta p.
+struct UpdateDirection<'a> {
+    beta: f64,
+    preconditioned: &'a Field,
+    direction: &'a mut Field,
+}
+
+impl VectorWork for UpdateDirection<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let length = self.direction.count()[0];
+        for [row] in rows([self.direction]) {
+            let preconditioned = &self.preconditioned.values()[row..][..length];
+            let direction = &mut self.direction.values_mut()[row..][..length];
+            for (p, z) in direction.iter_mut().zip(preconditioned) {
+                *p = z + self.beta * *p;
+            }
+        }
+    }
+}
+
+/// x <- x + alpha p, r <- r - alpha q, and r . r.
+struct UpdateSolution<'a> {
+    alpha: f64,
+    direction: &'a Field,
+    applied: &'a Field,
+    solution: &'a mut Field,
+    residual: &'a mut Field,
+    squared_residual: RunningDot,
+}
+
+impl VectorWork for UpdateSolution<'_> {
+    type Output = RunningDot;
+
+    #[inline(always)]
+    fn run(mut self) -> RunningDot {
+        let length = self.direction.count()[0];
+        for [row] in rows([self.direction]) {
+            let p = &self.direction.values()[row..][..length];
+            for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {
+                *x += self.alpha * p;
+            }
+            let q = &self.applied.values()[row..][..length];
+            let r = &mut self.residual.values_mut()[row..][..length];
+            for (r, q) in r.iter_mut().zip(q) {
+                *r -= self.alpha * q;
+            }
+            self.squared_residual.add_row(r, r);
+        }
+        self.squared_residual
+    }
+}

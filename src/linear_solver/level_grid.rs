@@ -1,0 +1,99 @@
+//! The grid of a level. Which cells a coarser grid keeps follows from the whole grid alone, so that the solution does
+//! not depend on the decomposition.
+
+use crate::domain::{Decomposition, RankGrid, Subdomain};
+use crate::grid::{BoxGrid, LocalCells};
+use crate::parallel::FieldHalo;
+
+/// Axes are coarsened along which cells are at most this many times as wide as along the narrowest axis. The coupling
+/// goes with the inverse square of the width: along wider cells it is below half of the strongest.
+const LARGEST_ASPECT: f64 = 1.5;
+
+/// Every rank holds levels of up to this many cells as a whole: messages would take longer than the work.
+const LARGEST_REPLICATED: usize = 1024;
+
+/// Halos of distributed levels are two cells wide.
+const NARROWEST: usize = 2;
+
+/// The whole grid of a level, and which cells each rank owns.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LevelGrid {
+    counts: [usize; 3],
+    spacing: [f64; 3],
+    periodic: [bool; 3],
+    /// First cells of the subdomains along each axis, and the number of cells.
+    starts: [Vec<usize>; 3],
+}
+
+impl LevelGrid {
+    pub(super) fn finest(grid: &BoxGrid, decomposition: &Decomposition) -> Self {
+        let counts = grid.counts();
+        let starts = [0, 1, 2].map(|axis| {
+            decomposition
+                .cut_planes(axis)
+                .iter()
+                .map(|&plane| grid.nearest_face(axis, plane))
+                .collect()
+        });
+        let periodic = [0, 1, 2].map(|axis| grid.is_periodic(axis));
+        Self { counts, spacing: grid.spacing().into(), periodic, starts }
+    }
+
+    pub(super) fn cells(&self) -> usize {
+        self.counts.iter().product()
+    }
+
+    pub(super) fn periodic(&self) -> [bool; 3] {
+        self.periodic
+    }
+
+    /// Axes along which the next level keeps every other cell: those with the narrowest cells, and with more than one.
+    pub(super) fn axes_to_coarsen(&self) -> Vec<usize> {
+        let divisible = |axis: &usize| self.counts[*axis] > 1;
+        let narrowest =
+            (0..3).filter(divisible).map(|axis| self.spacing[axis]).fold(f64::INFINITY, f64::min);
+        (0..3)
+            .filter(divisible)
+            .filter(|&axis| self.spacing[axis] <= LARGEST_ASPECT * narrowest)
+            .collect()
+    }
+
+    /// The grid of the cells with even indices along an axis. Each keeps its owner.
+    pub(super) fn coarsened(&self, axis: usize) -> Self {
+        let mut coarse = self.clone();
+        coarse.counts[axis] = self.counts[axis].div_ceil(2);
+        coarse.spacing[axis] *= 2.0;
+        coarse.starts[axis].iter_mut().for_each(|first| *first = first.div_ceil(2));
+        coarse
+    }
+
+    /// The same grid, of which every rank holds all cells.
+    pub(super) fn replicated(&self) -> Self {
+        let starts = self.counts.map(|count| vec![0, count]);
+        Self { starts, ..self.clone() }
+    }
+
+    /// Whether every rank holds the level as a whole: it is small, or too narrow on some rank.
+    pub(super) fn is_replicated(&self) -> bool {
+        let narrow = |starts: &Vec<usize>| {
+            starts.len() > 2 && starts.windows(2).any(|pair| pair[1] - pair[0] < NARROWEST)
+        };
+        self.cells() <= LARGEST_REPLICATED || self.starts.iter().any(narrow)
+    }
+
+    /// The cells that a rank holds: those of its subdomain, or all cells of a replicated level.
+    pub(super) fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
+        let block = subdomain.decomposition.grid().block_of(subdomain.rank);
+        // A replicated level consists of one block.
+        let block = [0, 1, 2].map(|axis| block[axis].min(self.starts[axis].len() - 2));
+        let start = [0, 1, 2].map(|axis| self.starts[axis][block[axis]]);
+        let count = [0, 1, 2].map(|axis| self.starts[axis][block[axis] + 1] - start[axis]);
+        LocalCells { counts: self.counts, start, count }
+    }
+}
+
+/// The halo of fields on a replicated level: through periodic faces a rank is its own neighbour.
+pub(super) fn replicated_halo(subdomain: Subdomain) -> FieldHalo {
+    let undivided = Decomposition::even(RankGrid([1; 3]), subdomain.bounds);
+    FieldHalo::new(undivided.subdomain(subdomain.bounds, 0))
+}

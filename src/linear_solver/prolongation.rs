@@ -1,0 +1,178 @@
+//! Restriction and prolongation along one axis, with the weights of [`Interpolation`].
+//!
+//! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c) r_c
+//! from its own cells and t_c r_c from the cells beside it.
+
+use super::cell_pairs::row_starts;
+use super::interpolation::Interpolation;
+use crate::grid::Field;
+use crate::numbers::{VectorWork, in_wide_vectors};
+
+impl Interpolation {
+    /// Restricts values from cells to pairs. Before: the halo of `fine`, two cells wide, is current.
+    pub(super) fn restrict(&self, fine: &Field, coarse: &mut Field) {
+        in_wide_vectors(Restrict { interpolation: self, fine, coarse });
+    }
+
+    /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this one.
+    pub(super) fn prolong(&self, coarse: &Field, fine: &mut Field) {
+        in_wide_vectors(Prolong::<false> { interpolation: self, coarse, fine });
+    }
+
+    /// Adds the prolonged values to owned cells.
+    pub(super) fn correct(&self, coarse: &Field, fine: &mut Field) {
+        in_wide_vectors(Prolong::<true> { interpolation: self, coarse, fine });
+    }
+}
+
+struct Restrict<'a> {
+    interpolation: &'a Interpolation,
+    fine: &'a Field,
+    coarse: &'a mut Field,
+}
+
+impl VectorWork for Restrict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { interpolation: Interpolation { pairs, weight, .. }, fine, coarse } = self;
+        let ranges = pairs.restricted();
+        let length = ranges[0].len();
+        let stride = fine.strides()[pairs.axis];
+        let (weight, values) = (weight.values(), fine.values());
+        for pair in row_starts(ranges) {
+            let first = fine.index(pairs.first_of(pair));
+            let to = coarse.index(pair);
+            let sums = &mut coarse.values_mut()[to..][..length];
+            let global = pairs.coarse.start[pairs.axis] as isize + pair[pairs.axis];
+            if pairs.axis == 0 {
+                restrict_along_x(&weight[first - 1..], &values[first - 1..], sums);
+                let last = length - 1;
+                if pairs.is_single_before_wrap(global + last as isize) {
+                    sums[last] = restrict_single(weight, values, first + 2 * last, 1);
+                }
+            } else if pairs.is_single_before_wrap(global) {
+                for (i, sum) in sums.iter_mut().enumerate() {
+                    *sum = restrict_single(weight, values, first + i, stride);
+                }
+            } else {
+                let rows = [first - stride, first, first + stride, first + 2 * stride];
+                restrict_across_x(rows.map(|row| [&weight[row..], &values[row..]]), sums);
+            }
+        }
+    }
+}
+
+/// What a pair of a single cell receives from it and from the cells below and above.
+#[inline(always)]
+fn restrict_single(weight: &[f64], values: &[f64], cell: usize, stride: usize) -> f64 {
+    let own = (1.0 - weight[cell]) * values[cell];
+    let next = |cell: usize| weight[cell] * values[cell];
+    own + (next(cell - stride) + next(cell + stride))
+}
+
+/// What pairs along x receive; the slices start one cell below the first pair.
+#[inline(always)]
+fn restrict_along_x(weight: &[f64], values: &[f64], sums: &mut [f64]) {
+    let cells = 2 * sums.len() + 2;
+    let (weight, values) = (&weight[..cells], &values[..cells]);
+    for (m, sum) in sums.iter_mut().enumerate() {
+        let own = |cell: usize| (1.0 - weight[cell]) * values[cell];
+        let next = |cell: usize| weight[cell] * values[cell];
+        let below = 2 * m;
+        *sum = (own(below + 1) + own(below + 2)) + (next(below) + next(below + 3));
+    }
+}
+
+/// What pairs across x receive from four rows, each of weights and values: the row below, their own two, the row above.
+#[inline(always)]
+fn restrict_across_x(rows: [[&[f64]; 2]; 4], sums: &mut [f64]) {
+    let length = sums.len();
+    let [below, first, second, above] = rows.map(|row| row.map(|values| &values[..length]));
+    for (i, sum) in sums.iter_mut().enumerate() {
+        let own = |[weight, values]: [&[f64]; 2]| (1.0 - weight[i]) * values[i];
+        let next = |[weight, values]: [&[f64]; 2]| weight[i] * values[i];
+        *sum = (own(first) + own(second)) + (next(below) + next(above));
+    }
+}
+
+/// Sets the values of cells, or adds to them if `CORRECT`.
+struct Prolong<'a, const CORRECT: bool> {
+    interpolation: &'a Interpolation,
+    coarse: &'a Field,
+    fine: &'a mut Field,
+}
+
+impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { interpolation: Interpolation { pairs, weight, .. }, coarse, fine } = self;
+        let axis = pairs.axis;
+        let ranges = pairs.prolonged(CORRECT);
+        let length = ranges[0].len();
+        let stride = coarse.strides()[axis];
+        for cell in row_starts(ranges) {
+            let global = pairs.global_index(cell);
+            let mut own = cell;
+            own[axis] = (global / 2) as isize - pairs.coarse.start[axis] as isize;
+            let own = coarse.index(own);
+            let coarse = coarse.values();
+            let to = fine.index(cell);
+            let weight = &weight.values()[weight.index(cell)..][..length];
+            let values = &mut fine.values_mut()[to..][..length];
+            if axis == 0 {
+                prolong_along_x::<CORRECT>(weight, &coarse[own - 1..], global, values);
+            } else {
+                let next = if global % 2 == 1 { own + stride } else { own - stride };
+                let pairs = [&coarse[own..], &coarse[next..]];
+                prolong_across_x::<CORRECT>(weight, pairs, values);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn put<const CORRECT: bool>(value: &mut f64, weight: f64, own: f64, next: f64) {
+    let interpolated = (1.0 - weight) * own + weight * next;
+    *value = if CORRECT { *value + interpolated } else { interpolated };
+}
+
+/// Cells along x, the first of which has this global index. The slice of pairs starts one below the pair of the first
+/// cell.
+#[inline(always)]
+fn prolong_along_x<const CORRECT: bool>(
+    weight: &[f64],
+    pairs: &[f64],
+    global_index: usize,
+    values: &mut [f64],
+) {
+    let odd = global_index % 2;
+    let (single, doubles) = values.split_at_mut(odd.min(values.len()));
+    for value in single {
+        put::<CORRECT>(value, weight[0], pairs[1], pairs[2]);
+    }
+    let (weight, pairs) = (&weight[odd..], &pairs[odd..]);
+    let half = doubles.len() / 2;
+    let windows = &pairs[..half + 2];
+    for (m, (two, weight)) in doubles.chunks_exact_mut(2).zip(weight.chunks_exact(2)).enumerate() {
+        let [below, own, above] = [windows[m], windows[m + 1], windows[m + 2]];
+        put::<CORRECT>(&mut two[0], weight[0], own, below);
+        put::<CORRECT>(&mut two[1], weight[1], own, above);
+    }
+    if doubles.len() % 2 == 1 {
+        let last = doubles.len() - 1;
+        put::<CORRECT>(&mut doubles[last], weight[last], pairs[half + 1], pairs[half]);
+    }
+}
+
+/// Cells of a row, from the rows of their own pairs and of the next ones.
+#[inline(always)]
+fn prolong_across_x<const CORRECT: bool>(weight: &[f64], pairs: [&[f64]; 2], values: &mut [f64]) {
+    let [own, next] = pairs.map(|pairs| &pairs[..values.len()]);
+    for (i, value) in values.iter_mut().enumerate() {
+        put::<CORRECT>(value, weight[i], own[i], next[i]);
+    }
+}
