@@ -1,34 +1,34 @@
-//! Cut planes that give every rank about the same work.
+//! Load balancing: cut planes that give every rank about the same work.
 
 use super::Communicator;
 use crate::domain::{Bounds, Decomposition};
 use nalgebra::Vector3;
 use std::time::Duration;
 
-/// Bins of the histogram that cut planes are chosen from, per axis.
+/// Number of bins, along each axis, of the histogram from which cut planes are chosen.
 const BINS: usize = 1024;
 
-/// What a particle of mean cost counts in the histogram.
-const UNIT: f64 = 1024.0;
+/// Weight in the histogram of a particle of mean cost.
+const MEAN_WEIGHT: f64 = 1024.0;
 
-/// Bounds of a particle's cost over the mean one. Particles in flight cost a tenth of those at rest on others; a time
-/// that was badly measured is not believed beyond.
-const COSTS: [f64; 2] = [0.1, 10.0];
+/// Range of a particle's cost relative to the mean. Particles in flight cost a tenth of those at rest on others; a ratio
+/// outside this range is taken for an error of the measured time.
+const COST_RANGE: [f64; 2] = [0.1, 10.0];
 
-/// How evenly work lies on the ranks.
+/// How evenly the work is distributed over the ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RankLoad {
-    /// Largest over mean of the ranks' times, or of their particle counts where no time is known; 1 without any.
+    /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no particles.
     pub imbalance: f64,
-    /// Time per particle of this rank, over that of all.
+    /// Time per particle of this rank, relative to that of all ranks.
     cost: f64,
 }
 
 impl RankLoad {
-    /// Before any time is known: all particles cost the same.
+    /// The load before any time is known: all particles cost the same.
     pub const UNKNOWN: Self = Self { imbalance: f64::INFINITY, cost: 1.0 };
 
-    /// From the time that this rank has spent on its particles, without waiting, and their number. Collective.
+    /// From the processor time that this rank has spent on its particles, waiting excluded, and their number. Collective.
     pub fn measured(particles: usize, time: Duration, ranks: &dyn Communicator) -> Self {
         let mut sums = [particles as i64, time.as_nanos() as i64];
         let mut largest = sums.map(|own| own as f64);
@@ -44,13 +44,13 @@ impl RankLoad {
             return Self { imbalance: imbalance(known), cost: 1.0 };
         }
         let cost = (time.as_nanos() as f64 / particles as f64) / (all_time / all_particles);
-        Self { imbalance: imbalance(1), cost: cost.clamp(COSTS[0], COSTS[1]) }
+        Self { imbalance: imbalance(1), cost: cost.clamp(COST_RANGE[0], COST_RANGE[1]) }
     }
 
-    /// The same rank grid with cut planes through the quantiles of the cost over the particles' coordinates, blocks
-    /// being at least `least_width` wide. Collective; positions are those of owned particles, wrapped.
+    /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are at
+    /// least `least_width` wide; `positions` are those of the owned particles, wrapped. Collective.
     ///
-    /// The planes change who works on what, never a result.
+    /// The planes change which rank does which work, never a result.
     pub fn balanced(
         &self,
         decomposition: &Decomposition,
@@ -59,7 +59,7 @@ impl RankLoad {
         least_width: f64,
         ranks: &dyn Communicator,
     ) -> Decomposition {
-        let weight = (self.cost * UNIT).round() as i64;
+        let weight = (self.cost * MEAN_WEIGHT).round() as i64;
         let cut_planes = std::array::from_fn(|axis| {
             let n = decomposition.grid().0[axis];
             if n == 1 {
@@ -68,7 +68,7 @@ impl RankLoad {
             let length = bounds.lengths()[axis];
             let mut histogram = vec![0_i64; BINS];
             for position in positions.clone() {
-                let bin = (position[axis] / length * BINS as f64) as usize; // negative: bin 0
+                let bin = (position[axis] / length * BINS as f64) as usize; // a negative number becomes bin 0
                 histogram[bin.min(BINS - 1)] += weight;
             }
             ranks.sum_integers(&mut histogram);
@@ -78,13 +78,13 @@ impl RankLoad {
     }
 }
 
-/// n + 1 planes from 0 to `length` that divide the histogram evenly, at least `least_width` apart.
+/// n + 1 planes from 0 to `length` that divide the histogram into equal parts, at least `least_width` apart.
 fn quantiles(histogram: &[i64], n: usize, length: f64, least_width: f64) -> Vec<f64> {
     let total: i64 = histogram.iter().sum();
     let bin_width = length / histogram.len() as f64;
     let mut planes = vec![0.0];
     let mut bin = 0;
-    let mut below = 0; // in the bins before `bin`
+    let mut below = 0; // sum of the bins below `bin`
     for plane in 1..n {
         let target = total as f64 * plane as f64 / n as f64;
         while bin < histogram.len() && ((below + histogram[bin]) as f64) < target {
@@ -111,7 +111,7 @@ mod tests {
 
     /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles of
     /// which those below a third cost three times as much.
-    fn imbalance_of_a_bed_with_a_dense_bottom(see_time: bool) -> f64 {
+    fn imbalance_of_a_bed_with_a_dense_bottom(by_time: bool) -> f64 {
         let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
         let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
         let found = run_on_threads(4, |ranks| {
@@ -124,8 +124,8 @@ mod tests {
                 let cost: u64 = own.iter().map(|z| if *z < 16.0 / 3.0 { 30 } else { 10 }).sum();
                 load = RankLoad::measured(own.len(), Duration::from_micros(cost), ranks);
                 let positions = own.iter().map(|&z| Vector3::new(2.0, 2.0, z));
-                let seen = if see_time { load } else { RankLoad::UNKNOWN };
-                decomposition = seen.balanced(&decomposition, positions, &bounds, 0.5, ranks);
+                let used = if by_time { load } else { RankLoad::UNKNOWN };
+                decomposition = used.balanced(&decomposition, positions, &bounds, 0.5, ranks);
             }
             load.imbalance
         });
@@ -133,16 +133,16 @@ mod tests {
     }
 
     #[test]
-    fn what_costs_more_is_shared_among_more_ranks() {
-        // The plane at a third falls into a slab whose particles are taken for equal: the planes close in on it.
+    fn expensive_particles_are_shared_among_more_ranks() {
+        // Within a slab all particles count the same: the planes approach the height of a third in several rounds.
         let found = imbalance_of_a_bed_with_a_dense_bottom(true);
         assert!(found < 1.03, "{found}");
-        // Control: equal counts are not equal work.
+        // Negative control: equal counts are not equal work.
         assert!(imbalance_of_a_bed_with_a_dense_bottom(false) > 1.4);
     }
 
     #[test]
-    fn without_times_particles_count_and_without_particles_nothing_does() {
+    fn without_measured_times_the_imbalance_is_that_of_particle_counts() {
         let of = |counts: [usize; 2], times: [u64; 2]| {
             run_on_threads(2, |ranks| {
                 let time = Duration::from_micros(times[ranks.rank()]);
@@ -153,14 +153,14 @@ mod tests {
             of([300, 100], [0, 0]).iter().all(|load| load.imbalance == 1.5 && load.cost == 1.0)
         );
         assert!(of([0, 0], [0, 0]).iter().all(|load| load.imbalance == 1.0));
-        // What cannot be is not believed.
+        // Costs outside the range are limited.
         let uneven = of([100, 100], [100, 9_900]);
         assert_eq!(uneven.iter().map(|load| load.cost).collect::<Vec<_>>(), [0.1, 1.98]);
         assert_eq!(uneven[0].imbalance, 1.98);
     }
 
     #[test]
-    fn planes_divide_the_particles_evenly() {
+    fn cut_planes_divide_the_particles_evenly() {
         let mut histogram = vec![0; 100];
         histogram[..40].fill(10); // all in the lowest 40 % of a box of length 10
         let planes = quantiles(&histogram, 4, 10.0, 0.5);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_stay_wide_enough_whatever_the_particles_do() {
+    fn subdomains_are_never_narrower_than_the_least_width() {
         for histogram in [vec![0; 10], vec![100, 0, 0, 0], vec![0, 0, 0, 100]] {
             let planes = quantiles(&histogram, 3, 9.0, 2.5);
             let widths: Vec<f64> = planes.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,14 +1,14 @@
-//! Halos of fields: copies of the cells next to a rank's part of the grid.
+//! Halos of fields: copies of the neighbours' cells around a rank's own.
 //!
-//! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
-//! corners need no messages of their own.
+//! They are exchanged axis by axis. Cells received along one axis are sent on along the next, so that edges and corners
+//! need no messages of their own.
 
 use super::{AxisNeighbours, Communicator};
 use crate::domain::Subdomain;
 use crate::grid::Field;
 use std::ops::Range;
 
-/// Who has the cells next to this rank's, and buffers for what travels.
+/// The neighbours of a rank, and the buffers of the exchange.
 #[derive(Clone, Debug)]
 pub struct FieldHalo {
     rank: usize,
@@ -50,11 +50,11 @@ impl FieldHalo {
         self.neighbours[axis]
     }
 
-    /// Fills the halos from the owners. What lies beyond a face of the box that is not periodic is nobody's: there
-    /// a halo stays as it is, but takes from the neighbours along the face what they hold beyond it.
+    /// Fills the halos from the owners. Collective. Cells beyond a face of the box that is not periodic have no owner: there
+    /// a halo stays as it is, except that it takes from the neighbours along the face what they hold beyond it.
     ///
-    /// Before: owned cells are current; along an axis that is cut, parts are at least a halo wide. After: halo
-    /// cells equal their owners'.
+    /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
+    /// After: halo cells equal those of their owners.
     pub fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         for axis in 0..3 {
             if self.neighbours[axis] == [Some(self.rank); 2] {
@@ -71,8 +71,8 @@ impl FieldHalo {
         }
     }
 
-    /// Adds what halos hold to their owners, and leaves the halos zero, but those beyond faces of the box
-    /// that are not periodic. The numbers must lie on one lattice: then their sums are exact.
+    /// Adds the values in halos to those of their owners, and sets the halos to zero, except for those beyond faces of the
+    /// box that are not periodic. The values must be multiples of one quantum, so that their sums are exact. Collective.
     pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         for axis in (0..3).rev() {
             if self.neighbours[axis] == [Some(self.rank); 2] {
@@ -120,13 +120,13 @@ impl FieldHalo {
         ranks.exchange(neighbours, outgoing, &mut self.incoming);
     }
 
-    /// Joins what came from below and above to rows of the fields.
+    /// Combines what was received from below and above with rows of the fields.
     fn receive<R: Iterator<Item = Range<usize>>>(
         &self,
         axis: usize,
         fields: &mut [&mut Field],
         rows: impl Fn(&Field, usize) -> R,
-        join: impl Fn(&mut f64, f64),
+        combine: impl Fn(&mut f64, f64),
     ) {
         for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
             let mut numbers = self.incoming[side]
@@ -135,14 +135,14 @@ impl FieldHalo {
             for field in fields.iter_mut() {
                 for row in rows(field, side) {
                     let row = field.values_mut()[row].iter_mut();
-                    row.zip(&mut numbers).for_each(|(value, sent)| join(value, sent));
+                    row.zip(&mut numbers).for_each(|(value, sent)| combine(value, sent));
                 }
             }
         }
     }
 }
 
-/// Pairs (halo layer, owned layer) along a periodic axis that one rank spans: it may be narrower than a halo.
+/// Pairs (halo layer, owned layer) along a periodic axis that is not divided. It may be narrower than the halo.
 fn image_layers(field: &Field, axis: usize) -> impl Iterator<Item = (isize, isize)> + use<> {
     let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
     (-halo..0).chain(count..count + halo).map(move |layer| (layer, layer.rem_euclid(count)))
@@ -184,17 +184,17 @@ mod tests {
         Bounds::new(Vector3::new(6.0, 5.0, 9.0), [periodic, periodic, [Face::Wall, Face::Open]])
     }
 
-    /// Calls `check` with each cell of part and halo, and the number of its owner, if there is one.
+    /// Calls `check` with each cell of a rank and its halo, and with the global index of the cell if it lies in the box.
     fn for_each_cell(
-        part: &LocalCells,
+        local: &LocalCells,
         halo: isize,
         mut check: impl FnMut([isize; 3], Option<usize>),
     ) {
-        let range = |axis: usize| -halo..part.count[axis] as isize + halo;
+        let range = |axis: usize| -halo..local.count[axis] as isize + halo;
         for k in range(2) {
             for j in range(1) {
                 for i in range(0) {
-                    let global = [0, 1, 2].map(|a| [i, j, k][a] + part.start[a] as isize);
+                    let global = [0, 1, 2].map(|a| [i, j, k][a] + local.start[a] as isize);
                     let [x, y] = [0, 1].map(|a| global[a].rem_euclid(COUNTS[a] as isize) as usize);
                     let inside = (0..COUNTS[2] as isize).contains(&global[2]);
                     let number = |z| x + COUNTS[0] * (y + COUNTS[1] * z);
@@ -216,15 +216,15 @@ mod tests {
     }
 
     #[test]
-    fn halos_hold_what_their_owners_hold_at_edges_and_corners_too() {
+    fn refreshed_halos_equal_their_owners_at_edges_and_corners_too() {
         for grid in [[1, 1, 1], [1, 1, 3], [2, 2, 2], [3, 2, 1]] {
-            on_ranks(grid, |part, mut halo, ranks| {
-                let mut field = Field::new(&part, 2);
-                for_each_cell(&part, 0, |cell, owner| {
+            on_ranks(grid, |local, mut halo, ranks| {
+                let mut field = Field::new(&local, 2);
+                for_each_cell(&local, 0, |cell, owner| {
                     *field.at_mut(cell) = owner.expect("owned cells lie in the box") as f64;
                 });
                 halo.refresh(&mut [&mut field], ranks);
-                for_each_cell(&part, 2, |cell, owner| {
+                for_each_cell(&local, 2, |cell, owner| {
                     assert_eq!(field.at(cell), owner.unwrap_or(0) as f64, "cell {cell:?}");
                 });
             });
@@ -232,18 +232,18 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_the_box_travels_along_its_faces() {
+    fn values_beyond_the_box_are_refreshed_along_its_faces() {
         for grid in [[1, 1, 1], [3, 2, 1]] {
-            on_ranks(grid, |part, mut halo, ranks| {
-                // A number of the box's upper face, which no cell owns: its lower face would be of cell 9.
-                let mut field = Field::new(&part, 2);
+            on_ranks(grid, |local, mut halo, ranks| {
+                // Values on the upper face of the box, which no cell owns: it would be the lower face of cell 9.
+                let mut field = Field::new(&local, 2);
                 let number = |cell: [isize; 3]| {
                     let wrapped = |a: usize| {
-                        (cell[a] + part.start[a] as isize).rem_euclid(COUNTS[a] as isize)
+                        (cell[a] + local.start[a] as isize).rem_euclid(COUNTS[a] as isize)
                     };
                     (wrapped(0) + 10 * wrapped(1)) as f64
                 };
-                let [x, y, z] = part.count.map(|count| count as isize);
+                let [x, y, z] = local.count.map(|count| count as isize);
                 for cell in (0..y).flat_map(|j| (0..x).map(move |i| [i, j, z])) {
                     *field.at_mut(cell) = number(cell);
                 }
@@ -256,13 +256,13 @@ mod tests {
     }
 
     #[test]
-    fn owners_receive_all_that_halos_hold() {
+    fn owners_receive_the_sum_of_all_halos() {
         let expected = |grid| {
             let sums = std::sync::Mutex::new(vec![0.0; COUNTS.iter().product()]);
-            on_ranks(grid, |part, mut halo, ranks| {
-                let mut field = Field::new(&part, 2);
+            on_ranks(grid, |local, mut halo, ranks| {
+                let mut field = Field::new(&local, 2);
                 let mut wanted = sums.lock().expect("no thread panics here");
-                for_each_cell(&part, 2, |cell, owner| {
+                for_each_cell(&local, 2, |cell, owner| {
                     let amount =
                         (ranks.rank() * 100) as f64 + (cell[0] + 2 * cell[1] + 4 * cell[2]) as f64;
                     *field.at_mut(cell) = amount;
@@ -274,7 +274,7 @@ mod tests {
                 ranks.any(true); // all have added theirs
                 halo.add_to_owners(&mut [&mut field], ranks);
                 let wanted = sums.lock().expect("no thread panics here");
-                for_each_cell(&part, 0, |cell, owner| {
+                for_each_cell(&local, 0, |cell, owner| {
                     let owner = owner.expect("owned cells lie in the box");
                     assert_eq!(field.at(cell), wanted[owner], "cell {cell:?} of {grid:?}");
                 });
@@ -300,7 +300,7 @@ mod tests {
             assert_eq!([-2, -1, 1, 2].map(|i| field.at([i, 0, 1])), [3.0; 4]);
             assert_eq!([-2, -1, 2, 3].map(|j| field.at([0, j, 1])), [3.0, 5.0, 3.0, 5.0]);
             halo.add_to_owners(&mut [&mut field], ranks);
-            // Each cell stands five times along x and three times along y.
+            // Each cell occurs five times along x and three times along y.
             assert_eq!(field.owned().sum::<f64>(), 5.0 * (3.0 * 3.0 + 3.0 * 5.0));
         });
     }

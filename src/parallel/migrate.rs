@@ -1,4 +1,4 @@
-//! Particles change owner: each goes, with what its contacts remember, to the rank whose block holds it.
+//! Particles change owner: each is sent with its contact histories to the rank whose subdomain holds it.
 
 use super::migration_message::MigrationMessage;
 use super::{Communicator, Message, ParticleRecord, records_of_bytes};
@@ -9,12 +9,11 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Sends every owned particle to the rank whose block holds its (wrapped) position, with the histories of
-/// its contacts.
+/// Sends every owned particle with its contact histories to the rank whose subdomain holds its position. Collective.
 ///
-/// Before: no ghosts; positions are wrapped; `histories` are those of all contacts of owned particles. After: every
-/// rank owns exactly the particles of its block and holds the histories of all their contacts; those of pairs of which
-/// it owns neither particle any more are gone. A pair may be there twice, with the same contents.
+/// Before: there are no ghosts; positions are wrapped; `histories` are those of all contacts of owned particles. After:
+/// every rank owns exactly the particles in its subdomain and holds the histories of all their contacts, and no others. A
+/// pair may be listed twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
     histories: &mut ContactHistories,
@@ -44,7 +43,7 @@ pub fn migrate(
     }
 }
 
-/// Sends records to the ranks whose blocks hold them, wherever they are now: the start of a run.
+/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles. Collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
     decomposition: &Decomposition,
@@ -60,8 +59,8 @@ pub fn send_to_owners(
     deliver(outgoing, ranks)
 }
 
-/// Makes every rank's records known to all, in the order of ranks: they must be few. The upper of two ranks gives its
-/// records to the lower, of two pairs, of two fours; rank 0 then tells all: two logarithms of the number of ranks.
+/// Returns the records of all ranks, in the order of the ranks, on every rank; there must be few. They are gathered on
+/// rank 0 along a binary tree and broadcast, which takes about 2 log2 n messages one after another on n ranks. Collective.
 pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
     if ranks.size() == 1 {
         return records;
@@ -71,9 +70,9 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
     let mut incoming = <[Vec<u8>; 2]>::default();
     let mut width = 1;
     while width < size {
-        let place = here % (2 * width);
-        let lower = (place == width).then(|| here - width);
-        let upper = Some(here + width).filter(|&rank| place == 0 && rank < size);
+        let in_group = here % (2 * width);
+        let lower = (in_group == width).then(|| here - width);
+        let upper = Some(here + width).filter(|&rank| in_group == 0 && rank < size);
         ranks.exchange([lower, upper], [&held, &[]], &mut incoming);
         held.extend_from_slice(&incoming[1]);
         width *= 2;
@@ -82,10 +81,10 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
     records_of_bytes(&held).collect()
 }
 
-/// What goes to each rank that gets something.
+/// The messages by the rank to which they are sent.
 type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 
-/// A memory goes where its particles go, and stays where one of them stays.
+/// A history is sent to all owners of its particles, and kept where one of them stays.
 fn pack_histories(
     messages: &mut OutgoingMessages,
     ContactHistories { pairs, walls }: &mut ContactHistories,
@@ -111,7 +110,7 @@ fn pack_histories(
     });
 }
 
-/// Particles go to their owners; those that stay are kept in their order.
+/// Particles are sent to their owners; those that stay keep their order.
 fn pack_particles(
     messages: &mut OutgoingMessages,
     particles: &mut Particles,
@@ -126,16 +125,16 @@ fn pack_particles(
     particles.select(&staying);
 }
 
-/// Records to the ranks in whose places they stand; what came from each rank, in the order of ranks. What stays here
-/// is not copied. Collective.
+/// Sends `outgoing[r]` to rank r; returns what was received, in the order of the senders. The records of this rank to
+/// itself are not copied. Collective.
 pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
     let mut own = std::mem::take(&mut outgoing[ranks.rank()]);
     if ranks.size() == 1 {
         return own;
     }
-    let written = outgoing.into_iter().enumerate().filter(|(_, records)| !records.is_empty());
+    let to_others = outgoing.into_iter().enumerate().filter(|(_, records)| !records.is_empty());
     let messages: Vec<Message> =
-        written.map(|(rank, records)| Message::of(rank, &records)).collect();
+        to_others.map(|(rank, records)| Message::of(rank, &records)).collect();
     let incoming = ranks.sparse_exchange(&messages);
     drop(messages);
     let from_below = incoming.partition_point(|message| message.rank < ranks.rank());

@@ -1,9 +1,9 @@
-//! Particles and memories of contacts that go to one rank together, in one message.
+//! The message with which particles and their contact histories change owner.
 
 use super::{ContactRecord, Message, ParticleRecord, WallContactRecord, records_of_bytes};
 use bytemuck::{Pod, cast_slice};
 
-/// All that goes to one rank, or has come from it.
+/// The contents of a message to one rank, or from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MigrationMessage {
     pub(super) particles: Vec<ParticleRecord>,
@@ -12,7 +12,7 @@ pub(super) struct MigrationMessage {
 }
 
 impl MigrationMessage {
-    /// How many records there are of each kind, then the records.
+    /// The message: the numbers of records of each kind (3 x 8 bytes), then the records.
     pub(super) fn message_to(&self, rank: usize) -> Message {
         let Self { particles, pairs, walls } = self;
         let counts = [particles.len(), pairs.len(), walls.len()].map(|count| count as u64);
@@ -21,7 +21,7 @@ impl MigrationMessage {
         Message { rank, bytes: parts.concat() }
     }
 
-    /// What a message brings.
+    /// The contents of a message.
     pub(super) fn of(message: &Message) -> Self {
         let mut rest = &message.bytes[..];
         let counts: Vec<u64> = take_records(&mut rest, 3);
@@ -33,7 +33,7 @@ impl MigrationMessage {
     }
 }
 
-/// Records from the front of bytes, of which the others are left.
+/// Takes records from the front of a slice.
 fn take_records<T: Pod>(bytes: &mut &[u8], count: u64) -> Vec<T> {
     let (front, rest) = bytes.split_at(count as usize * size_of::<T>());
     *bytes = rest;
@@ -46,7 +46,7 @@ mod tests {
     use bytemuck::Zeroable;
 
     #[test]
-    fn what_is_packed_is_unpacked() {
+    fn a_packed_migration_message_is_unpacked_unchanged() {
         let particle = |id| ParticleRecord { id, mass: 0.5, ..Zeroable::zeroed() };
         let pair = |lower| ContactRecord { lower, higher: 9, ..Zeroable::zeroed() };
         let wall = |particle| WallContactRecord { particle, wall: 2, ..Zeroable::zeroed() };

@@ -1,79 +1,114 @@
-//! Ranks: what they say to each other, and what travels between them. Knows no physics.
+//! Communication between ranks, which knows no physics.
 //!
-//! One rank is not a special case: periodic images are ghosts that a rank sends to itself.
+//! One rank is not a special case: periodic images are ghosts that a rank sends to itself. Every function with an
+//! argument `ranks` that is called collective must be called by all ranks in the same order.
+//!
+//! # What ranks send to each other
+//!
+//! At every step:
+//!
+//! | what | record | bytes | to whom | how |
+//! | --- | --- | --- | --- | --- |
+//! | motion of ghosts ([`ParticleHalo::refresh`]) | `GhostMotion` | 72 per ghost | neighbours, axis by axis | [`exchange`] |
+//! | what is done next (`time_step::decide`) | 6 numbers | 48 | all | [`maximum`] |
+//! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact`] |
+//! | volume-averaged gas: halos of fields ([`FieldHalo`]) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
+//! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
+//! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
+//!
+//! When the neighbour list is rebuilt:
+//!
+//! | what | record | bytes | to whom | how |
+//! | --- | --- | --- | --- | --- |
+//! | load of each rank, costs along each divided axis ([`RankLoad`]) | integers | 8192 per axis | all | [`sum_integers`] |
+//! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 168 per particle | new owner | [`sparse_exchange`] |
+//! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 72 per contact | new owner | [`sparse_exchange`] |
+//! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 96 per ghost | neighbours, axis by axis | [`exchange`] |
+//! | cells that change owner ([`send_cells_to_owners`]) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
+//!
+//! At the start of a run, the same records go to their owners ([`send_to_owners`], [`send_cells_to_owners`]), those of
+//! contacts by a distributed directory ([`send_histories_to_owners`]). For each file that all ranks write, records are
+//! sorted by id over the ranks ([`sort_by_id`]).
+//!
+//! [`exchange`]: Communicator::exchange
+//! [`sparse_exchange`]: Communicator::sparse_exchange
+//! [`maximum`]: Communicator::maximum
+//! [`sum_exact`]: Communicator::sum_exact
+//! [`sum_integers`]: Communicator::sum_integers
 
 use bytemuck::Pod;
 use std::fmt;
 
 mod balance;
-mod cells;
+mod cell_migration;
+mod directory;
 mod field_halo;
 mod migrate;
 mod migration_message;
 mod mpi_ranks;
 mod one_rank;
-mod owners;
 mod particle_halo;
 mod records;
 mod sort_by_id;
 mod thread_ranks;
 
 pub use balance::RankLoad;
-pub use cells::send_cells_to_owners;
+pub use cell_migration::send_cells_to_owners;
+pub use directory::send_histories_to_owners;
 pub use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
-pub use owners::send_memories_to_owners;
 pub use particle_halo::ParticleHalo;
 pub use records::{
-    CellRecord, ContactRecord, MadeRecords, ParticleRecord, Records, WallContactRecord,
+    CellRecord, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
     records_of_bytes,
 };
-pub use sort_by_id::{SortedBlock, in_bands, sort_by_id};
+use records::{GhostMotion, NewGhost};
+pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks};
 pub use thread_ranks::run_on_threads;
 
-/// How files that all ranks write together are opened.
+/// How all ranks write a file together.
 #[derive(Clone, Copy)]
 pub enum FileAccess {
-    /// Every rank writes its rows itself, collectively, through MPI-IO.
+    /// Every rank writes its own rows, through MPI-IO.
     Collective(RawCommunicator),
-    /// Rank 0 writes the rows that the others send it.
+    /// Rank 0 writes the rows of all ranks, which send them to it.
     Root,
 }
 
 /// The two neighbours of a rank along one axis of the rank grid: below, above.
 pub type AxisNeighbours = [Option<usize>; 2];
 
-/// Bytes to a rank, or from one.
+/// Bytes sent to a rank or received from one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// The other rank: the one that gets it or, of a message that has come, the one that sent it.
+    /// The other rank: the receiver of an outgoing message, the sender of an incoming one.
     pub rank: usize,
-    /// What it says.
+    /// The contents.
     pub bytes: Vec<u8>,
 }
 
 impl Message {
-    /// Of records, one after another.
+    /// A message of records, one after another.
     pub fn of<T: Pod>(rank: usize, records: &[T]) -> Self {
         Self { rank, bytes: bytemuck::cast_slice(records).to_vec() }
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method is collective: all ranks call it in the same
-/// order. None can fail: a broken connection ends the program on all ranks.
+/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access` and `is_root` is collective:
+/// all ranks must call it in the same order. None can fail: a broken connection ends the program on all ranks.
 pub trait Communicator {
-    /// This rank's number, from 0.
+    /// The number of this rank, from 0.
     fn rank(&self) -> usize;
 
     /// Number of ranks.
     fn size(&self) -> usize;
 
-    /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above; on return
-    /// `incoming[0]` is what the neighbour below sent up, `incoming[1]` what the one above sent down.
-    /// Where there is no neighbour nothing is sent and `incoming` is cleared. A rank may be its own
-    /// neighbour (a periodic axis with one rank) and both neighbours may be one rank (with two).
+    /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above. After: `incoming[0]` is what the
+    /// neighbour below sent up, `incoming[1]` what the one above sent down. Where there is no neighbour, nothing is sent
+    /// and `incoming` is empty. A rank may be its own neighbour (one rank along a periodic axis), and both neighbours may
+    /// be the same rank (two ranks).
     fn exchange(
         &self,
         neighbours: AxisNeighbours,
@@ -81,46 +116,46 @@ pub trait Communicator {
         incoming: &mut [Vec<u8>; 2],
     );
 
-    /// Sends messages to any ranks, at most one to each, also to this one; returns those to this rank by the rank that
-    /// sent them, from the lowest. An empty message is not sent. Ranks need not know who writes to them, and what it
-    /// costs follows the number of messages and the logarithm of the number of ranks.
+    /// Sends at most one message to each rank, this one included, and returns the messages to this rank in the order of
+    /// their senders. An empty message is not sent. Ranks need not know who sends to them. The cost grows with the number
+    /// of messages and the logarithm of the number of ranks.
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message>;
 
-    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [lattice] and
-    /// their sums within its range: then the result is exact, and so the same for any number of ranks.
+    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [quantum], and their sums within
+    /// its range: then the result is exact, and therefore the same for any number of ranks.
     ///
-    /// [lattice]: crate::numbers::Quantum
+    /// [quantum]: crate::numbers::Quantum
     fn sum_exact(&self, values: &mut [f64]);
 
     /// Replaces each integer by its sum over ranks, modulo 2^64.
     fn sum_integers(&self, values: &mut [i64]);
 
-    /// Replaces each number by its largest over ranks. An undefined number (NaN) counts as infinity, so
-    /// that it is not lost.
+    /// Replaces each number by its maximum over ranks. An undefined number (NaN) counts as infinity, so that it is not
+    /// lost.
     fn maximum(&self, values: &mut [f64]);
 
-    /// All ranks' bytes on rank 0, by rank; nothing on the others.
+    /// Returns the bytes of all ranks, in their order, on rank 0; `None` on the others.
     fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>>;
 
-    /// Rank 0's bytes on all ranks.
+    /// Replaces the bytes on all ranks by those of rank 0.
     fn broadcast_from_root(&self, bytes: &mut Vec<u8>);
 
-    /// How files are written together.
+    /// How all ranks write a file together.
     fn file_access(&self) -> FileAccess;
 
-    /// Whether this rank speaks for all: prints, and writes the files that are not written together.
+    /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.
     fn is_root(&self) -> bool {
         self.rank() == 0
     }
 
-    /// Whether a statement holds on any rank.
+    /// Whether a condition holds on any rank.
     fn any(&self, here: bool) -> bool {
         let mut flags = [i64::from(here)];
         self.sum_integers(&mut flags);
         flags[0] != 0
     }
 
-    /// The sum over ranks of one count.
+    /// The sum of a count over ranks.
     fn total(&self, count: usize) -> usize {
         let mut counts = [count as i64];
         self.sum_integers(&mut counts);
@@ -128,8 +163,8 @@ pub trait Communicator {
     }
 }
 
-/// An error found on one rank or several, in the words of the lowest rank that found one: the same on
-/// all ranks, so that all take the same way out.
+/// An error that occurred on one rank or several, with the message of the lowest of them. It is the same on all ranks, so
+/// that all react in the same way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CollectiveError(pub String);
 
@@ -141,8 +176,11 @@ impl fmt::Display for CollectiveError {
 
 impl std::error::Error for CollectiveError {}
 
-/// Turns results that may differ between ranks into one that does not: an error anywhere is an error
-/// everywhere. Collective.
+/// Turns results that may differ between ranks into one on which all agree: an error on any rank becomes an error on all.
+/// Collective.
+///
+/// # Errors
+/// The error of the lowest rank that has one.
 pub fn agree<T, E: fmt::Display>(
     result: Result<T, E>,
     ranks: &dyn Communicator,
@@ -159,7 +197,8 @@ pub fn agree<T, E: fmt::Display>(
     Err(CollectiveError(String::from_utf8_lossy(&first).into_owned()))
 }
 
-/// What is compared in a maximum: comparisons with undefined numbers depend on their order.
+/// The number that a maximum compares. NaN becomes infinity, since the result of comparisons with NaN depends on their
+/// order.
 fn comparable(value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { value }
 }

@@ -1,4 +1,4 @@
-//! Ranks as processes of MPI. The only place that names the `mpi` crate.
+//! Ranks as MPI processes. Only this module uses the `mpi` crate.
 
 mod sparse_exchange;
 
@@ -17,7 +17,7 @@ use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination
 
 use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
-/// The communicator as the HDF5 library takes it.
+/// The communicator in the form that the HDF5 library needs.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
 
 /// Messages to the neighbour below.
@@ -30,45 +30,45 @@ const COLLECTIVE: Tag = 3;
 /// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
 const PANIC_CODE: i32 = 101;
 
-/// Bytes that are sent at once: MPI counts in 32-bit integers.
+/// Largest number of bytes in one message of MPI, which counts with 32-bit integers.
 const LONGEST_MESSAGE: usize = 1 << 30;
 
-/// What Open MPI is told in its own way: to reach files through ROMIO, its other implementation of MPI-IO. Its first
-/// one, OMPIO, guards each opening by a semaphore named after the file alone, for all jobs on the machine; a run that
-/// is killed in that moment leaves it closed, and every later run that opens a file of this name waits for ever (seen
-/// with 4.1; the name is still the file's in 2026, <https://github.com/open-mpi/ompi/pull/14058>).
+/// Makes Open MPI use ROMIO, its other implementation of MPI-IO. The default, OMPIO, guards the opening of a file by a
+/// semaphore that is named after the file alone and shared by all jobs on the machine. A run that is killed at that
+/// moment leaves it locked, and every later run that opens a file of this name hangs (seen with 4.1; the semaphore is
+/// still named after the file in 2026, <https://github.com/open-mpi/ompi/pull/14058>).
 const FILES_THROUGH_ROMIO: (&str, &str) = ("OMPI_MCA_io", "^ompio");
 
-/// Whether MPI may be called: from the start to the beginning of the end.
+/// Whether MPI may be called: it was initialised and is not being finalised.
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
 /// The processes that `mpirun` (or `srun`) started together; one if the program was started alone.
 ///
-/// MPI ends when this is dropped, so it must outlive every file that the ranks write together. While it
-/// lives, a panic on one rank ends all ranks.
+/// MPI is finalised when this is dropped, so it must outlive every file that the ranks write together. Until then a panic
+/// on one rank ends all ranks.
 pub struct MpiRanks {
-    // The order of the fields is the order in which they are dropped: MPI ends last.
+    // Fields are dropped in this order: MPI is finalised last.
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
     longest_message: usize,
-    /// Which of the tags of messages is next.
-    turn: Cell<usize>,
+    /// Which of the two tags the next sparse exchange uses.
+    next_tag: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
 }
 
-/// MPI can be started only once in the life of a process.
+/// A process can initialise MPI only once.
 #[derive(Debug, thiserror::Error)]
-#[error("MPI was already started in this process, or has ended; it starts only once")]
+#[error("MPI was already started in this process; it can be started only once")]
 pub struct AlreadyStarted;
 
 impl MpiRanks {
-    /// Starts MPI. Only this thread may speak to other ranks.
+    /// Initialises MPI. Only this thread may communicate with other ranks.
     ///
     /// # Errors
-    /// If MPI was started before.
+    /// If MPI was initialised before.
     pub fn start() -> Result<Self, AlreadyStarted> {
         choose_file_access();
         let (universe, _) =
@@ -81,47 +81,47 @@ impl MpiRanks {
             size: world.size() as usize,
             longest_message: LONGEST_MESSAGE,
             world,
-            turn: Cell::default(),
+            next_tag: Cell::default(),
             scratch: RefCell::default(),
             integer_scratch: RefCell::default(),
             universe,
         })
     }
 
-    /// The same ranks with another largest number of bytes in a message of MPI (1 GiB by default), at
-    /// least 1 and the same on all ranks; longer messages are sent in pieces.
+    /// Sets the largest number of bytes in one message of MPI (1 GiB by default). It must be at least 1 and the same on all
+    /// ranks. Longer messages are sent in pieces.
     pub fn with_longest_message(mut self, longest_message: usize) -> Self {
         self.longest_message = longest_message.max(1);
         self
     }
 
-    /// Ends all ranks at once with an exit code: for errors that one rank cannot share with the others.
+    /// Ends all ranks immediately with an exit code, after an error that one rank cannot communicate to the others.
     pub fn abort(&self, code: i32) -> ! {
         flush_standard_streams();
         self.universe.world().abort(code)
     }
 
-    /// The pieces of a message: all are of the greatest length but the last, which is shorter and may be
-    /// empty. MPI does not let one message overtake another between two ranks.
+    /// The pieces of a message. All have the largest length, except for the last, which is shorter and may be empty. MPI
+    /// guarantees that one message does not overtake another between two ranks.
     fn pieces<'m>(&self, message: &'m [u8]) -> impl Iterator<Item = &'m [u8]> {
         let whole = message.chunks_exact(self.longest_message);
         let rest = whole.remainder();
         whole.chain(std::iter::once(rest))
     }
 
-    /// Receives a message of any length, in its pieces, into a buffer that is kept between calls.
+    /// Receives all pieces of a message into a buffer.
     fn receive(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
         incoming.clear();
         self.append_pieces(source, tag, incoming);
     }
 
-    /// Receives all pieces of a message that are still to come.
+    /// Receives the remaining pieces of a message.
     fn append_pieces(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
         let process = self.world.process_at_rank(source as i32);
         while self.append_piece(process.matched_probe_with_tag(tag), incoming) {}
     }
 
-    /// Receives a piece behind those that are there; whether another follows.
+    /// Appends a piece of a message; returns whether another follows.
     fn append_piece(
         &self,
         (message, status): (MatchedMessage, Status),
@@ -135,12 +135,13 @@ impl MpiRanks {
     }
 }
 
-/// Tells Open MPI how to reach files, unless the user has chosen; other MPIs do not read it.
+/// Chooses the MPI-IO of Open MPI, unless the user has. Other implementations of MPI ignore the variable.
 fn choose_file_access() {
     let (variable, value) = FILES_THROUGH_ROMIO;
     if !RUNNING.load(Ordering::SeqCst) && std::env::var_os(variable).is_none() {
-        #[expect(unsafe_code, reason = "MPI is told its options by the environment")]
-        // SAFETY: MPI starts at the begin of a program, before any thread reads the environment.
+        #[expect(unsafe_code, reason = "Open MPI reads its options from the environment")]
+        // SAFETY: MPI is initialised at the start of the program, before there are other threads, which could read the
+        // environment at the same time.
         unsafe {
             std::env::set_var(variable, value);
         }
@@ -149,7 +150,7 @@ fn choose_file_access() {
 
 impl Drop for MpiRanks {
     fn drop(&mut self) {
-        // Unwinding would end in MPI_Finalize, which waits for the other ranks; they may wait for this one.
+        // Unwinding would lead to MPI_Finalize, which waits for the other ranks, while they may wait for this one.
         if std::thread::panicking() {
             self.abort(PANIC_CODE);
         }
@@ -204,7 +205,7 @@ impl Communicator for MpiRanks {
     }
 
     fn sum_integers(&self, values: &mut [i64]) {
-        // As unsigned integers: their overflow is defined, and the same modulo 2^64.
+        // The sum of unsigned integers is defined modulo 2^64, also if it overflows.
         let mut summed = self.integer_scratch.borrow_mut();
         summed.resize(values.len(), 0);
         let unsigned: &[u64] = bytemuck::cast_slice(values);
@@ -247,7 +248,8 @@ impl Communicator for MpiRanks {
     }
 }
 
-/// Sendings that end when they are dropped. Nearly every message is one piece, for which no memory is taken.
+/// Sends in progress, which are waited for when they are dropped. Nearly every message is one piece, for which no memory
+/// is allocated.
 type Sent<G> = (Option<G>, Vec<G>);
 
 /// Sends the pieces of a message.
@@ -259,7 +261,7 @@ fn send_all<'m, G>(
     (first, pieces.map(send).collect())
 }
 
-/// Adds to the panic hook that a panic on one rank, in any of its threads, ends all ranks.
+/// Extends the panic hook so that a panic in any thread of one rank ends all ranks.
 fn end_all_ranks_on_panic() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |information| {
@@ -271,7 +273,7 @@ fn end_all_ranks_on_panic() {
     }));
 }
 
-/// What was printed must be seen before all ranks end. Failures are of no interest any more.
+/// Flushes what was printed before all ranks end. Errors no longer matter.
 fn flush_standard_streams() {
     let _ = std::io::stdout().flush();
     let _ = std::io::stderr().flush();

@@ -2,7 +2,7 @@
 
 use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
-/// One rank that talks to itself: unit tests, and tools that read files.
+/// The only rank, for unit tests and for tools that read files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OneRank;
 
@@ -21,7 +21,7 @@ impl Communicator for OneRank {
         outgoing: [&[u8]; 2],
         incoming: &mut [Vec<u8>; 2],
     ) {
-        // What goes down out of the box comes in again from above.
+        // What is sent down through a periodic face arrives from above.
         for (side, neighbour) in neighbours.iter().enumerate() {
             incoming[side].clear();
             if neighbour.is_some() {
@@ -35,7 +35,7 @@ impl Communicator for OneRank {
     }
 
     fn sum_exact(&self, values: &mut [f64]) {
-        // As with several ranks: a zero has no sign.
+        // As on several ranks, a zero has no sign.
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 

@@ -1,50 +1,29 @@
-//! Ghosts: copies of the particles beyond this rank's borders, and periodic images.
+//! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
-//! They travel axis by axis, what came along one axis being passed on along the next, so that edges and
-//! corners need no messages of their own.
+//! They are exchanged axis by axis. Ghosts received along one axis are sent on along the next, so that edges and corners
+//! need no messages of their own.
 
-use super::records_of_bytes;
-use super::{AxisNeighbours, Communicator};
+use super::{AxisNeighbours, Communicator, GhostMotion, NewGhost, records_of_bytes};
 use crate::domain::Subdomain;
 use crate::particles::Particles;
-use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 
-/// A ghost as it is first sent.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct NewGhost {
-    id: u64,
-    radius: f64,
-    mass: f64,
-    motion: GhostMotion,
-}
-
-/// What a ghost needs at every step.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct GhostMotion {
-    position: [f64; 3],
-    velocity: [f64; 3],
-    angular_velocity: [f64; 3],
-}
-
-/// Which particles go to one neighbour, and by how much they shift on the way through a periodic face.
+/// The particles that are sent to one neighbour, and their shift along the axis if that is beyond a periodic face.
 #[derive(Clone, Debug, Default)]
-struct Shipment {
+struct SendList {
     indices: Vec<u32>,
     shift: f64,
 }
 
-/// One axis: shipments down and up, and where the ghosts that come from there begin.
+/// One axis: what is sent down and up, and the index of the first ghost received from below and from above.
 #[derive(Clone, Debug, Default)]
 struct AxisPlan {
     neighbours: AxisNeighbours,
-    shipments: [Shipment; 2],
+    send_lists: [SendList; 2],
     first_ghost: [usize; 2],
 }
 
-/// Who is whose ghost, from one rebuild of the neighbour list to the next.
+/// The ghosts of this rank and of its neighbours, from one rebuild of the neighbour list to the next.
 #[derive(Debug, Default)]
 pub struct ParticleHalo {
     plans: [AxisPlan; 3],
@@ -53,10 +32,10 @@ pub struct ParticleHalo {
 }
 
 impl ParticleHalo {
-    /// Chooses the ghosts anew: every particle within `width` of this rank's block.
+    /// Chooses the ghosts: every particle within `width` of this rank's subdomain. Collective.
     ///
-    /// Before: each rank owns the particles of its block, wrapped, and has no ghosts. After: ghosts follow
-    /// the owned particles, with current position (of the image), velocity and spin, radius and mass.
+    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts stand behind
+    /// the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
     pub fn rebuild(
         &mut self,
         particles: &mut Particles,
@@ -70,32 +49,32 @@ impl ParticleHalo {
             plan.neighbours = subdomain.neighbours(axis);
             let length = subdomain.bounds.lengths()[axis];
             let at_end = [lower[axis] == 0.0, upper[axis] == length];
-            for (side, shipment) in plan.shipments.iter_mut().enumerate() {
-                shipment.shift = match (at_end[side], side) {
+            for (side, send_list) in plan.send_lists.iter_mut().enumerate() {
+                send_list.shift = match (at_end[side], side) {
                     (false, _) => 0.0,
                     (true, 0) => length,
                     (true, _) => -length,
                 };
-                shipment.indices.clear();
+                send_list.indices.clear();
                 if plan.neighbours[side].is_none() {
                     continue;
                 }
-                let near_border = |position: &Vector3<f64>| match side {
+                let near_face = |position: &Vector3<f64>| match side {
                     0 => position[axis] - lower[axis] < width,
                     _ => upper[axis] - position[axis] <= width,
                 };
                 let chosen =
-                    (0..particles.count()).filter(|&i| near_border(&particles.body[i].position));
-                shipment.indices.extend(chosen.map(|i| i as u32));
+                    (0..particles.count()).filter(|&i| near_face(&particles.body[i].position));
+                send_list.indices.extend(chosen.map(|i| i as u32));
             }
             self.send_new_ghosts(axis, particles, ranks);
         }
     }
 
-    /// Brings position, velocity and spin of all ghosts up to date.
+    /// Updates position, velocity and angular velocity of all ghosts. Collective.
     ///
-    /// Before: owned particles are current; the halo is that of the last rebuild. After: ghosts equal their
-    /// owners; their order is unchanged.
+    /// Before: owned particles are current, and the ghosts are those of the last rebuild. After: ghosts equal their
+    /// originals; their order is unchanged.
     pub fn refresh(&mut self, particles: &mut Particles, ranks: &dyn Communicator) {
         for axis in 0..3 {
             let plan = &self.plans[axis];
@@ -106,10 +85,10 @@ impl ParticleHalo {
                 refresh_images(plan, axis, particles);
                 continue;
             }
-            for (shipment, buffer) in plan.shipments.iter().zip(&mut self.outgoing) {
+            for (send_list, buffer) in plan.send_lists.iter().zip(&mut self.outgoing) {
                 buffer.clear();
-                for &index in &shipment.indices {
-                    let motion = motion_of(particles, index as usize, axis, shipment.shift);
+                for &index in &send_list.indices {
+                    let motion = motion_of(particles, index as usize, axis, send_list.shift);
                     buffer.extend_from_slice(bytemuck::bytes_of(&motion));
                 }
             }
@@ -133,15 +112,15 @@ impl ParticleHalo {
         if plan.neighbours == [None, None] {
             return;
         }
-        for (shipment, buffer) in plan.shipments.iter().zip(&mut self.outgoing) {
+        for (send_list, buffer) in plan.send_lists.iter().zip(&mut self.outgoing) {
             buffer.clear();
-            for &index in &shipment.indices {
+            for &index in &send_list.indices {
                 let index = index as usize;
                 let ghost = NewGhost {
                     id: particles.id[index],
                     radius: particles.body[index].radius,
                     mass: particles.body[index].mass,
-                    motion: motion_of(particles, index, axis, shipment.shift),
+                    motion: motion_of(particles, index, axis, send_list.shift),
                 };
                 buffer.extend_from_slice(bytemuck::bytes_of(&ghost));
             }
@@ -152,8 +131,8 @@ impl ParticleHalo {
             plan.first_ghost[side] = particles.count();
             let from_here = plan.neighbours[side] == Some(ranks.rank());
             for (row, ghost) in records_of_bytes::<NewGhost>(buffer).enumerate() {
-                // What comes from below was sent up.
-                let source = || plan.shipments[1 - side].indices[row] as usize;
+                // Ghosts received from below were sent upwards.
+                let source = || plan.send_lists[1 - side].indices[row] as usize;
                 let image_of = from_here.then(source);
                 let index = particles.count();
                 let motion = &ghost.motion;
@@ -166,21 +145,21 @@ impl ParticleHalo {
     }
 }
 
-/// Along an axis that this rank spans alone, ghosts are copied from their originals.
+/// Along an axis that is not divided, ghosts are copied from their originals.
 fn refresh_images(plan: &AxisPlan, axis: usize, particles: &mut Particles) {
     for (side, &first) in plan.first_ghost.iter().enumerate() {
-        let shipment = &plan.shipments[1 - side];
-        for (row, &source) in shipment.indices.iter().enumerate() {
+        let send_list = &plan.send_lists[1 - side];
+        for (row, &source) in send_list.indices.iter().enumerate() {
             let (source, ghost) = (source as usize, first + row);
             particles.body[ghost] = particles.body[source];
-            particles.body[ghost].position[axis] += shipment.shift;
+            particles.body[ghost].position[axis] += send_list.shift;
         }
     }
 }
 
 fn motion_of(particles: &Particles, index: usize, axis: usize, shift: f64) -> GhostMotion {
     let mut position: [f64; 3] = particles.body[index].position.into();
-    position[axis] += shift; // exact: both are lattice numbers
+    position[axis] += shift; // exact: both are multiples of the quantum of positions
     GhostMotion {
         position,
         velocity: particles.body[index].velocity.into(),

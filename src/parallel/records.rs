@@ -1,14 +1,15 @@
-//! What travels between ranks and into checkpoints, byte for byte.
+//! The records that are sent between ranks and written to checkpoints. In memory, in messages and in files they are
+//! the same bytes; [`super`] lists who sends which of them when.
 
 use crate::particles::{ContactHistory, PairHistory, Particles, WallHistory};
 use bytemuck::{Pod, Zeroable};
 
-/// Records that are there, or that are made when one asks for them, so that they take no memory.
+/// A sequence of records that are stored, or computed when they are asked for and so take no memory.
 pub trait Records<T> {
-    /// How many there are.
+    /// Number of records.
     fn count(&self) -> usize;
 
-    /// One of them.
+    /// The record of an index.
     fn at(&self, index: usize) -> T;
 }
 
@@ -22,11 +23,11 @@ impl<T: Copy, S: AsRef<[T]> + ?Sized> Records<T> for S {
     }
 }
 
-/// So many records, made by a function of their index.
+/// Records that a function computes from their index: their number, and the function.
 #[derive(Clone, Copy, Debug)]
-pub struct MadeRecords<F>(pub usize, pub F);
+pub struct ComputedRecords<F>(pub usize, pub F);
 
-impl<T, F: Fn(usize) -> T> Records<T> for MadeRecords<F> {
+impl<T, F: Fn(usize) -> T> Records<T> for ComputedRecords<F> {
     fn count(&self) -> usize {
         self.0
     }
@@ -36,11 +37,11 @@ impl<T, F: Fn(usize) -> T> Records<T> for MadeRecords<F> {
     }
 }
 
-/// One particle: everything of its state that is its own.
+/// The state of one particle.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ParticleRecord {
-    /// Global id: unique, never reused.
+    /// Global id, unique and never used again.
     pub id: u64,
     /// Centre.
     pub position: [f64; 3],
@@ -60,7 +61,7 @@ pub struct ParticleRecord {
     pub gas_force: [f64; 3],
 }
 
-/// What a touching pair remembers, as seen from the particle with the lower id.
+/// The contact history of a pair, as seen from the particle with the lower id.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ContactRecord {
@@ -72,23 +73,23 @@ pub struct ContactRecord {
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
-    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    /// Angle by which the higher has rolled relative to the lower, if there is a rolling spring.
     pub rolling_angle: [f64; 3],
 }
 
-/// What a particle's contact with a wall remembers.
+/// The contact history of a particle and a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct WallContactRecord {
     /// The particle's id.
     pub particle: u64,
-    /// The wall's number in the order of the domain's walls.
+    /// The index of the wall in the domain's list of walls.
     pub wall: u64,
     /// Tangential displacement of the wall relative to the particle since the contact began.
     pub tangential_spring: [f64; 3],
     /// Largest overlap since the contact began.
     pub largest_overlap: f64,
-    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    /// Angle by which the wall has rolled relative to the particle, if there is a rolling spring.
     pub rolling_angle: [f64; 3],
 }
 
@@ -102,13 +103,32 @@ pub struct CellRecord {
     pub numbers: [f64; CellRecord::NUMBERS],
 }
 
+/// A particle that becomes a ghost of a neighbour, sent when the neighbour list is rebuilt.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct NewGhost {
+    pub(super) id: u64,
+    pub(super) radius: f64,
+    pub(super) mass: f64,
+    pub(super) motion: GhostMotion,
+}
+
+/// What changes of a ghost, sent at every step. Positions are those of the image, shifted through periodic faces.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GhostMotion {
+    pub(super) position: [f64; 3],
+    pub(super) velocity: [f64; 3],
+    pub(super) angular_velocity: [f64; 3],
+}
+
 impl CellRecord {
     /// Numbers in a record.
     pub const NUMBERS: usize = 8;
 }
 
 impl ParticleRecord {
-    /// The record of one owned particle. Inlined, so that who asks for its id alone looks up nothing else.
+    /// The record of one owned particle. Inlined, so that nothing but the id is loaded where only that is used.
     #[inline(always)]
     pub fn of(particles: &Particles, index: usize) -> Self {
         Self {
@@ -124,7 +144,7 @@ impl ParticleRecord {
         }
     }
 
-    /// Adds the particle to the owned ones. There must be no ghosts.
+    /// Adds the particle to the owned ones. Before: there are no ghosts.
     pub fn push_to(&self, particles: &mut Particles) {
         let index = particles.count();
         let (position, velocity) = (self.position.into(), self.velocity.into());
@@ -136,7 +156,7 @@ impl ParticleRecord {
     }
 }
 
-fn memory_of(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactHistory {
+fn contact_history(tangential_spring: [f64; 3], largest_overlap: f64) -> ContactHistory {
     ContactHistory { tangential_spring: tangential_spring.into(), largest_overlap }
 }
 
@@ -154,7 +174,7 @@ impl From<PairHistory> for ContactRecord {
 
 impl From<ContactRecord> for PairHistory {
     fn from(record: ContactRecord) -> Self {
-        let history = memory_of(record.tangential_spring, record.largest_overlap);
+        let history = contact_history(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { lower: record.lower, higher: record.higher, history, rolling_angle }
     }
@@ -174,14 +194,29 @@ impl From<WallHistory> for WallContactRecord {
 
 impl From<WallContactRecord> for WallHistory {
     fn from(record: WallContactRecord) -> Self {
-        let history = memory_of(record.tangential_spring, record.largest_overlap);
+        let history = contact_history(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
         Self { particle: record.particle, wall: record.wall as u32, history, rolling_angle }
     }
 }
 
-/// The records in bytes that another rank sent, which may lie at any address. Bytes at the end that are no
-/// whole record are left out.
+/// The records in a message, whose bytes need not be aligned. Bytes at the end that do not make up a whole record are
+/// ignored.
 pub fn records_of_bytes<T: Pod>(bytes: &[u8]) -> impl Iterator<Item = T> + '_ {
     bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_have_the_sizes_that_the_documentation_of_the_module_states() {
+        assert_eq!(size_of::<ParticleRecord>(), 168);
+        assert_eq!(size_of::<ContactRecord>(), 72);
+        assert_eq!(size_of::<WallContactRecord>(), 72);
+        assert_eq!(size_of::<CellRecord>(), 72);
+        assert_eq!(size_of::<NewGhost>(), 96);
+        assert_eq!(size_of::<GhostMotion>(), 72);
+    }
 }

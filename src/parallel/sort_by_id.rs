@@ -1,66 +1,66 @@
-//! Rows in the order of ids, whatever rank they come from: what files hold.
+//! Sorting of records by id over all ranks (bucket sort with one bucket of ids per rank), for the rows of files.
 
 use bytemuck::Pod;
 
 use super::{Communicator, Message, Records, records_of_bytes};
 
-/// One rank's rows of a table that is sorted over all ranks: the ranks' blocks, one after another in the
-/// order of the ranks, are the table.
+/// One rank's rows of a table that is sorted over all ranks. The rows of rank 0, of rank 1 and so on, one after another,
+/// are the table, or a chunk of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SortedBlock<T> {
+pub struct SortedRows<T> {
     /// This rank's rows, sorted; there may be none.
     pub rows: Vec<T>,
-    /// Number of rows of lower ranks.
+    /// Number of rows of the table before these.
     pub offset: u64,
-    /// Number of rows of all ranks.
+    /// Number of rows of the whole table.
     pub total: u64,
 }
 
-/// Rows of a band on each rank, about: so few that what is done with them happens in the processor's cache, and
-/// so many that messages and transfers to files are long.
-const ROWS_OF_BAND: u64 = 1 << 14;
+/// Approximate number of rows per rank in a chunk of ids: small enough for the processor's cache, and large enough for
+/// long messages and long transfers to files.
+const ROWS_PER_CHUNK: u64 = 1 << 14;
 
-/// Each rank's part of all records in the order of their first ids, then of their second. The range of first ids is
-/// cut evenly, so that ranks hold about equally much if ids are about evenly spread. Records of the same first id
-/// come to the same rank, those of the same ids in no certain order. Collective.
+/// Sorts all records by their first id, then by their second, and returns this rank's share. The range of first ids is
+/// divided into equal parts, so that all ranks hold about as many rows if the ids are about evenly spread. Records with
+/// the same first id come to the same rank; the order of records with equal ids is not defined. Collective.
 pub fn sort_by_id<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
     ranks: &dyn Communicator,
-) -> SortedBlock<T> {
+) -> SortedRows<T> {
     let mut whole = None;
-    sort_in_bands(records, ids_of, 1, ranks, |block| whole = Some(block));
-    whole.expect("there is one band")
+    sort_in_chunks(records, ids_of, 1, ranks, |rows| whole = Some(rows));
+    whole.expect("there is one chunk")
 }
 
-/// The same in bands, one after another: each rank's part of the first ids, then of the next. Only of a band are
-/// there copies, never of all records. Offsets and totals are those of the whole table. Collective.
-pub fn in_bands<T: Pod>(
+/// Does the same chunk by chunk: `take` gets this rank's share of the first chunk of ids, then of the next. Only the
+/// records of one chunk are copied at a time, never all. Offsets and totals are those of the whole table. Collective.
+pub fn sort_by_id_in_chunks<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
     ranks: &dyn Communicator,
-    take: impl FnMut(SortedBlock<T>),
+    take: impl FnMut(SortedRows<T>),
 ) {
     let total = ranks.total(records.count()) as u64;
-    let bands = total.div_ceil(ROWS_OF_BAND * ranks.size() as u64) as usize;
-    sort_in_bands(records, ids_of, bands, ranks, take);
+    let chunks = total.div_ceil(ROWS_PER_CHUNK * ranks.size() as u64) as usize;
+    sort_in_chunks(records, ids_of, chunks, ranks, take);
 }
 
-fn sort_in_bands<T: Pod>(
+fn sort_in_chunks<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
-    bands: usize,
+    chunks: usize,
     ranks: &dyn Communicator,
-    mut take: impl FnMut(SortedBlock<T>),
+    mut take: impl FnMut(SortedRows<T>),
 ) {
     let size = ranks.size();
     let first_ids: Vec<u64> =
         (0..records.count()).map(|index| ids_of(&records.at(index))[0]).collect();
-    let ids = Range::of(first_ids.iter().copied(), ranks);
-    // The parts of a band lie side by side, one for each rank.
-    let mut members = vec![Vec::new(); bands * size];
+    let ids = IdRange::of(first_ids.iter().copied(), ranks);
+    // Each chunk consists of one part for each rank.
+    let mut members = vec![Vec::new(); chunks * size];
     for (index, id) in first_ids.into_iter().enumerate() {
-        members[ids.local_cells(id, bands * size)].push(index as u32);
+        members[ids.chunk_of(id, chunks * size)].push(index as u32);
     }
     let mut rows: Vec<i64> = members.iter().map(|part| part.len() as i64).collect();
     ranks.sum_integers(&mut rows);
@@ -68,7 +68,7 @@ fn sort_in_bands<T: Pod>(
     let mut offset = 0;
     for (parts, rows) in members.chunks(size).zip(rows.chunks(size)) {
         let own = &parts[ranks.rank()];
-        let own: Vec<T> = own.iter().map(|&at| records.at(at as usize)).collect();
+        let own: Vec<T> = own.iter().map(|&index| records.at(index as usize)).collect();
         let to_others = (0..size).filter(|&rank| rank != ranks.rank() && !parts[rank].is_empty());
         let messages: Vec<Message> = to_others
             .map(|rank| Message { rank, bytes: bytes_of(records, &parts[rank]) })
@@ -76,57 +76,58 @@ fn sort_in_bands<T: Pod>(
         let incoming = ranks.sparse_exchange(&messages);
         let before = rows[..ranks.rank()].iter().sum::<i64>() as u64;
         let rows_here = sorted(&own, &incoming, &ids_of);
-        take(SortedBlock { rows: rows_here, offset: offset + before, total });
+        take(SortedRows { rows: rows_here, offset: offset + before, total });
         offset += rows.iter().sum::<i64>() as u64;
     }
 }
 
 fn bytes_of<T: Pod>(records: &(impl Records<T> + ?Sized), part: &[u32]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(size_of::<T>() * part.len());
-    for &at in part {
-        bytes.extend_from_slice(bytemuck::bytes_of(&records.at(at as usize)));
+    for &index in part {
+        bytes.extend_from_slice(bytemuck::bytes_of(&records.at(index as usize)));
     }
     bytes
 }
 
-/// Records of this rank and those in messages. Ids are sorted with the places of their records, since records are long.
+/// Sorts the records of this rank and those in messages. The ids are sorted together with the positions of their
+/// records, which are long.
 fn sorted<T: Pod>(own: &[T], messages: &[Message], ids_of: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
     let key = |record: &T| {
         let [first, second] = ids_of(record).map(u128::from);
         first << 64 | second
     };
     let mut order: Vec<(u128, [u32; 2])> = Vec::with_capacity(own.len());
-    order.extend(own.iter().zip(0..).map(|(record, place)| (key(record), [0, place])));
+    order.extend(own.iter().zip(0..).map(|(record, index)| (key(record), [0, index])));
     for (message, source) in messages.iter().zip(1..) {
         let records = records_of_bytes::<T>(&message.bytes).zip(0..);
-        order.extend(records.map(|(record, place)| (key(&record), [source, place])));
+        order.extend(records.map(|(record, index)| (key(&record), [source, index])));
     }
     order.sort_unstable_by_key(|&(key, _)| key);
-    let record = |[source, place]: [u32; 2]| match source {
-        0 => own[place as usize],
-        _ => record_in(&messages[source as usize - 1], place as usize),
+    let record = |[source, index]: [u32; 2]| match source {
+        0 => own[index as usize],
+        _ => record_in(&messages[source as usize - 1], index as usize),
     };
-    order.into_iter().map(|(_, at)| record(at)).collect()
+    order.into_iter().map(|(_, position)| record(position)).collect()
 }
 
-fn record_in<T: Pod>(message: &Message, place: usize) -> T {
-    bytemuck::pod_read_unaligned(&message.bytes[place * size_of::<T>()..][..size_of::<T>()])
+fn record_in<T: Pod>(message: &Message, index: usize) -> T {
+    bytemuck::pod_read_unaligned(&message.bytes[index * size_of::<T>()..][..size_of::<T>()])
 }
 
-/// The lowest and the highest id of all ranks; zeros if there is none.
+/// The lowest and the highest id of all ranks; zeros if there are no ids.
 #[derive(Clone, Copy)]
-pub(super) struct Range {
+pub(super) struct IdRange {
     lowest: u64,
     highest: u64,
 }
 
-impl Range {
-    /// Collective.
+impl IdRange {
+    /// The range of the ids of all ranks. Collective.
     pub(super) fn of(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> Self {
         let here = ids.fold(None, |range: Option<(u64, u64)>, id| {
             Some(range.map_or((id, id), |(low, high)| (low.min(id), high.max(id))))
         });
-        // Each rank's range in its own place: exact, where a maximum of doubles would round.
+        // One element for each rank, so that the sum of integers is exact; a maximum of doubles would round.
         let mut ranges = vec![0; 3 * ranks.size()];
         if let Some((low, high)) = here {
             let own = &mut ranges[3 * ranks.rank()..][..3];
@@ -141,10 +142,10 @@ impl Range {
         Self { lowest, highest }
     }
 
-    /// In which of so many parts, evenly cut, an id lies; the nearest part if it lies beyond.
-    pub(super) fn local_cells(self, id: u64, parts: usize) -> usize {
-        let width = ((self.highest - self.lowest) / parts as u64).saturating_add(1);
-        ((id.saturating_sub(self.lowest) / width) as usize).min(parts - 1)
+    /// The chunk of an id if the range is divided into so many equal chunks; the nearest one for an id outside the range.
+    pub(super) fn chunk_of(self, id: u64, chunks: usize) -> usize {
+        let width = ((self.highest - self.lowest) / chunks as u64).saturating_add(1);
+        ((id.saturating_sub(self.lowest) / width) as usize).min(chunks - 1)
     }
 }
 
@@ -154,13 +155,13 @@ mod tests {
     use crate::parallel::run_on_threads;
 
     #[test]
-    fn blocks_of_all_ranks_are_one_sorted_table() {
+    fn rows_of_all_ranks_are_one_sorted_table() {
         let ids: Vec<u64> = (0..100).map(|k| (k * 37) % 101 + 5).collect();
         let mut sorted = ids.clone();
         sorted.sort_unstable();
         for n in 1..=4 {
             let blocks = run_on_threads(n, |ranks| {
-                // Rank 0 has nothing to give if there are others.
+                // Rank 0 has no rows if there are other ranks.
                 let mine = |k: usize| if n == 1 { true } else { k % (n - 1) + 1 == ranks.rank() };
                 let here: Vec<u64> = (0..100).filter(|&k| mine(k)).map(|k: usize| ids[k]).collect();
                 sort_by_id(&here, |&id| [id, 0], ranks)
@@ -176,24 +177,24 @@ mod tests {
     }
 
     #[test]
-    fn bands_of_all_ranks_are_one_table_sorted_by_both_ids() {
+    fn chunks_of_all_ranks_are_one_table_sorted_by_both_ids() {
         let pairs: Vec<[u64; 2]> = (0..300).map(|k| [(k * 37) % 101 + 5, (k * 7) % 13]).collect();
         let mut expected = pairs.clone();
         expected.sort_unstable();
         for n in 1..=3 {
-            for bands in [1, 2, 7] {
+            for chunks in [1, 2, 7] {
                 let blocks = run_on_threads(n, |ranks| {
                     let mine = pairs.iter().skip(ranks.rank()).step_by(n).copied();
                     let mut blocks = Vec::new();
                     let here: Vec<[u64; 2]> = mine.collect();
-                    sort_in_bands(&here, |&ids| ids, bands, ranks, |block| blocks.push(block));
+                    sort_in_chunks(&here, |&ids| ids, chunks, ranks, |block| blocks.push(block));
                     blocks
                 });
                 let mut table = Vec::new();
-                for band in 0..bands {
-                    for block in blocks.iter().map(|blocks| &blocks[band]) {
+                for chunk in 0..chunks {
+                    for block in blocks.iter().map(|blocks| &blocks[chunk]) {
                         assert_eq!((block.offset, block.total), (table.len() as u64, 300));
-                        assert!(block.rows.len() <= 300 / (n * bands) + 6);
+                        assert!(block.rows.len() <= 300 / (n * chunks) + 6);
                         table.extend_from_slice(&block.rows);
                     }
                 }
@@ -203,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn extreme_ids_and_empty_tables_are_fine() {
+    fn extreme_ids_and_empty_tables_are_sorted() {
         for n in 1..=3 {
             let blocks = run_on_threads(n, |ranks| {
                 let here = if ranks.is_root() { vec![u64::MAX, 3, 0] } else { vec![] };

@@ -1,4 +1,4 @@
-//! Ranks as threads of one process, so that ordinary tests see several ranks.
+//! Ranks as threads of one process, so that ordinary tests run on several ranks.
 
 use std::any::Any;
 use std::panic::resume_unwind;
@@ -14,46 +14,46 @@ const UPWARDS: usize = 1;
 const COLLECTIVE: usize = 2;
 const CHANNELS: usize = 3;
 
-/// One of several threads that speak through channels, one for each pair of ranks and each purpose.
+/// One of several threads that communicate through channels, one for each pair of ranks and each purpose.
 struct ThreadRank {
     rank: usize,
-    /// To rank r.
+    /// Channels to rank r, by r.
     senders: Vec<[Sender<Vec<u8>>; CHANNELS]>,
-    /// From rank r.
+    /// Channels from rank r, by r.
     receivers: Vec<[Receiver<Vec<u8>>; CHANNELS]>,
 }
 
-/// What a thread ends with if another rank ended while this one waited for it.
+/// The panic payload of a thread that waited for another rank when that ended.
 struct RankLost;
 
-/// Does `work` on `n` ranks, each a thread, and returns what each of them made, by rank.
+/// Runs `work` on `n` ranks, each of which is a thread, and returns their results in the order of the ranks.
 ///
 /// # Panics
-/// If `work` panics on one rank: all ranks end, and the panic goes on in the caller. Also if one rank
-/// returns while others still wait for it.
+/// If `work` panics on one rank: all ranks end, and the panic continues in the caller. Also if one rank returns while
+/// others wait for it.
 pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T + Sync) -> Vec<T> {
     let work = &work;
     let results: Vec<Result<T, Box<dyn Any + Send>>> = std::thread::scope(|threads| {
         let ranks = connected(n);
-        // The rank moves into its thread: when the thread ends, so do its channels, and nobody waits.
+        // The rank moves into its thread. When that ends, its channels close, and no other rank waits for it.
         let spawn = |rank: ThreadRank| threads.spawn(move || work(&rank));
         let handles: Vec<_> = ranks.into_iter().map(spawn).collect();
         handles.into_iter().map(|handle| handle.join()).collect()
     });
-    let mut made = Vec::with_capacity(n);
+    let mut returned = Vec::with_capacity(n);
     let mut lost = false;
     for result in results {
         match result {
-            Ok(value) => made.push(value),
+            Ok(value) => returned.push(value),
             Err(payload) if payload.is::<RankLost>() => lost = true,
             Err(payload) => resume_unwind(payload),
         }
     }
     assert!(!lost, "a rank returned while others waited for it");
-    made
+    returned
 }
 
-/// `n` ranks with a channel for each purpose from each to each.
+/// `n` ranks with a channel of each kind from each rank to each.
 fn connected(n: usize) -> Vec<ThreadRank> {
     let new = |rank| ThreadRank { rank, senders: Vec::new(), receivers: Vec::new() };
     let mut ranks: Vec<ThreadRank> = (0..n).map(new).collect();
@@ -89,13 +89,13 @@ impl ThreadRank {
         (0..self.size()).map(|from| self.receive(from, COLLECTIVE)).collect()
     }
 
-    /// Replaces each number by what `combine` makes of all ranks' numbers.
+    /// Combines the numbers of all ranks, in the order of the ranks.
     fn reduce<T: bytemuck::Pod>(&self, values: &mut [T], combine: impl Fn(T, T) -> T) {
         let outgoing = vec![bytemuck::cast_slice(values).to_vec(); self.size()];
         let incoming = self.all_to_all(&outgoing);
         for (rank, bytes) in incoming.iter().enumerate() {
             let theirs: Vec<T> = records_of_bytes(bytes).collect();
-            assert_eq!(theirs.len(), values.len(), "ranks add equally many numbers");
+            assert_eq!(theirs.len(), values.len(), "all ranks pass equally many numbers");
             for (value, other) in values.iter_mut().zip(theirs) {
                 *value = if rank == 0 { other } else { combine(*value, other) };
             }
@@ -132,7 +132,7 @@ impl Communicator for ThreadRank {
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
-        // Threads are few: each hears from each, and an empty message is none.
+        // There are few threads: each sends to each, and empty messages are dropped.
         let mut messages = vec![Vec::new(); self.size()];
         outgoing.iter().for_each(|message| messages[message.rank].clone_from(&message.bytes));
         let incoming = self.all_to_all(&messages).into_iter().enumerate();
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_hear_each_other_on_a_periodic_axis() {
+    fn neighbours_exchange_messages_along_a_periodic_axis() {
         // With one rank both neighbours are the rank itself, with two both are the other.
         for n in 1..=4 {
             run_on_threads(n, |ranks| {
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_comes_from_where_there_is_no_neighbour() {
+    fn nothing_is_received_where_there_is_no_neighbour() {
         for n in 1..=3 {
             run_on_threads(n, |ranks| {
                 let me = ranks.rank();
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_added_and_compared() {
+    fn sums_and_maxima_are_taken_over_all_ranks() {
         for n in 1..=4 {
             run_on_threads(n, |ranks| {
                 let me = ranks.rank();
@@ -236,15 +236,15 @@ mod tests {
     }
 
     #[test]
-    fn the_root_gathers_and_broadcasts() {
+    fn rank_0_gathers_and_broadcasts() {
         for n in 1..=4 {
             run_on_threads(n, |ranks| {
                 let gathered = ranks.gather_to_root(&vec![7; ranks.rank()]);
                 let expected: Vec<Vec<u8>> = (0..n).map(|from| vec![7; from]).collect();
                 assert_eq!(gathered, ranks.is_root().then_some(expected));
-                let mut bytes = if ranks.is_root() { b"words".to_vec() } else { vec![] };
+                let mut bytes = if ranks.is_root() { b"message".to_vec() } else { vec![] };
                 ranks.broadcast_from_root(&mut bytes);
-                assert_eq!(bytes, b"words");
+                assert_eq!(bytes, b"message");
             });
         }
     }

@@ -12,7 +12,7 @@ use crate::grid::ColumnGrid;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
-    Communicator, ContactRecord, MadeRecords, ParticleRecord, Records, WallContactRecord,
+    Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particles::ContactHistories;
 use crate::state::{Models, SizeRange, State, Workspace};
@@ -281,7 +281,7 @@ fn next_stage(case: &Case, state: &State) -> usize {
 /// This rank's particles as records, with wrapped positions.
 fn records(case: &Case, state: &State) -> impl Records<ParticleRecord> {
     let (bounds, particles) = (&case.domain.bounds, &state.particles);
-    MadeRecords(particles.owned_count(), |index: usize| ParticleRecord {
+    ComputedRecords(particles.owned_count(), |index: usize| ParticleRecord {
         position: bounds.wrap(particles.body[index].position).into(),
         ..ParticleRecord::of(particles, index)
     })

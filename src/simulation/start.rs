@@ -7,7 +7,7 @@ use crate::gas::GasState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
     CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
-    WallContactRecord, agree, send_memories_to_owners, send_to_owners,
+    WallContactRecord, agree, send_histories_to_owners, send_to_owners,
 };
 use crate::particles::{ContactHistories, Contacts, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State, Workspace};
@@ -168,7 +168,7 @@ fn distribute(
     for record in records {
         record.push_to(&mut particles);
     }
-    let histories = send_memories_to_owners(contacts, wall_contacts, &particles.id, ranks);
+    let histories = send_histories_to_owners(contacts, wall_contacts, &particles.id, ranks);
     let subdomain = decomposition.subdomain(&case.domain.bounds, ranks.rank());
     let gas = GasState::from_records(case.gas_on_cells(), &cells, report, subdomain, ranks);
     if gas == GasState::None {

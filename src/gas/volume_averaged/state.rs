@@ -30,7 +30,7 @@ impl VolumeAveragedState {
         let part = model.grid.local_cells(subdomain);
         let mut fields = GasFields::at_rest(&part);
         for record in send_cells_to_owners(records, &model.grid, subdomain.decomposition, ranks) {
-            fields.restore(record.place_in(&part), &record.numbers);
+            fields.restore(record.indices_in(&part), &record.numbers);
         }
         Self { fields, report }
     }

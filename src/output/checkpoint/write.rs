@@ -15,8 +15,8 @@ use crate::output::{
     with_suffix,
 };
 use crate::parallel::{
-    CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedBlock,
-    WallContactRecord, in_bands,
+    CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedRows,
+    WallContactRecord, sort_by_id_in_chunks,
 };
 
 /// Between two syncs of a file that is being written; short beside the time in which a disk writes much.
@@ -156,26 +156,25 @@ fn write_table<R: Table>(
     let ids_of = |record: &R| [id(record, 0), id(record, 1)];
     let mut errors = Vec::new();
     // Also after an error, for the sake of the other ranks.
-    in_bands(records, ids_of, ranks, |band| errors.extend(write_rows(&datasets, &band).err()));
+    sort_by_id_in_chunks(records, ids_of, ranks, |rows| {
+        errors.extend(write_rows(&datasets, &rows).err())
+    });
     file.agreed(errors.into_iter().next().map_or(Ok(()), Err))
 }
 
-fn write_rows<R: Table>(
-    datasets: &[SharedDataset<'_>],
-    band: &SortedBlock<R>,
-) -> MessageResult<()> {
+fn write_rows<R: Table>(datasets: &[SharedDataset<'_>], rows: &SortedRows<R>) -> MessageResult<()> {
     let (ids, numbers) = datasets.split_at(R::IDS.len());
     let mut written = Ok(());
     for (column, dataset) in R::IDS.iter().zip(ids) {
-        let values: Vec<u64> = band.rows.iter().map(column.get).collect();
-        written = written.and(dataset.write_rows(band.offset, &values));
+        let values: Vec<u64> = rows.rows.iter().map(column.get).collect();
+        written = written.and(dataset.write_rows(rows.offset, &values));
     }
     for (column, dataset) in R::NUMBERS.iter().zip(numbers) {
         let values = match column.width {
-            1 => values_of::<R, 1>(column, &band.rows),
-            _ => values_of::<R, 3>(column, &band.rows),
+            1 => values_of::<R, 1>(column, &rows.rows),
+            _ => values_of::<R, 3>(column, &rows.rows),
         };
-        written = written.and(dataset.write_rows(band.offset, &values));
+        written = written.and(dataset.write_rows(rows.offset, &values));
     }
     written
 }

@@ -1,12 +1,15 @@
-//! What contacts remember finds the owners of their particles, whom no rank knows: the start of a run.
+//! At the start of a run contact histories are sent to the owners of their particles, which the ranks that have read
+//! them do not know.
 //!
-//! A directory of owners is spread over the ranks: the range of ids is cut evenly, and each part has its home. Ranks tell
-//! the homes which particles they own, ask them for those that their records name, and then send the records. No rank
-//! ever holds more than its share of records and directory, and where ids lie side by side, as in a checkpoint, it
-//! writes to few others.
+//! The owners are found in a distributed directory, by a rendezvous algorithm (the distributed directory of Zoltan; S. J.
+//! Plimpton, C. Knight, "Rendezvous algorithms for large-scale modeling and simulation", J. Parallel Distrib. Comput.
+//! 147 (2021) 184-195). The range of ids is divided into equal chunks, one for each rank, which keeps the owners of the
+//! particles in its chunk: its entries of the directory. Each rank registers the particles that it owns, looks up those
+//! that its records name, and then sends the records. No rank ever holds more than its share of the records and of the
+//! directory. Where a rank's ids are consecutive, as those read from a checkpoint are, it sends to few others.
 
 use super::migrate::deliver;
-use super::sort_by_id::Range;
+use super::sort_by_id::IdRange;
 use super::{Communicator, ContactRecord, Message, WallContactRecord, records_of_bytes};
 use crate::particles::{ContactHistories, PairHistory, WallHistory};
 use bytemuck::Pod;
@@ -16,9 +19,9 @@ use std::collections::BTreeMap;
 /// Owners by ids.
 type Owners = FxHashMap<u64, usize>;
 
-/// Sends records, each of which is on one rank, to the ranks that own their particles: `owned` are the ids of those of
-/// this rank. What is known of a particle that nobody owns is left out. Collective.
-pub fn send_memories_to_owners(
+/// Sends contact records, each of which is on one rank, to the ranks that own their particles. `owned` holds the ids of
+/// the particles of this rank. Records of particles that no rank owns are dropped. Collective.
+pub fn send_histories_to_owners(
     mut contacts: Vec<ContactRecord>,
     mut wall_contacts: Vec<WallContactRecord>,
     owned: &[u64],
@@ -41,21 +44,21 @@ pub fn send_memories_to_owners(
     }
 }
 
-/// The owners of the particles that these ids name, if they have one. Collective.
+/// The owners of the particles with these ids; those without an owner are left out. Collective.
 fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
-    let range = Range::of(owned.iter().copied(), ranks);
-    let to_homes = |ids: &[u64]| {
-        let mut by_home = BTreeMap::<usize, Vec<u64>>::new();
+    let range = IdRange::of(owned.iter().copied(), ranks);
+    let send_to_directory = |ids: &[u64]| {
+        let mut by_rank = BTreeMap::<usize, Vec<u64>>::new();
         for &id in ids {
-            by_home.entry(range.local_cells(id, ranks.size())).or_default().push(id);
+            by_rank.entry(range.chunk_of(id, ranks.size())).or_default().push(id);
         }
-        ranks.sparse_exchange(&messages(by_home))
+        ranks.sparse_exchange(&messages(by_rank))
     };
     let mut directory = Owners::default();
-    for message in to_homes(owned) {
+    for message in send_to_directory(owned) {
         directory.extend(records_of_bytes(&message.bytes).map(|id: u64| (id, message.rank)));
     }
-    let answers = to_homes(ids).into_iter().map(|message| {
+    let answers = send_to_directory(ids).into_iter().map(|message| {
         let known = |id: u64| directory.get(&id).map(|&owner| [id, owner as u64]);
         (message.rank, records_of_bytes(&message.bytes).filter_map(known).collect())
     });
@@ -64,10 +67,11 @@ fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
     answers.map(|[id, owner]| (id, owner as usize)).collect()
 }
 
-fn messages<T: Pod>(message: BTreeMap<usize, Vec<T>>) -> Vec<Message> {
-    message.into_iter().map(|(rank, message)| Message::of(rank, &message)).collect()
+fn messages<T: Pod>(by_rank: BTreeMap<usize, Vec<T>>) -> Vec<Message> {
+    by_rank.into_iter().map(|(rank, records)| Message::of(rank, &records)).collect()
 }
 
+/// Sends each record to the owners of its two particles, once if they are the same. Collective.
 fn to_owners<T: Pod>(
     records: Vec<T>,
     ids_of: impl Fn(&T) -> [u64; 2],
@@ -91,7 +95,7 @@ mod tests {
     use crate::parallel::run_on_threads;
     use bytemuck::Zeroable;
 
-    /// Ids with gaps; who owns them has nothing to do with their order.
+    /// Ids with gaps. Their owners do not follow from their order.
     fn id(number: u64) -> u64 {
         7 * number + 3
     }
@@ -101,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn every_memory_comes_once_to_each_owner() {
+    fn every_history_arrives_once_at_each_owner() {
         for n in 1..=4 {
             run_on_threads(n, |ranks| {
                 let (here, size) = (ranks.rank() as u64, ranks.size() as u64);
@@ -110,7 +114,7 @@ mod tests {
                 let pairs: Vec<[u64; 2]> = (0..99)
                     .flat_map(|k| [[id(k), id(k + 1)], [id(k), id((k * k) % 100)]])
                     .collect();
-                let on_this_rank = |&(place, _): &(usize, &[u64; 2])| place as u64 % size == here;
+                let on_this_rank = |&(index, _): &(usize, &[u64; 2])| index as u64 % size == here;
                 let record = |[lower, higher]: [u64; 2]| ContactRecord {
                     lower,
                     higher,
@@ -124,7 +128,7 @@ mod tests {
                     ..Zeroable::zeroed()
                 });
                 let ContactHistories { pairs: found, walls: at_walls } =
-                    send_memories_to_owners(contacts.collect(), walls.collect(), &owned, ranks);
+                    send_histories_to_owners(contacts.collect(), walls.collect(), &owned, ranks);
 
                 let mut found: Vec<[u64; 2]> =
                     found.iter().map(|pair| [pair.lower, pair.higher]).collect();
@@ -141,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_gets_what_nobody_owns() {
+    fn histories_of_particles_without_an_owner_are_dropped() {
         run_on_threads(3, |ranks| {
             let owned = [10 + ranks.rank() as u64];
             let contact = |lower, higher| ContactRecord { lower, higher, ..Zeroable::zeroed() };
@@ -151,7 +155,7 @@ mod tests {
                 Vec::new()
             };
             let ContactHistories { pairs, .. } =
-                send_memories_to_owners(here, Vec::new(), &owned, ranks);
+                send_histories_to_owners(here, Vec::new(), &owned, ranks);
             let expected = [vec![], vec![[11, u64::MAX]], vec![[5, 12]]];
             let found: Vec<[u64; 2]> = pairs.iter().map(|pair| [pair.lower, pair.higher]).collect();
             assert_eq!(found, expected[ranks.rank()]);
