@@ -61,7 +61,7 @@ pub(crate) fn all_know_what_each_has(ranks: &dyn Communicator) {
     let records = |rank: usize| vec![rank as u64; (700 * rank) % 1100];
     let expected: Vec<u64> = (0..ranks.size()).flat_map(records).collect();
     assert_eq!(share_with_all(records(ranks.rank()), ranks), expected);
-    assert_eq!(share_with_all::<u64>(Vec::new(), ranks), []);
+    assert_eq!(share_with_all::<u64>(Vec::new(), ranks), Vec::<u64>::new());
 }
 
 #[test]
