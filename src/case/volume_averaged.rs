@@ -170,7 +170,7 @@ fn boundary(
     pressure: f64,
 ) -> Boundary {
     match kind {
-        FaceKind::NoSlip => Boundary::NoSlip { velocity: Vector3::zeros() },
+        FaceKind::NoSlip => Boundary::NO_SLIP,
         FaceKind::FreeSlip => Boundary::FreeSlip,
         FaceKind::Inlet => Boundary::Inlet(Inlet {
             velocity: velocity.clone().unwrap_or(Schedule::Constant(0.0)),

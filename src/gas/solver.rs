@@ -4,7 +4,7 @@ use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAv
 use super::{
     ColumnSolver, GasError, GasForceOutOfRange, GasModel, GasReport, GasState, ParticleLimits,
 };
-use crate::domain::{Decomposition, Subdomain};
+use crate::domain::{Decomposition, Subdomain, Wall};
 use crate::parallel::{CellRecord, CollectiveError, Communicator};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -36,6 +36,8 @@ pub struct GasStep {
 /// Where the gas is to be, and how it is spread over the ranks now.
 #[derive(Clone, Copy, Debug)]
 pub struct GasLayout<'a> {
+    /// The walls that particles touch.
+    pub walls: &'a [Wall],
     /// What sums over particles must have room for.
     pub limits: ParticleLimits,
     /// By which the state of the gas is spread now.
@@ -187,8 +189,8 @@ fn volume_averaged(
     layout: &GasLayout,
     ranks: &dyn Communicator,
 ) -> Result<(VolumeAveragedSolver, VolumeAveragedState), CollectiveError> {
-    let GasLayout { limits, before, subdomain, time } = *layout;
-    let solver = VolumeAveragedSolver::new(model, limits, subdomain);
+    let GasLayout { walls, limits, before, subdomain, time } = *layout;
+    let solver = VolumeAveragedSolver::new(model, limits, walls, subdomain);
     let mut solver = solver.map_err(CollectiveError)?;
     let state = match state {
         GasState::None => solver.at_rest(particles, time, ranks),
@@ -197,7 +199,7 @@ fn volume_averaged(
             let records = state.records(&model.grid.local_cells(before));
             let mut state =
                 VolumeAveragedState::from_records(model, &records, state.report, subdomain, ranks);
-            solver.complete(&mut state, time, ranks);
+            solver.fill_halos(&mut state, ranks);
             state
         }
     };

@@ -99,13 +99,13 @@ pub struct RunOptions<'a> {
 /// If a step or a file fails; the results and checkpoints written before stay.
 pub fn run(
     case: &Case,
-    initial: InitialState,
+    mut initial: InitialState,
     options: RunOptions,
     ranks: &dyn Communicator,
 ) -> Result<Outcome, RunError> {
     let RunOptions { end_time, folder, stop, watch } = options;
     let began = Instant::now();
-    let mut simulation = Simulation::new(case, initial, folder, ranks)?;
+    let mut simulation = Simulation::new(case, &mut initial, folder, ranks)?;
     let (first, last) = (simulation.steps_done(), simulation.step_at(end_time));
     let particles = simulation.particle_count();
     let mut particle_steps = 0.0;

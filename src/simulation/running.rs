@@ -15,8 +15,8 @@ use crate::parallel::{
     Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particles::ContactHistories;
-use crate::state::{Models, SizeRange, State, Workspace};
-use crate::time_step;
+use crate::state::{Clock, Models, SizeRange, State, Workspace};
+use crate::time_step::{self, Staggered, StepError};
 use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -33,8 +33,8 @@ struct StageStart {
 /// A run between two steps.
 pub(super) struct Simulation<'a> {
     case: &'a Case,
-    state: State,
-    work: Workspace,
+    state: Staggered<'a>,
+    work: &'a mut Workspace,
     models: Models,
     stage: usize,
     stage_start: StageStart,
@@ -51,17 +51,21 @@ impl<'a> Simulation<'a> {
     /// Lists and, for a new bed, forces of the initial state; the files of results. Collective.
     pub(super) fn new(
         case: &'a Case,
-        initial: InitialState,
+        initial: &'a mut InitialState,
         folder: OutputFolder,
         ranks: &'a dyn Communicator,
     ) -> Result<Self, RunError> {
-        let InitialState { mut state, mut work, histories, origin } = initial;
+        let InitialState { state, work, histories, origin } = initial;
+        let (histories, origin) = (std::mem::take(histories), *origin);
         let is_new = origin == Origin::NewBed;
-        let stage = next_stage(case, &state);
+        let stage = next_stage(case, &state.clock);
         let models = case.stages[stage].models(&state.sizes);
         state.clock = state.clock.with_time_step(models.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
-        time_step::begin(&mut state, &case.domain, &models, &mut work, histories, is_new, ranks)?;
+        time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
+        if is_new {
+            time_step::find_first_forces(state, &case.domain, &models, work, ranks);
+        }
         memory::give_back();
         let profile = profile_of(case, &models, &state.sizes);
         let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
@@ -76,7 +80,7 @@ impl<'a> Simulation<'a> {
             stage,
             stage_start: StageStart { instant: Instant::now(), step: state.clock.step },
             expected_particles: here + state.departed.count,
-            state,
+            state: Staggered::new(state),
             work,
             models,
             profile,
@@ -95,34 +99,34 @@ impl<'a> Simulation<'a> {
 
     /// Steps since the start of the case.
     pub(super) fn steps_done(&self) -> u64 {
-        self.state.clock.step
+        self.state.clock().step
     }
 
     /// Simulated time.
     pub(super) fn time(&self) -> f64 {
-        self.state.clock.time()
+        self.state.clock().time()
     }
 
     /// Simulated time of a step.
     pub(super) fn time_of(&self, step: u64) -> f64 {
-        self.state.clock.time_of(step)
+        self.state.clock().time_of(step)
     }
 
     /// The step at which a time is reached, the present one at the earliest.
     pub(super) fn step_at(&self, time: f64) -> u64 {
-        let clock = &self.state.clock;
+        let clock = self.state.clock();
         let steps = ((time - clock.origin_time) / clock.time_step).round().max(0.0) as u64;
         (clock.origin_step + steps).max(clock.step)
     }
 
     /// Particles in the box. Collective.
     pub(super) fn particle_count(&self) -> usize {
-        self.ranks.total(self.state.particles.owned_count())
+        self.ranks.total(self.state.owned_count())
     }
 
     /// Particles that have left since the start of the case.
     pub(super) fn departed_count(&self) -> u64 {
-        self.state.departed.count
+        self.state.departed().count
     }
 
     /// How the time of the run divides. Collective.
@@ -135,7 +139,7 @@ impl<'a> Simulation<'a> {
         let requests = &mut self.work.requests;
         requests.stop = stop.load(Ordering::Relaxed);
         requests.checkpoint = false;
-        if self.ranks.is_root() && self.state.clock.step.is_multiple_of(WATCH_EVERY) {
+        if self.ranks.is_root() && self.state.clock().step.is_multiple_of(WATCH_EVERY) {
             requests.stop |= self.case.wall_clock.is_some_and(|limit| began.elapsed() >= limit);
             requests.checkpoint = self.checkpoints.due_by_wall_clock();
         }
@@ -145,17 +149,17 @@ impl<'a> Simulation<'a> {
     pub(super) fn step(&mut self) -> Result<bool, RunError> {
         self.enter_stage()?;
         let domain = &self.case.domain;
-        let next = self.state.clock.step + 1;
-        let needs_momentum = self.outputs.needs_momentum_before(&self.state.clock, next);
-        if needs_momentum {
-            time_step::complete(&mut self.state, &mut self.work);
-        }
-        let probe = needs_momentum.then(|| MomentumProbe::take(&self.state.particles, self.ranks));
+        let next = self.state.clock().step + 1;
+        let needs_momentum = self.outputs.needs_momentum_before(self.state.clock(), next);
+        let probe = needs_momentum.then(|| {
+            let state = self.state.synchronised(&mut self.work.timers);
+            MomentumProbe::take(&state.particles, self.ranks)
+        });
         let requests =
-            time_step::advance(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
+            time_step::advance(&mut self.state, domain, &self.models, self.work, self.ranks)?;
         let output_start = Instant::now();
         self.write_due(probe)?;
-        if requests.checkpoint || self.checkpoints.due(&self.state.clock) {
+        if requests.checkpoint || self.checkpoints.due(self.state.clock()) {
             self.write_checkpoint()?;
         }
         self.work.timers.add(Phase::Output, output_start.elapsed());
@@ -164,26 +168,27 @@ impl<'a> Simulation<'a> {
 
     /// Changes the models when the next stage begins.
     fn enter_stage(&mut self) -> Result<(), RunError> {
-        let stage = next_stage(self.case, &self.state);
+        let stage = next_stage(self.case, self.state.clock());
         if stage == self.stage {
             return Ok(());
         }
         self.report_stage();
         self.stage = stage;
-        self.models = self.case.stages[stage].models(&self.state.sizes);
+        self.models = self.case.stages[stage].models(self.state.sizes());
         log::info!("stage \"{}\" begins", self.case.stages[stage].name);
-        self.work.prepare(&self.case.domain, &self.models, &self.state.sizes);
+        self.work.prepare(&self.case.domain, &self.models, self.state.sizes());
         let domain = &self.case.domain;
-        time_step::rebuild(&mut self.state, domain, &self.models, &mut self.work, self.ranks)?;
+        let state = self.state.synchronised(&mut self.work.timers);
+        time_step::rebuild(state, domain, &self.models, self.work, self.ranks)?;
         Ok(())
     }
 
     /// Logs the rate of the stage that ends; the next one starts.
     fn report_stage(&mut self) {
-        let now = StageStart { instant: Instant::now(), step: self.state.clock.step };
+        let now = StageStart { instant: Instant::now(), step: self.state.clock().step };
         let StageStart { instant, step } = std::mem::replace(&mut self.stage_start, now);
-        let steps = self.state.clock.step - step;
-        let particles = (self.expected_particles - self.state.departed.count) as f64;
+        let steps = self.state.clock().step - step;
+        let particles = (self.expected_particles - self.state.departed().count) as f64;
         let rate = steps as f64 * particles / instant.elapsed().as_secs_f64().max(1.0e-9) * 1.0e-6;
         let name = &self.case.stages[self.stage].name;
         log::info!("stage \"{name}\" ends: {steps} steps, {rate:.2} million particle-steps/s");
@@ -191,11 +196,11 @@ impl<'a> Simulation<'a> {
 
     /// Rows, profiles and snapshots that are due at this step. Collective.
     fn write_due(&mut self, probe: Option<MomentumProbe>) -> Result<(), RunError> {
-        if !self.outputs.due(&self.state.clock, self.state.clock.step) {
+        if !self.outputs.due(self.state.clock(), self.steps_done()) {
             return Ok(());
         }
-        self.complete_step()?;
         let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
+        let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
         let measures = measure(view, profile, probe, *ranks);
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
@@ -214,18 +219,12 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Velocities at the time of the clock, and forces that have a meaning: before anything is written. Collective.
-    fn complete_step(&mut self) -> Result<(), RunError> {
-        time_step::complete(&mut self.state, &mut self.work);
-        Ok(time_step::confirm(&self.state, &mut self.work, self.ranks)?)
-    }
-
     /// Commits the results and then writes a checkpoint, so that a run that is killed goes on from it with all of them.
     /// Collective.
     fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
-        self.complete_step()?;
-        self.outputs.commit(self.ranks)?;
-        let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;
+        let Self { case, state, work, folder, provenance, outputs, checkpoints, ranks, .. } = self;
+        let state = confirmed(state, work, *ranks)?;
+        outputs.commit(*ranks)?;
         let ContactHistories { pairs, walls } = state.contacts.histories_once(&state.particles);
         let checkpoint = Checkpoint {
             clock: state.clock,
@@ -271,9 +270,20 @@ fn open_outputs(
     Outputs::open(&folder.path, &case.output, opening, ranks)
 }
 
+/// The state as it can be written: velocities at the time of the clock, and forces that have a meaning. Collective.
+fn confirmed<'s>(
+    state: &'s mut Staggered,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<&'s State, StepError> {
+    let state = state.synchronised(&mut work.timers);
+    time_step::confirm(state, work, ranks)?;
+    Ok(state)
+}
+
 /// The stage of the step that comes next.
-fn next_stage(case: &Case, state: &State) -> usize {
-    let middle = state.clock.time() + 0.5 * state.clock.time_step;
+fn next_stage(case: &Case, clock: &Clock) -> usize {
+    let middle = clock.time() + 0.5 * clock.time_step;
     let next = case.stages.partition_point(|stage| stage.start <= middle);
     next.saturating_sub(1)
 }

@@ -175,7 +175,7 @@ fn distribute(
         particles.gas_force.fill(Vector3::zeros());
     }
     let contacts = Contacts::default();
-    let state = State { particles, contacts, clock, departed, sizes, gas, kick_due: None };
+    let state = State { particles, contacts, clock, departed, sizes, gas };
     let skin = case.parallel.skin * sizes.largest_diameter;
     let work = Workspace::new(decomposition, skin, case.parallel.balance);
     Ok(InitialState { state, work, histories, origin })

@@ -13,7 +13,8 @@ pub struct Departed {
     pub volume: f64,
 }
 
-/// What a checkpoint holds: with the models, all that the future depends on.
+/// What a checkpoint holds: with the models, all that the future depends on. All of it is at the time of the clock;
+/// between two steps it is in the hands of [`Staggered`](crate::time_step::Staggered).
 #[derive(Clone, Debug)]
 pub struct State {
     /// Owned particles and ghosts.
@@ -28,6 +29,4 @@ pub struct State {
     pub sizes: SizeRange,
     /// What the gas is, on this rank's cells.
     pub gas: GasState,
-    /// Length of the step whose second kick is still due. No checkpoint is written before it is done.
-    pub kick_due: Option<f64>,
 }

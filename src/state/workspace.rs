@@ -5,8 +5,9 @@ use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
 use crate::parallel::ParticleHalo;
 use crate::particles::{Neighbours, Reach};
-use crate::timers::Timers;
-use std::time::Duration;
+use crate::timers::{Phase, Timers, processor_time};
+use std::fmt::Display;
+use std::time::{Duration, Instant};
 
 /// What can be dropped and made anew at any time: lists, plans, buffers. None of it changes a result.
 #[derive(Debug)]
@@ -72,6 +73,33 @@ impl Workspace {
             looked_at: Duration::ZERO,
             fault: None,
             requests: Requests::default(),
+        }
+    }
+
+    /// Does the work of a phase of the step, and adds its time.
+    pub fn time<T>(&mut self, phase: Phase, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let result = work(self);
+        self.timers.add(phase, start.elapsed());
+        result
+    }
+
+    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time.
+    pub fn on_particles<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = processor_time();
+        let result = work(self);
+        self.timers.on_particles += processor_time() - start;
+        result
+    }
+
+    /// Keeps what went wrong, if it is the first, until the ranks next agree.
+    pub fn note_fault<T, E: Display>(&mut self, result: Result<T, E>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.fault.get_or_insert_with(|| error.to_string());
+                None
+            }
         }
     }
 

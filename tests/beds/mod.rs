@@ -21,7 +21,7 @@ use talcum::particles::{ContactHistories, Contacts, PairHistory, Particles, Wall
 use talcum::state::{
     Balance, Clock, Departed, Domain, Limits, Models, SizeRange, State, Workspace,
 };
-use talcum::time_step::{StepError, advance, begin, complete};
+use talcum::time_step::{Staggered, StepError, advance, begin, find_first_forces};
 
 pub(crate) const PERIODIC: [Face; 2] = [Face::Periodic; 2];
 pub(crate) const OPEN: [Face; 2] = [Face::Open; 2];
@@ -289,11 +289,14 @@ impl Bench {
         let report = GasReport::default();
         let subdomain = decomposition.subdomain(&self.domain.bounds, here);
         let gas = GasState::from_records(&models.gas, &share, report, subdomain, ranks);
-        let mut state = State { particles, contacts, clock, departed, sizes, gas, kick_due: None };
+        let mut state = State { particles, contacts, clock, departed, sizes, gas };
         let mut work = Workspace::new(decomposition, self.skin, self.balance);
         work.prepare(&domain, &models, &state.sizes);
-        begin(&mut state, &domain, &models, &mut work, histories, new_bed, ranks)
+        begin(&mut state, &domain, &models, &mut work, histories, ranks)
             .expect("the test's bed can begin");
+        if new_bed {
+            find_first_forces(&mut state, &domain, &models, &mut work, ranks);
+        }
         Run { state, domain, models, work, ranks }
     }
 
@@ -326,9 +329,7 @@ pub(crate) struct Run<'a> {
 impl Run<'_> {
     pub(crate) fn try_step(&mut self) -> Result<(), StepError> {
         let Self { state, domain, models, work, ranks } = self;
-        advance(state, domain, models, work, *ranks)?;
-        complete(state, work);
-        Ok(())
+        advance(&mut Staggered::new(state), domain, models, work, *ranks).map(|_| ())
     }
 
     pub(crate) fn steps(&mut self, count: u64) -> &mut Self {

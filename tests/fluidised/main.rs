@@ -8,6 +8,7 @@ mod beds;
 mod column;
 mod cooling;
 mod force_balance;
+mod moving_wall;
 mod one_answer;
 mod packed_bed;
 mod settling;
@@ -31,7 +32,7 @@ fn boundaries(bench: &Bench, inflow: f64) -> [[Boundary; 2]; 3] {
     std::array::from_fn(|axis| match bounds.faces(axis)[0] {
         Face::Periodic => [Boundary::Periodic, Boundary::Periodic],
         _ if axis == 2 => vertical.clone(),
-        _ => [(); 2].map(|()| Boundary::NoSlip { velocity: Vector3::zeros() }),
+        _ => [(); 2].map(|()| Boundary::NO_SLIP),
     })
 }
 

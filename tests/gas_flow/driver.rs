@@ -1,7 +1,7 @@
 //! Runs gas alone: a box, a gas, a bed that is given as functions of place and time.
 
 use nalgebra::Vector3;
-use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
+use talcum::domain::{Bounds, Decomposition, Face, RankGrid, WallMotion};
 use talcum::gas::volume_averaged::{
     BedOnGrid, Boundary, GAS_HALO, GasFields, Inlet, NavierStokesError, NavierStokesReport,
     NavierStokesSolver, NavierStokesStep, Profile, VolumeAveragedGas,
@@ -19,7 +19,7 @@ pub(crate) fn no_slip() -> [Boundary; 2] {
 }
 
 pub(crate) fn wall(velocity: Vector3<f64>) -> Boundary {
-    Boundary::NoSlip { velocity }
+    Boundary::NoSlip { motion: WallMotion { velocity, ..WallMotion::REST } }
 }
 
 /// A superficial velocity into the box.

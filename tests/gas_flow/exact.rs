@@ -290,7 +290,7 @@ fn what_cannot_be_is_said() {
     let message = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Uniform), Boundary::FreeSlip]]);
     assert!(message.contains("outlet"), "{message}");
     let message = wrong([PERIODIC, [wall(Vector3::y()), Boundary::FreeSlip], FREE_SLIP]);
-    assert!(message.contains("lower y") && message.contains("normal"), "{message}");
+    assert!(message.contains("y lower") && message.contains("normal"), "{message}");
     let message = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Table(vec![1.0; 15])), OUTLET]]);
     assert!(message.contains("15 numbers for 16 cells"), "{message}");
 }

@@ -1,6 +1,6 @@
 //! One answer: the same bits on any cut, and through a restart.
 
-use crate::driver::{Flow, PERIODIC, Problem, no_slip};
+use crate::driver::{Flow, PERIODIC, Problem, no_slip, wall};
 use nalgebra::Vector3;
 use talcum::domain::Decomposition;
 use talcum::gas::volume_averaged::{Boundary, GasFields, Inlet, Profile};
@@ -22,7 +22,7 @@ fn problem() -> Problem {
 
 fn walled() -> Problem {
     let mut problem = problem();
-    let lid = Boundary::NoSlip { velocity: Vector3::new(0.5, -0.3, 0.0) };
+    let lid = wall(Vector3::new(0.5, -0.3, 0.0));
     let [_, _, [inlet, _]] = problem.gas.boundaries.clone();
     problem.gas.boundaries =
         [no_slip(), [inlet, Boundary::Outlet { pressure: 0.0 }], [Boundary::FreeSlip, lid]];

@@ -12,7 +12,7 @@ use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::parallel::Communicator;
 use crate::simulation::{InitialState, start_from_case};
 use crate::state::{SizeRange, State};
-use crate::time_step;
+use crate::time_step::{self, Staggered};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -134,13 +134,15 @@ fn trial(case: &Case, initial: &mut InitialState, ranks: &dyn Communicator) -> a
     let models = case.stages[0].models(&sizes);
     work.prepare(&case.domain, &models, &sizes);
     let histories = std::mem::take(histories);
-    time_step::begin(state, &case.domain, &models, work, histories, true, ranks)?;
+    time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
+    time_step::find_first_forces(state, &case.domain, &models, work, ranks);
+    let mut state = Staggered::new(state);
     let start = Instant::now();
     let mut steps = 0;
     // The pace of rank 0 decides for all: a collective look every few steps.
     while !ranks.any(ranks.is_root() && start.elapsed() > TRIAL) {
         for _ in 0..10 {
-            time_step::advance(state, &case.domain, &models, work, ranks)?;
+            time_step::advance(&mut state, &case.domain, &models, work, ranks)?;
         }
         steps += 10;
     }

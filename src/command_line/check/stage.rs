@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
-use crate::gas::volume_averaged::{Boundary, VolumeAveragedModel};
+use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::gas::{ColumnGas, Drive, GasModel, ParticleDrag};
 use crate::rules::{
     ContactPartner, LARGEST_STEP_NUMBER, LEAST_STEPS_PER_CONTACT, ReducedBody, courant_rate,
@@ -174,13 +174,8 @@ fn describe_volume_averaged(
 /// Cell size along the axis of each inlet, and the largest superficial velocity there.
 fn inflow(model: &VolumeAveragedModel) -> impl Iterator<Item = [f64; 2]> {
     let spacing = model.grid.spacing();
-    let faces = model.gas.boundaries.iter().enumerate();
-    faces.flat_map(|(axis, pair)| pair.iter().map(move |boundary| (axis, boundary))).filter_map(
-        move |(axis, boundary)| match boundary {
-            Boundary::Inlet(inlet) => Some([spacing[axis], inlet.velocity.largest().abs()]),
-            _ => None,
-        },
-    )
+    let inlets = model.gas.inlets();
+    inlets.map(move |(face, inlet)| [spacing[face.axis], inlet.velocity.largest().abs()])
 }
 
 /// Courant and viscous number of a gas step, as the gas solver takes them.

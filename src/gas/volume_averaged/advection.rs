@@ -69,15 +69,12 @@ pub(super) fn add_advection(
             along.add_row(rate.values_mut(), velocity.values(), flux[direction].values(), row);
         }
     }
-    for side in 0..2 {
-        if part.at_ends(axis)[side] && gas.is_outlet(BoxFace { axis, side }) {
-            add_through_outlet(
-                rate,
-                (velocity, axis),
-                &flux[axis],
-                (part, side),
-                gas.density / spacing[axis],
-            );
+    for face in [0, 1].map(|side| BoxFace { axis, side }) {
+        let outside = gas.velocity_outside(face).filter(|_| part.at_ends(axis)[face.side]);
+        if let Some(outside) = outside {
+            let through =
+                ThroughFace { face, outside: outside[axis], factor: gas.density / spacing[axis] };
+            through.add(rate, velocity, &flux[axis], part);
         }
     }
 }
@@ -126,34 +123,40 @@ fn between(values: [f64; 4], flux: f64) -> f64 {
     from + if rise > 0.0 { step } else { -step }
 }
 
-/// Advection of the normal component in an outlet, along its normal. Gas that leaves takes the velocity of the
-/// outlet with it; gas that comes back has none.
-fn add_through_outlet(
-    rate: &mut Field,
-    (velocity, axis): (&Field, usize),
-    flux: &Field,
-    (part, side): (&LocalCells, usize),
+/// Advection of the normal component through a face of the box in which it follows from momentum. Gas that leaves
+/// takes the velocity in the face with it; gas that comes in brings that of the gas outside.
+struct ThroughFace {
+    face: BoxFace,
+    /// Velocity of the gas outside along the normal axis.
+    outside: f64,
+    /// rho / spacing.
     factor: f64,
-) {
-    let (place, inwards) = if side == 0 { (0, 1) } else { (part.count[axis] as isize, -1) };
-    let step = velocity.strides()[axis] as isize * inwards;
-    let at = |values: &[f64], index: usize, steps: isize| {
-        values[index.wrapping_add_signed(step * steps)]
-    };
-    let layer = Region::owned(part).layer(axis, place);
-    for cell in layer.cells() {
-        let index = velocity.index(cell);
-        let (u, q) = (velocity.values(), flux.values());
-        let outwards = -inwards as f64;
-        // Fluxes out of the cell around the face: through the outlet, and towards the cell inside.
-        let out = q[index] * outwards;
-        let inner = -0.5 * (q[index] + at(q, index, 1)) * outwards;
-        let here = u[index];
-        let beyond = if out >= 0.0 { here } else { 0.0 };
-        // Values in a row from inside to outside; the flux is positive outwards.
-        let row = [at(u, index, 2), at(u, index, 1), here, beyond];
-        let inside = between(row, -inner);
-        rate.values_mut()[index] -= factor * (out * (beyond - here) + inner * (inside - here));
+}
+
+impl ThroughFace {
+    fn add(&self, rate: &mut Field, velocity: &Field, flux: &Field, part: &LocalCells) {
+        let BoxFace { axis, side } = self.face;
+        let (place, inwards) = [(0, 1), (part.count[axis] as isize, -1)][side];
+        let step = velocity.strides()[axis] as isize * inwards;
+        let at = |values: &[f64], index: usize, steps: isize| {
+            values[index.wrapping_add_signed(step * steps)]
+        };
+        let layer = Region::owned(part).layer(axis, place);
+        for cell in layer.cells() {
+            let index = velocity.index(cell);
+            let (u, q) = (velocity.values(), flux.values());
+            let outwards = -inwards as f64;
+            // Fluxes out of the cell around the face: through the face, and towards the cell inside.
+            let out = q[index] * outwards;
+            let inner = -0.5 * (q[index] + at(q, index, 1)) * outwards;
+            let here = u[index];
+            let beyond = if out >= 0.0 { here } else { self.outside };
+            // Values in a row from inside to outside; the flux is positive outwards.
+            let row = [at(u, index, 2), at(u, index, 1), here, beyond];
+            let inside = between(row, -inner);
+            let change = out * (beyond - here) + inner * (inside - here);
+            rate.values_mut()[index] -= self.factor * change;
+        }
     }
 }
 

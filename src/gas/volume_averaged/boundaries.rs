@@ -4,16 +4,18 @@
 //! Halos between ranks are filled before. Axis by axis, over all that lies across the axis, halo included: so the
 //! numbers in edges and corners do not depend on where the cuts are.
 
+use super::VolumeAveragedGas;
+use super::boundary::{FaceConditions, NormalVelocity, TangentialVelocity, across};
 use super::faces::Region;
-use super::{Boundary, VolumeAveragedGas};
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 
-/// A face of the box that this rank's cells reach.
+/// A face of the box that this rank's cells reach, and what holds in it.
 #[derive(Clone, Copy)]
-struct LocalFace {
-    of: BoxFace,
+struct LocalFace<'a> {
+    conditions: FaceConditions<'a>,
     axis: usize,
+    side: usize,
     /// Place along the axis of the face itself: the lower face of the cell there.
     face: isize,
     /// The cell inside.
@@ -22,19 +24,17 @@ struct LocalFace {
     outwards: isize,
 }
 
-impl LocalFace {
+impl<'a> LocalFace<'a> {
     /// The faces of the box, not being periodic, that a part reaches.
-    fn of(part: &LocalCells, gas: &VolumeAveragedGas) -> Vec<Self> {
-        let reached =
-            |face: &BoxFace| part.at_ends(face.axis)[face.side] && !gas.is_periodic(face.axis);
-        let local = |of: BoxFace| {
-            let (axis, count) = (of.axis, part.count[of.axis] as isize);
-            match of.side {
-                0 => Self { of, axis, face: 0, inside: 0, outwards: -1 },
-                _ => Self { of, axis, face: count, inside: count - 1, outwards: 1 },
-            }
+    fn of(part: &LocalCells, gas: &'a VolumeAveragedGas) -> Vec<Self> {
+        let local = |face: BoxFace| {
+            let BoxFace { axis, side } = face;
+            let conditions = gas.conditions(face).filter(|_| part.at_ends(axis)[side])?;
+            let count = part.count[axis] as isize;
+            let (face, inside, outwards) = [(0, 0, -1), (count, count - 1, 1)][side];
+            Some(Self { conditions, axis, side, face, inside, outwards })
         };
-        BoxFace::ALL.into_iter().filter(reached).map(local).collect()
+        BoxFace::ALL.into_iter().filter_map(local).collect()
     }
 
     /// The cells at `place` along the axis, with halos across it.
@@ -74,14 +74,11 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeA
 /// cells inside and outside is the given pressure.
 pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in LocalFace::of(part, gas) {
-        let outlet = match *gas.boundary(face.of) {
-            Boundary::Outlet { pressure } => Some(pressure),
-            _ => None,
-        };
+        let given = face.conditions.pressure.given();
         for cell in face.layer(part, pressure.halo() as isize, face.inside + face.outwards) {
             let first = pressure.at(placed(cell, face.axis, face.inside));
             let second = pressure.at(placed(cell, face.axis, face.inside - face.outwards));
-            *pressure.at_mut(cell) = match outlet {
+            *pressure.at_mut(cell) = match given {
                 Some(given) => 2.0 * given - first,
                 None => 2.0 * first - second,
             };
@@ -89,10 +86,10 @@ pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &V
     }
 }
 
-/// Continues a change of pressure beyond outlets, in which it is zero.
+/// Continues a change of pressure beyond faces in which the pressure is given: there it is zero.
 pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
-    let outlets = |face: &LocalFace| gas.is_outlet(face.of);
-    for face in LocalFace::of(part, gas).into_iter().filter(outlets) {
+    let is_given = |face: &LocalFace| face.conditions.pressure.given().is_some();
+    for face in LocalFace::of(part, gas).into_iter().filter(is_given) {
         for cell in face.layer(part, change.halo() as isize, face.inside + face.outwards) {
             *change.at_mut(cell) = -change.at(placed(cell, face.axis, face.inside));
         }
@@ -108,37 +105,47 @@ pub(super) fn set_boundary_faces(
     time: f64,
 ) {
     for face in LocalFace::of(part, gas) {
+        let NormalVelocity::Fixed(inlet) = face.conditions.normal else { continue };
         let component = &mut velocity[face.axis];
         for cell in face.layer(part, component.halo() as isize, face.face) {
-            match gas.boundary(face.of) {
-                Boundary::Inlet(inlet) => {
-                    let inflow = gas.inflow(inlet, time, part, (face.axis, cell));
-                    let inwards = -face.outwards as f64;
-                    let voidage = voidage_in_face(voidage, cell, face.axis);
-                    *component.at_mut(cell) = inwards * inflow / voidage;
-                }
-                Boundary::NoSlip { .. } | Boundary::FreeSlip => *component.at_mut(cell) = 0.0,
-                Boundary::Outlet { .. } | Boundary::Periodic => {}
-            }
+            *component.at_mut(cell) = inlet.map_or(0.0, |inlet| {
+                let inflow = gas.inflow(inlet, time, part, (face.axis, cell));
+                let inwards = -face.outwards as f64;
+                inwards * inflow / voidage_in_face(voidage, cell, face.axis)
+            });
         }
     }
 }
 
 /// Continues the velocity beyond the box, once it is known in the faces of the box.
 ///
-/// Along its normal a component is continued linearly through the face, so that it is odd at a wall; beyond an
-/// outlet it stays as it is in the face. A component along the face has the velocity of the wall in it, or of an
-/// inlet (zero), or no gradient.
+/// Along its normal a component is continued linearly through the face, so that it is odd at a wall; where it follows
+/// from momentum it stays as it is in the face. A component in the plane of the face has the velocity of a wall in it,
+/// at this time, or no gradient.
 pub(super) fn continue_velocity(
     velocity: &mut [Field; 3],
     (part, gas): (&LocalCells, &VolumeAveragedGas),
+    time: f64,
 ) {
     for face in LocalFace::of(part, gas) {
-        let boundary = gas.boundary(face.of);
-        continue_normal(&mut velocity[face.axis], (part, boundary), face);
+        continue_normal(&mut velocity[face.axis], part, face);
         let [normal, first, second] = disjoint(velocity, face.axis);
-        for (component, axis) in [first, second].into_iter().zip(super::model::across(face.axis)) {
-            continue_tangential(component, normal, (part, boundary), (face, axis));
+        for (component, axis) in [first, second].into_iter().zip(across(face.axis)) {
+            match face.conditions.tangential {
+                TangentialVelocity::Value(motion) => {
+                    let wall = motion.velocity_at(time)[axis];
+                    continue_tangential(component, part, face, |inside, _| 2.0 * wall - inside);
+                }
+                TangentialVelocity::NoGradient => {
+                    let outside = face.conditions.normal.outside().map(|outside| outside[axis]);
+                    continue_tangential(component, part, face, |inside, cell| match outside {
+                        Some(outside) if comes_in(normal, face, cell, axis) => {
+                            2.0 * outside - inside
+                        }
+                        Some(_) | None => inside,
+                    });
+                }
+            }
         }
     }
 }
@@ -158,44 +165,38 @@ fn voidage_in_face(voidage: &Field, cell: [isize; 3], axis: usize) -> f64 {
     0.5 * (voidage.at(placed(cell, axis, cell[axis] - 1)) + voidage.at(cell))
 }
 
-fn continue_normal(
-    component: &mut Field,
-    (part, boundary): (&LocalCells, &Boundary),
-    face: LocalFace,
-) {
+fn continue_normal(component: &mut Field, part: &LocalCells, face: LocalFace) {
     let halo = component.halo() as isize;
-    let is_outlet = matches!(boundary, Boundary::Outlet { .. });
+    let from_momentum = face.conditions.normal.outside().is_some();
     // Lower faces: the halo holds one more below the box than above it.
-    for depth in 1..=halo - face.of.side as isize {
+    for depth in 1..=halo - face.side as isize {
         for cell in face.layer(part, halo, face.face + face.outwards * depth) {
             let in_face = component.at(placed(cell, face.axis, face.face));
             let inside = component.at(placed(cell, face.axis, face.face - face.outwards * depth));
-            *component.at_mut(cell) = if is_outlet { in_face } else { 2.0 * in_face - inside };
+            *component.at_mut(cell) = if from_momentum { in_face } else { 2.0 * in_face - inside };
         }
     }
 }
 
+/// Sets a component beyond a face by its value inside, as far from the face, and by the cell outside.
 fn continue_tangential(
     component: &mut Field,
-    normal: &Field,
-    (part, boundary): (&LocalCells, &Boundary),
-    (face, axis): (LocalFace, usize),
+    part: &LocalCells,
+    face: LocalFace,
+    beyond: impl Fn(f64, [isize; 3]) -> f64,
 ) {
     let halo = component.halo() as isize;
     for depth in 0..halo {
         for cell in face.layer(part, halo, face.inside + face.outwards * (depth + 1)) {
             let inside = component.at(placed(cell, face.axis, face.inside - face.outwards * depth));
-            *component.at_mut(cell) = match boundary {
-                Boundary::NoSlip { velocity } => 2.0 * velocity[axis] - inside,
-                Boundary::Inlet(_) => -inside,
-                Boundary::FreeSlip | Boundary::Periodic => inside,
-                Boundary::Outlet { .. } => {
-                    let here = placed(cell, face.axis, face.face);
-                    let below = placed(here, axis, (here[axis] - 1).max(-halo));
-                    let outflow = (normal.at(below) + normal.at(here)) * face.outwards as f64;
-                    if outflow < 0.0 { -inside } else { inside }
-                }
-            };
+            *component.at_mut(cell) = beyond(inside, cell);
         }
     }
+}
+
+/// Whether gas comes into the box through a face, beside the lower face along `axis` of a cell.
+fn comes_in(normal: &Field, face: LocalFace, cell: [isize; 3], axis: usize) -> bool {
+    let here = placed(cell, face.axis, face.face);
+    let below = placed(here, axis, (here[axis] - 1).max(-(normal.halo() as isize)));
+    (normal.at(below) + normal.at(here)) * (face.outwards as f64) < 0.0
 }

@@ -37,10 +37,10 @@ impl Region {
     pub(super) fn free_faces(part: &LocalCells, axis: usize, gas: &VolumeAveragedGas) -> Self {
         let mut region = Self::inner_faces(part, axis, gas);
         let [lower, upper] = part.at_ends(axis);
-        if lower && gas.is_outlet(BoxFace { axis, side: 0 }) {
+        if lower && gas.velocity_outside(BoxFace { axis, side: 0 }).is_some() {
             region.from[axis] = 0;
         }
-        if upper && gas.is_outlet(BoxFace { axis, side: 1 }) {
+        if upper && gas.velocity_outside(BoxFace { axis, side: 1 }).is_some() {
             region.to[axis] += 1;
         }
         region

@@ -25,21 +25,11 @@
 //! * The pressure is kept less the hydrostatic head rho g.x: gravity, whatever it does in time, is balanced to the
 //!   last bit, and does not appear here. A particle of volume V feels -V (grad p + rho g) of this pressure. Gas in a
 //!   periodic box is held by the mean gradient that balances its weight.
-//!
-//! # At the faces of the box
-//!
-//! | [`Boundary`] | velocity along the normal | across it | pressure |
-//! | --- | --- | --- | --- |
-//! | `NoSlip` | 0 | that of the wall | follows |
-//! | `FreeSlip` | 0 | no gradient | follows |
-//! | `Inlet` | given flux eps u | 0 | follows |
-//! | `Outlet` | from momentum; no gradient | no gradient; 0 where gas comes back | given in the face |
-//!
-//! In an outlet the normal stress is taken not to vary along the normal: where it does, errors are of first order.
-//! Gas that comes back brings no momentum.
+//! * At the faces of the box: see [`Boundary`].
 
 mod advection;
 mod boundaries;
+mod boundary;
 mod exchange;
 mod faces;
 mod model;
@@ -50,8 +40,11 @@ mod solver;
 mod state;
 mod viscosity;
 
+pub use boundary::{
+    Boundary, FaceConditions, Inlet, NormalVelocity, PressureCondition, Profile, TangentialVelocity,
+};
 pub use exchange::ParticleExchange;
-pub use model::{Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel};
+pub use model::{CouplingModel, VolumeAveragedGas, VolumeAveragedModel};
 pub use navier_stokes::{
     NavierStokesError, NavierStokesReport, NavierStokesSolver, NavierStokesStep,
 };

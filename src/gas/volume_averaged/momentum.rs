@@ -96,8 +96,8 @@ impl<'a> Momentum<'a> {
         }
     }
 
-    /// Coefficients of the pressure equation, eps^2 / (eps rho/dt + beta) / spacing^2 on faces, and what an outlet,
-    /// half a cell away, adds to the diagonal.
+    /// Coefficients of the pressure equation, eps^2 / (eps rho/dt + beta) / spacing^2 on faces, and what a face
+    /// of given pressure, half a cell away, adds to the diagonal.
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
         for (axis, faces) in faces.iter_mut().enumerate() {
@@ -112,14 +112,15 @@ impl<'a> Momentum<'a> {
                 }
             }
             for side in 0..2 {
-                self.add_outlet(faces, diagonal, BoxFace { axis, side });
+                self.add_given_pressure(faces, diagonal, BoxFace { axis, side });
             }
         }
     }
 
-    fn add_outlet(&self, faces: &Field, diagonal: &mut Field, outlet: BoxFace) {
-        let BoxFace { axis, side } = outlet;
-        if !(self.part.at_ends(axis)[side] && self.gas.is_outlet(outlet)) {
+    fn add_given_pressure(&self, faces: &Field, diagonal: &mut Field, given_in: BoxFace) {
+        let BoxFace { axis, side } = given_in;
+        let is_given = self.gas.given_pressure(given_in).is_some();
+        if !(self.part.at_ends(axis)[side] && is_given) {
             return;
         }
         let last = self.part.count[axis] as isize - 1;

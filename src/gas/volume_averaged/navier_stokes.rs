@@ -154,7 +154,8 @@ impl NavierStokesSolver {
         &self.part
     }
 
-    /// Fills what a state needs beyond owned cells, at its time: at the start, and after a checkpoint was read.
+    /// Sets the velocity in the faces of walls and inlets of a state at this time, and fills its halos: at the start
+    /// of the gas. Collective.
     pub fn complete(
         &mut self,
         gas: &VolumeAveragedGas,
@@ -162,14 +163,25 @@ impl NavierStokesSolver {
         time: f64,
         ranks: &dyn Communicator,
     ) {
+        self.halo.refresh(&mut [&mut state.voidage], ranks);
+        mirror(&mut [&mut state.voidage], &self.part, gas);
+        set_boundary_faces(&mut state.velocity, &state.voidage, (&self.part, gas), time);
+        self.fill_halos(gas, state, ranks);
+    }
+
+    /// Fills the halos of a state that is known in owned cells and in the faces of the box: after its cells have come
+    /// from a checkpoint or other ranks. Collective.
+    pub fn fill_halos(
+        &mut self,
+        gas: &VolumeAveragedGas,
+        state: &mut GasFields,
+        ranks: &dyn Communicator,
+    ) {
         let GasFields { velocity, pressure, voidage } = state;
-        let place = (&self.part, gas);
-        self.halo.refresh(&mut [voidage, pressure], ranks);
-        mirror(&mut [voidage], place.0, gas);
-        continue_pressure(pressure, place.0, gas);
-        set_boundary_faces(velocity, voidage, place, time);
-        self.halo.refresh(&mut velocity.each_mut(), ranks);
-        continue_velocity(velocity, place);
+        let [x, y, z] = velocity;
+        self.halo.refresh(&mut [voidage, pressure, x, y, z], ranks);
+        mirror(&mut [voidage], &self.part, gas);
+        continue_pressure(pressure, &self.part, gas);
     }
 
     /// Advances the gas by a step, in which the voidage goes from the state's to the bed's.
@@ -181,7 +193,8 @@ impl NavierStokesSolver {
     /// 3. The velocity loses eps / (eps rho/dt + beta) grad p': it then obeys continuity to the tolerance of
     ///    the pressure equation.
     ///
-    /// Before: owned cells of the bed, a complete state. After: halos of both are filled.
+    /// Before: owned cells of the bed, a complete state. After: halos of both are filled, but for the velocity beyond
+    /// the box: it depends on the time, by walls in motion, and is set at the beginning of each step.
     ///
     /// # Errors
     /// See [`NavierStokesError`]; the state is then as before.
@@ -195,6 +208,7 @@ impl NavierStokesSolver {
     ) -> Result<NavierStokesReport, NavierStokesError> {
         self.complete_bed(gas, bed, ranks);
         let place = (&self.part.clone(), gas);
+        continue_velocity(&mut state.velocity, place, step.time);
         self.explicit.set_fluxes(&state.velocity, &state.voidage, place.0);
         let (courant, viscous) = self.limits(gas, bed, step.dt, ranks)?;
         self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
@@ -276,7 +290,7 @@ impl NavierStokesSolver {
         let end = step.time + step.dt;
         set_boundary_faces(&mut self.predicted, &momentum.bed.voidage, place, end);
         self.halo.refresh(&mut self.predicted.each_mut(), ranks);
-        continue_velocity(&mut self.predicted, place);
+        continue_velocity(&mut self.predicted, place, end);
     }
 
     /// The change of pressure that the predicted velocity needs for continuity, halo included.
@@ -309,9 +323,7 @@ impl NavierStokesSolver {
         let pressures = state.pressure.values_mut().iter_mut();
         pressures.zip(changes).for_each(|(pressure, change)| *pressure += change);
         state.voidage.values_mut().copy_from_slice(momentum.bed.voidage.values());
-        let place = (&self.part, momentum.gas);
         self.halo.refresh(&mut state.velocity.each_mut(), ranks);
-        continue_velocity(&mut state.velocity, place);
         continue_pressure(&mut state.pressure, &self.part, momentum.gas);
     }
 }

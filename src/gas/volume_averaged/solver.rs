@@ -3,7 +3,7 @@
 use super::exchange::ParticleExchange;
 use super::navier_stokes::{NavierStokesReport, NavierStokesSolver, NavierStokesStep};
 use super::{GasFields, VolumeAveragedModel, VolumeAveragedState};
-use crate::domain::Subdomain;
+use crate::domain::{Subdomain, Wall};
 use crate::gas::{GasError, GasReport, GasStep, ParticleLimits};
 use crate::grid::Field;
 use crate::numbers::ExactSum;
@@ -20,18 +20,23 @@ pub struct VolumeAveragedSolver {
 }
 
 impl VolumeAveragedSolver {
-    /// For a decomposition whose cut planes lie on cell faces.
+    /// For a decomposition whose cut planes lie on cell faces, beside the walls that particles touch.
     ///
     /// # Errors
-    /// If cells are too small for how far particles may drift; the same on all ranks.
+    /// If cells are too small for how far particles may drift, or a wall in a face of the box moves otherwise than in
+    /// its plane; the same on all ranks.
     pub fn new(
         model: &VolumeAveragedModel,
         limits: ParticleLimits,
+        walls: &[Wall],
         subdomain: Subdomain,
     ) -> Result<Self, String> {
+        let mut model = model.clone();
+        model.gas = model.gas.with_walls(subdomain.bounds, walls);
+        model.gas.check(&model.grid)?;
         let exchange = ParticleExchange::new(&model.coupling, limits, &model.grid, subdomain)?;
         let equations = NavierStokesSolver::new(&model.grid, subdomain);
-        Ok(Self { model: model.clone(), limits, exchange, equations })
+        Ok(Self { model, limits, exchange, equations })
     }
 
     /// Gas at rest between the particles. Collective.
@@ -44,19 +49,13 @@ impl VolumeAveragedSolver {
         let mut fields = GasFields::at_rest(self.equations.part());
         self.exchange.deposit_volume(particles, ranks);
         fields.voidage = self.exchange.bed().voidage.clone();
-        let mut state = VolumeAveragedState { fields, report: GasReport::default() };
-        self.complete(&mut state, time, ranks);
-        state
+        self.equations.complete(&self.model.gas, &mut fields, time, ranks);
+        VolumeAveragedState { fields, report: GasReport::default() }
     }
 
-    /// Fills what the gas needs beyond owned cells. Collective.
-    pub fn complete(
-        &mut self,
-        state: &mut VolumeAveragedState,
-        time: f64,
-        ranks: &dyn Communicator,
-    ) {
-        self.equations.complete(&self.model.gas, &mut state.fields, time, ranks);
+    /// Fills the halos of a state whose cells have come from a checkpoint or from other ranks. Collective.
+    pub fn fill_halos(&mut self, state: &mut VolumeAveragedState, ranks: &dyn Communicator) {
+        self.equations.fill_halos(&self.model.gas, &mut state.fields, ranks);
     }
 
     /// A step of the gas, and the forces on particles until the next. Collective.

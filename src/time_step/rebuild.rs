@@ -1,0 +1,174 @@
+//! New lists: particles to their owners, new ghosts, new neighbours; the histories of contacts go along.
+
+use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
+use crate::gas::{GasLayout, ParticleLimits};
+use crate::numbers::ExactSum;
+use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
+use crate::particles::{ContactHistories, Particles};
+use crate::state::{Domain, Models, State, Workspace};
+use std::collections::HashSet;
+
+/// Takes the lists apart and makes them anew. Collective.
+///
+/// # Errors
+/// If a particle is too fast, or the program loses a contact.
+pub(super) fn rebuild(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let histories = state.contacts.histories(&state.particles);
+    state.particles.drop_ghosts();
+    check_speeds(&state.particles, models.limits.speed, ranks)?;
+    arrange(state, domain, models, work, histories, ranks)
+}
+
+/// Makes lists and ghosts of owned particles, wherever they are. Collective.
+///
+/// Before: there are no ghosts. After: each particle is with its owner; lists, ghosts and the gas's cells are those of
+/// the present positions.
+///
+/// # Errors
+/// If the program loses a contact, or the gas cannot be divided among the ranks.
+pub(super) fn arrange(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    mut histories: ContactHistories,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let before = work.decomposition.clone();
+    let width = work.reach.ghost_width(state.sizes.largest_diameter);
+    remove_departed(state, domain, &mut histories, ranks);
+    wrap_positions(&mut state.particles, &domain.bounds);
+    balance(state, &domain.bounds, work, ranks);
+    work.decomposition = models.gas.align(&work.decomposition, width)?;
+    migrate(&mut state.particles, &mut histories, &work.decomposition, ranks);
+    rebuild_lists(state, domain, work, &histories, ranks)?;
+    distribute_gas(state, domain, models, work, &before, ranks)
+}
+
+/// Brings positions back into the box along periodic axes.
+fn wrap_positions(particles: &mut Particles, bounds: &Bounds) {
+    for body in &mut particles.body {
+        body.position = bounds.wrap(body.position);
+    }
+}
+
+/// Sorts owned particles by cells, makes ghosts, finds neighbours, and puts the histories of contacts into their
+/// places. Collective.
+fn rebuild_lists(
+    state: &mut State,
+    domain: &Domain,
+    work: &mut Workspace,
+    histories: &ContactHistories,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let State { particles, contacts, sizes, .. } = state;
+    let (bounds, width) = (&domain.bounds, work.reach.ghost_width(sizes.largest_diameter));
+    work.on_particles(|work| {
+        work.neighbours.sort_by_cells(particles, width);
+        work.neighbours.note_faces(particles, bounds);
+    });
+    let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
+    work.halo.rebuild(particles, subdomain, width, ranks);
+    let rebuilt = work.on_particles(|work| {
+        let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+        work.neighbours.rebuild(particles, contacts, walls, work.reach, histories)
+    });
+    agree(rebuilt, ranks)
+}
+
+/// Takes particles beyond open faces out of the run, with the histories of their contacts. Collective.
+fn remove_departed(
+    state: &mut State,
+    domain: &Domain,
+    histories: &mut ContactHistories,
+    ranks: &dyn Communicator,
+) {
+    let particles = &mut state.particles;
+    let is_outside =
+        |i: u32| domain.bounds.passed(Face::Open, &particles.body[i as usize].position).is_some();
+    let (leaving, staying): (Vec<u32>, Vec<u32>) =
+        (0..particles.owned_count() as u32).partition(|&i| is_outside(i));
+    if !ranks.any(!leaving.is_empty()) {
+        return;
+    }
+    let ids: Vec<u64> = leaving.iter().map(|&i| particles.id[i as usize]).collect();
+    let mut volume = ExactSum::default();
+    leaving.iter().for_each(|&i| volume.add(particles.volume(i as usize)));
+    let mut integers = volume.to_integers();
+    ranks.sum_integers(&mut integers);
+    let departed: HashSet<u64> = share_with_all(ids, ranks).into_iter().collect();
+    state.departed.count += departed.len() as u64;
+    state.departed.volume += ExactSum::from_integers(&integers).value();
+    histories.retain_particles(|id| !departed.contains(&id));
+    particles.select(&staying);
+}
+
+/// Moves the cut planes if a look at the ranks' loads is due and finds them uneven. Collective.
+fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+    if !work.balance.as_mut().is_some_and(|balance| balance.look(state.clock.step)) {
+        return;
+    }
+    let particles = &state.particles;
+    let threshold = work.balance.map_or(f64::INFINITY, |balance| balance.threshold);
+    let load = RankLoad::measured(particles.owned_count(), work.time_since_last_look(), ranks);
+    if ranks.is_root() {
+        log::debug!("largest over mean load {:.3}", load.imbalance);
+    }
+    if load.imbalance > threshold {
+        let positions = particles.body.iter().map(|body| body.position);
+        let width = work.reach.ghost_width(state.sizes.largest_diameter);
+        work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
+    }
+}
+
+/// Brings the gas to the ranks of the new decomposition. Collective.
+fn distribute_gas(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    before: &Decomposition,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let layout = GasLayout {
+        walls: &domain.walls,
+        limits: ParticleLimits {
+            diameters: [state.sizes.smallest_diameter, state.sizes.largest_diameter],
+            force: models.limits.force,
+            force_quantum: models.force_quantum,
+            speed: models.limits.speed,
+            drift: 0.5 * work.reach.skin,
+        },
+        before,
+        subdomain: work.decomposition.subdomain(&domain.bounds, ranks.rank()),
+        time: state.clock.time(),
+    };
+    let State { particles, gas, .. } = state;
+    work.gas.distribute(&models.gas, gas, particles, &layout, ranks)
+}
+
+/// A particle that moves a tenth of the smallest diameter in one step could pass through others.
+fn check_speeds(
+    particles: &Particles,
+    limit: f64,
+    ranks: &dyn Communicator,
+) -> Result<(), CollectiveError> {
+    let allowed = |i: usize| particles.body[i].velocity.norm() <= limit; // an undefined one is not
+    let too_fast = (0..particles.owned_count()).find(|&i| !allowed(i));
+    let result = match too_fast {
+        None => Ok(()),
+        Some(i) => Err(format!(
+            "particle {} moves at {:.3e} (limit {limit:.3e}: a tenth of the smallest diameter per step): \
+             shorten time.step",
+            particles.id[i],
+            particles.body[i].velocity.norm()
+        )),
+    };
+    agree(result, ranks)
+}
