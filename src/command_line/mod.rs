@@ -27,7 +27,7 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Read and validate a case, and say what would run.
+    /// Read and validate a case, and describe what would run.
     Check {
         /// The case file.
         case: PathBuf,

@@ -87,7 +87,7 @@ impl ParticleSnapshots {
             }
             Ok(found.unwrap_or_default())
         })?;
-        // Rank 0 alone has found some: the sum tells all.
+        // Rank 0 alone has counted: the sum is known to all ranks.
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
         let [steps, points] = counts.map(|count| count as u64);

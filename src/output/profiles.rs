@@ -104,7 +104,7 @@ impl Profiles {
             file.append("/superficial_velocity", &[row.superficial_velocity])?;
             file.append("/solids_fraction", row.solids_fraction)?;
             file.append("/solids_velocity", row.solids_velocity)?;
-            // At last: a row without a time is no row.
+            // Last: a row without a time does not count.
             file.append("/time", &[row.time])?;
             file.close()
         })?;

@@ -47,7 +47,7 @@ impl Series {
     }
 
     /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
-    /// file becomes that of a run without interruption. A file that is no such table is set aside. Collective.
+    /// file becomes that of a run without interruption. A file that is not such a table is set aside. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.

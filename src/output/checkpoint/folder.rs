@@ -32,7 +32,7 @@ fn step_of(name: &str) -> Option<u64> {
 /// Collective.
 ///
 /// # Errors
-/// If the folder cannot be read. Damaged checkpoints are no error; they are named in what is returned.
+/// If the folder cannot be read. Damaged checkpoints are not an error; they are named in what is returned.
 pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, OutputError> {
     let steps = on_root(folder, ranks, || steps_in(folder))?.unwrap_or_default();
     let mut bytes: Vec<u8> = bytemuck::cast_slice(&steps).to_vec();

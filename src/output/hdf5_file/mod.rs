@@ -168,7 +168,7 @@ impl SerialFile {
             described(self.0.dataset(name)).map_err(|message| format!("{name}: {message}"))?;
         match &shape.shape()[..] {
             [rows, inner @ ..] => Ok((*rows as u64, inner.iter().product())),
-            [] => Err(format!("{name} is no table")),
+            [] => Err(format!("{name} is not a table")),
         }
     }
 
