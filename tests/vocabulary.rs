@@ -7,16 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files, or folders, that still use some of the words, to be mended.
-const STILL_OPEN: [&str; 11] = [
+const STILL_OPEN: [&str; 9] = [
     "docs/input.md",
     "src/case/",
     "src/contact/",
     "src/coupling/",
     "src/gas/",
     "src/grid/",
-    "src/linear_solver/",
     "src/numbers/",
-    "src/parallel/",
     "src/particles/",
     "src/time_step",
 ];
