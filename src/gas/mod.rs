@@ -8,7 +8,7 @@
 //! | state | none | [`volume_averaged::VolumeAveragedState`] |
 //! | solver | [`ColumnSolver`] | [`volume_averaged::VolumeAveragedSolver`] |
 //!
-//! Both take their drag from the laws in [`drag`], and their transfers from [`coupling`](crate::coupling).
+//! Both take their drag from the laws in [`DragLaw`], and their transfers from [`coupling`](crate::coupling).
 
 mod column;
 mod drag;
