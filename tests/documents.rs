@@ -75,3 +75,27 @@ fn a_path_that_does_not_exist_is_found() {
     let missing: Vec<&&str> = paths.iter().filter(|path| !exists(path, "README.md")).collect();
     assert_eq!(missing, [&"output/nowhere.rs", &"docs/lost.md"]);
 }
+
+/// The step between its two marks in the source.
+fn step_in_source() -> String {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/time_step/mod.rs");
+    let text = fs::read_to_string(source).unwrap();
+    let after = text.split_once("    // [step]\n").unwrap().1;
+    after.split_once("    // [/step]").unwrap().0.to_owned()
+}
+
+/// The first block of Rust in a text.
+fn first_block(text: &str) -> &str {
+    text.split_once("```rust\n").unwrap().1.split_once("```").unwrap().0
+}
+
+#[test]
+fn the_step_that_architecture_shows_is_that_of_the_source() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
+    let shown = first_block(text.split_once("## One step").unwrap().1);
+    assert_eq!(shown, step_in_source());
+    // Negative control: a line less is seen.
+    let drifted = text.replacen("    state.clock.tick();\n", "", 1);
+    assert_ne!(first_block(drifted.split_once("## One step").unwrap().1), step_in_source());
+}

@@ -4,7 +4,7 @@
 //! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
-use super::momentum_balance::Exchanged;
+use super::momentum_balance::{Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
 use crate::coupling::{CellTransfer, deposit, interpolate, mean_gradient, mean_of_faces};
 use crate::domain::Subdomain;
@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 pub struct ParticleExchange {
     model: CouplingModel,
     limits: ParticleLimits,
-    pub(super) spacing: Vector3<f64>,
+    spacing: Vector3<f64>,
     transfer: CellTransfer,
     quanta: Quanta,
     largest_drag: f64,
@@ -30,9 +30,9 @@ pub struct ParticleExchange {
     /// b of each owned particle, force per velocity.
     drag: Vec<f64>,
     /// The gas in cell centres: velocity, then pressure gradient.
-    pub(super) in_cells: [Field; 6],
+    in_cells: [Field; 6],
     raised_cells: u64,
-    pub(super) exchanged: Exchanged,
+    exchanged: Exchanged,
 }
 
 /// Quanta that shares of particles are rounded to.
@@ -104,6 +104,12 @@ impl ParticleExchange {
     /// Number of cells on this rank whose voidage was raised to the least one at the last deposition.
     pub fn raised_cells(&self) -> u64 {
         self.raised_cells
+    }
+
+    /// Largest component of the force on all particles less what the gas loses, as of the last
+    /// [`ParticleExchange::set_forces`]. Collective.
+    pub fn momentum_error(&self, ranks: &dyn Communicator) -> f64 {
+        self.exchanged.error(self.limits.force_quantum, ranks)
     }
 
     /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_cell, and
@@ -259,7 +265,10 @@ impl ParticleExchange {
         for axis in 0..3 {
             let distance = self.spacing[axis];
             mean_gradient(&gas.pressure, axis, distance, &mut self.in_cells[3 + axis]);
-            self.exchanged.lost[axis] = self.lost(axis, if axis == 2 { buoyancy } else { 0.0 });
+            let buoyancy = if axis == 2 { buoyancy } else { 0.0 };
+            let volume = self.spacing.x * self.spacing.y * self.spacing.z;
+            self.exchanged.lost[axis] =
+                force_lost(&self.bed, &self.in_cells, axis, buoyancy, volume);
         }
         self.transfer.prepare_interpolation(&mut self.in_cells.each_mut(), ranks);
     }

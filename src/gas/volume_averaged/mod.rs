@@ -44,9 +44,9 @@ pub use boundary::{
     Boundary, FaceConditions, Inlet, NormalVelocity, PressureCondition, Profile, TangentialVelocity,
 };
 pub use exchange::ParticleExchange;
-pub use model::{CouplingModel, VolumeAveragedGas, VolumeAveragedModel};
+pub use model::{CouplingModel, GAS_HALO, VolumeAveragedGas, VolumeAveragedModel};
 pub use navier_stokes::{
     NavierStokesError, NavierStokesReport, NavierStokesSolver, NavierStokesStep,
 };
 pub use solver::VolumeAveragedSolver;
-pub use state::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedState};
+pub use state::{BedOnGrid, GasFields, VolumeAveragedState};

@@ -1,6 +1,6 @@
 //! What the gas loses against what particles gain.
 
-use super::exchange::ParticleExchange;
+use super::BedOnGrid;
 use crate::grid::Field;
 use crate::numbers::{ExactSum, Quantum};
 use crate::parallel::Communicator;
@@ -14,11 +14,11 @@ pub(super) struct Exchanged {
     pub(super) gained: [i64; 3],
 }
 
-impl ParticleExchange {
+impl Exchanged {
     /// Largest component of the force on all particles less what the gas loses, as of the last
-    /// [`ParticleExchange::set_forces`]. Collective.
-    pub(super) fn momentum_error(&self, quantum: Quantum, ranks: &dyn Communicator) -> f64 {
-        let Exchanged { lost, gained } = &self.exchanged;
+    /// gas step. Collective.
+    pub(super) fn error(&self, quantum: Quantum, ranks: &dyn Communicator) -> f64 {
+        let Self { lost, gained } = self;
         let mut integers: Vec<i64> = (0..3)
             .flat_map(|axis| {
                 let mut sum = ExactSum::default();
@@ -34,24 +34,30 @@ impl ParticleExchange {
         });
         components.fold(0.0, |largest, error| if error <= largest { largest } else { error })
     }
+}
 
-    /// Force along an axis that the gas loses on this rank,
-    /// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the sum over faces of what it solves for.
-    pub(super) fn lost(&self, axis: usize, buoyancy: f64) -> ExactSum {
-        let mut sum = ExactSum::default();
-        let (bed, volume) = (&self.bed, self.spacing.x * self.spacing.y * self.spacing.z);
-        let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
-        let fields = [&self.in_cells[axis], &self.in_cells[3 + axis], beta, beta_v, &bed.voidage];
-        let [length, rows, layers] = bed.voidage.count();
-        for (j, k) in (0..layers).flat_map(|k| (0..rows).map(move |j| (j as isize, k as isize))) {
-            let row = |field: &Field| field.index([0, j, k]);
-            let [u, gradient, beta, beta_v, eps] =
-                fields.map(|field| &field.values()[row(field)..][..length]);
-            for i in 0..length {
-                let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
-                sum.add(volume * (beta[i] * u[i] - beta_v[i] - by_pressure));
-            }
+/// Force along an axis that the gas loses on this rank,
+/// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the sum over faces of what it solves for. `in_cells`
+/// are its velocity and pressure gradient, `buoyancy` is rho_g g along the axis, `volume` that of a cell.
+pub(super) fn force_lost(
+    bed: &BedOnGrid,
+    in_cells: &[Field; 6],
+    axis: usize,
+    buoyancy: f64,
+    volume: f64,
+) -> ExactSum {
+    let mut sum = ExactSum::default();
+    let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
+    let fields = [&in_cells[axis], &in_cells[3 + axis], beta, beta_v, &bed.voidage];
+    let [length, rows, layers] = bed.voidage.count();
+    for (j, k) in (0..layers).flat_map(|k| (0..rows).map(move |j| (j as isize, k as isize))) {
+        let row = |field: &Field| field.index([0, j, k]);
+        let [u, gradient, beta, beta_v, eps] =
+            fields.map(|field| &field.values()[row(field)..][..length]);
+        for i in 0..length {
+            let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
+            sum.add(volume * (beta[i] * u[i] - beta_v[i] - by_pressure));
         }
-        sum
     }
+    sum
 }

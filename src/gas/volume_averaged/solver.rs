@@ -91,7 +91,7 @@ impl VolumeAveragedSolver {
         time: f64,
         ranks: &dyn Communicator,
     ) {
-        let momentum_error = self.exchange.momentum_error(self.limits.force_quantum, ranks);
+        let momentum_error = self.exchange.momentum_error(ranks);
         let before = report.raised_cells;
         let raised_cells = ranks.total(self.exchange.raised_cells() as usize) as u64;
         if raised_cells > 0 && before == 0 && ranks.is_root() {

@@ -1,13 +1,10 @@
 //! What the gas is at one time, and what it sees of the particles.
 
-use super::VolumeAveragedModel;
+use super::{GAS_HALO, VolumeAveragedModel};
 use crate::domain::Subdomain;
 use crate::gas::GasReport;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::{CellRecord, Communicator, send_cells_to_owners};
-
-/// Width of the halo of every field of the gas: the limiter sees two cells to each side.
-pub const GAS_HALO: usize = 2;
 
 /// The gas on a rank's cells, and how its last step went. Part of the state of a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -99,7 +99,6 @@ fn couple(
     (count, step): (u64, f64),
 ) -> Result<Found, CollectiveError> {
     let (cells, decomposition) = (BoxGrid::new(&bounds(), COUNTS), uneven(grid));
-    let quantum = Quantum::spanning(FORCES);
     let all = COUNTS.iter().product();
     let found = Mutex::new(Found {
         cells: vec![[0.0; 5]; all],
@@ -117,7 +116,7 @@ fn couple(
         let gas = gas_on(&part, &mut halo, ranks);
         agree(exchange.deposit(&particles, &gas, step, ranks), ranks)?;
         agree(exchange.set_forces(&mut particles, &gas, GRAVITY, ranks), ranks)?;
-        let error = exchange.momentum_error(quantum, ranks);
+        let error = exchange.momentum_error(ranks);
         let mut found = found.lock().unwrap();
         found.error = error;
         found.raised += exchange.raised_cells();
