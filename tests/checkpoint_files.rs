@@ -39,7 +39,13 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         largest_overlap: 0.1,
         rolling_angle: [0.0, 0.01, 0.0],
     };
-    let cell = |cell: u64| CellRecord { cell, numbers: std::array::from_fn(|k| (k as f64) / 3.0) };
+    let cell = |cell: u64| CellRecord {
+        cell,
+        lower_velocity: [0.0, 1.0 / 3.0, 2.0 / 3.0],
+        upper_velocity: [1.0, 4.0 / 3.0, 5.0 / 3.0],
+        pressure: 2.0,
+        voidage: 7.0 / 3.0,
+    };
     Checkpoint {
         clock: Clock { step, origin_time: 0.1, origin_step: 1, time_step: 2.5e-4 },
         departed: Departed { count: 2, volume: 1.04 },

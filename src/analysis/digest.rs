@@ -138,7 +138,13 @@ mod tests {
     }
 
     fn cell(cell: u64) -> CellRecord {
-        CellRecord { cell, numbers: [0.3; CellRecord::NUMBERS] }
+        CellRecord {
+            cell,
+            lower_velocity: [0.3; 3],
+            upper_velocity: [0.3; 3],
+            pressure: 0.3,
+            voidage: 0.3,
+        }
     }
 
     fn wall_contact(particle: u64) -> WallContactRecord {

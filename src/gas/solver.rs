@@ -5,7 +5,7 @@ use super::{
     ColumnSolver, GasError, GasForceOutOfRange, GasModel, GasReport, GasState, ParticleLimits,
 };
 use crate::domain::{Decomposition, Subdomain, Wall};
-use crate::parallel::{CellRecord, CollectiveError, Communicator};
+use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
 use crate::particles::Particles;
 use nalgebra::Vector3;
 
@@ -163,7 +163,7 @@ impl GasSolver {
         state: &GasState,
         particles: &Particles,
         ranks: &dyn Communicator,
-    ) -> Option<Vec<CellRecord>> {
+    ) -> Option<Vec<CellSample>> {
         match (self, state) {
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 Some(solver.sample(state, particles, ranks))

@@ -113,6 +113,12 @@ impl LocalCells {
         self.count.iter().product()
     }
 
+    /// Number of a cell, counted from the first owned one, in the whole grid: x fastest, then y, then z.
+    pub fn number_of(&self, cell: [isize; 3]) -> u64 {
+        let [i, j, k] = [0, 1, 2].map(|axis| self.start[axis] + cell[axis] as usize);
+        (i + self.counts[0] * (j + self.counts[1] * k)) as u64
+    }
+
     /// The owned cells, counted from the first one; x fastest, then y, then z.
     pub fn owned(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
         let [nx, ny, nz] = self.count.map(|count| count as isize);

@@ -5,6 +5,7 @@
 //! each, so that a kill between two steps leaves a whole file.
 
 use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 
 use super::hdf5_file::SerialFile;
 use super::output_file::continue_or_create;
@@ -14,11 +15,21 @@ use super::{
     Sample, metadata_copy, on_root,
 };
 use crate::grid::BoxGrid;
-use crate::parallel::{CellRecord, Communicator, sort_by_id};
+use crate::parallel::{CellSample, Communicator, sort_by_id};
 
-/// Name, components, and first number of a record of each of the fields.
-const FIELDS: [(&str, usize, usize); 4] =
-    [("pressure", 1, 0), ("velocity", 3, 1), ("voidage", 1, 4), ("solids_velocity", 3, 5)];
+/// A field of the snapshots.
+struct SampledField {
+    name: &'static str,
+    components: usize,
+    of: fn(&CellSample) -> &[f64],
+}
+
+const FIELDS: [SampledField; 4] = [
+    SampledField { name: "pressure", components: 1, of: |cell| from_ref(&cell.pressure) },
+    SampledField { name: "velocity", components: 3, of: |cell| &cell.velocity },
+    SampledField { name: "voidage", components: 1, of: |cell| from_ref(&cell.voidage) },
+    SampledField { name: "solids_velocity", components: 3, of: |cell| &cell.solids_velocity },
+];
 /// Rows of steps that are stored as one piece.
 const STEP_PIECE: usize = 256;
 
@@ -88,13 +99,13 @@ impl GasSnapshots {
     pub fn append(
         &self,
         time: f64,
-        cells: &[CellRecord],
+        cells: &[CellSample],
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let sorted = sort_by_id(cells, |record| [record.cell, 0], ranks).rows;
         let bytes =
             ranks.gather_to_root(bytemuck::cast_slice(&sorted)).unwrap_or_default().concat();
-        let all: Vec<CellRecord> = crate::parallel::records_of_bytes(&bytes).collect();
+        let all: Vec<CellSample> = crate::parallel::records_of_bytes(&bytes).collect();
         on_root(&self.path, ranks, || append(&self.path, time, &all))?;
         Ok(())
     }
@@ -117,7 +128,7 @@ impl Output for GasSnapshots {
 
 /// Paths of the datasets that grow.
 fn tables() -> Vec<String> {
-    let names = FIELDS.iter().map(|(name, _, _)| *name);
+    let names = FIELDS.iter().map(|field| field.name);
     let all = names.clone().map(data).chain(names.map(offsets));
     all.chain(std::iter::once("/VTKHDF/Steps/Values".to_owned())).collect()
 }
@@ -165,7 +176,9 @@ fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> Mes
         ("1", "volume of gas per volume"),
         (units.speed, "mean velocity of the solids by volume; 0 where there are none"),
     ];
-    for ((name, width, _), (unit, description)) in FIELDS.into_iter().zip(described) {
+    for (SampledField { name, components: width, .. }, (unit, description)) in
+        FIELDS.into_iter().zip(described)
+    {
         let path = data(name);
         let head = TableHead { name: &path, width, unit, description };
         file.make_blocks::<f64>(&head, &shape)?;
@@ -179,11 +192,11 @@ fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> Mes
     file.make_table::<f64>(&head, Rows::Growing(STEP_PIECE))
 }
 
-fn append(path: &Path, time: f64, cells: &[CellRecord]) -> MessageResult<()> {
+fn append(path: &Path, time: f64, cells: &[CellSample]) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     let step: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
-    for (name, width, first) in FIELDS {
-        let numbers = cells.iter().flat_map(|record| &record.numbers[first..first + width]);
+    for SampledField { name, of, .. } in FIELDS {
+        let numbers = cells.iter().flat_map(of);
         file.append(&data(name), &numbers.copied().collect::<Vec<f64>>())?;
         file.append(&offsets(name), &[step])?;
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
 use crate::analysis::{BedProfile, Measures};
 use crate::grid::{BoxGrid, ColumnGrid};
-use crate::parallel::{CellRecord, Communicator, ParticleRecord, Records};
+use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
 
 /// A file of results that grows while a run goes on.
 ///
@@ -37,7 +37,7 @@ pub struct Sample<'a> {
     /// This rank's particles, positions wrapped into the box.
     pub particles: &'a dyn Records<ParticleRecord>,
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
-    pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellRecord>>,
+    pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }
 
 /// What stands at the head of every file: what was run, and by whom.

@@ -8,12 +8,6 @@ use crate::grid::{BoxGrid, LocalCells};
 use nalgebra::Vector3;
 
 impl CellRecord {
-    /// The record of a cell with local indices.
-    pub fn new(local: &LocalCells, cell: [isize; 3], numbers: [f64; Self::NUMBERS]) -> Self {
-        let [i, j, k] = [0, 1, 2].map(|axis| local.start[axis] + cell[axis] as usize);
-        Self { cell: (i + local.counts[0] * (j + local.counts[1] * k)) as u64, numbers }
-    }
-
     /// The indices of the cell in the whole grid.
     fn global_indices(&self, counts: [usize; 3]) -> [usize; 3] {
         let cell = self.cell as usize;
@@ -48,6 +42,7 @@ mod tests {
     use super::super::run_on_threads;
     use super::*;
     use crate::domain::{Bounds, Face, RankGrid};
+    use bytemuck::Zeroable;
 
     #[test]
     fn every_cell_arrives_at_its_owner() {
@@ -64,9 +59,11 @@ mod tests {
             let records: Vec<CellRecord> = (0..local.cells())
                 .map(|n| {
                     let cell = [n % nx, n / nx % ny, n / (nx * ny)].map(|i| i as isize);
-                    let record = CellRecord::new(&local, cell, [0.0; CellRecord::NUMBERS]);
+                    let number = local.number_of(cell);
+                    let pressure = number as f64;
+                    let record = CellRecord { cell: number, pressure, ..Zeroable::zeroed() };
                     assert_eq!(record.indices_in(&local), cell);
-                    CellRecord { numbers: [record.cell as f64; CellRecord::NUMBERS], ..record }
+                    record
                 })
                 .collect();
             let received = send_cells_to_owners(&records, &grid, &new, ranks);
@@ -75,7 +72,7 @@ mod tests {
             for record in received {
                 let cell = record.indices_in(&local);
                 assert!((0..3).all(|a| (0..local.count[a] as isize).contains(&cell[a])));
-                assert_eq!(record.numbers, [record.cell as f64; CellRecord::NUMBERS]);
+                assert_eq!(record.pressure, record.cell as f64);
             }
         });
     }

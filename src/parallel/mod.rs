@@ -61,8 +61,8 @@ pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
 pub use records::{
-    CellRecord, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
-    records_of_bytes,
+    CellRecord, CellSample, ComputedRecords, ContactRecord, ParticleRecord, Records,
+    WallContactRecord, records_of_bytes,
 };
 use records::{GhostMotion, NewGhost};
 pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks};

@@ -93,14 +93,36 @@ pub struct WallContactRecord {
     pub rolling_angle: [f64; 3],
 }
 
-/// What a gas in three dimensions is in one cell.
+/// What a checkpoint keeps of the volume-averaged gas in one cell.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CellRecord {
     /// Number of the cell in the whole grid, x fastest, then y, then z.
     pub cell: u64,
-    /// Velocities at the lower faces along x, y, z, at the upper faces, pressure, voidage.
-    pub numbers: [f64; CellRecord::NUMBERS],
+    /// Velocity of the gas at the lower faces along x, y, z, each along its normal.
+    pub lower_velocity: [f64; 3],
+    /// Velocity at the upper faces: at the end of the box no other cell has it.
+    pub upper_velocity: [f64; 3],
+    /// Pressure less the hydrostatic head.
+    pub pressure: f64,
+    /// Volume of gas per volume.
+    pub voidage: f64,
+}
+
+/// What snapshots show of the volume-averaged gas in one cell.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct CellSample {
+    /// Number of the cell in the whole grid, x fastest, then y, then z.
+    pub cell: u64,
+    /// Pressure less the hydrostatic head.
+    pub pressure: f64,
+    /// Velocity of the gas, the mean of those at its faces.
+    pub velocity: [f64; 3],
+    /// Volume of gas per volume.
+    pub voidage: f64,
+    /// Mean velocity of the solids by volume; 0 where there are none.
+    pub solids_velocity: [f64; 3],
 }
 
 /// A particle that becomes a ghost of a neighbour, sent when the neighbour list is rebuilt.
@@ -120,11 +142,6 @@ pub(super) struct GhostMotion {
     pub(super) position: [f64; 3],
     pub(super) velocity: [f64; 3],
     pub(super) angular_velocity: [f64; 3],
-}
-
-impl CellRecord {
-    /// Numbers in a record.
-    pub const NUMBERS: usize = 8;
 }
 
 impl ParticleRecord {

@@ -6,7 +6,7 @@ use std::path::Path;
 use talcum::domain::{Bounds, Face};
 use talcum::grid::BoxGrid;
 use talcum::output::{GasSnapshots, Output, Provenance};
-use talcum::parallel::{CellRecord, Communicator, run_on_threads};
+use talcum::parallel::{CellSample, Communicator, run_on_threads};
 
 const COUNTS: [usize; 3] = [2, 3, 5];
 const STEPS: usize = 4;
@@ -16,9 +16,15 @@ fn grid() -> BoxGrid {
     BoxGrid::new(&bounds, COUNTS)
 }
 
-fn cells(step: usize) -> Vec<CellRecord> {
+fn cells(step: usize) -> Vec<CellSample> {
     let number = |cell: u64, k: usize| ((cell as f64) + 0.1 * step as f64) / (k as f64 - 3.5);
-    let cell = |cell: u64| CellRecord { cell, numbers: std::array::from_fn(|k| number(cell, k)) };
+    let cell = |cell: u64| CellSample {
+        cell,
+        pressure: number(cell, 0),
+        velocity: [1, 2, 3].map(|k| number(cell, k)),
+        voidage: number(cell, 4),
+        solids_velocity: [5, 6, 7].map(|k| number(cell, k)),
+    };
     (0..COUNTS.iter().product::<usize>() as u64).map(cell).collect()
 }
 
@@ -45,7 +51,10 @@ fn write_all(path: &Path, ranks: usize) {
 }
 
 fn check(path: &Path) {
-    let row = |step: usize, record: CellRecord| [&[time(step)][..], &record.numbers].concat();
+    let row = |step: usize, record: CellSample| {
+        let CellSample { pressure, velocity, voidage, solids_velocity, .. } = record;
+        [&[time(step), pressure][..], &velocity, &[voidage], &solids_velocity].concat()
+    };
     let rows = (0..STEPS).flat_map(|step| cells(step).into_iter().map(move |cell| row(step, cell)));
     check_by_vtk(path, rows, "4 times, cells (3, 4, 6), spacing (0.25, 0.5, 1.0)");
 }

@@ -7,7 +7,7 @@ use crate::domain::{Subdomain, Wall};
 use crate::gas::{GasError, GasReport, GasStep, ParticleLimits};
 use crate::grid::Field;
 use crate::numbers::ExactSum;
-use crate::parallel::{CellRecord, Communicator};
+use crate::parallel::{CellRecord, CellSample, Communicator};
 use crate::particles::Particles;
 
 /// Gas and particles on one rank's cells. Disposable.
@@ -151,28 +151,29 @@ impl VolumeAveragedSolver {
         (velocity, drop + driven)
     }
 
-    /// What snapshots show of each owned cell: pressure, mean velocity of the gas at its faces, voidage, mean
-    /// velocity of the solids by volume. Collective.
+    /// What snapshots show of each owned cell. Collective.
     pub fn sample(
         &mut self,
         state: &VolumeAveragedState,
         particles: &Particles,
         ranks: &dyn Communicator,
-    ) -> Vec<CellRecord> {
-        let [x, y, z] = &self.exchange.solids_velocity(particles, ranks);
+    ) -> Vec<CellSample> {
+        let solids = &self.exchange.solids_velocity(particles, ranks);
         let GasFields { velocity, pressure, voidage } = &state.fields;
         let part = self.exchange.part();
-        let sample = |cell: [isize; 3]| {
-            let mean = |axis: usize| {
-                let mut above = cell;
-                above[axis] += 1;
-                0.5 * (velocity[axis].at(cell) + velocity[axis].at(above))
-            };
-            let solids = [x, y, z].map(|field| field.at(cell));
-            let [p, eps] = [pressure, voidage].map(|field| field.at(cell));
-            [p, mean(0), mean(1), mean(2), eps, solids[0], solids[1], solids[2]]
+        let mean = |axis: usize, cell: [isize; 3]| {
+            let mut above = cell;
+            above[axis] += 1;
+            0.5 * (velocity[axis].at(cell) + velocity[axis].at(above))
         };
-        part.owned().map(|cell| CellRecord::new(part, cell, sample(cell))).collect()
+        let sample = |cell: [isize; 3]| CellSample {
+            cell: part.number_of(cell),
+            pressure: pressure.at(cell),
+            velocity: std::array::from_fn(|axis| mean(axis, cell)),
+            voidage: voidage.at(cell),
+            solids_velocity: std::array::from_fn(|axis| solids[axis].at(cell)),
+        };
+        part.owned().map(sample).collect()
     }
 
     /// Records of the gas in the owned cells.

@@ -27,15 +27,14 @@ impl VolumeAveragedState {
         let part = model.grid.local_cells(subdomain);
         let mut fields = GasFields::at_rest(&part);
         for record in send_cells_to_owners(records, &model.grid, subdomain.decomposition, ranks) {
-            fields.restore(record.indices_in(&part), &record.numbers);
+            fields.restore(record.indices_in(&part), &record);
         }
         Self { fields, report }
     }
 
     /// Records of the owned cells of a part.
     pub fn records(&self, part: &LocalCells) -> Vec<CellRecord> {
-        let record = |cell| CellRecord::new(part, cell, self.fields.record(cell));
-        part.owned().map(record).collect()
+        part.owned().map(|cell| self.fields.record(part, cell)).collect()
     }
 }
 
@@ -64,9 +63,6 @@ pub struct BedOnGrid {
 }
 
 impl GasFields {
-    /// Numbers in a record.
-    pub const RECORD: usize = 8;
-
     /// Gas at rest without particles; halos are not yet filled.
     pub fn at_rest(part: &LocalCells) -> Self {
         let zero = Field::new(part, GAS_HALO);
@@ -75,28 +71,26 @@ impl GasFields {
         Self { velocity: std::array::from_fn(|_| zero.clone()), pressure: zero, voidage }
     }
 
-    /// What a checkpoint keeps of a cell: velocities at its lower faces, at its upper faces, pressure, voidage.
-    ///
-    /// Upper faces are those of the next cell but at the end of the box, where no cell owns them.
-    pub fn record(&self, cell: [isize; 3]) -> [f64; Self::RECORD] {
-        let mut record = [0.0; Self::RECORD];
-        for axis in 0..3 {
-            record[axis] = self.velocity[axis].at(cell);
-            record[3 + axis] = self.velocity[axis].at(next(cell, axis));
+    /// What a checkpoint keeps of an owned cell of a part.
+    pub fn record(&self, part: &LocalCells, cell: [isize; 3]) -> CellRecord {
+        let velocity = |axis: usize, cell| self.velocity[axis].at(cell);
+        CellRecord {
+            cell: part.number_of(cell),
+            lower_velocity: std::array::from_fn(|axis| velocity(axis, cell)),
+            upper_velocity: std::array::from_fn(|axis| velocity(axis, next(cell, axis))),
+            pressure: self.pressure.at(cell),
+            voidage: self.voidage.at(cell),
         }
-        record[6] = self.pressure.at(cell);
-        record[7] = self.voidage.at(cell);
-        record
     }
 
     /// Sets a cell to what its record says. Halos must be filled afterwards.
-    pub fn restore(&mut self, cell: [isize; 3], record: &[f64; Self::RECORD]) {
+    pub fn restore(&mut self, cell: [isize; 3], record: &CellRecord) {
         for axis in 0..3 {
-            *self.velocity[axis].at_mut(cell) = record[axis];
-            *self.velocity[axis].at_mut(next(cell, axis)) = record[3 + axis];
+            *self.velocity[axis].at_mut(cell) = record.lower_velocity[axis];
+            *self.velocity[axis].at_mut(next(cell, axis)) = record.upper_velocity[axis];
         }
-        *self.pressure.at_mut(cell) = record[6];
-        *self.voidage.at_mut(cell) = record[7];
+        *self.pressure.at_mut(cell) = record.pressure;
+        *self.voidage.at_mut(cell) = record.voidage;
     }
 }
 

@@ -61,12 +61,15 @@ macro_rules! vector {
 
 macro_rules! number {
     ($name:literal, $field:ident, $unit:ident, $description:literal) => {
+        number!($name, $field, $unit, $description, 1)
+    };
+    ($name:literal, $field:ident, $unit:ident, $description:literal, $since:literal) => {
         NumberColumn {
             name: $name,
             width: 1,
             unit: |units| units.$unit,
             description: $description,
-            since: 1,
+            since: $since,
             get: |record| from_ref(&record.$field),
             get_mut: |record| from_mut(&mut record.$field),
         }
@@ -160,27 +163,25 @@ impl Table for WallContactRecord {
     ];
 }
 
-macro_rules! numbers {
-    ($name:literal, $width:literal, $range:expr, $unit:ident, $description:literal) => {
-        NumberColumn {
-            name: $name,
-            width: $width,
-            unit: |units| units.$unit,
-            description: $description,
-            since: 2,
-            get: |record| &record.numbers[$range],
-            get_mut: |record| &mut record.numbers[$range],
-        }
-    };
-}
-
 impl Table for CellRecord {
     const IDS: &'static [IdColumn<Self>] =
         &[id!("/gas/cell", cell, "number of the cell, x fastest, then y, then z, ascending")];
     const NUMBERS: &'static [NumberColumn<Self>] = &[
-        numbers!("/gas/lower_velocity", 3, 0..3, speed, "velocity at the lower face along x, y, z"),
-        numbers!("/gas/upper_velocity", 3, 3..6, speed, "velocity at the upper face along x, y, z"),
-        numbers!("/gas/pressure", 1, 6..7, pressure, "pressure less the hydrostatic head"),
-        numbers!("/gas/voidage", 1, 7..8, number, "volume of gas per volume"),
+        vector!(
+            "/gas/lower_velocity",
+            lower_velocity,
+            speed,
+            "velocity at the lower face along x, y, z",
+            2
+        ),
+        vector!(
+            "/gas/upper_velocity",
+            upper_velocity,
+            speed,
+            "velocity at the upper face along x, y, z",
+            2
+        ),
+        number!("/gas/pressure", pressure, pressure, "pressure less the hydrostatic head", 2),
+        number!("/gas/voidage", voidage, number, "volume of gas per volume", 2),
     ];
 }
