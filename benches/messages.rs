@@ -1,6 +1,6 @@
-//! What ranks say to each other in a step, counted: what the scaling model of docs/performance.md rests on.
+//! Counts the messages of a step, for the scaling model of docs/performance.md.
 //!
-//! `cargo bench --bench messages` prints a table in Markdown: a vibrating bed on thread ranks, the largest of the ranks.
+//! `cargo bench --bench messages` prints a table in Markdown for a vibrated bed on thread ranks: the maxima over the ranks.
 
 #[path = "../tests/beds/mod.rs"]
 mod beds;
@@ -13,7 +13,7 @@ use talcum::parallel::{AxisNeighbours, Communicator, FileAccess, Message, run_on
 const STEPS: u64 = 4_000;
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [2, 2, 1], [2, 2, 2], [4, 4, 1]];
 
-/// Counts what goes through another communicator.
+/// Counts what is sent through another communicator.
 struct Counting<'a> {
     inner: &'a dyn Communicator,
     counts: Cell<Counts>,
@@ -25,9 +25,9 @@ struct Counts {
     bytes: u64,
     reductions: u64,
     reduced_bytes: u64,
-    exchanges: u64,
+    sparse_exchanges: u64,
     sparse_messages: u64,
-    bytes_in_sparse_messages: u64,
+    sparse_bytes: u64,
 }
 
 impl Counting<'_> {
@@ -74,9 +74,9 @@ impl Communicator for Counting<'_> {
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
         let to_others = || outgoing.iter().filter(|message| message.rank != self.rank());
         self.count(|counts| {
-            counts.exchanges += 1;
+            counts.sparse_exchanges += 1;
             counts.sparse_messages += to_others().count() as u64;
-            counts.bytes_in_sparse_messages +=
+            counts.sparse_bytes +=
                 to_others().map(|message| message.bytes.len() as u64).sum::<u64>();
         });
         self.inner.sparse_exchange(outgoing)
@@ -110,15 +110,15 @@ impl Communicator for Counting<'_> {
     }
 }
 
-/// What one rank said and held.
-struct Seen {
+/// The counts of one rank.
+struct RankCounts {
     counts: Counts,
     owned: usize,
     ghosts: usize,
 }
 
-/// 21 x 21 layers of a lattice on a plate, without gaps above: about 8,000 particles. Cut planes run through sites, so
-/// that particles change their ranks as in a bed without order.
+/// Layers of 21 x 21 lattice sites on a plate, about 8,000 particles. Cut planes run through sites, so that particles
+/// change their owners as they do in a disordered bed.
 fn bed(with_gas: bool) -> Bench {
     let mut bench = Bench::new([21.0, 21.0, 21.0], [PERIODIC, PERIODIC, PLATE]);
     bench.skin = 0.08;
@@ -128,7 +128,7 @@ fn bed(with_gas: bool) -> Bench {
     bench
 }
 
-fn seen_on(bench: &Bench, grid: [usize; 3]) -> Vec<Seen> {
+fn counts_on(bench: &Bench, grid: [usize; 3]) -> Vec<RankCounts> {
     let grid = RankGrid(grid);
     run_on_threads(grid.size(), |ranks| {
         let counting = Counting { inner: ranks, counts: Cell::default() };
@@ -137,26 +137,27 @@ fn seen_on(bench: &Bench, grid: [usize; 3]) -> Vec<Seen> {
         run.steps(STEPS);
         let owned = run.state.particles.owned_count();
         let ghosts = run.state.particles.count() - owned;
-        Seen { counts: counting.counts.get(), owned, ghosts }
+        RankCounts { counts: counting.counts.get(), owned, ghosts }
     })
 }
 
 fn main() {
     println!(
         "| ranks | gas | particles per rank | ghosts per rank | messages per step | bytes sent per step | \
-         reductions per step | bytes reduced per step | steps per exchange of sparse_messages | \
-         sparse_messages per exchange | bytes per exchange |"
+         reductions per step | bytes reduced per step | steps per sparse exchange | \
+         messages per sparse exchange | bytes per sparse exchange |"
     );
     println!("{}|", "| --- ".repeat(11));
     for with_gas in [false, true] {
         let bench = bed(with_gas);
         for grid in GRIDS {
-            let seen = seen_on(&bench, grid);
-            let most = |of: &dyn Fn(&Seen) -> u64| seen.iter().map(of).max().unwrap_or_default();
+            let by_rank = counts_on(&bench, grid);
+            let most =
+                |of: &dyn Fn(&RankCounts) -> u64| by_rank.iter().map(of).max().unwrap_or_default();
             let per_step = |of: &dyn Fn(&Counts) -> u64| {
-                most(&|rank: &Seen| of(&rank.counts)) as f64 / STEPS as f64
+                most(&|rank: &RankCounts| of(&rank.counts)) as f64 / STEPS as f64
             };
-            let exchanges = most(&|rank| rank.counts.exchanges) as f64;
+            let exchanges = most(&|rank| rank.counts.sparse_exchanges) as f64;
             println!(
                 "| {} | {} | {} | {} | {:.2} | {:.0} | {:.2} | {:.0} | {:.0} | {:.2} | {:.0} |",
                 RankGrid(grid),
@@ -169,7 +170,7 @@ fn main() {
                 per_step(&|counts| counts.reduced_bytes),
                 STEPS as f64 / exchanges,
                 most(&|rank| rank.counts.sparse_messages) as f64 / exchanges,
-                most(&|rank| rank.counts.bytes_in_sparse_messages) as f64 / exchanges,
+                most(&|rank| rank.counts.sparse_bytes) as f64 / exchanges,
             );
         }
     }

@@ -1,4 +1,4 @@
-//! Ranks as real processes: this program starts itself again under `mpirun -n 1` to `-n 4`.
+//! Ranks as MPI processes: this program starts itself again under `mpirun -n 1` to `-n 4`.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -18,11 +18,11 @@ use talcum::parallel::{
 use talcum::parallel::{agree, sort_by_id};
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 
-/// Environment variable that names what a rank is to do.
+/// Environment variable with the role of a rank: what it does.
 const ROLE: &str = "TALCUM_TEST_ROLE";
 /// Environment variable with the folder for files.
 const FOLDER: &str = "TALCUM_TEST_FOLDER";
-/// The longest that one start may take: 100 times what it takes.
+/// Time limit for one start, which is about 100 times what it needs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn main() -> ExitCode {
@@ -37,7 +37,7 @@ fn main() -> ExitCode {
     let folder = tempfile::tempdir().unwrap();
     let mut failed = 0;
     let mut passed = 0;
-    let mut judge = |name: String, problem: Option<String>| match problem {
+    let mut report = |name: String, problem: Option<String>| match problem {
         None => {
             println!("test {name} ... ok");
             passed += 1;
@@ -57,20 +57,20 @@ fn main() -> ExitCode {
             "read",
             "open",
         ] {
-            // What n ranks wrote is read by n, and later by others.
-            judge(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
+            // The files of n ranks are read by n ranks, and later by more.
+            report(format!("{role} on {n} ranks"), expect(role, n, folder.path(), 0));
         }
-        judge(format!("panic on one of {n} ranks"), expect("panic", n, folder.path(), 101));
-        let name = format!("panic on one of {n} ranks while others look for messages");
-        judge(name, expect("panic_before_exchange", n, folder.path(), 101));
-        judge(format!("abort on one of {n} ranks"), expect("abort", n, folder.path(), 7));
+        report(format!("panic on one of {n} ranks"), expect("panic", n, folder.path(), 101));
+        let name = format!("panic on one of {n} ranks while the others receive messages");
+        report(name, expect("panic_before_exchange", n, folder.path(), 101));
+        report(format!("abort on one of {n} ranks"), expect("abort", n, folder.path(), 7));
     }
-    judge("panic in another thread".to_owned(), expect("thread_panic", 2, folder.path(), 101));
+    report("panic in another thread".to_owned(), expect("thread_panic", 2, folder.path(), 101));
     println!("\n{passed} passed, {failed} failed");
     if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Starts `n` ranks in a role; what went otherwise than expected, in words.
+/// Starts `n` ranks in a role, and returns a message if they do not end with the expected exit code.
 fn expect(role: &str, n: usize, folder: &Path, code: i32) -> Option<String> {
     let log = folder.join("log");
     let output = File::create(&log).unwrap();
@@ -83,32 +83,32 @@ fn expect(role: &str, n: usize, folder: &Path, code: i32) -> Option<String> {
         Ok(child) => child,
         Err(error) => return Some(format!("mpirun cannot be started: {error}")),
     };
-    let begin = Instant::now();
+    let start = Instant::now();
     let status = loop {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if begin.elapsed() > PATIENCE {
-            // mpirun takes its ranks with it when it is asked to end.
+        if start.elapsed() > PATIENCE {
+            // mpirun ends its ranks when it is terminated.
             let _ = Command::new("kill").arg(child.id().to_string()).status();
             let _ = child.wait();
-            return Some(format!("no end within {PATIENCE:?}"));
+            return Some(format!("it did not end within {PATIENCE:?}"));
         }
         std::thread::sleep(Duration::from_millis(10));
     };
     let message = std::fs::read_to_string(&log).unwrap_or_default();
-    let silent = code != 101 || message.contains("on purpose");
-    (status.code() != Some(code) || !silent).then(|| format!("{status}\n{message}"))
+    let expected_message = code != 101 || message.contains("on purpose");
+    (status.code() != Some(code) || !expected_message).then(|| format!("{status}\n{message}"))
 }
 
-/// What one rank does.
+/// Runs one rank in its role.
 fn act(role: &str, folder: &Path) {
-    let ranks = MpiRanks::start().expect("MPI starts once");
+    let ranks = MpiRanks::start().expect("MPI is not yet initialised");
     assert!(MpiRanks::start().is_err());
     let last = ranks.rank() == ranks.size() - 1;
     match role {
         "methods" => methods(&ranks),
-        // 100,000 is a multiple of it: the last piece of such messages is empty.
+        // 100,000 is a multiple of this length: the last piece of such messages is empty.
         "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
         "messages" => messages(&ranks),
         "messages_in_pieces" => messages(&ranks.with_longest_message(1000)),
@@ -117,7 +117,7 @@ fn act(role: &str, folder: &Path) {
         "open" => open(&ranks, folder),
         "panic" => {
             assert!(!last, "on purpose");
-            // Would wait for ever if nobody ended this rank.
+            // This hangs unless the panic ends this rank.
             ranks.any(false);
         }
         "panic_before_exchange" => {
@@ -175,13 +175,13 @@ fn methods(ranks: &MpiRanks) {
     assert_eq!(ranks.total(me), n * (n - 1) / 2);
     assert!(matches!(ranks.file_access(), FileAccess::Collective(_)));
     let ids = vec![3 * n - me, me];
-    let block = sort_by_id(&ids, |&id| [id as u64, 0], ranks);
-    assert!(block.rows.is_sorted() && block.total == 2 * n as u64);
+    let sorted = sort_by_id(&ids, |&id| [id as u64, 0], ranks);
+    assert!(sorted.rows.is_sorted() && sorted.total == 2 * n as u64);
 }
 
 fn messages(ranks: &MpiRanks) {
-    sparse_exchange::messages_find_their_exchange(ranks);
-    sparse_exchange::all_know_what_each_has(ranks);
+    sparse_exchange::messages_arrive_in_their_exchange(ranks);
+    sparse_exchange::all_ranks_get_the_records_of_all(ranks);
 }
 
 fn numbers(ranks: &MpiRanks) {
@@ -206,8 +206,8 @@ fn numbers(ranks: &MpiRanks) {
     assert_eq!(undefined, [f64::INFINITY]);
 }
 
-/// This rank's share of a state; one of four ranks has nothing, and a small state leaves ranks without
-/// rows in the file too.
+/// This rank's share of a state. If there are more than two ranks, the last has no particles; with a small state other
+/// ranks have no rows in the file either.
 fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
     let holders = if ranks.size() > 2 { ranks.size() as u64 - 1 } else { ranks.size() as u64 };
     let mine = |id: &u64| id % holders == ranks.rank() as u64;
@@ -275,8 +275,8 @@ fn read(ranks: &MpiRanks, folder: &Path) {
     }
 }
 
-/// MPI keeps nothing else under the name of a file that all ranks have open: neither beside it nor among the temporary
-/// files nor a semaphore, which a killed run would leave behind for the next one to wait for.
+/// While all ranks have a file open, MPI keeps nothing else with the name of that file: no other file beside it or among
+/// the temporary files, and no semaphore, for which the run after a killed one would wait.
 fn open(ranks: &MpiRanks, folder: &Path) {
     let name = format!("open-by-{}.h5", ranks.size());
     let mut options = hdf5::File::with_options();

@@ -1,26 +1,26 @@
-//! Iterations and times of the pressure solve on fluidised beds: `cargo bench --bench pressure`.
+//! Iterations and times of the pressure solver on fluidised beds.
 //!
 //! ```text
 //! cargo bench --bench pressure -- [--largest 64] [--write FOLDER]
 //! ```
 //!
-//! `--write` also writes the systems to a folder; scripts/bench_pressure solves them with hypre.
+//! `--write` also writes the systems to a folder, where scripts/bench_pressure solves them with hypre.
 
 mod systems;
 
 use std::path::PathBuf;
-use systems::{System, local_cells, solids_fraction};
+use systems::{System, local_field, solids_fraction};
 use talcum::grid::Field;
 use talcum::linear_solver::{Convergence, PressureSolver, Tolerance};
 use talcum::parallel::{Communicator, OneRank, run_on_threads};
 
 const TOLERANCE: f64 = 1.0e-8;
 
-/// The best of so many batches of repetitions is told, each of about so many seconds.
+/// The time reported is the shortest of so many batches of repetitions, each of which takes about so many seconds.
 const BATCHES: usize = 5;
 const SECONDS: f64 = 0.3;
 
-/// A rank's solver, with its part of the system and of the solution.
+/// The solver of a rank, with its cells of the system and of the solution.
 struct Solve<'a> {
     system: &'a System,
     solver: PressureSolver,
@@ -35,14 +35,14 @@ impl<'a> Solve<'a> {
         let (grid, decomposition) = system.grid(ranks.size());
         let bounds = system.bounds();
         let subdomain = decomposition.subdomain(&bounds, ranks.rank());
-        let part = grid.local_cells(subdomain);
+        let cells = grid.local_cells(subdomain);
         Self {
             system,
             solver: PressureSolver::new(&grid, subdomain),
-            faces: system.faces.each_ref().map(|face| local_cells(face, &part)),
-            diagonal: local_cells(&system.diagonal, &part),
-            right: local_cells(&system.right, &part),
-            solution: Field::new(&part, 1),
+            faces: system.faces.each_ref().map(|face| local_field(face, &cells)),
+            diagonal: local_field(&system.diagonal, &cells),
+            right: local_field(&system.right, &cells),
+            solution: Field::new(&cells, 1),
         }
     }
 
@@ -60,7 +60,8 @@ impl<'a> Solve<'a> {
     }
 }
 
-/// Iterations, and the bits of the solution by rank, one after the other: cut along z they are in the grid's order.
+/// The number of iterations, and the bits of the solution, rank by rank. Since the box is divided along z, they are in the
+/// order of the grid.
 fn on_ranks(system: &System, ranks: usize) -> (usize, Vec<u64>) {
     let solved = run_on_threads(ranks, |ranks| {
         let mut solve = Solve::new(system, ranks);
@@ -72,26 +73,26 @@ fn on_ranks(system: &System, ranks: usize) -> (usize, Vec<u64>) {
     (iterations, solved.into_iter().flat_map(|(_, bits)| bits).collect())
 }
 
-/// Seconds that this thread has worked: what others do on the machine does not count.
-fn worked() -> f64 {
+/// Processor time of this thread in seconds, which other programs on the machine do not change.
+fn processor_time() -> f64 {
     let times = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux counts time");
     let nanoseconds = times.split(' ').next().and_then(|number| number.parse::<f64>().ok());
     nanoseconds.expect("the first number is the time on a processor") * 1.0e-9
 }
 
-/// Shortest mean time of some repetitions, in seconds.
+/// The shortest mean time of a batch of repetitions, in seconds.
 fn shortest(mut work: impl FnMut()) -> f64 {
     let mut time = |repetitions: usize| {
-        let start = worked();
+        let start = processor_time();
         (0..repetitions).for_each(|_| work());
-        (worked() - start) / repetitions as f64
+        (processor_time() - start) / repetitions as f64
     };
     let first = time(1); // touches all memory
     let repetitions = (SECONDS / first.max(1.0e-4)).ceil() as usize;
     (0..BATCHES).map(|_| time(repetitions)).fold(f64::INFINITY, f64::min)
 }
 
-/// Times of set-up and of solve on one core, in seconds.
+/// The times of set-up and solve on one core, in seconds.
 fn times(system: &System) -> [f64; 2] {
     let mut solve = Solve::new(system, &OneRank);
     let set_up = shortest(|| solve.set_up(&OneRank));

@@ -11,9 +11,9 @@ use talcum::grid::{BoxGrid, Field, LocalCells};
 const CELL: f64 = 2.0;
 /// Solids fraction between bubbles.
 const PACKING: f64 = 0.55;
-/// Height of the bed, of the box's.
+/// Height of the bed over that of the box.
 const BED: f64 = 0.55;
-/// Bubbles, each with its own size.
+/// Number of bubbles, each of its own size.
 const BUBBLES: u64 = 40;
 
 /// Coefficients and right-hand side of the whole grid, x fastest.
@@ -43,7 +43,7 @@ fn bubble(number: u64) -> ([f64; 3], f64) {
     ([draw(0), draw(1), BED * draw(2)], radius)
 }
 
-/// Whether a place is empty: in a bubble, but for some spheres that rain through it, or above the bed, but for a
+/// Whether a point is empty: in a bubble, except for a few spheres that rain through it, or above the bed, except for a
 /// splash zone.
 fn is_empty([x, y, z]: [f64; 3], bubbles: &[([f64; 3], f64)], draw: f64) -> bool {
     let inside = |&([a, b, c], radius): &([f64; 3], f64)| {
@@ -56,8 +56,8 @@ fn is_empty([x, y, z]: [f64; 3], bubbles: &[([f64; 3], f64)], draw: f64) -> bool
     bubbles.iter().any(inside) && draw > 0.005
 }
 
-/// Solids fraction of n^3 cells: spheres jittered about a lattice, deposited by hat weights and smoothed, as the
-/// gas sees a bed on cells finer than three diameters.
+/// Solids fraction of n^3 cells: spheres displaced at random from lattice sites, deposited with linear weights and
+/// filtered, as in a simulation with cells smaller than three diameters.
 pub(crate) fn solids_fraction(n: usize) -> Vec<f64> {
     let bubbles: Vec<_> = (0..BUBBLES).map(bubble).collect();
     let box_length = n as f64 * CELL;
@@ -65,10 +65,10 @@ pub(crate) fn solids_fraction(n: usize) -> Vec<f64> {
     let along = (box_length * (PACKING / sphere).cbrt()).round() as u64;
     let mut fraction = vec![0.0; n * n * n];
     for number in 0..along.pow(3) {
-        let place = [number % along, number / along % along, number / along / along];
+        let site = [number % along, number / along % along, number / along / along];
         let jittered = [0, 1, 2].map(|a| {
             let jitter = hashed(2, 3 * number + a as u64) - 0.5;
-            (place[a] as f64 + 0.5 + 0.9 * jitter) / along as f64
+            (site[a] as f64 + 0.5 + 0.9 * jitter) / along as f64
         });
         if is_empty(jittered, &bubbles, hashed(3, number)) {
             continue;
@@ -78,31 +78,32 @@ pub(crate) fn solids_fraction(n: usize) -> Vec<f64> {
     smoothed(fraction, n)
 }
 
-/// A quarter of each cell goes to either neighbour, along x, y and z: a width of 3.3 diameters at half height.
+/// Gives a quarter of each cell to each of its two neighbours along x, y and z: a filter of 3.3 diameters width at half
+/// maximum.
 fn smoothed(mut fraction: Vec<f64>, n: usize) -> Vec<f64> {
     for stride in [1, n, n * n] {
         let before = fraction.clone();
         for cell in 0..before.len() {
-            let place = (cell / stride) % n;
-            let below = if place == 0 { cell } else { cell - stride };
-            let above = if place + 1 == n { cell } else { cell + stride };
+            let index = (cell / stride) % n;
+            let below = if index == 0 { cell } else { cell - stride };
+            let above = if index + 1 == n { cell } else { cell + stride };
             fraction[cell] = 0.5 * before[cell] + 0.25 * (before[below] + before[above]);
         }
     }
     fraction
 }
 
-/// Shares an amount out to the eight cells around a place; at walls the last cell takes all.
-fn deposit(fraction: &mut [f64], n: usize, place: [f64; 3], amount: f64) {
-    let at = place.map(|x| x * n as f64 - 0.5);
+/// Distributes an amount over the eight cells around a point; at walls the outermost cell takes all.
+fn deposit(fraction: &mut [f64], n: usize, point: [f64; 3], amount: f64) {
+    let at = point.map(|x| x * n as f64 - 0.5);
     let first = at.map(|x| x.floor());
     for corner in 0..8 {
         let mut weight = amount;
         let mut cell = [0; 3];
         for axis in 0..3 {
             let upper = (corner >> axis) & 1;
-            let part = at[axis] - first[axis];
-            weight *= if upper == 1 { part } else { 1.0 - part };
+            let of_upper = at[axis] - first[axis];
+            weight *= if upper == 1 { of_upper } else { 1.0 - of_upper };
             cell[axis] = (first[axis] + upper as f64).clamp(0.0, n as f64 - 1.0) as usize;
         }
         fraction[cell[0] + n * (cell[1] + n * cell[2])] += weight;
@@ -173,16 +174,16 @@ impl System {
     }
 }
 
-/// A rank's part of numbers of the whole grid.
-pub(crate) fn local_cells(numbers: &[f64], part: &LocalCells) -> Field {
-    let mut field = Field::new(part, 1);
-    let [nx, ny, _] = part.counts;
-    let start = part.start;
-    let (count, mut owned) = (part.count, Vec::with_capacity(part.cells()));
+/// The values of a rank's cells, from those of the whole grid.
+pub(crate) fn local_field(values: &[f64], cells: &LocalCells) -> Field {
+    let mut field = Field::new(cells, 1);
+    let [nx, ny, _] = cells.counts;
+    let start = cells.start;
+    let (count, mut owned) = (cells.count, Vec::with_capacity(cells.cells()));
     for k in start[2]..start[2] + count[2] {
         for j in start[1]..start[1] + count[1] {
             let row = start[0] + nx * (j + ny * k);
-            owned.extend_from_slice(&numbers[row..row + count[0]]);
+            owned.extend_from_slice(&values[row..row + count[0]]);
         }
     }
     field.set_owned(owned.into_iter());

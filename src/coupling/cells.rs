@@ -43,12 +43,12 @@ impl CellTransfer {
     /// Whether particles that have moved so far since they were sorted to ranks still lie within reach of their
     /// rank's halos.
     pub fn reaches(grid: &BoxGrid, drift: f64) -> bool {
-        drift <= CellLocator::STRAY * grid.spacing().min()
+        drift <= CellLocator::MARGIN * grid.spacing().min()
     }
 
     /// The cells of this rank.
     pub fn part(&self) -> &LocalCells {
-        self.locator.part()
+        self.locator.cells()
     }
 
     /// The cells around each owned particle, as of the last [`CellTransfer::deposit_volume`].

@@ -45,9 +45,9 @@ impl ColumnBlock {
             }
         }
         for (lane, &height) in height.iter().enumerate() {
-            let place = grid.place(height);
-            self.interval[lane] = place.interval;
-            self.of_upper[lane] = place.of_upper;
+            let nodes = grid.weights(height);
+            self.interval[lane] = nodes.interval;
+            self.of_upper[lane] = nodes.of_upper;
         }
     }
 

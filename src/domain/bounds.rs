@@ -1,4 +1,4 @@
-//! The box: its size, what its faces do, and the lattice that positions lie on.
+//! The box: its size, what its faces do to particles, and the quantum of positions.
 
 use super::BoxFace;
 use crate::numbers::Quantum;
@@ -7,20 +7,20 @@ use nalgebra::Vector3;
 /// What a face of the box does to particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
-    /// The box repeats beyond this face; the opposite face is periodic too.
+    /// The box is repeated beyond this face; the opposite face is periodic too.
     Periodic,
     /// A flat wall lies in this face.
     Wall,
-    /// Particles whose centre passes leave for good; they are counted.
+    /// Particles whose centre passes the face leave the run; they are counted.
     Open,
-    /// A particle whose centre passes stops the run with an error.
+    /// A particle whose centre passes the face stops the run with an error message.
     Stop,
 }
 
 /// A box from the origin to `lengths`.
 ///
-/// Positions are multiples of `lattice().spacing()`, and so are the lengths: wrapping a position, or
-/// shifting it by a box length, is exact.
+/// Positions are rounded to multiples of [`Bounds::position_quantum`], and so are the lengths: wrapping a position, or
+/// shifting it by a length of the box, is exact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     lengths: Vector3<f64>,
@@ -29,8 +29,8 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the position lattice, which spans
-    /// twice the longest: 1 part in 10^15.
+    /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the quantum of positions, which is about 10^-15 of
+    /// the longest.
     pub fn new(lengths: Vector3<f64>, faces: [[Face; 2]; 3]) -> Self {
         let quantum = Quantum::spanning(2.0 * lengths.max());
         Self { lengths: quantum.round_vector(lengths), faces, quantum }
@@ -41,7 +41,7 @@ impl Bounds {
         self.lengths
     }
 
-    /// What the lower and upper face of an axis do.
+    /// What the lower and the upper face along an axis do.
     pub fn faces(&self, axis: usize) -> [Face; 2] {
         self.faces[axis]
     }
@@ -51,12 +51,12 @@ impl Bounds {
         self.faces[face.axis][face.side]
     }
 
-    /// Whether the box repeats along an axis.
+    /// Whether the box is periodic along an axis.
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.faces[axis][0] == Face::Periodic
     }
 
-    /// Whether the box repeats along every axis.
+    /// Whether the box is periodic along every axis.
     pub fn is_fully_periodic(&self) -> bool {
         (0..3).all(|axis| self.is_periodic(axis))
     }
@@ -66,7 +66,7 @@ impl Bounds {
         self.quantum
     }
 
-    /// Horizontal cross-section, the area that gas and weight per area refer to.
+    /// Area of the horizontal cross-section.
     pub fn cross_section(&self) -> f64 {
         self.lengths.x * self.lengths.y
     }
@@ -84,7 +84,7 @@ impl Bounds {
         }
         let length = self.lengths[axis];
         if (0.0..length).contains(&coordinate) {
-            return coordinate + 0.0; // a zero has no sign, nor has it below
+            return coordinate + 0.0; // removes the sign of a zero, as the subtraction below does
         }
         coordinate - length * (coordinate / length).floor()
     }
@@ -97,7 +97,7 @@ impl Bounds {
         position
     }
 
-    /// How far a position may move without passing an open face or one that ends the run; not above zero beyond one.
+    /// Smallest distance to an open face or one that stops the run; negative beyond such a face.
     #[inline]
     pub fn clearance(&self, position: &Vector3<f64>) -> f64 {
         let passable = |face: Face| matches!(face, Face::Open | Face::Stop);
@@ -105,12 +105,11 @@ impl Bounds {
             let x = position[axis];
             self.faces[axis].into_iter().zip([x, self.lengths[axis] - x])
         });
-        let displacements =
-            to_faces.filter(|&(face, _)| passable(face)).map(|(_, displacement)| displacement);
-        displacements.fold(f64::INFINITY, f64::min)
+        let distances = to_faces.filter(|&(face, _)| passable(face)).map(|(_, distance)| distance);
+        distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// The first face of this kind that a position lies beyond.
+    /// The first face of this kind beyond which a position lies.
     #[inline]
     pub fn passed(&self, kind: Face, position: &Vector3<f64>) -> Option<BoxFace> {
         (0..3).find_map(|axis| {
@@ -138,19 +137,19 @@ mod tests {
 
     proptest! {
         #[test]
-        fn wrapping_is_exact(x in -15.0..15.0f64) {
+        fn wrapping_a_position_is_exact(x in -15.0..15.0f64) {
             let bounds = column();
             let x = bounds.position_quantum().round(x);
             let wrapped = bounds.wrap_coordinate(0, x);
             let length = bounds.lengths().x;
             prop_assert!((0.0..length).contains(&wrapped));
-            let turns = ((x - wrapped) / length).round();
-            prop_assert_eq!(wrapped + turns * length, x);
+            let box_lengths = ((x - wrapped) / length).round();
+            prop_assert_eq!(wrapped + box_lengths * length, x);
         }
     }
 
     #[test]
-    fn only_open_faces_and_stops_are_kept_clear_of() {
+    fn the_clearance_is_the_distance_to_open_and_stop_faces() {
         let clearance = |bounds: &Bounds, z| bounds.clearance(&Vector3::new(0.1, 9.0, z));
         assert_eq!(clearance(&column(), 30.0), 70.0);
         assert_eq!(clearance(&column(), 100.5), -0.5);
@@ -164,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_open_face_lets_particles_out() {
+    fn particles_pass_open_faces_only() {
         let bounds = column();
         assert_eq!(bounds.passed(Face::Open, &Vector3::new(-1.0, 9.0, 50.0)), None);
         let passed = bounds.passed(Face::Open, &Vector3::new(1.0, 1.0, 100.5));

@@ -1,4 +1,4 @@
-//! How the box is cut across ranks: a grid of blocks between cut planes. Arithmetic only.
+//! The decomposition of the box into subdomains, one for each rank: a grid of blocks between cut planes.
 
 use super::Bounds;
 use nalgebra::Vector3;
@@ -21,16 +21,16 @@ impl RankGrid {
         self.0.iter().product()
     }
 
-    /// Block of a rank: x varies fastest.
-    pub fn block_of(self, rank: usize) -> [usize; 3] {
+    /// Position of a rank in the grid; x varies fastest.
+    pub fn coordinates_of(self, rank: usize) -> [usize; 3] {
         let [nx, ny, _] = self.0;
         [rank % nx, (rank / nx) % ny, rank / (nx * ny)]
     }
 
-    /// Rank of a block.
-    pub fn rank_of(self, block: [usize; 3]) -> usize {
+    /// The rank at a position in the grid.
+    pub fn rank_of(self, coordinates: [usize; 3]) -> usize {
         let [nx, ny, _] = self.0;
-        block[0] + nx * (block[1] + ny * block[2])
+        coordinates[0] + nx * (coordinates[1] + ny * coordinates[2])
     }
 }
 
@@ -41,7 +41,8 @@ impl fmt::Display for RankGrid {
     }
 }
 
-/// The cut planes: along each axis an increasing list from 0 to the box length, one block between two.
+/// A rectilinear decomposition: along each axis an increasing list of cut planes from 0 to the length of the box, with one
+/// layer of subdomains between two of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decomposition {
     grid: RankGrid,
@@ -49,7 +50,7 @@ pub struct Decomposition {
 }
 
 impl Decomposition {
-    /// Blocks of equal size.
+    /// Subdomains of equal size.
     pub fn even(grid: RankGrid, bounds: &Bounds) -> Self {
         let cut_planes = std::array::from_fn(|axis| {
             let (n, length) = (grid.0[axis], bounds.lengths()[axis]);
@@ -58,7 +59,7 @@ impl Decomposition {
         Self { grid, cut_planes }
     }
 
-    /// The same grid with other cut planes, each list increasing from 0 to the box length.
+    /// The same grid of ranks with other cut planes; each list increases from 0 to the length of the box.
     pub fn with_cut_planes(&self, cut_planes: [Vec<f64>; 3]) -> Self {
         debug_assert!(
             (0..3).all(|a| cut_planes[a].len() == self.grid.0[a] + 1 && cut_planes[a].is_sorted())
@@ -66,7 +67,7 @@ impl Decomposition {
         Self { grid: self.grid, cut_planes }
     }
 
-    /// Ranks along each axis.
+    /// Number of ranks along each axis.
     pub fn grid(&self) -> RankGrid {
         self.grid
     }
@@ -76,37 +77,38 @@ impl Decomposition {
         &self.cut_planes[axis]
     }
 
-    /// Rank that owns a point of the box; points beyond a face belong to the block at that face.
+    /// The rank that owns a point of the box. Points beyond a face belong to the subdomain at that face.
     pub fn owner_of(&self, position: &Vector3<f64>) -> usize {
-        let block = std::array::from_fn(|axis| {
+        let coordinates = std::array::from_fn(|axis| {
             let inner = &self.cut_planes[axis][1..self.grid.0[axis]];
             inner.partition_point(|&plane| plane <= position[axis])
         });
-        self.grid.rank_of(block)
+        self.grid.rank_of(coordinates)
     }
 
-    /// Lower and upper corner of a rank's block.
-    pub fn block_bounds(&self, rank: usize) -> [Vector3<f64>; 2] {
-        let block = self.grid.block_of(rank);
-        [0, 1].map(|side| Vector3::from_fn(|axis, _| self.cut_planes[axis][block[axis] + side]))
+    /// Lower and upper corner of a rank's subdomain.
+    pub fn subdomain_corners(&self, rank: usize) -> [Vector3<f64>; 2] {
+        let coordinates = self.grid.coordinates_of(rank);
+        [0, 1]
+            .map(|side| Vector3::from_fn(|axis, _| self.cut_planes[axis][coordinates[axis] + side]))
     }
 
-    /// Ranks below and above along an axis; through a periodic face the one at the other end.
+    /// The ranks below and above along an axis; at a periodic face, the one at the opposite face.
     pub fn neighbours(&self, rank: usize, axis: usize, bounds: &Bounds) -> [Option<usize>; 2] {
-        let block = self.grid.block_of(rank);
+        let coordinates = self.grid.coordinates_of(rank);
         let n = self.grid.0[axis];
         let along = |index: usize| {
-            let mut other = block;
+            let mut other = coordinates;
             other[axis] = index;
             Some(self.grid.rank_of(other))
         };
         let periodic = bounds.is_periodic(axis);
-        let below = match block[axis] {
+        let below = match coordinates[axis] {
             0 if !periodic => None,
             0 => along(n - 1),
             index => along(index - 1),
         };
-        let above = match block[axis] + 1 {
+        let above = match coordinates[axis] + 1 {
             next if next < n => along(next),
             _ if periodic => along(0),
             _ => None,
@@ -114,7 +116,7 @@ impl Decomposition {
         [below, above]
     }
 
-    /// Width of the narrowest block along an axis.
+    /// Width of the narrowest subdomain along an axis.
     pub fn narrowest(&self, axis: usize) -> f64 {
         self.cut_planes[axis].windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
     }
@@ -133,21 +135,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn each_point_has_the_one_owner_whose_block_holds_it(
+        fn each_point_is_owned_by_the_rank_whose_subdomain_holds_it(
             x in 0.0..5.0f64, y in 0.0..6.0f64, z in 0.0..7.0f64,
             n in prop::array::uniform3(1usize..4),
         ) {
             let decomposition = Decomposition::even(RankGrid(n), &bounds());
             let point = Vector3::new(x, y, z);
             let holders: Vec<usize> = (0..decomposition.grid().size()).filter(|&rank| {
-                let [lower, upper] = decomposition.block_bounds(rank);
+                let [lower, upper] = decomposition.subdomain_corners(rank);
                 (0..3).all(|a| lower[a] <= point[a] && point[a] < upper[a])
             }).collect();
             prop_assert_eq!(holders, vec![decomposition.owner_of(&point)]);
         }
 
         #[test]
-        fn neighbourhood_is_mutual(n in prop::array::uniform3(1usize..4)) {
+        fn a_neighbour_above_has_this_rank_below(n in prop::array::uniform3(1usize..4)) {
             let bounds = bounds();
             let decomposition = Decomposition::even(RankGrid(n), &bounds);
             for rank in 0..decomposition.grid().size() {
@@ -161,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn points_beyond_a_face_belong_to_the_outer_block() {
+    fn points_beyond_a_face_belong_to_the_outermost_rank() {
         let decomposition = Decomposition::even(RankGrid([1, 1, 3]), &bounds());
         assert_eq!(decomposition.owner_of(&Vector3::new(0.0, 0.0, 99.0)), 2);
         assert_eq!(decomposition.owner_of(&Vector3::new(0.0, 0.0, -1.0)), 0);

@@ -1,4 +1,4 @@
-//! Gravity as felt in the frame of a vibrated plate.
+//! Effective gravity in the frame of a vibrated plate.
 
 use crate::numbers::sine;
 use std::f64::consts::PI;
@@ -6,20 +6,20 @@ use std::f64::consts::PI;
 /// Vertical vibration of the plate: its height in the laboratory is -A sin(2 pi f (t - start)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
-    /// Gamma = A (2 pi f)^2 / g, the plate's largest acceleration over gravity.
+    /// Gamma = A (2 pi f)^2 / g, the largest acceleration of the plate over that of gravity.
     pub relative_acceleration: f64,
-    /// Frequency f, cycles per time.
+    /// Frequency f in cycles per time.
     pub frequency: f64,
-    /// When the first cycle begins.
+    /// Start of the first cycle.
     pub start: f64,
 }
 
 /// g_eff(t) = g [1 + Gamma sin(2 pi f (t - start))], downwards (Moon 2006, below eq. (5)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveGravity {
-    /// g, acceleration.
+    /// Acceleration g.
     pub magnitude: f64,
-    /// The plate's motion, if it is shaken.
+    /// Vibration of the plate, if it is vibrated.
     pub vibration: Option<Vibration>,
 }
 
@@ -43,7 +43,7 @@ impl EffectiveGravity {
         }
     }
 
-    /// The largest magnitude of the acceleration at any time.
+    /// The largest magnitude of the acceleration over all times.
     pub fn largest(&self) -> f64 {
         let gamma = self.vibration.map_or(0.0, |vibration| vibration.relative_acceleration.abs());
         self.magnitude * (1.0 + gamma)

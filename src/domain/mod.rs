@@ -1,5 +1,5 @@
-//! Where the particles are: the box, its walls, the frame it is seen from, and how it is cut. Arithmetic
-//! only; knows no ranks but as numbers.
+//! The domain: the box, its walls, gravity in the frame of the vibrated plate, and the decomposition into subdomains of
+//! the ranks. Arithmetic only, without communication.
 
 mod bounds;
 mod box_face;

@@ -17,10 +17,10 @@ pub struct Subdomain<'a> {
 impl Subdomain<'_> {
     /// Lower and upper corner.
     pub fn corners(self) -> [Vector3<f64>; 2] {
-        self.decomposition.block_bounds(self.rank)
+        self.decomposition.subdomain_corners(self.rank)
     }
 
-    /// Ranks below and above along an axis; through a periodic face the one at the other end.
+    /// The ranks below and above along an axis; at a periodic face, the one at the opposite face.
     pub fn neighbours(self, axis: usize) -> [Option<usize>; 2] {
         self.decomposition.neighbours(self.rank, axis, self.bounds)
     }

@@ -1,4 +1,4 @@
-//! Walls: planes and round columns, at rest or in a motion that is a function of time.
+//! Walls: planes and cylinders, at rest or in a motion that is a function of time.
 
 use super::{Bounds, BoxFace};
 use crate::numbers::sine;
@@ -8,56 +8,57 @@ use std::f64::consts::PI;
 /// Name of the wall in the lower z face, whose stress is reported.
 pub const BASE_PLATE: &str = "base plate";
 
-/// A wall of the box or of the case's own.
+/// A wall in a face of the box, or one that the case defines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
-    /// How results call it: "base plate", "x lower", or the case's own name.
+    /// Its name in results: "base plate", "x lower", or the name that the case gives.
     pub name: String,
-    /// Where it is while it is at rest.
+    /// Its surface while it is at rest.
     pub shape: WallShape,
-    /// How it moves.
+    /// Its motion.
     pub motion: WallMotion,
 }
 
-/// The surface of a wall; particles are on one side.
+/// The surface of a wall. The particles are on one side of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WallShape {
     /// An infinite plane.
     Plane {
-        /// A point of it.
+        /// A point of the plane.
         point: Vector3<f64>,
         /// Unit normal, into the bed.
         normal: Vector3<f64>,
     },
-    /// An infinite round column along z, with the particles inside. Contact laws see it as flat: R* = r.
+    /// An infinite cylinder along z, with the particles inside. In contact laws its curvature is neglected: R* = r.
     Cylinder {
-        /// A point of its axis; z does not matter.
+        /// A point of the axis; its z is not used.
         centre: Vector3<f64>,
         /// Radius.
         radius: f64,
     },
 }
 
-/// Translation of a wall: displacement v tau + A sin(2 pi f tau) with tau the time since `start`, 0 before and what
-/// it is at `end` after. A function of time alone: ranks and restarts agree on it to the last bit.
+/// Translation of a wall: the displacement is v tau + A sin(2 pi f tau). tau is the time since `start`; before it tau is
+/// 0, and after `end` it is constant. The motion depends on time alone, so that it has the same bits on all ranks and
+/// after any restart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallMotion {
-    /// v, velocity.
+    /// Velocity v.
     pub velocity: Vector3<f64>,
-    /// A, amplitude along each axis.
+    /// Amplitude A along each axis.
     pub amplitude: Vector3<f64>,
-    /// f, cycles per time.
+    /// Frequency f in cycles per time.
     pub frequency: f64,
-    /// When it begins.
+    /// Start of the motion.
     pub start: f64,
-    /// When it ends; may be infinite.
+    /// End of the motion; may be infinite.
     pub end: f64,
 }
 
-/// Where a wall is, and how fast, at one instant.
+/// Displacement and velocity of a wall at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallPose {
-    /// From where it is at rest.
+    /// Displacement from the position at rest.
     pub displacement: Vector3<f64>,
     /// Velocity of all its points.
     pub velocity: Vector3<f64>,
@@ -89,7 +90,7 @@ impl WallMotion {
         end: f64::INFINITY,
     };
 
-    /// From where the wall is at rest, at a time.
+    /// Displacement from the position at rest, at a time.
     ///
     /// ```
     /// use nalgebra::Vector3;
@@ -114,20 +115,20 @@ impl WallMotion {
         self.velocity + self.amplitude * (omega * cosine)
     }
 
-    /// The largest speed along a direction at any time.
+    /// The largest speed along a direction over all times.
     pub fn largest_speed(&self, direction: &Vector3<f64>) -> f64 {
         let oscillation = 2.0 * PI * self.frequency * self.amplitude.dot(direction).abs();
         self.velocity.dot(direction).abs() + oscillation
     }
 
-    /// Whether it ever moves.
+    /// Whether the wall never moves.
     pub fn is_rest(&self) -> bool {
         self.velocity == Vector3::zeros() && self.amplitude == Vector3::zeros()
     }
 }
 
 impl WallPose {
-    /// At rest where it stands at first.
+    /// At rest in the initial position.
     pub const REST: Self =
         Self { displacement: Vector3::new(0.0, 0.0, 0.0), velocity: Vector3::new(0.0, 0.0, 0.0) };
 }
@@ -139,26 +140,26 @@ impl Wall {
         Self { name: name.into(), shape, motion: WallMotion::REST }
     }
 
-    /// A plane at rest in a face of the box, with the name that results call it.
+    /// A plane at rest in a face of the box.
     pub fn in_face(bounds: &Bounds, face: BoxFace) -> Self {
         let mut point = Vector3::zeros();
         point[face.axis] = bounds.lengths()[face.axis] * face.side as f64;
         Self::plane(Self::name_in_face(face), point, face.inward_normal())
     }
 
-    /// How results call the wall in a face: "base plate" for the lower z face, otherwise as the face.
+    /// Name in results of the wall in a face: "base plate" for "z lower", otherwise the name of the face.
     pub fn name_in_face(face: BoxFace) -> &'static str {
         if face == (BoxFace { axis: 2, side: 0 }) { BASE_PLATE } else { face.name() }
     }
 
-    /// A round column along z, at rest, through a point and of a radius.
+    /// A cylinder along z at rest, given by a point of its axis and its radius.
     pub fn cylinder(name: impl Into<String>, centre: Vector3<f64>, radius: f64) -> Self {
         let shape = WallShape::Cylinder { centre, radius };
         Self { name: name.into(), shape, motion: WallMotion::REST }
     }
 
-    /// Where it is at the end of a step of this length, and how fast it was in the middle of the step: the
-    /// velocities of particles are those of the half step, too.
+    /// Its displacement at the end of a step of this length, and its velocity in the middle of the step: those of particles
+    /// are also taken at the half step.
     pub fn pose(&self, time: f64, step: f64) -> WallPose {
         WallPose {
             displacement: self.motion.displacement(time),
@@ -166,13 +167,13 @@ impl Wall {
         }
     }
 
-    /// Height of a point above the wall where it is at rest, negative behind it.
+    /// Distance of a point from the wall at rest, negative behind it.
     #[inline(always)]
     pub fn height_of(&self, position: &Vector3<f64>) -> f64 {
         self.height_at(position, &WallPose::REST)
     }
 
-    /// Height of a point above the wall where it is now.
+    /// Distance of a point from the wall in its present pose, negative behind it.
     #[inline(always)]
     pub fn height_at(&self, position: &Vector3<f64>, pose: &WallPose) -> f64 {
         match &self.shape {
@@ -186,7 +187,7 @@ impl Wall {
         }
     }
 
-    /// Unit normal, into the bed, where a point is nearest; zero on the axis of a cylinder.
+    /// Unit normal, into the bed, at the point of the wall nearest to a position; zero on the axis of a cylinder.
     #[inline(always)]
     pub fn normal_at(&self, position: &Vector3<f64>, pose: &WallPose) -> Vector3<f64> {
         match &self.shape {
@@ -208,7 +209,7 @@ impl Wall {
         }
     }
 
-    /// How much nearer to the wall a point may get by displacements up to these along each axis.
+    /// The largest decrease of the distance to the wall by displacements of at most these magnitudes along each axis.
     pub fn approach_within(&self, displacements: &[f64; 3]) -> f64 {
         match &self.shape {
             WallShape::Plane { normal, .. } => {
@@ -220,7 +221,7 @@ impl Wall {
         }
     }
 
-    /// Its largest speed towards particles at any time.
+    /// The largest speed towards particles over all times.
     pub fn largest_approach_speed(&self) -> f64 {
         match &self.shape {
             WallShape::Plane { normal, .. } => self.motion.largest_speed(normal),
@@ -261,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_in_a_cylinder_are_from_the_wall_inwards() {
+    fn heights_in_a_cylinder_are_measured_inwards_from_the_wall() {
         let column = Wall::cylinder("column", Vector3::new(1.0, 2.0, 0.0), 5.0);
         let position = Vector3::new(4.0, 6.0, -7.0);
         assert_eq!(column.height_of(&position), 0.0);

@@ -1,9 +1,9 @@
-//! The cells of the box, and which of them a rank works on.
+//! The cells of the box, and those that a rank owns.
 
 use crate::domain::{Bounds, Decomposition, Subdomain};
 use nalgebra::Vector3;
 
-/// Equal cells that fill the box; cell (i, j, k) reaches from i dx to (i + 1) dx, and so on.
+/// Equal cells that fill the box. Cell (i, j, k) extends from i dx to (i + 1) dx along x, and so on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoxGrid {
     counts: [usize; 3],
@@ -11,9 +11,9 @@ pub struct BoxGrid {
     periodic: [bool; 3],
 }
 
-/// The block of cells that one rank owns, seen in the whole grid.
+/// The block of cells that one rank owns, within the whole grid.
 ///
-/// Parts know global numbers only, so that what a cell does never depends on where the cuts are.
+/// Local indices count from its first cell; a global index is a local one plus `start`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LocalCells {
     /// Cells of the whole grid along x, y, z.
@@ -57,48 +57,49 @@ impl BoxGrid {
         ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
     }
 
-    /// The same cut with every plane moved to a cell face, blocks being at least `least` cells wide.
+    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells along each
+    /// divided axis.
     ///
-    /// Returns nothing if the grid has too few cells for that.
+    /// Returns `None` if the grid has too few cells for that.
     pub fn aligned(&self, decomposition: &Decomposition, least: usize) -> Option<Decomposition> {
         let mut cut_planes: [Vec<f64>; 3] = Default::default();
         for (axis, planes) in cut_planes.iter_mut().enumerate() {
-            let (blocks, cells) = (decomposition.grid().0[axis], self.counts[axis]);
-            if blocks > 1 && blocks * least > cells {
+            let (ranks, cells) = (decomposition.grid().0[axis], self.counts[axis]);
+            if ranks > 1 && ranks * least > cells {
                 return None;
             }
             let mut face = 0;
             for (plane, &wanted) in decomposition.cut_planes(axis).iter().enumerate() {
                 face = match plane {
                     0 => 0,
-                    last if last == blocks => cells,
+                    last if last == ranks => cells,
                     _ => {
-                        let highest = cells - least * (blocks - plane);
+                        let highest = cells - least * (ranks - plane);
                         self.nearest_face(axis, wanted).clamp(face + least, highest)
                     }
                 };
-                let ends = plane == 0 || plane == blocks;
+                let ends = plane == 0 || plane == ranks;
                 planes.push(if ends { wanted } else { face as f64 * self.spacing[axis] });
             }
         }
         Some(decomposition.with_cut_planes(cut_planes))
     }
 
-    /// The cells of a subdomain, whose planes lie on cell faces.
+    /// The cells of a subdomain, whose faces lie on cell faces.
     pub fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
         let Subdomain { decomposition, rank, .. } = subdomain;
-        let block = decomposition.grid().block_of(rank);
+        let coordinates = decomposition.grid().coordinates_of(rank);
         let face = |axis: usize, plane: usize| {
             self.nearest_face(axis, decomposition.cut_planes(axis)[plane])
         };
-        let start = std::array::from_fn(|axis| face(axis, block[axis]));
-        let count = std::array::from_fn(|axis| face(axis, block[axis] + 1) - start[axis]);
+        let start = std::array::from_fn(|axis| face(axis, coordinates[axis]));
+        let count = std::array::from_fn(|axis| face(axis, coordinates[axis] + 1) - start[axis]);
         LocalCells { counts: self.counts, start, count }
     }
 }
 
 impl LocalCells {
-    /// A grid that one rank owns whole.
+    /// All cells of a grid, owned by one rank.
     pub fn whole(counts: [usize; 3]) -> Self {
         Self { counts, start: [0; 3], count: counts }
     }
@@ -125,7 +126,7 @@ impl LocalCells {
         (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
     }
 
-    /// Whether the owned cells reach the lower and the upper end of the grid.
+    /// Whether the owned cells extend to the lower and to the upper end of the grid.
     pub fn at_ends(&self, axis: usize) -> [bool; 2] {
         [self.start[axis] == 0, self.end(axis) == self.counts[axis]]
     }
@@ -144,7 +145,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_cell_has_one_owner_and_blocks_are_wide_enough(
+        fn every_cell_has_one_owner_and_every_rank_enough_cells(
             ranks in 1usize..5, cells in 9usize..40, planes in prop::collection::vec(0.0..10.3f64, 4),
         ) {
             let grid = BoxGrid::new(&bounds(), [3, 4, cells]);
@@ -157,17 +158,17 @@ mod tests {
             let decomposition = grid.aligned(&decomposition, 2).expect("there are enough cells");
             let (bounds, mut next) = (bounds(), 0);
             for rank in 0..ranks {
-                let part = grid.local_cells(decomposition.subdomain(&bounds, rank));
-                prop_assert_eq!(part.start, [0, 0, next]);
-                prop_assert!(part.count[2] >= 2);
-                next = part.end(2);
+                let local = grid.local_cells(decomposition.subdomain(&bounds, rank));
+                prop_assert_eq!(local.start, [0, 0, next]);
+                prop_assert!(local.count[2] >= 2);
+                next = local.end(2);
             }
             prop_assert_eq!(next, cells);
         }
     }
 
     #[test]
-    fn too_few_cells_for_the_ranks_are_refused() {
+    fn a_grid_with_too_few_cells_for_the_ranks_is_refused() {
         let grid = BoxGrid::new(&bounds(), [3, 4, 5]);
         let decomposition = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
         assert_eq!(grid.aligned(&decomposition, 2), None);

@@ -1,45 +1,45 @@
-//! The cells around a point, and how much of it each takes.
+//! The eight cells around a point and their weights in (tri)linear interpolation.
 
 use super::{BoxGrid, LocalCells};
 use nalgebra::Vector3;
 
-/// Finds the cells of a rank's part around points near it.
+/// Finds the cells of a rank around points in its subdomain or near it.
 ///
-/// A point belongs to the cells whose centres lie around it, with the hat weight 1 - |x - x_c| / dx along each
-/// axis. Where the box ends without repeating, the outer cell would lie beyond: its weight goes to the inner one,
-/// so that weights add up to 1 everywhere.
+/// The cells are those whose centres surround the point. Along each axis their weight is 1 - |x - x_c| / dx. At a face of
+/// the box that is not periodic the outer cell would lie outside: its weight is given to the inner one, so that the
+/// weights add up to 1 everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellLocator {
-    part: LocalCells,
+    cells: LocalCells,
     periodic: [bool; 3],
     spacing: Vector3<f64>,
 }
 
-/// The two cells around a point along each axis, counted from the part's first one, and the hat weight of the
-/// upper; that of the lower is the rest to 1.
+/// The two cells around a point along each axis, by local indices, and the weight of the upper one; that of the lower one
+/// is 1 minus it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellWeights {
-    /// Cells below.
+    /// Local indices of the cells below.
     pub lower: [isize; 3],
-    /// Cells above; the same at the end of a box that does not repeat.
+    /// Local indices of the cells above; the same as those below at a face of the box that is not periodic.
     pub upper: [isize; 3],
     /// Weights of the cells above.
     pub of_upper: [f64; 3],
 }
 
 impl CellLocator {
-    /// Cells by which a point may lie beyond the part, so that those around it are in a halo of two.
-    pub const STRAY: f64 = 1.5;
+    /// How many cells a point may lie outside the subdomain so that the cells around it are within a halo of two cells.
+    pub const MARGIN: f64 = 1.5;
 
-    /// For a rank's part of a grid.
-    pub fn new(grid: &BoxGrid, part: LocalCells) -> Self {
+    /// For the cells of a rank.
+    pub fn new(grid: &BoxGrid, cells: LocalCells) -> Self {
         let spacing = grid.spacing();
         let periodic = std::array::from_fn(|axis| grid.is_periodic(axis));
-        Self { part, periodic, spacing }
+        Self { cells, periodic, spacing }
     }
 
-    /// The cells around a point that lies less than [`CellLocator::STRAY`] cells beyond the part; in a periodic
-    /// box it may be any image of it.
+    /// The cells around a point less than [`CellLocator::MARGIN`] cells outside the subdomain, or around its image that
+    /// is.
     ///
     /// `wrapped` is the point with its periodic coordinates in the box, so that all images have the same weights.
     #[inline(always)]
@@ -48,12 +48,12 @@ impl CellLocator {
         for axis in 0..3 {
             let centres = wrapped[axis] / self.spacing[axis] - 0.5;
             let below = centres.floor();
-            let (start, all) = (self.part.start[axis] as isize, self.part.counts[axis] as isize);
+            let (start, all) = (self.cells.start[axis] as isize, self.cells.counts[axis] as isize);
             let mut lower = below as isize;
             let mut upper = lower + 1;
             if self.periodic[axis] {
                 lower -= start;
-                if lower > self.part.count[axis] as isize {
+                if lower > self.cells.count[axis] as isize {
                     lower -= all;
                 } else if lower < -2 {
                     lower += all;
@@ -70,14 +70,14 @@ impl CellLocator {
         weights
     }
 
-    /// The part.
-    pub fn part(&self) -> &LocalCells {
-        &self.part
+    /// The cells of this rank.
+    pub fn cells(&self) -> &LocalCells {
+        &self.cells
     }
 }
 
 impl CellWeights {
-    /// The eight cells and their weights: x fastest.
+    /// The eight cells and their weights, x fastest.
     #[inline(always)]
     pub fn corners(&self) -> [([isize; 3], f64); 8] {
         std::array::from_fn(|corner| {
@@ -109,26 +109,26 @@ mod tests {
 
     proptest! {
         #[test]
-        fn weights_add_up_and_give_the_place_back(
+        fn weights_add_up_to_one_and_interpolate_the_position(
             x in 0.0..3.3f64, y in 0.0..0.7f64, z in -0.2..9.1f64, start in 0usize..5,
         ) {
             let grid = BoxGrid::new(&bounds(), COUNTS);
             let position = Vector3::new(x, y, z);
-            // A part that the point lies in or near, along x.
+            // Local cells in or near which the point lies, along x.
             let cell = ((x / 0.55) as usize).min(5);
             let start = cell.saturating_sub(start);
-            let part = LocalCells { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9] };
-            let weights = CellLocator::new(&grid, part).weights(&position);
+            let local = LocalCells { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9] };
+            let weights = CellLocator::new(&grid, local).weights(&position);
             let mut sum = 0.0;
             let mut mean = Vector3::zeros();
             for (cell, weight) in weights.corners() {
                 prop_assert!((0.0..=1.0).contains(&weight));
-                for (cell, count) in cell.into_iter().zip(part.count) {
+                for (cell, count) in cell.into_iter().zip(local.count) {
                     prop_assert!(cell >= -2 && cell <= count as isize + 1);
                 }
                 sum += weight;
                 let centre = Vector3::from_fn(|axis, _| {
-                    (cell[axis] as f64 + part.start[axis] as f64 + 0.5) * grid.spacing()[axis]
+                    (cell[axis] as f64 + local.start[axis] as f64 + 0.5) * grid.spacing()[axis]
                 });
                 mean += weight * centre;
             }
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn at_a_wall_the_inner_cell_takes_all() {
+    fn at_a_wall_the_inner_cell_has_all_the_weight() {
         let grid = BoxGrid::new(&bounds(), COUNTS);
         let locator = CellLocator::new(&grid, LocalCells::whole(COUNTS));
         for (z, cell) in [(0.2, 0), (-0.7, 0), (8.9, 8), (9.8, 8)] {
@@ -153,21 +153,21 @@ mod tests {
     }
 
     #[test]
-    fn images_beyond_a_cut_are_near_the_part() {
+    fn the_image_nearest_to_the_subdomain_is_found() {
         let grid = BoxGrid::new(&bounds(), COUNTS);
-        let part = |start, count| LocalCells {
+        let local = |start, count| LocalCells {
             counts: COUNTS,
             start: [start, 0, 0],
             count: [count, 1, 9],
         };
         let at =
-            |part, x| CellLocator::new(&grid, part).weights(&Vector3::new(x, 0.3, 4.0)).lower[0];
+            |local, x| CellLocator::new(&grid, local).weights(&Vector3::new(x, 0.3, 4.0)).lower[0];
         // x = 3.2 is in cell 5, its neighbour above is cell 0.
-        assert_eq!(at(part(0, 3), 3.2), -1);
-        assert_eq!(at(part(3, 3), 3.2), 2);
-        assert_eq!(at(part(0, 6), 3.2), 5);
+        assert_eq!(at(local(0, 3), 3.2), -1);
+        assert_eq!(at(local(3, 3), 3.2), 2);
+        assert_eq!(at(local(0, 6), 3.2), 5);
         // x = 0.1 is in cell 0: seen from the upper half, beyond its end.
-        assert_eq!(at(part(3, 3), 0.1), 2);
-        assert_eq!(at(part(3, 3), 0.5), 3);
+        assert_eq!(at(local(3, 3), 0.1), 2);
+        assert_eq!(at(local(3, 3), 0.5), 3);
     }
 }

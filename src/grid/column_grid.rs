@@ -3,8 +3,8 @@
 use crate::domain::Bounds;
 use crate::numbers::whole;
 
-/// Nodes at heights k dz, node 0 on the plate, from the bottom of the box to its top; in a periodic box
-/// node `nodes` is node 0 again.
+/// Nodes at heights k dz from the bottom of the box, where node 0 lies on the plate, to its top. In a periodic box node
+/// `nodes` is node 0 again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnGrid {
     spacing: f64,
@@ -15,17 +15,17 @@ pub struct ColumnGrid {
     base_volume: f64,
 }
 
-/// Where a height lies between two nodes.
+/// The two nodes around a height, and their weights in linear interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// Interval between two nodes, by the number of the lower.
+pub struct NodeWeights {
+    /// The interval between the two nodes, which is the index of the lower one.
     pub interval: u32,
-    /// Hat weight h = 1 - |z - z_node| / dz of the upper node; that of the lower is the rest to 1.
+    /// Weight h = 1 - |z - z_node| / dz of the upper node; that of the lower one is 1 - h.
     pub of_upper: f64,
 }
 
 impl ColumnGrid {
-    /// A grid over the box; `base_part` is the part of a full cell that node 0 averages over (1 or 1/2).
+    /// A grid over the box. `base_part` is the fraction of a full cell over which node 0 averages (1 or 1/2).
     pub fn new(bounds: &Bounds, spacing: f64, base_part: f64) -> Self {
         let height = bounds.lengths().z;
         let periodic = bounds.is_periodic(2);
@@ -44,12 +44,12 @@ impl ColumnGrid {
         self.nodes
     }
 
-    /// Distance dz of nodes.
+    /// Distance dz between two nodes.
     pub fn spacing(&self) -> f64 {
         self.spacing
     }
 
-    /// Whether node 0 follows the last one.
+    /// Whether node 0 is above the last one.
     pub fn is_periodic(&self) -> bool {
         self.periodic
     }
@@ -59,7 +59,7 @@ impl ColumnGrid {
         node as f64 * self.spacing
     }
 
-    /// Volume that a node averages over: S dz, for node 0 what the base node is said to have.
+    /// Volume over which a node averages: S dz, or for node 0 the fraction of it given to [`ColumnGrid::new`].
     pub fn volume_of(&self, node: usize) -> f64 {
         if node == 0 { self.base_volume } else { self.cross_section * self.spacing }
     }
@@ -79,21 +79,21 @@ impl ColumnGrid {
         [interval, if interval + 1 == self.nodes { 0 } else { interval + 1 }]
     }
 
-    /// The height within the box where that is periodic, and the height itself where not.
+    /// The height wrapped into the box if that is periodic, otherwise the height itself.
     #[inline(always)]
     pub fn wrap(&self, z: f64) -> f64 {
         if self.periodic { z - self.height * (z / self.height).floor() } else { z }
     }
 
-    /// The place of a wrapped height; below the lowest node and above the highest that of the node. Without branches:
-    /// loops over it run in vector instructions.
+    /// The nodes around a wrapped height and their weights. Below the lowest node and above the highest, that node has all
+    /// the weight. There are no branches, so that loops over it are vectorised.
     #[inline(always)]
-    pub fn place(&self, z: f64) -> Place {
+    pub fn weights(&self, z: f64) -> NodeWeights {
         let cells = z / self.spacing;
         let highest = (self.intervals() - 1) as f64;
         let within = if cells > 0.0 { cells } else { 0.0 };
         let lower = if within < highest { within.floor() } else { highest };
-        Place { interval: whole(lower), of_upper: (cells - lower).clamp(0.0, 1.0) }
+        NodeWeights { interval: whole(lower), of_upper: (cells - lower).clamp(0.0, 1.0) }
     }
 }
 
@@ -109,23 +109,23 @@ mod tests {
     }
 
     #[test]
-    fn an_open_column_has_nodes_on_plate_and_top() {
+    fn an_open_column_has_nodes_on_the_plate_and_at_the_top() {
         let grid = ColumnGrid::new(&bounds([Face::Wall, Face::Open]), 1.5, 0.5);
         assert_eq!(grid.nodes(), 7);
         assert_eq!((grid.volume_of(0), grid.volume_of(1)), (4.5, 9.0));
         assert_eq!((grid.intervals(), grid.ends(5)), (6, [5, 6]));
-        assert_eq!(grid.place(2.25), Place { interval: 1, of_upper: 0.5 });
-        assert_eq!(grid.place(-0.1), Place { interval: 0, of_upper: 0.0 });
-        assert_eq!(grid.place(9.5), Place { interval: 5, of_upper: 1.0 });
+        assert_eq!(grid.weights(2.25), NodeWeights { interval: 1, of_upper: 0.5 });
+        assert_eq!(grid.weights(-0.1), NodeWeights { interval: 0, of_upper: 0.0 });
+        assert_eq!(grid.weights(9.5), NodeWeights { interval: 5, of_upper: 1.0 });
     }
 
     #[test]
-    fn a_periodic_column_closes_on_itself() {
+    fn in_a_periodic_column_the_last_interval_ends_at_node_0() {
         let grid = ColumnGrid::new(&bounds([Face::Periodic; 2]), 1.5, 0.5);
         assert_eq!(grid.nodes(), 6);
         assert_eq!(grid.volume_of(0), 9.0);
         assert_eq!((grid.intervals(), grid.ends(5)), (6, [5, 0]));
-        assert_eq!(grid.place(8.25), Place { interval: 5, of_upper: 0.5 });
-        assert_eq!(grid.place(grid.wrap(8.25 - 9.0)), grid.place(8.25));
+        assert_eq!(grid.weights(8.25), NodeWeights { interval: 5, of_upper: 0.5 });
+        assert_eq!(grid.weights(grid.wrap(8.25 - 9.0)), grid.weights(8.25));
     }
 }

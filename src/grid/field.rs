@@ -1,13 +1,13 @@
-//! Numbers on the cells of a rank's part of the grid, with a halo around it.
+//! Values on the cells of a rank, with a halo around them.
 
 use super::LocalCells;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// One number for each cell of a part and of a halo of `halo` cells around it; x varies fastest.
+/// One value for each cell that a rank owns, and for each cell of a halo around them; x varies fastest.
 ///
-/// Cells are counted from the part's first one: owned are 0 to count - 1, the halo is below and above.
-/// A component of a vector on faces is kept at the lower face of each cell.
+/// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from count
+/// to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     count: [usize; 3],
@@ -17,9 +17,9 @@ pub struct Field {
 
 impl Field {
     /// Zero everywhere.
-    pub fn new(part: &LocalCells, halo: usize) -> Self {
-        let cells = part.count.iter().map(|count| count + 2 * halo).product();
-        Self { count: part.count, halo, values: vec![0.0; cells] }
+    pub fn new(cells: &LocalCells, halo: usize) -> Self {
+        let size = cells.count.iter().map(|count| count + 2 * halo).product();
+        Self { count: cells.count, halo, values: vec![0.0; size] }
     }
 
     /// Owned cells along each axis.
@@ -32,14 +32,14 @@ impl Field {
         self.halo
     }
 
-    /// Distance in memory of two cells that are neighbours along x, y or z.
+    /// Differences of the indices of two cells that are neighbours along x, y and z.
     #[inline(always)]
     pub fn strides(&self) -> [usize; 3] {
         let along_x = self.count[0] + 2 * self.halo;
         [1, along_x, along_x * (self.count[1] + 2 * self.halo)]
     }
 
-    /// Place in memory of a cell; -halo to count + halo - 1 along each axis.
+    /// Index into [`Field::values`] of a cell, given by its local indices.
     #[inline(always)]
     pub fn index(&self, cell: [isize; 3]) -> usize {
         let halo = self.halo as isize;
@@ -48,32 +48,32 @@ impl Field {
         (0..3).map(|axis| (cell[axis] + halo) as usize * strides[axis]).sum()
     }
 
-    /// The number of a cell.
+    /// The value of a cell.
     #[inline(always)]
     pub fn at(&self, cell: [isize; 3]) -> f64 {
         self.values[self.index(cell)]
     }
 
-    /// The number of a cell, to be changed.
+    /// Mutable access to the value of a cell.
     #[inline(always)]
     pub fn at_mut(&mut self, cell: [isize; 3]) -> &mut f64 {
         let index = self.index(cell);
         &mut self.values[index]
     }
 
-    /// All numbers, halo included.
+    /// All values, halo included.
     #[inline(always)]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// All numbers, halo included, to be changed.
+    /// Mutable access to all values, halo included.
     #[inline(always)]
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
-    /// Places in memory where the rows of owned cells along x begin; each is `count()[0]` long.
+    /// Indices at which the rows of owned cells along x start; each row is `count()[0]` long.
     pub fn rows(&self) -> impl Iterator<Item = usize> + use<> {
         let [_, along_y, along_z] = self.strides();
         let first = self.index([0; 3]);
@@ -81,43 +81,43 @@ impl Field {
         (0..layers).flat_map(move |k| (0..rows).map(move |j| first + j * along_y + k * along_z))
     }
 
-    /// The owned numbers, x fastest, then y, then z.
+    /// The values of owned cells, x fastest, then y, then z.
     pub fn owned(&self) -> impl Iterator<Item = f64> + '_ {
         let along_x = self.count[0];
         self.rows().flat_map(move |row| self.values[row..row + along_x].iter().copied())
     }
 
-    /// Sets the owned numbers, in the order of [`Field::owned`]; the halo stays.
-    pub fn set_owned(&mut self, mut numbers: impl Iterator<Item = f64>) {
+    /// Sets the values of owned cells, in the order of [`Field::owned`]. The halo is not changed.
+    pub fn set_owned(&mut self, mut values: impl Iterator<Item = f64>) {
         let along_x = self.count[0];
         for row in self.rows() {
-            for (value, number) in self.values[row..row + along_x].iter_mut().zip(&mut numbers) {
-                *value = number;
+            for (own, value) in self.values[row..row + along_x].iter_mut().zip(&mut values) {
+                *own = value;
             }
         }
     }
 
-    /// Rows, as places in memory, of the layers of cells `from..to` along `axis`. Across the axes before it they
-    /// reach into the halo; along those after it they do not: so a halo is filled axis by axis.
+    /// Ranges of indices of the rows in the layers `from..to` along `axis`. They include the halo along the axes before
+    /// `axis` but not along those after it, so that a halo is filled axis by axis.
     pub fn slab(
         &self,
         axis: usize,
         (from, to): (isize, isize),
     ) -> impl Iterator<Item = Range<usize>> + use<> {
-        self.block(std::array::from_fn(|other| match other.cmp(&axis) {
+        self.rows_within(std::array::from_fn(|other| match other.cmp(&axis) {
             Ordering::Less => self.with_halo(other),
             Ordering::Equal => (from, to),
             Ordering::Greater => (0, self.count[other] as isize),
         }))
     }
 
-    /// Rows of the layers of cells `from..to` along `axis`, with the halo across the other axes.
+    /// Ranges of indices of the rows in the layers `from..to` along `axis`, with the halo along the other axes.
     pub fn layers(
         &self,
         axis: usize,
         (from, to): (isize, isize),
     ) -> impl Iterator<Item = Range<usize>> + use<> {
-        self.block(
+        self.rows_within(
             [0, 1, 2].map(|other| if other == axis { (from, to) } else { self.with_halo(other) }),
         )
     }
@@ -128,7 +128,10 @@ impl Field {
     }
 
     /// Rows of the cells within ranges along x, y and z.
-    fn block(&self, [x, y, z]: [(isize, isize); 3]) -> impl Iterator<Item = Range<usize>> + use<> {
+    fn rows_within(
+        &self,
+        [x, y, z]: [(isize, isize); 3],
+    ) -> impl Iterator<Item = Range<usize>> + use<> {
         let [_, along_y, along_z] = self.strides();
         let first = self.index([x.0, y.0, z.0]);
         let (length, rows, layers) = ((x.1 - x.0) as usize, y.1 - y.0, z.1 - z.0);
@@ -142,13 +145,13 @@ impl Field {
 mod tests {
     use super::*;
 
-    fn part() -> LocalCells {
+    fn local_cells() -> LocalCells {
         LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] }
     }
 
     #[test]
-    fn owned_cells_are_those_of_the_part_and_the_halo_is_apart() {
-        let mut field = Field::new(&part(), 2);
+    fn setting_owned_cells_does_not_change_the_halo() {
+        let mut field = Field::new(&local_cells(), 2);
         field.set_owned((1..=24).map(f64::from));
         assert_eq!(field.owned().collect::<Vec<_>>(), (1..=24).map(f64::from).collect::<Vec<_>>());
         assert_eq!((field.at([0, 0, 0]), field.at([1, 0, 0])), (1.0, 2.0));
@@ -158,8 +161,8 @@ mod tests {
     }
 
     #[test]
-    fn slabs_widen_axis_by_axis() {
-        let field = Field::new(&part(), 1);
+    fn slabs_include_the_halo_of_the_axes_before_their_own() {
+        let field = Field::new(&local_cells(), 1);
         let cells = |axis| -> usize { field.slab(axis, (0, 1)).map(|row| row.len()).sum() };
         assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
         let cells = |axis| -> usize { field.layers(axis, (0, 1)).map(|row| row.len()).sum() };

@@ -1,4 +1,4 @@
-//! Grids that fields live on. Arithmetic only; knows no ranks.
+//! Grids, and fields on them. Arithmetic only, without communication.
 
 mod box_grid;
 mod cell_weights;
@@ -7,5 +7,5 @@ mod field;
 
 pub use box_grid::{BoxGrid, LocalCells};
 pub use cell_weights::{CellLocator, CellWeights};
-pub use column_grid::{ColumnGrid, Place};
+pub use column_grid::{ColumnGrid, NodeWeights};
 pub use field::Field;

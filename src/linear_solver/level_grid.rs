@@ -83,7 +83,7 @@ impl LevelGrid {
 
     /// The cells that a rank holds: those of its subdomain, or all cells of a replicated level.
     pub(super) fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
-        let block = subdomain.decomposition.grid().block_of(subdomain.rank);
+        let block = subdomain.decomposition.grid().coordinates_of(subdomain.rank);
         // A replicated level consists of one block.
         let block = [0, 1, 2].map(|axis| block[axis].min(self.starts[axis].len() - 2));
         let start = [0, 1, 2].map(|axis| self.starts[axis][block[axis]]);

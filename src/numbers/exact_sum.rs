@@ -1,4 +1,4 @@
-//! Sums of doubles without rounding, for diagnostics that must not depend on the number of ranks.
+//! Exact sums of doubles, for diagnostics that must not depend on the number of ranks.
 
 use super::Quantum;
 
@@ -10,10 +10,10 @@ const CHUNKS: usize = 69;
 /// Each addition changes a chunk by less than 2^32, so this many may be added before carrying.
 const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 29;
 
-/// An exact accumulator: holds any sum of finite doubles as one long fixed-point number.
+/// A superaccumulator: it holds any sum of finite doubles as one long fixed-point number.
 ///
-/// The result is the same in any order of addition and for any split over ranks; `value` rounds once.
-/// After R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571.
+/// The result is the same for any order of additions and any distribution over ranks; only `value` rounds, once. After
+/// R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571.
 ///
 /// ```
 /// use talcum::numbers::ExactSum;
@@ -37,7 +37,7 @@ impl Default for ExactSum {
 }
 
 impl ExactSum {
-    /// Adds one number. An infinite or undefined one makes the sum undefined.
+    /// Adds a number. If one is infinite or undefined, the sum is undefined.
     pub fn add(&mut self, number: f64) {
         if !number.is_finite() {
             self.not_finite = true;
@@ -64,14 +64,14 @@ impl ExactSum {
         }
     }
 
-    /// Adds `count` spacings of a lattice, exactly.
+    /// Adds `count` times a quantum, exactly.
     pub fn add_count(&mut self, count: i64, quantum: Quantum) {
         const SPLIT: i64 = 1 << 32;
         self.add((count.div_euclid(SPLIT) * SPLIT) as f64 * quantum.spacing());
         self.add(count.rem_euclid(SPLIT) as f64 * quantum.spacing());
     }
 
-    /// The sum, rounded once to the nearest double below 1 part in 2^52; undefined (NaN) if an addend was.
+    /// The sum, with a relative rounding error below 2^-52; undefined (NaN) if an addend was infinite or undefined.
     pub fn value(&self) -> f64 {
         if self.not_finite {
             return f64::NAN;
@@ -87,7 +87,7 @@ impl ExactSum {
         }
         let Some(top) = carried.chunks.iter().rposition(|&chunk| chunk != 0) else { return 0.0 };
         let mut magnitude = 0.0;
-        // Smallest first, four chunks: at least 97 significant bits.
+        // Four chunks, the smallest first: at least 97 significant bits.
         for index in top.saturating_sub(3)..=top {
             magnitude +=
                 scale(carried.chunks[index] as f64, index as i32 * CHUNK_BITS + LOWEST_EXPONENT);
@@ -95,7 +95,7 @@ impl ExactSum {
         if negative { -magnitude } else { magnitude }
     }
 
-    /// The accumulator as integers that may be added over ranks; [`ExactSum::from_integers`] reads the sums.
+    /// The accumulator as integers that may be added over ranks; [`ExactSum::from_integers`] converts the sums back.
     pub fn to_integers(&self) -> Vec<i64> {
         let mut carried = self.clone();
         carried.carry();
@@ -104,7 +104,7 @@ impl ExactSum {
         integers
     }
 
-    /// Number of integers of one accumulator.
+    /// Number of integers in [`ExactSum::to_integers`].
     pub const INTEGERS: usize = CHUNKS + 1;
 
     /// The inverse of [`ExactSum::to_integers`], also after adding up to 2^30 of them element by element.
@@ -116,7 +116,7 @@ impl ExactSum {
         sum
     }
 
-    /// Brings all chunks but the last into 0..2^32.
+    /// Carries over, so that all chunks but the last lie in 0..2^32.
     fn carry(&mut self) {
         for index in 0..CHUNKS - 1 {
             let carry = self.chunks[index] >> CHUNK_BITS;
@@ -127,7 +127,7 @@ impl ExactSum {
     }
 }
 
-/// x 2^exponent, in two factors so that neither leaves the range of doubles.
+/// x 2^exponent. The power is split into two factors, neither of which overflows or underflows.
 fn scale(x: f64, exponent: i32) -> f64 {
     let half = exponent / 2;
     x * 2.0_f64.powi(half) * 2.0_f64.powi(exponent - half)
@@ -146,10 +146,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn split_over_ranks_gives_the_same_bits(values in prop::collection::vec(-1.0e9..1.0e9f64, 1..50), decomposition in 0usize..50) {
+        fn sums_distributed_over_ranks_have_the_same_bits(values in prop::collection::vec(-1.0e9..1.0e9f64, 1..50), split in 0usize..50) {
             let whole = sum_of(&values);
-            let decomposition = decomposition.min(values.len());
-            let (left, right) = values.split_at(decomposition);
+            let (left, right) = values.split_at(split.min(values.len()));
             let integers: Vec<i64> = sum_of(left).to_integers().iter()
                 .zip(sum_of(right).to_integers()).map(|(a, b)| a + b).collect();
             prop_assert_eq!(ExactSum::from_integers(&integers).value().to_bits(), whole.value().to_bits());
@@ -159,7 +158,7 @@ mod tests {
         }
 
         #[test]
-        fn one_number_is_itself(x in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO) {
+        fn the_sum_of_one_number_is_that_number(x in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO) {
             prop_assert_eq!(sum_of(&[x]).value(), x);
         }
     }
@@ -167,13 +166,13 @@ mod tests {
     #[test]
     fn cancellation_is_exact() {
         assert_eq!(sum_of(&[1.0e16, 1.0, -1.0e16]).value(), 1.0);
-        assert_eq!(1.0e16 + 1.0 - 1.0e16, 0.0); // what ordinary sums make of it
+        assert_eq!(1.0e16 + 1.0 - 1.0e16, 0.0); // the ordinary sum
         assert_eq!(sum_of(&[-3.5, 1.0]).value(), -2.5);
         assert!(sum_of(&[f64::INFINITY]).value().is_nan());
     }
 
     #[test]
-    fn counts_of_a_lattice_are_added_exactly() {
+    fn multiples_of_a_quantum_are_added_exactly() {
         let quantum = Quantum::spanning(1.0);
         let mut sum = ExactSum::default();
         sum.add_count(i64::MAX, quantum);

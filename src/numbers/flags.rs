@@ -1,6 +1,6 @@
-//! Flags of things that are worked on side by side.
+//! Flags of the lanes of a vector loop.
 
-/// The first flag that is not 0; nearly always there is none, which one look at all together tells.
+/// Index of the first flag that is not 0. Nearly always there is none, which one test of all flags together shows.
 #[inline(always)]
 pub fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
     let mut any = 0;
@@ -10,7 +10,7 @@ pub fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
     if any == 0 { None } else { search(flags) }
 }
 
-/// Apart from the look at all: where both are compiled together, that one is not done in vector instructions.
+/// Kept out of line: if it is inlined, the test above is not vectorised.
 #[cold]
 #[inline(never)]
 fn search(flags: &[u64]) -> Option<usize> {
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_several_is_found() {
+    fn the_first_of_several_flags_is_found() {
         assert_eq!(first_flagged(&[0; 8]), None);
         assert_eq!(first_flagged(&[0, 0, 1, 0, 1 << 63]), Some(2));
         assert_eq!(first_flagged(&[0, 0, 0, 1 << 63]), Some(3));

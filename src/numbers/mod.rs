@@ -1,5 +1,5 @@
-//! Numbers whose sums do not depend on their order, random numbers that depend on ids alone, and
-//! elementary functions that are the same on every machine.
+//! Arithmetic whose results do not depend on order, ranks or machine: sums of quantised numbers and exact sums, random
+//! numbers that follow from ids, elementary functions; and vector instructions.
 
 mod exact_sum;
 mod fetch_ahead;

@@ -1,24 +1,37 @@
-//! Rounding to a lattice: what makes floating-point sums exact, and so independent of their order.
+//! Rounding to multiples of a quantum, which makes floating-point sums exact and so independent of their order.
+//!
+//! # Vocabulary
+//!
+//! * A **quantum** is a power of two; numbers are rounded to integer multiples of it. Another name is the *unit* of a
+//!   fixed-point number; the multiple is its *count*.
+//! * The **range** of a quantum is the magnitude up to which numbers are rounded correctly: 2^51 quanta.
+//! * **Pre-rounding** is this rounding of all terms before they are added. It was introduced as the extraction of
+//!   high-order parts by Rump, Ogita and Oishi \[Rump2008\]; sums of pre-rounded terms are reproducible for any order and
+//!   any distribution over ranks \[Demmel2015\]. Their quantum follows from the largest term; Talcum's follow from
+//!   physical bounds given by the case, so that no reduction is needed.
+//!
+//! References:
+//!
+//! * Demmel2015: J. Demmel, H. D. Nguyen, "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015) 2060-2070.
+//! * Rump2008: S. M. Rump, T. Ogita, S. Oishi, "Accurate floating-point summation part I: faithful rounding", SIAM J. Sci.
+//!   Comput. 31 (2008) 189-224.
 
 use super::F64x4;
 use nalgebra::Vector3;
 
-/// A lattice of numbers `k * spacing`, k an integer, with `spacing` a power of two.
+/// A quantum: numbers are rounded to `k * spacing`, with an integer k and a power of two `spacing`.
 ///
-/// Numbers on one lattice add and subtract **exactly** in double precision as long as the result stays
-/// below 2^53 spacings; a sum of them is therefore the same in any order and on any grouping over
-/// ranks. Talcum keeps positions on one lattice (so that the displacement of two particles does not
-/// know through which periodic or rank border it is seen) and forces on another (so that the force on
-/// a particle does not know in which order its contacts were evaluated).
-///
-/// Method: Demmel & Nguyen, "Parallel reproducible summation", IEEE Trans. Comput. 64 (2015), with one
-/// bin, whose width the physical bounds of the problem give.
+/// Multiples of one quantum are added and subtracted **exactly** in double precision as long as the result stays below
+/// 2^53 quanta. Their sum is therefore the same for any order and any distribution over ranks. Talcum rounds positions to
+/// one quantum, so that the displacement between two particles does not depend on the periodic face or the rank border
+/// across which it is computed, and forces to another, so that the force on a particle does not depend on the order in
+/// which its contacts are evaluated.
 ///
 /// ```
 /// use talcum::numbers::Quantum;
-/// let lattice = Quantum::spanning(1.0e3);
-/// let (a, b, c) = (lattice.round(0.1), lattice.round(-700.3), lattice.round(1.0e-7));
-/// assert_eq!((a + b) + c, a + (b + c)); // ordinary doubles differ here in the last digit
+/// let quantum = Quantum::spanning(1.0e3);
+/// let (a, b, c) = (quantum.round(0.1), quantum.round(-700.3), quantum.round(1.0e-7));
+/// assert_eq!((a + b) + c, a + (b + c)); // the sums of unrounded doubles differ in the last digit
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantum {
@@ -29,12 +42,12 @@ pub struct Quantum {
 }
 
 impl Quantum {
-    /// The finest lattice on which every number of magnitude up to `largest` is rounded correctly.
+    /// The smallest quantum with which all numbers of magnitude up to `largest` are rounded correctly.
     ///
     /// # Panics
     /// If `largest` is not positive and finite.
     pub fn spanning(largest: f64) -> Self {
-        assert!(largest > 0.0 && largest.is_finite(), "a lattice needs a positive, finite range");
+        assert!(largest > 0.0 && largest.is_finite(), "a quantum needs a positive, finite range");
         let mut range = 1.0_f64;
         while range < largest {
             range *= 2.0;
@@ -43,47 +56,47 @@ impl Quantum {
             range *= 0.5;
         }
         let spacing = range * 0.5_f64.powi(51);
-        // Adding 1.5 * 2^52 spacings leaves no bits below one spacing; subtracting it again is exact.
+        // Adding 1.5 * 2^52 quanta rounds to multiples of the quantum; subtracting them again is exact.
         Self { spacing, inverse: 1.0 / spacing, shift: 1.5 * 2.0_f64.powi(52) * spacing }
     }
 
-    /// Distance of two neighbouring lattice numbers.
+    /// The quantum itself: the distance between two neighbouring multiples.
     pub fn spacing(self) -> f64 {
         self.spacing
     }
 
-    /// Numbers up to this magnitude are rounded correctly: 2^51 spacings.
+    /// The range, 2^51 quanta: numbers up to this magnitude are rounded correctly.
     pub fn range(self) -> f64 {
         2.0_f64.powi(51) * self.spacing
     }
 
-    /// The lattice number nearest to `value`; `round(-x)` is `-round(x)`.
+    /// The multiple nearest to `value`; `round(-x)` is `-round(x)`.
     #[inline(always)]
     pub fn round(self, value: f64) -> f64 {
         (value + self.shift) - self.shift
     }
 
-    /// Number by number.
+    /// Rounds each of four numbers.
     #[inline(always)]
     pub fn round_four<Q: F64x4>(self, values: Q) -> Q {
         let shift = Q::splat(self.shift);
         values.plus(shift).minus(shift)
     }
 
-    /// Component by component.
+    /// Rounds each component.
     #[inline(always)]
     pub fn round_vector(self, value: Vector3<f64>) -> Vector3<f64> {
         Vector3::new(self.round(value.x), self.round(value.y), self.round(value.z))
     }
 
-    /// The integer k of a lattice number `k * spacing`.
+    /// The count k of a multiple `k * spacing`.
     #[inline(always)]
     pub fn count(self, multiple: f64) -> i64 {
         (multiple * self.inverse) as i64
     }
 }
 
-/// Whether every component lies within `limit`; not so if one is undefined.
+/// Whether the magnitude of every component is at most `limit`; false if one is undefined.
 #[inline(always)]
 pub fn within(vector: &Vector3<f64>, limit: f64) -> bool {
     vector.x.abs() <= limit && vector.y.abs() <= limit && vector.z.abs() <= limit
@@ -95,7 +108,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn range_covers_what_was_asked_for_and_no_more_than_twice() {
+    fn the_range_is_at_least_the_largest_number_and_below_twice_it() {
         for largest in [1.0e-12, 0.7, 1.0, 1.1, 5.0e9] {
             let range = Quantum::spanning(largest).range();
             assert!(range >= largest && range < 2.0 * largest);
@@ -104,7 +117,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rounding_is_odd_and_within_half_a_spacing(x in -1.0e4..1.0e4f64) {
+        fn rounding_is_odd_and_within_half_a_quantum(x in -1.0e4..1.0e4f64) {
             let quantum = Quantum::spanning(1.0e4);
             prop_assert_eq!(quantum.round(-x), -quantum.round(x));
             prop_assert!((quantum.round(x) - x).abs() <= 0.5 * quantum.spacing());
@@ -112,7 +125,7 @@ mod tests {
         }
 
         #[test]
-        fn sums_do_not_depend_on_order(mut values in prop::collection::vec(-1.0e3..1.0e3f64, 2..60)) {
+        fn sums_of_multiples_do_not_depend_on_order(mut values in prop::collection::vec(-1.0e3..1.0e3f64, 2..60)) {
             let quantum = Quantum::spanning(1.0e5);
             for value in &mut values {
                 *value = quantum.round(*value);
@@ -131,8 +144,8 @@ mod tests {
     }
 
     #[test]
-    fn ordinary_sums_do_depend_on_order() {
-        // Negative control: without rounding to a lattice the test above would fail.
+    fn sums_of_unrounded_numbers_depend_on_order() {
+        // Negative control of `sums_of_multiples_do_not_depend_on_order`: these numbers are not rounded.
         let values = [0.1, -700.3, 1.0e-7, 699.9];
         let forwards: f64 = values.iter().sum();
         let backwards: f64 = values.iter().rev().sum();

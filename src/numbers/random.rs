@@ -1,5 +1,5 @@
-//! Random numbers that depend on the seed, the particle's id and the purpose alone: never on ranks, on
-//! the order of creation, or on what was drawn before.
+//! Random numbers that follow from the seed, the id of the particle and the purpose. They do not depend on the ranks, on
+//! the order of creation, or on numbers drawn before.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn streams_differ_by_seed_id_and_purpose_and_repeat() {
+    fn streams_are_reproducible_and_differ_by_seed_id_and_purpose() {
         let draw = |seed, id, purpose| uniform(&mut random_of(seed, id, purpose));
         assert_eq!(draw(1, 2, "jitter"), draw(1, 2, "jitter"));
         assert_ne!(draw(1, 2, "jitter"), draw(2, 2, "jitter"));
@@ -39,7 +39,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_the_distributions() {
+    fn moments_of_uniform_and_normal_numbers_are_correct() {
         let n = 20_000;
         let mut generator = random_of(7, 0, "moments");
         let mean: f64 = (0..n).map(|_| uniform(&mut generator)).sum::<f64>() / n as f64;

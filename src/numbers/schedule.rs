@@ -3,32 +3,32 @@
 use super::sine;
 use std::f64::consts::PI;
 
-/// A number as a function of time: constant, ramped, in steps, or a sine.
+/// A number as a function of time: constant, a ramp, steps, or a sine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
     /// The same at all times.
     Constant(f64),
-    /// `from` until `start`, then linear to `to` at `end`, which then stays.
+    /// `from` until `start`, then linear up to `to` at `end`, then `to`.
     Ramp {
         /// Value at `start` and before.
         from: f64,
         /// Value at `end` and after.
         to: f64,
-        /// Begin of the change.
+        /// Start of the change.
         start: f64,
         /// End of the change.
         end: f64,
     },
-    /// The first value from `start`, the next after each `every`; the last stays.
+    /// The first value until `start` + `every`, then the next value for each `every`; the last value remains.
     Steps {
-        /// The values in turn; at least one.
+        /// The values in order; at least one.
         values: Vec<f64>,
-        /// When the first value begins.
+        /// Start of the first interval.
         start: f64,
-        /// How long each value lasts.
+        /// Length of each interval.
         every: f64,
     },
-    /// mean + amplitude sin(2 pi frequency (t - start)) from `start` on, the mean before.
+    /// mean + amplitude sin(2 pi frequency (t - start)) from `start` on, before that the mean.
     Sine {
         /// Mean over a period.
         mean: f64,
@@ -36,7 +36,7 @@ pub enum Schedule {
         amplitude: f64,
         /// Cycles per time.
         frequency: f64,
-        /// When the first cycle begins.
+        /// Start of the first cycle.
         start: f64,
     },
 }
@@ -67,7 +67,7 @@ impl Schedule {
         }
     }
 
-    /// The largest value at any time.
+    /// The largest value over all times.
     pub fn largest(&self) -> f64 {
         match self {
             Self::Constant(value) => *value,
@@ -101,7 +101,7 @@ mod tests {
     use super::Schedule;
 
     #[test]
-    fn steps_begin_on_time_and_the_last_stays() {
+    fn steps_start_on_time_and_the_last_value_remains() {
         let steps = Schedule::Steps { values: vec![1.0, 2.0, 5.0], start: 10.0, every: 4.0 };
         let at: Vec<f64> = [0.0, 10.0, 13.9, 14.0, 18.0, 1.0e6].map(|t| steps.at(t)).to_vec();
         assert_eq!(at, [1.0, 1.0, 1.0, 2.0, 5.0, 5.0]);
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sine_begins_at_its_mean() {
+    fn a_sine_starts_at_its_mean() {
         let sine = Schedule::Sine { mean: 2.0, amplitude: 0.5, frequency: 0.25, start: 3.0 };
         assert_eq!([0.0, 3.0, 4.0].map(|t| sine.at(t)), [2.0, 2.0, 2.5]);
         assert_eq!(sine.scaled(2.0).at(4.0), 5.0);

@@ -1,4 +1,4 @@
-//! Order of accuracy, closed boxes, narrow ones.
+//! The order of accuracy; closed boxes and narrow ones.
 
 use crate::equations::{Equation, norm};
 use std::f64::consts::PI;
@@ -6,7 +6,7 @@ use talcum::linear_solver::Tolerance;
 
 const TIGHT: Tolerance = Tolerance { relative: 1.0e-11, absolute: 0.0 };
 
-/// Where coefficients are evaluated, from the lower face on, in cells.
+/// Distance from the face at which coefficients are evaluated, in cells.
 const AT_FACES: f64 = 0.0;
 
 /// Largest error of -div(a grad p) = b in the unit cube with p = cos(pi x) cos(2 pi y) sin(pi z / 2 + ...) and
@@ -32,7 +32,7 @@ fn error_on(n: usize, shift: f64) -> f64 {
     let h = 1.0 / n as f64;
     let mut equation = Equation::in_box([n; 3], [1.0; 3], [false; 3]);
     for cell in 0..equation.cells() {
-        let centre = equation.place(cell).map(|i| (i as f64 + 0.5) * h);
+        let centre = equation.indices(cell).map(|i| (i as f64 + 0.5) * h);
         for axis in 0..3 {
             let mut face = centre;
             face[axis] += (shift - 0.5) * h;
@@ -46,44 +46,44 @@ fn error_on(n: usize, shift: f64) -> f64 {
         }
     }
     equation.close();
-    let outcome = equation.solve_on(&equation.even_cut([1; 3]), TIGHT);
+    let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
     outcome.result.unwrap();
     let error = |cell: usize| {
-        let centre = equation.place(cell).map(|i| (i as f64 + 0.5) * h);
+        let centre = equation.indices(cell).map(|i| (i as f64 + 0.5) * h);
         (outcome.solution[cell] - pressure(centre)).abs()
     };
     (0..equation.cells()).map(error).fold(0.0, f64::max)
 }
 
-/// Observed orders from grid to grid.
+/// The observed order of accuracy from each grid to the next finer one.
 fn orders(shift: f64) -> Vec<f64> {
     let errors: Vec<f64> = [8, 16, 32, 64].map(|n| error_on(n, shift)).to_vec();
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
 }
 
 #[test]
-fn the_error_falls_with_the_square_of_the_cell() {
-    // The coarsest pair has cells of an eighth of the wave; the others are in the range where the first term of the
-    // error rules, 0.1 being what the next term leaves at 16 cells per wave.
+fn the_solution_is_second_order_accurate() {
+    // On the coarsest grid a wave has 8 cells. From 16 cells on the leading term of the error dominates; the next term
+    // changes the observed order by less than 0.1.
     let orders = orders(AT_FACES);
     assert!((orders[1] - 2.0).abs() < 0.1 && (orders[2] - 2.0).abs() < 0.1, "{orders:?}");
 }
 
 #[test]
-fn coefficients_half_a_cell_off_are_seen() {
+fn coefficients_evaluated_half_a_cell_off_are_detected_as_first_order() {
     let orders = orders(AT_FACES + 0.5);
     assert!(orders[2] < 1.2, "first order is expected: {orders:?}");
 }
 
 #[test]
-fn a_closed_box_has_a_solution_of_mean_zero_if_as_much_flows_out_as_in() {
+fn in_a_closed_box_the_mean_is_removed_from_sources_and_solution() {
     for periodic in [[false; 3], [true; 3], [true, false, true]] {
         let mut equation = Equation::new([12, 9, 14], periodic);
         equation.diagonal.fill(0.0);
         let mean = equation.right.iter().sum::<f64>() / equation.cells() as f64;
-        let outcome = equation.solve_on(&equation.even_cut([1, 1, 2]), TIGHT);
+        let outcome = equation.solve_on(&equation.even_decomposition([1, 1, 2]), TIGHT);
         let convergence = outcome.result.unwrap();
-        // Both sums are rounded by less than a part in 10^12.
+        // The rounding errors of both sums are below 1e-12.
         assert!((convergence.removed_mean - mean).abs() < 1.0e-12, "{convergence:?}");
         equation.right.iter_mut().for_each(|value| *value -= mean);
         equation.check(&outcome, TIGHT.relative);
@@ -93,17 +93,17 @@ fn a_closed_box_has_a_solution_of_mean_zero_if_as_much_flows_out_as_in() {
 }
 
 #[test]
-fn an_open_box_keeps_its_mean() {
-    // Control of the test above: with an outlet nothing may be taken away.
+fn in_a_box_with_an_outlet_no_mean_is_removed() {
+    // Negative control of the test above.
     let equation = Equation::new([12, 9, 14], [false; 3]);
-    let outcome = equation.solve_on(&equation.even_cut([1; 3]), TIGHT);
+    let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
     assert_eq!(outcome.result.unwrap().removed_mean, 0.0);
     assert!(outcome.solution.iter().sum::<f64>().abs() > 1.0);
     equation.check(&outcome, TIGHT.relative);
 }
 
 #[test]
-fn narrow_and_odd_grids_are_solved() {
+fn grids_of_one_cell_and_of_odd_counts_are_solved() {
     let cases = [
         ([1, 1, 1], [false; 3]),
         ([1, 1, 200], [true, true, false]),
@@ -118,7 +118,7 @@ fn narrow_and_odd_grids_are_solved() {
         if periodic[2] {
             equation.diagonal[0] = 0.1;
         }
-        let outcome = equation.solve_on(&equation.even_cut([1; 3]), TIGHT);
+        let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
         equation.check(&outcome, TIGHT.relative);
         let iterations = outcome.iterations();
         assert!(iterations <= 14, "{counts:?}: {iterations}");
@@ -126,9 +126,9 @@ fn narrow_and_odd_grids_are_solved() {
 }
 
 #[test]
-fn a_good_start_value_needs_no_iteration_and_no_source_means_no_pressure() {
+fn a_converged_start_value_needs_no_iteration_and_zero_sources_give_zero_pressure() {
     let mut equation = Equation::new([16; 3], [false; 3]);
-    let decomposition = equation.even_cut([1; 3]);
+    let decomposition = equation.even_decomposition([1; 3]);
     let solved = equation.solve_on(&decomposition, TIGHT);
     let again = equation.solve_from(&solved.solution, &decomposition, Tolerance::relative(1.0e-10));
     assert_eq!((again.iterations(), again.bits()), (0, solved.bits()));

@@ -1,4 +1,4 @@
-//! Pressure equations on the whole grid, their solution on any cut, and their residual by plain loops.
+//! Pressure equations on the whole grid, their solution for any decomposition, and their residual by plain loops.
 
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid, Subdomain};
@@ -50,19 +50,19 @@ impl Equation {
     pub(crate) fn close(&mut self) {
         for axis in 0..3 {
             for cell in 0..self.cells() {
-                if self.place(cell)[axis] == 0 && !self.periodic[axis] {
+                if self.indices(cell)[axis] == 0 && !self.periodic[axis] {
                     self.faces[axis][cell] = 0.0;
                 }
             }
         }
     }
 
-    /// Each coefficient times a factor that depends on the two cells of its face.
+    /// Multiplies each coefficient by the harmonic mean of the mobilities of its two cells.
     pub(crate) fn with_mobility(mut self, mobility: impl Fn([f64; 3]) -> f64) -> Self {
-        let here = |place: [usize; 3]| {
-            mobility([0, 1, 2].map(|a| (place[a] as f64 + 0.5) / self.counts[a] as f64))
+        let here = |indices: [usize; 3]| {
+            mobility([0, 1, 2].map(|a| (indices[a] as f64 + 0.5) / self.counts[a] as f64))
         };
-        let mobilities: Vec<f64> = (0..self.cells()).map(|cell| here(self.place(cell))).collect();
+        let mobilities: Vec<f64> = (0..self.cells()).map(|cell| here(self.indices(cell))).collect();
         for axis in 0..3 {
             for cell in 0..self.cells() {
                 let below = self.below(cell, axis).unwrap_or(cell);
@@ -78,7 +78,8 @@ impl Equation {
         self.counts.iter().product()
     }
 
-    pub(crate) fn place(&self, cell: usize) -> [usize; 3] {
+    /// The indices of a cell along x, y and z.
+    pub(crate) fn indices(&self, cell: usize) -> [usize; 3] {
         let [nx, ny, _] = self.counts;
         [cell % nx, cell / nx % ny, cell / (nx * ny)]
     }
@@ -87,7 +88,7 @@ impl Equation {
     pub(crate) fn below(&self, cell: usize, axis: usize) -> Option<usize> {
         let [nx, ny, _] = self.counts;
         let stride = [1, nx, nx * ny][axis];
-        match self.place(cell)[axis] {
+        match self.indices(cell)[axis] {
             0 if self.periodic[axis] => Some(cell + stride * (self.counts[axis] - 1)),
             0 => None,
             _ => Some(cell - stride),
@@ -129,7 +130,7 @@ impl Equation {
     pub(crate) fn check(&self, outcome: &Outcome, relative: f64) {
         outcome.result.unwrap();
         let residual = norm(&self.residual(&outcome.solution));
-        // What is allowed, and the rounding of the loops here, which add in another order than the solver.
+        // The tolerance, and the rounding of the loops here, which add in another order than the solver.
         let rounding = 2.0 * f64::EPSILON * norm(&self.scaled_by_diagonal(&outcome.solution));
         let allowed = relative * norm(&self.right) + rounding;
         assert!(residual <= allowed, "{:?}: {residual} {allowed}", self.counts);
@@ -144,14 +145,14 @@ impl Equation {
         BoxGrid::new(&self.bounds(), self.counts)
     }
 
-    /// Planes on cell faces, as near to equal blocks as they can be.
-    pub(crate) fn even_cut(&self, ranks: [usize; 3]) -> Decomposition {
+    /// Cut planes on cell faces, with subdomains of as equal size as possible.
+    pub(crate) fn even_decomposition(&self, ranks: [usize; 3]) -> Decomposition {
         let even = Decomposition::even(RankGrid(ranks), &self.bounds());
         self.grid().aligned(&even, 2).expect("there are enough cells")
     }
 
-    /// Planes at given cell faces between the first and the last.
-    pub(crate) fn cut_at(&self, planes: [&[usize]; 3]) -> Decomposition {
+    /// Cut planes at given cell faces, in addition to the faces of the box.
+    pub(crate) fn decomposition_at(&self, planes: [&[usize]; 3]) -> Decomposition {
         let ranks = planes.map(|planes| planes.len() + 1);
         let grid = self.grid();
         let cut_planes = [0, 1, 2].map(|axis| {
@@ -161,7 +162,7 @@ impl Equation {
         Decomposition::even(RankGrid(ranks), &self.bounds()).with_cut_planes(cut_planes)
     }
 
-    /// Solves on the ranks of a cut, from zero; the solution on the whole grid.
+    /// Solves on the ranks of a decomposition, starting from zero, and returns the solution on the whole grid.
     pub(crate) fn solve_on(&self, decomposition: &Decomposition, tolerance: Tolerance) -> Outcome {
         self.solve_from(&vec![0.0; self.cells()], decomposition, tolerance)
     }
@@ -175,21 +176,21 @@ impl Equation {
         let solved = run_on_threads(decomposition.grid().size(), |ranks| {
             let bounds = self.bounds();
             let subdomain = decomposition.subdomain(&bounds, ranks.rank());
-            let part = self.grid().local_cells(subdomain);
-            let mut solution = self.part(start, &part);
-            let result = self.solve_part(&mut solution, subdomain, tolerance, ranks);
-            (part, result, solution)
+            let local = self.grid().local_cells(subdomain);
+            let mut solution = self.local_field(start, &local);
+            let result = self.solve_on_rank(&mut solution, subdomain, tolerance, ranks);
+            (local, result, solution)
         });
         let mut solution = vec![f64::NAN; self.cells()];
         let first = solved[0].1;
-        for (part, result, field) in &solved {
+        for (local, result, field) in &solved {
             assert_eq!(format!("{result:?}"), format!("{first:?}"), "ranks differ");
-            self.for_each_cell_of(part, |cell, place| solution[cell] = field.at(place));
+            self.for_each_cell_of(local, |cell, indices| solution[cell] = field.at(indices));
         }
         Outcome { result: first, solution }
     }
 
-    fn solve_part(
+    fn solve_on_rank(
         &self,
         solution: &mut Field,
         subdomain: Subdomain,
@@ -197,30 +198,30 @@ impl Equation {
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
         let mut solver = PressureSolver::new(&self.grid(), subdomain);
-        let part = self.grid().local_cells(subdomain);
-        let [x, y, z] = self.faces.each_ref().map(|face| self.part(face, &part));
-        let diagonal = self.part(&self.diagonal, &part);
+        let local = self.grid().local_cells(subdomain);
+        let [x, y, z] = self.faces.each_ref().map(|face| self.local_field(face, &local));
+        let diagonal = self.local_field(&self.diagonal, &local);
         solver.set_coefficients([&x, &y, &z], Some(&diagonal), ranks)?;
-        solver.solve(solution, &self.part(&self.right, &part), tolerance, ranks)
+        solver.solve(solution, &self.local_field(&self.right, &local), tolerance, ranks)
     }
 
-    fn part(&self, numbers: &[f64], part: &LocalCells) -> Field {
-        let mut field = Field::new(part, 1);
-        self.for_each_cell_of(part, |cell, place| *field.at_mut(place) = numbers[cell]);
+    fn local_field(&self, values: &[f64], local: &LocalCells) -> Field {
+        let mut field = Field::new(local, 1);
+        self.for_each_cell_of(local, |cell, indices| *field.at_mut(indices) = values[cell]);
         field
     }
 
-    fn for_each_cell_of(&self, part: &LocalCells, mut work: impl FnMut(usize, [isize; 3])) {
+    fn for_each_cell_of(&self, local: &LocalCells, mut work: impl FnMut(usize, [isize; 3])) {
         for cell in 0..self.cells() {
-            let place = self.place(cell);
-            if (0..3).all(|a| part.start[a] <= place[a] && place[a] < part.end(a)) {
-                work(cell, [0, 1, 2].map(|a| (place[a] - part.start[a]) as isize));
+            let indices = self.indices(cell);
+            if (0..3).all(|a| local.start[a] <= indices[a] && indices[a] < local.end(a)) {
+                work(cell, [0, 1, 2].map(|a| (indices[a] - local.start[a]) as isize));
             }
         }
     }
 }
 
-/// What all ranks together found.
+/// The result of all ranks together.
 pub(crate) struct Outcome {
     pub(crate) result: Result<Convergence, LinearSolverError>,
     pub(crate) solution: Vec<f64>,

@@ -1,11 +1,11 @@
-//! What cannot be solved is said, on all ranks alike.
+//! Equations that cannot be solved give the same error on all ranks.
 
 use crate::equations::Equation;
 use talcum::linear_solver::{LinearSolverError, Tolerance};
 
 const TOLERANCE: Tolerance = Tolerance { relative: 1.0e-8, absolute: 0.0 };
 
-/// A box with an outlet; the cells below z = 4 are closed off, and take in more than they give.
+/// A box with an outlet. The cells below z = 4 are closed off, and more flows into them than out of them.
 fn closed_off() -> Equation {
     let mut equation = Equation::new([8, 8, 16], [false; 3]);
     for cell in 4 * 64..5 * 64 {
@@ -15,11 +15,12 @@ fn closed_off() -> Equation {
 }
 
 #[test]
-fn an_equation_without_solution_is_an_error_and_the_start_value_stays() {
+fn an_equation_without_solution_is_an_error_and_the_start_values_are_kept() {
     let equation = closed_off();
     let start: Vec<f64> = (0..equation.cells()).map(|cell| cell as f64).collect();
     for ranks in [1, 3] {
-        let outcome = equation.solve_from(&start, &equation.even_cut([1, 1, ranks]), TOLERANCE);
+        let outcome =
+            equation.solve_from(&start, &equation.even_decomposition([1, 1, ranks]), TOLERANCE);
         let error = outcome.result.unwrap_err();
         assert!(matches!(error, LinearSolverError::NotConverged { .. }), "{error}");
         assert!(error.to_string().contains("did not converge"));
@@ -28,29 +29,29 @@ fn an_equation_without_solution_is_an_error_and_the_start_value_stays() {
 }
 
 #[test]
-fn the_same_part_without_sources_is_no_error() {
-    // Control: what ends the solve above is the right-hand side.
+fn a_closed_region_without_sources_is_not_an_error() {
+    // Negative control of the test above: only the right-hand side makes it fail.
     let mut equation = closed_off();
     equation.right[..4 * 64].fill(0.0);
-    equation.solve_on(&equation.even_cut([1; 3]), TOLERANCE).result.unwrap();
+    equation.solve_on(&equation.even_decomposition([1; 3]), TOLERANCE).result.unwrap();
 }
 
 #[test]
-fn coefficients_that_are_negative_or_not_numbers_are_refused() {
+fn negative_infinite_and_undefined_coefficients_are_refused() {
     for wrong in [-1.0e-300, f64::NAN, f64::INFINITY] {
         let mut equation = Equation::new([8; 3], [false; 3]);
         equation.faces[1][300] = wrong;
         equation.diagonal[2] = wrong;
-        let result = equation.solve_on(&equation.even_cut([1, 1, 3]), TOLERANCE).result;
+        let result = equation.solve_on(&equation.even_decomposition([1, 1, 3]), TOLERANCE).result;
         assert_eq!(result.unwrap_err(), LinearSolverError::Coefficients(2));
     }
 }
 
 #[test]
-fn sources_and_start_values_that_are_not_finite_are_refused() {
+fn infinite_and_undefined_sources_and_start_values_are_refused() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let equation = Equation::new([8; 3], [false; 3]);
-        let decomposition = equation.even_cut([1, 1, 3]);
+        let decomposition = equation.even_decomposition([1, 1, 3]);
         let mut start = vec![0.0; equation.cells()];
         start[500] = wrong;
         let result = equation.solve_from(&start, &decomposition, TOLERANCE).result;

@@ -1,4 +1,4 @@
-//! The pressure solver against plain loops, closed forms, and itself on other cuts.
+//! The pressure solver against plain loops, closed forms, and itself on other decompositions.
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 

@@ -116,7 +116,7 @@ fn describe_ranks(message: &mut String, initial: &InitialState, ranks: &dyn Comm
     let counts = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
     for (rank, bytes) in counts.iter().enumerate() {
         let corners =
-            initial.work.decomposition.block_bounds(rank).map(|corner| corner.map(six_digits));
+            initial.work.decomposition.subdomain_corners(rank).map(|corner| corner.map(six_digits));
         let [lower, upper] = corners;
         let count = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
         let _ = writeln!(
