@@ -93,6 +93,7 @@ pub mod output;
 pub mod parallel;
 pub mod particles;
 pub mod rules;
+pub mod schema;
 pub mod simulation;
 pub mod state;
 pub mod time_step;

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use talcum::case::{Amount, BedPart, Case, Start};
+use talcum::case::{Amount, BedPart, Case, BedStart};
 use talcum::parallel::OneRank;
 use talcum::simulation::{self, OutputFolder, RunOptions, start_from_case};
 
@@ -107,7 +107,7 @@ fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
 fn every_case_of_the_repository_is_read() {
     for file in files("cases") {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
-        if matches!(case.particles.start, Start::Lattice { .. } | Start::Random { .. }) {
+        if matches!(case.particles.start, BedStart::Lattice { .. } | BedStart::Random { .. }) {
             case.initial_bed(BedPart::WHOLE)
                 .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         }
@@ -125,8 +125,8 @@ fn every_case_of_the_repository_takes_steps() {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
         let too_large = |amount: &Amount| matches!(amount, Amount::Count(n) if *n > LARGEST_BED);
         match &case.particles.start {
-            Start::Run { path } if !path.exists() => continue,
-            Start::Lattice { .. } | Start::Random { .. }
+            BedStart::Run { path } if !path.exists() => continue,
+            BedStart::Lattice { .. } | BedStart::Random { .. }
                 if case.particles.amount.as_ref().is_some_and(too_large) =>
             {
                 continue;

@@ -1,7 +1,7 @@
 //! Initial beds: counts, places, sizes, and that nothing touches.
 
 use std::path::Path;
-use talcum::case::{BedPart, Case, InitialBed, Start};
+use talcum::case::{BedPart, Case, InitialBed, BedStart};
 use talcum::parallel::ParticleRecord;
 
 fn bed(name: &str, overrides: &[&str]) -> (Case, InitialBed) {
@@ -71,7 +71,7 @@ fn a_random_bed_has_its_solids_fraction_and_temperature() {
     // 4 standard deviations of the variance of 2700 normal numbers.
     let error = square / 2700.0 / 0.1 - 1.0;
     assert!(error.abs() < 4.0 * (2.0_f64 / 2700.0).sqrt(), "{error}");
-    assert!(matches!(case.particles.start, Start::Random { .. }));
+    assert!(matches!(case.particles.start, BedStart::Random { .. }));
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn the_end_of_another_run_is_left_to_its_reader() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/bad/start-run.toml");
     let text = std::fs::read_to_string(file).unwrap().replace("velocity =", "#");
     let case = Case::from_text(&text, "run.toml", Path::new("here"), &[]).unwrap();
-    assert_eq!(case.particles.start, Start::Run { path: Path::new("here").join("end.h5") });
+    assert_eq!(case.particles.start, BedStart::Run { path: Path::new("here").join("end.h5") });
     let error = case.initial_bed(BedPart::WHOLE).unwrap_err().to_string();
     assert!(error.contains("the end of another run"), "{error}");
     assert!(case.size_range().is_none());

@@ -1,66 +1,56 @@
 //! The section of contact: between particles, and at walls.
 
-use super::allowed::Allowed;
-use super::contact_laws::{ADHESION, read_law};
-use super::particles::Scales;
+use super::contact_laws::{AdhesionContext, LawAndBody, adhesion_keys, read_law};
+use super::merging::merge;
+use super::schema::AT_WALL;
 use super::section::Section;
-use super::stages::take_over;
 use super::tree::{Node, Value};
-use super::units::Units;
 use crate::contact::{ContactModel, Elasticity, RollingFriction, RollingKind};
-use serde::Deserialize;
 
-/// What laws need from the rest of the file.
-pub(super) struct Adhering {
-    /// Whether `[cohesion]` is on.
-    pub(super) cohesive: bool,
-    pub(super) units: Option<Units>,
-    pub(super) scales: Scales,
-    /// g.
-    pub(super) gravity: Option<f64>,
+/// The contacts of a stage.
+pub(super) struct Contacts {
+    pub(super) particles: ContactModel,
+    /// By the numbers of the walls.
+    pub(super) at_walls: Vec<ContactModel>,
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Rolling {
-    None,
-    ConstantTorque,
-    ElasticPlastic,
+/// A contact model, and for an elastic law what the body is made of.
+struct ModelAndBody {
+    model: Option<ContactModel>,
+    body: Option<Elasticity>,
 }
 
-/// `[contact]`, `[contact.wall]` and what each wall says: the interface of particles, and those at the walls.
+/// `[contact]`, `[contact.wall]` and what each wall says.
 ///
 /// Walls take the keys of `[contact]`, changed by those of `[contact.wall]` and by their own; a change that names
 /// a law stands for itself.
 pub(super) fn read_contact(
-    section: Section<'_>,
+    section: &Section<'_>,
     walls: &[Option<&Node>],
-    adhering: &Adhering,
-) -> Option<(ContactModel, Vec<ContactModel>)> {
-    let for_all = section.optional_section("wall").map(|wall| wall.node);
-    let (particles, elasticity) = read_interface(&section, None, adhering);
-    section.finish();
+    adhesion: &AdhesionContext<'_>,
+) -> Option<Contacts> {
+    let for_all = section.node.get("wall").filter(|wall| matches!(wall.value, Value::Table(_)));
+    let particles = read_model(section, None, adhesion);
     let base = without_walls(section.node);
     let at_wall = |own: Option<&Node>| {
         let changes: Vec<&Node> = for_all.into_iter().chain(own).collect();
-        require_adhesion(&section, &changes);
+        require_adhesion(section, &changes);
         let Some(node) = changes
             .iter()
             .fold(None, |node, change| Some(changed(node.as_ref().unwrap_or(&base), change)))
         else {
-            return particles.clone();
+            return particles.model.clone();
         };
-        let changed = Section::of(&node, section.problems)?;
-        let (interface, _) = read_interface(&changed, elasticity, adhering);
-        changed.finish();
-        interface
+        let changed = Section::open(&node, AT_WALL, section.problems)?;
+        read_model(&changed, particles.body, adhesion).model
     };
     if let (true, Some(change)) = (walls.is_empty(), for_all) {
         // What is said about walls must be right, also without any.
         at_wall(Some(change));
     }
     let at_walls: Vec<Option<ContactModel>> = walls.iter().map(|own| at_wall(*own)).collect();
-    Some((particles?, at_walls.into_iter().collect::<Option<_>>()?))
+    let at_walls = at_walls.into_iter().collect::<Option<_>>()?;
+    Some(Contacts { particles: particles.model?, at_walls })
 }
 
 /// The section without its sub-section on walls.
@@ -79,54 +69,48 @@ fn changed(section: &Node, change: &Node) -> Node {
         && let Value::Table(entries) = &mut node.value
     {
         let changes = std::mem::replace(entries, section.entries().to_vec());
-        take_over(entries, changes);
+        merge(entries, changes, AT_WALL);
     }
     node
 }
 
-/// Walls do not inherit the adhesion of particles unseen.
+/// Walls do not inherit the adhesion of particles unless the case says so.
 fn require_adhesion(contact: &Section<'_>, changes: &[&Node]) {
-    let law = contact.node.get("law").and_then(Node::as_text).unwrap_or_default();
-    let Some((_, keys)) = ADHESION.iter().find(|(name, _)| *name == law) else { return };
-    if !keys.iter().any(|key| contact.node.get(key).is_some()) {
-        return; // missed with the keys of particles
+    let keys = adhesion_keys(contact.word("law").unwrap_or_default());
+    if !keys.iter().any(|key| contact.has(key)) {
+        return; // the law has none, or it is missed with the keys of particles
     }
-    let says = |change: &&Node| ["law"].iter().chain(*keys).any(|key| change.get(key).is_some());
+    let says = |change: &&Node| ["law"].iter().chain(keys).any(|key| change.get(key).is_some());
     if !changes.iter().any(says) {
         let keys: Vec<String> = keys.iter().map(|key| format!("contact.wall.{key}")).collect();
-        let words =
-            format!("missing: walls need an adhesion of their own: give {}", keys.join(" or "));
-        contact.fail("wall", words);
+        let keys = keys.join(" or ");
+        let message = format!("missing: walls need an adhesion of their own: give {keys}");
+        contact.fail("wall", message);
     }
 }
 
-/// Law and rolling friction; also what the bodies of an elastic law are made of.
-fn read_interface(
+/// Law and rolling friction; the other body is of `particles`' elasticity, or of the same.
+fn read_model(
     section: &Section<'_>,
     particles: Option<Elasticity>,
-    adhering: &Adhering,
-) -> (Option<ContactModel>, Option<Elasticity>) {
-    let (law, elasticity) = read_law(section, particles, adhering);
+    adhesion: &AdhesionContext<'_>,
+) -> ModelAndBody {
+    let LawAndBody { law, body } = read_law(section, particles, adhesion);
     let rolling = read_rolling(section);
-    let interface = law.zip(rolling).map(|(law, rolling)| ContactModel { law, rolling });
-    (interface, elasticity)
+    let model = law.zip(rolling).map(|(law, rolling)| ContactModel { law, rolling });
+    ModelAndBody { model, body }
 }
 
 /// Rolling friction; `Some(None)`: none.
 fn read_rolling(section: &Section<'_>) -> Option<Option<RollingFriction>> {
-    let kind = match section.has("rolling") {
-        true => section.value("rolling")?,
-        false => Rolling::None,
+    let kind = match section.word("rolling")? {
+        "constant_torque" => RollingKind::ConstantTorque,
+        "elastic_plastic" => {
+            RollingKind::ElasticPlastic { damping: section.number("rolling_damping")? }
+        }
+        _ => return Some(None),
     };
-    let kind = match kind {
-        Rolling::None => return Some(None),
-        Rolling::ConstantTorque => Some(RollingKind::ConstantTorque),
-        Rolling::ElasticPlastic => section
-            .number("rolling_damping", Allowed::between(0.0, 1.0))
-            .map(|damping| RollingKind::ElasticPlastic { damping }),
-    };
-    let coefficient = section.number("rolling_friction", Allowed::NOT_NEGATIVE);
-    RollingFriction::new(kind?, coefficient?)
+    RollingFriction::new(kind, section.number("rolling_friction")?)
         .map_err(|error| section.fail(error.parameter, error.to_string()))
         .map(Some)
         .ok()

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 /// Where in its input an error lies.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum SourcePlace {
     /// The file as a whole.
     File,
     /// A line, from 1.
@@ -21,7 +21,7 @@ pub enum Place {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseError {
     /// Where.
-    pub place: Place,
+    pub place: SourcePlace,
     /// Path of the key, for example `contact.restitution`; empty if it is no key's error.
     pub key: String,
     /// The value as it was written, if there is one.
@@ -47,10 +47,10 @@ impl fmt::Display for CaseErrors {
             }
             let file = &self.file_name;
             match &error.place {
-                Place::File => write!(formatter, "{file}")?,
-                Place::Line(line) => write!(formatter, "{file}:{line}")?,
-                Place::Column(line, column) => write!(formatter, "{file}:{line}:{column}")?,
-                Place::Override(text) => write!(formatter, "{file}, --set {text}")?,
+                SourcePlace::File => write!(formatter, "{file}")?,
+                SourcePlace::Line(line) => write!(formatter, "{file}:{line}")?,
+                SourcePlace::Column(line, column) => write!(formatter, "{file}:{line}:{column}")?,
+                SourcePlace::Override(text) => write!(formatter, "{file}, --set {text}")?,
             }
             if !error.key.is_empty() {
                 write!(formatter, ": {}", error.key)?;
@@ -81,7 +81,7 @@ impl Problems {
     }
 
     /// Adds an error that belongs to no key.
-    pub(super) fn add_at(&self, place: Place, message: impl Into<String>) {
+    pub(super) fn add_at(&self, place: SourcePlace, message: impl Into<String>) {
         self.add(CaseError { place, key: String::new(), value: None, message: message.into() });
     }
 

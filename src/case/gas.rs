@@ -1,34 +1,33 @@
-//! The section of the gas: which kind it is.
+//! The section of the gas: which kind it is, and what both kinds have.
 
 use super::column::read_column;
-use super::particles::Scales;
+use super::forces::positive_gravity;
 use super::section::Section;
+use super::context::ReadContext;
 use super::volume_averaged::read_volume_averaged;
-use crate::domain::Bounds;
 use crate::gas::GasModel;
-use serde::Deserialize;
-use std::ops::Range;
-
-#[derive(Clone, Copy, Deserialize, PartialEq)]
-#[serde(rename_all = "snake_case")]
-enum Kind {
-    Column,
-    VolumeAveraged,
-}
+use crate::rules::viscosity_of_stokes_number;
 
 /// `[gas]`.
-pub(super) fn read_gas(
-    section: Section<'_>,
-    scales: Scales,
-    gravity: Option<f64>,
-    bounds: Option<&Bounds>,
-    stages: &[Range<f64>],
-) -> Option<GasModel> {
-    let kind: Option<Kind> = section.value("kind");
-    if kind == Some(Kind::VolumeAveraged) {
-        let model = read_volume_averaged(section, (scales, gravity), bounds, stages);
-        return model.map(GasModel::VolumeAveraged);
+pub(super) fn read_gas(section: &Section<'_>, context: ReadContext<'_>) -> Option<GasModel> {
+    // Also without a known kind: what is wrong with the viscosity is said.
+    let viscosity = read_viscosity(section, context);
+    match section.word("kind")? {
+        "volume_averaged" => {
+            read_volume_averaged(section, viscosity, context).map(GasModel::VolumeAveraged)
+        }
+        _ => read_column(section, viscosity, context).map(GasModel::Column),
     }
-    let column = read_column(section, scales, gravity, bounds, stages);
-    column.filter(|_| kind.is_some()).map(GasModel::Column)
+}
+
+/// mu, or from St = rho_s g^1/2 d^3/2 / mu.
+fn read_viscosity(section: &Section<'_>, context: ReadContext<'_>) -> Option<f64> {
+    let key = section.given(&["viscosity", "stokes_number"])?;
+    let number = section.number(key)?;
+    if key == "viscosity" {
+        return Some(number);
+    }
+    let gravity = positive_gravity(section, key, "viscosity", context.gravity)?;
+    let diameter = context.scales.diameter?;
+    Some(viscosity_of_stokes_number(number, context.scales.density?, gravity, diameter))
 }

@@ -2,23 +2,29 @@
 //!
 //! Every key is described in `docs/input.md`.
 
-mod allowed;
+mod allowed_values;
 mod bed;
+mod boxes;
 mod column;
 mod contact;
 mod contact_laws;
+mod context;
 mod drag;
 mod errors;
 mod forces;
 mod gas;
-mod leaf;
+mod merging;
 mod overrides;
 mod particles;
 mod plans;
+mod reference;
+mod schedules;
+mod schema;
 mod section;
 mod sizes;
-mod space;
+mod stage;
 mod stages;
+mod suggestion;
 mod tree;
 mod units;
 mod volume_averaged;
@@ -26,11 +32,12 @@ mod wall_time;
 mod walls;
 
 pub use bed::{BedError, BedPart, InitialBed};
-pub use errors::{CaseError, CaseErrors, Place};
-pub use particles::{Amount, BedFormat, ParticleSetup, Start};
+pub use errors::{CaseError, CaseErrors, SourcePlace};
+pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
+pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub use sizes::SizeDistribution;
-pub use stages::Stage;
+pub use stage::Stage;
 pub use units::Units;
 
 use crate::contact::{ContactForceLaw, ContactModel};
@@ -40,11 +47,11 @@ use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::particles::Reach;
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange, range_of};
-use allowed::rounded;
+use allowed_values::rounded;
 use errors::Problems;
 use particles::Scales;
 use section::Section;
-use stages::Surroundings;
+use context::ReadContext;
 use std::path::Path;
 use std::time::Duration;
 use tree::Node;
@@ -72,7 +79,7 @@ pub struct Case {
     pub wall_clock: Option<Duration>,
     /// Ranks.
     pub parallel: ParallelPlan,
-    /// Choices of physics that the file leaves to a default, in words.
+    /// Choices of physics that the file leaves to a default, as messages.
     pub notes: Vec<String>,
 }
 
@@ -88,7 +95,7 @@ impl Case {
         });
         let text = text.map_err(|reason| {
             let problems = Problems::default();
-            problems.add_at(Place::File, format!("cannot be read: {reason}"));
+            problems.add_at(SourcePlace::File, format!("cannot be read: {reason}"));
             problems.into_errors(&name)
         })?;
         Self::from_text(&text, &name, path.parent().unwrap_or(Path::new("")), overrides)
@@ -118,10 +125,17 @@ impl Case {
         self.stages.last().map_or(0.0, |stage| stage.end)
     }
 
-    /// The stage at a time; a stage begins at its start, and the last one never ends.
+    /// Number of the stage of the step that starts at a time; the last one never ends.
+    ///
+    /// The middle of the step decides: times that are sums of steps differ by rounding from the start of a stage.
+    pub fn stage_number_at(&self, time: f64) -> usize {
+        let middle = time + self.stages.first().map_or(0.0, |stage| 0.5 * stage.time_step);
+        self.stages.partition_point(|stage| stage.start <= middle).saturating_sub(1)
+    }
+
+    /// The stage of the step that starts at a time.
     pub fn stage_at(&self, time: f64) -> &Stage {
-        let next = self.stages.partition_point(|stage| stage.start <= time);
-        &self.stages[next.saturating_sub(1)]
+        &self.stages[self.stage_number_at(time)]
     }
 
     /// The range that the sizes of particles can have; `None` if a file or another run says it.
@@ -171,7 +185,7 @@ impl Case {
         Reach { range, skin }.ghost_width(sizes.largest_diameter)
     }
 
-    /// What is wrong with box and time step for particles of these sizes: (key, words).
+    /// What is wrong with box and time step for particles of these sizes: (key, message).
     pub fn check_sizes(&self, sizes: &SizeRange) -> Vec<(&'static str, String)> {
         let mut wrong = check_box(&self.domain.bounds, self, sizes);
         wrong.extend(walls::check_walls(self, sizes.smallest_diameter));
@@ -179,18 +193,18 @@ impl Case {
             let duration = self.shortest_contact(stage, sizes);
             if stage.time_step > duration {
                 let name = &stage.name;
-                let words = format!(
+                let message = format!(
                     "must be below {duration:.3e}, the duration of a contact in stage {name:?}; a \
                      twelfth of it or less is advised"
                 );
-                wrong.push(("time.step", words));
+                wrong.push(("time.step", message));
             }
             wrong.extend(check_flow(self, stage, sizes));
             let limits = stage.limits(sizes);
             let torque = limits.force * sizes.largest_diameter;
             if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
-                let words = "gives forces beyond the range of numbers".to_owned();
-                wrong.push(("contact", words));
+                let message = "gives forces beyond the range of numbers".to_owned();
+                wrong.push(("contact", message));
             }
         }
         wrong
@@ -203,23 +217,23 @@ fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static
     let (model, first) = (stage.gas.volume_averaged()?, case.volume_averaged()?);
     let (name, step) = (&stage.name, (stage.start / stage.time_step).round() as u64);
     if !step.is_multiple_of(model.substeps) {
-        let words = format!(
+        let message = format!(
             "must divide the number of steps before stage {name:?}, {step}: the gas begins there"
         );
-        return Some(("gas.substeps", words));
+        return Some(("gas.substeps", message));
     }
     if model.grid != first.grid {
-        let words = format!("must be {:?} in all stages", first.grid.counts());
-        return Some(("gas.cells", words));
+        let message = format!("must be {:?} in all stages", first.grid.counts());
+        return Some(("gas.cells", message));
     }
     let stray = 0.5 * case.parallel.skin * sizes.largest_diameter;
     let smallest = model.grid.spacing().min();
     (stray > smallest).then(|| {
-        let words = format!(
+        let message = format!(
             "are {:.3} of the largest diameter wide: must be at least half of parallel.skin",
             smallest / sizes.largest_diameter
         );
-        ("gas.cells", words)
+        ("gas.cells", message)
     })
 }
 
@@ -232,55 +246,52 @@ fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static s
         let length = bounds.lengths()[axis];
         if bounds.is_periodic(axis) && length < 2.0 * width {
             let least = rounded(2.0 * width);
-            let words = format!(
+            let message = format!(
                 "is too narrow along {name} for its ghosts: must be at least {least}, twice the largest \
                  diameter with skin and range of cohesion"
             );
-            wrong.push(("box.lengths", words));
+            wrong.push(("box.lengths", message));
         } else if length < largest {
-            let words = format!("is smaller along {name} than the largest particle, {largest}");
-            wrong.push(("box.lengths", words));
+            let message = format!("is smaller along {name} than the largest particle, {largest}");
+            wrong.push(("box.lengths", message));
         } else if length > 1.0e9 * sizes.smallest_diameter {
-            let words = format!("must be at most 1e9 of the smallest diameter along {name}");
-            wrong.push(("box.lengths", words));
+            let message = format!("must be at most 1e9 of the smallest diameter along {name}");
+            wrong.push(("box.lengths", message));
         }
     }
     wrong
 }
 
 fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> Option<Case> {
-    let root = Section::of(tree, problems)?;
-    let title = root.text("title");
-    let units = root.value("units");
+    let root = Section::open(tree, schema::ROOT, problems)?;
+    let units = root.choice("units", &Units::ALL);
     let domain = walls::read_domain(&root);
-    let (particles, scales) = match root.section("particles") {
-        Some(section) => particles::read_particles(section, units, folder),
+    let (particles, scales) = match root.table("particles") {
+        Some(section) => particles::read_particles(&section, units, folder),
         None => (None, Scales { density: None, diameter: None }),
     };
-    let surroundings = Surroundings { units, scales, domain: domain.as_ref() };
-    let (stages, step) = stages::read_stages(&root, &surroundings);
-    let output = root.section("output").and_then(|section| plans::read_output(section, step));
-    let checkpoint = plans::read_checkpoint(root.optional_section("checkpoint"));
-    let wall_clock = plans::read_run(root.optional_section("run"));
-    let parallel = plans::read_parallel(root.optional_section("parallel"));
-    root.finish();
+    let context =
+        ReadContext { units, scales, domain: domain.as_ref(), gravity: None, times: &[] };
+    let (stages, step) = stages::read_stages(&root, context);
+    let output = root.table("output").and_then(|section| plans::read_output(&section, step));
+    let or_defaults = |name| root.table_or_defaults(name);
     let case = Case {
-        title: title?,
+        title: root.text("title")?,
         units: units?,
         text,
         domain: domain?,
         stages: stages?,
         particles: particles?,
         output: output?,
-        checkpoint,
-        wall_clock,
-        parallel,
+        checkpoint: or_defaults("checkpoint").and_then(|s| plans::read_checkpoint(&s))?,
+        wall_clock: or_defaults("run")?.wall_time("wall_clock"),
+        parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s))?,
         notes: problems.notes(),
     };
     if let Some(sizes) = case.size_range() {
-        for (key, words) in case.check_sizes(&sizes) {
+        for (key, message) in case.check_sizes(&sizes) {
             let node = key.split('.').try_fold(tree, |node, key| node.get(key)).unwrap_or(tree);
-            problems.add(node.error(words));
+            problems.add(node.error(message));
         }
     }
     Some(case)

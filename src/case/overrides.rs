@@ -1,29 +1,11 @@
 //! Overrides of the command line, `key.path=value`: put into the text, with its format kept.
 
-use super::errors::{Place, Problems};
+use super::errors::{SourcePlace, Problems};
+use super::merging::useless_keys;
+use super::schema::ROOT;
 use super::tree::Node;
+use crate::schema::{Key, displaced_by, every_key};
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
-
-/// Keys of which exactly one is given: setting one takes the place of its partner.
-const EXCLUSIVE: [[&str; 2]; 12] = [
-    ["bond_number", "hamaker_constant"],
-    ["wall_bond_number", "wall_hamaker_constant"],
-    ["stokes_number", "viscosity"],
-    ["superficial_velocity", "weight"],
-    ["gamma", "amplitude"],
-    ["poisson_ratio", "tangential_stiffness"],
-    ["adhesion", "bond_number"],
-    ["loading_stiffness", "plasticity_index"],
-    ["name", "face"],
-    ["count", "fill_height"],
-    ["axis", "ranks"],
-    ["every", "every_steps"],
-];
-
-/// Whether a key takes the place of another.
-pub(super) fn is_partner(key: &str, other: &str) -> bool {
-    EXCLUSIVE.contains(&[key, other]) || EXCLUSIVE.contains(&[other, key])
-}
 
 /// The text with overrides applied, and its tree: places are lines of the text as it was, or overrides.
 pub(super) fn apply(
@@ -38,7 +20,7 @@ pub(super) fn apply(
     let mut document: DocumentMut = match text.parse() {
         Ok(document) => document,
         Err(error) => {
-            problems.add_at(Place::File, format!("not valid TOML: {error}"));
+            problems.add_at(SourcePlace::File, format!("not valid TOML: {error}"));
             return None;
         }
     };
@@ -46,7 +28,7 @@ pub(super) fn apply(
     for given in overrides {
         match set(&mut document, given) {
             Ok(path) => applied.push((path, given.clone())),
-            Err(message) => problems.add_at(Place::Override(given.clone()), message),
+            Err(message) => problems.add_at(SourcePlace::Override(given.clone()), message),
         }
     }
     let effective = document.to_string();
@@ -57,19 +39,19 @@ pub(super) fn apply(
     Some((effective, tree))
 }
 
-fn place_of(path: &str, applied: &[(String, String)], places: &[(String, Place)]) -> Place {
+fn place_of(path: &str, applied: &[(String, String)], places: &[(String, SourcePlace)]) -> SourcePlace {
     let below = |inner: &str, outer: &str| {
         inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
     if let Some((_, given)) = applied.iter().rev().find(|(set, _)| below(path, set)) {
-        return Place::Override(given.clone());
+        return SourcePlace::Override(given.clone());
     }
     if let Some((_, place)) = places.iter().find(|(known, _)| known == path) {
         return place.clone();
     }
     // A section that an override made.
     let maker = applied.iter().find(|(set, _)| below(set, path));
-    maker.map_or(Place::File, |(_, given)| Place::Override(given.clone()))
+    maker.map_or(SourcePlace::File, |(_, given)| SourcePlace::Override(given.clone()))
 }
 
 /// Applies one override; returns the path that it sets, members of lists by number.
@@ -85,7 +67,7 @@ fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     }
     let value = value_of(value.trim())?;
     let mut resolved = Vec::new();
-    set_in(document.as_table_mut(), &keys, value, &mut resolved)?;
+    set_in(Target { table: document.as_table_mut(), keys: ROOT }, &keys, value, &mut resolved)?;
     Ok(resolved.join("."))
 }
 
@@ -104,58 +86,76 @@ fn value_of(text: &str) -> Result<Value, String> {
     }
 }
 
+/// A table of the file, and the keys that may stand in it.
+struct Target<'a> {
+    table: &'a mut dyn TableLike,
+    keys: &'static [Key],
+}
+
 fn set_in(
-    table: &mut dyn TableLike,
-    keys: &[&str],
+    target: Target<'_>,
+    path: &[&str],
     value: Value,
     resolved: &mut Vec<String>,
 ) -> Result<(), String> {
-    let (key, rest) = keys.split_first().ok_or("the path ends too early".to_owned())?;
-    resolved.push((*key).to_owned());
+    let (name, rest) = path.split_first().ok_or("the path ends too early".to_owned())?;
+    resolved.push((*name).to_owned());
     if rest.is_empty() {
-        insert(table, key, value);
+        insert(target, name, value);
         return Ok(());
     }
-    if !table.contains_key(key) {
-        table.insert(key, Item::Table(Table::new()));
-    }
-    let item = table.get_mut(key).ok_or("the path leads nowhere".to_owned())?;
-    if item.is_table_like() {
-        let inner = item.as_table_like_mut().ok_or("the path leads nowhere".to_owned())?;
-        return set_in(inner, rest, value, resolved);
+    let Target { table, keys } = target;
+    let inner_keys = every_key(keys).into_iter().find(|key| key.name == *name);
+    let keys = inner_keys.map(|key| key.kind.keys()).unwrap_or_default();
+    let item = table.entry(name).or_insert(Item::Table(Table::new()));
+    if let Some(table) = item.as_table_like_mut() {
+        return set_in(Target { table, keys }, rest, value, resolved);
     }
     let path = resolved.join(".");
-    let members: Vec<&mut dyn TableLike> = match item {
-        Item::ArrayOfTables(tables) => {
-            tables.iter_mut().map(|table| table as &mut dyn TableLike).collect()
-        }
-        Item::Value(Value::Array(array)) => array
-            .iter_mut()
-            .filter_map(Value::as_inline_table_mut)
-            .map(|table| table as &mut dyn TableLike)
-            .collect(),
-        _ => return Err(format!("{path} is not a section")),
-    };
+    let members = members_of(item).ok_or_else(|| format!("{path} is not a section"))?;
     let (chosen, rest) = rest.split_first().ok_or("the path ends too early".to_owned())?;
-    let (number, member) = choose(members, chosen).ok_or_else(|| {
+    let (number, table) = choose(members, chosen).ok_or_else(|| {
         format!("{path} has no member {chosen:?}: give its number, from 1, or its name")
     })?;
     resolved.push(number.to_string());
     match rest {
         [] => Err(format!("{path}.{chosen} is a section: set one of its keys")),
-        _ => set_in(member, rest, value, resolved),
+        _ => set_in(Target { table, keys }, rest, value, resolved),
     }
 }
 
-/// Gives a key a value, in the place of its partner if it has one; a comment behind the old value stays.
-fn insert(table: &mut dyn TableLike, key: &str, mut value: Value) {
-    for partner in EXCLUSIVE.iter().flatten().filter(|other| is_partner(key, other)) {
+/// The tables of a list of tables.
+fn members_of(item: &mut Item) -> Option<Vec<&mut dyn TableLike>> {
+    match item {
+        Item::ArrayOfTables(tables) => {
+            Some(tables.iter_mut().map(|table| table as &mut dyn TableLike).collect())
+        }
+        Item::Value(Value::Array(array)) => {
+            let tables = array.iter_mut().filter_map(Value::as_inline_table_mut);
+            Some(tables.map(|table| table as &mut dyn TableLike).collect())
+        }
+        _ => None,
+    }
+}
+
+/// Gives a key a value, in the place of its partners; a new word drops the keys that only the old one has. A comment
+/// behind the old value stays.
+fn insert(Target { table, keys }: Target<'_>, name: &str, mut value: Value) {
+    for partner in displaced_by(keys, name) {
         table.remove(partner);
     }
-    if let Some(old) = table.get(key).and_then(Item::as_value) {
+    let old = table.get(name).and_then(Item::as_value);
+    let is_new = old.and_then(Value::as_str) != value.as_str();
+    if let Some(old) = old {
         *value.decor_mut() = old.decor().clone();
     }
-    table.insert(key, Item::Value(value));
+    table.insert(name, Item::Value(value));
+    if is_new {
+        let word_of = |key: &str| table.get(key).and_then(Item::as_str);
+        for useless in useless_keys(keys, &word_of, &[name]) {
+            table.remove(useless);
+        }
+    }
 }
 
 /// The member of a list by its number, from 1, or by its name.
@@ -194,10 +194,10 @@ mod tests {
         assert!(text.contains("a = 3 # one"), "{text}");
         assert!(!text.contains("viscosity"), "{text}");
         let stokes = tree.get("gas").unwrap().get("stokes_number").unwrap();
-        assert_eq!(stokes.place, Place::Override("gas.stokes_number=55".into()));
-        assert_eq!(tree.get("gas").unwrap().place, Place::Line(2));
-        assert_eq!(tree.get("new").unwrap().place, Place::Override("new.key=word".into()));
-        assert_eq!(tree.get("stage").unwrap().items()[1].place, Place::Line(6));
+        assert_eq!(stokes.place, SourcePlace::Override("gas.stokes_number=55".into()));
+        assert_eq!(tree.get("gas").unwrap().place, SourcePlace::Line(2));
+        assert_eq!(tree.get("new").unwrap().place, SourcePlace::Override("new.key=word".into()));
+        assert_eq!(tree.get("stage").unwrap().items()[1].place, SourcePlace::Line(6));
     }
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
             assert!(!text.contains("weight"));
             let gas = tree.get("stage").unwrap().items()[1].get("gas").unwrap().clone();
             assert_eq!(gas.entries()[0].1.path, "stage.2.gas.superficial_velocity");
-            assert_eq!(gas.entries()[0].1.place, Place::Override(path.into()));
+            assert_eq!(gas.entries()[0].1.place, SourcePlace::Override(path.into()));
         }
     }
 

@@ -1,12 +1,10 @@
 //! How many particles there are, of what, and where they begin.
 
-use super::allowed::Allowed;
 use super::section::Section;
 use super::sizes::{SizeDistribution, read_diameter};
 use super::units::Units;
 use crate::state::SizeRange;
 use nalgebra::Vector3;
-use serde::Deserialize;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +22,7 @@ pub struct ParticleSetup {
     /// Seed of all random numbers; 0 if none are drawn.
     pub seed: u64,
     /// Where they begin.
-    pub start: Start,
+    pub start: BedStart,
     /// T of the random velocities at the start, the variance of each component.
     pub granular_temperature: f64,
 }
@@ -40,7 +38,7 @@ pub enum Amount {
 
 /// Where the particles begin.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Start {
+pub enum BedStart {
     /// Layers of a simple cubic lattice.
     Lattice {
         /// Least distance of neighbouring sites.
@@ -74,8 +72,7 @@ pub enum Start {
 }
 
 /// Formats of files that hold a bed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedFormat {
     /// A table with a header.
     Csv,
@@ -91,7 +88,7 @@ impl ParticleSetup {
 
     /// The range that sizes can have; `None` if a file says it.
     pub fn size_range(&self) -> Option<SizeRange> {
-        if !matches!(self.start, Start::Lattice { .. } | Start::Random { .. }) {
+        if !matches!(self.start, BedStart::Lattice { .. } | BedStart::Random { .. }) {
             return None;
         }
         let [smallest_diameter, largest_diameter] = self.sizes.as_ref()?.bounds();
@@ -112,73 +109,63 @@ pub(super) struct Scales {
     pub(super) diameter: Option<f64>,
 }
 
-#[derive(Clone, Copy, Deserialize, PartialEq)]
-#[serde(rename_all = "snake_case")]
-enum Kind {
-    Lattice,
-    Random,
-    File,
-    Run,
+impl Scales {
+    /// Mass of a particle of the reference diameter.
+    pub(super) fn mass(&self) -> Option<f64> {
+        Some(sphere_mass(self.density?, self.diameter?))
+    }
 }
 
-impl Kind {
-    fn is_file(self) -> bool {
-        matches!(self, Self::File | Self::Run)
-    }
+/// A start, and T of the random velocities.
+struct StartAndTemperature {
+    start: Option<BedStart>,
+    granular_temperature: f64,
 }
 
 /// `[particles]`, and the scales that other sections need even if this one has errors.
 pub(super) fn read_particles(
-    section: Section<'_>,
+    section: &Section<'_>,
     units: Option<Units>,
     folder: &Path,
 ) -> (Option<ParticleSetup>, Scales) {
-    let sizes = read_diameter(&section);
-    let density = read_density(&section, units);
-    let reference_diameter = read_reference(&section, units, sizes.as_ref());
+    let sizes = read_diameter(section);
+    let density = read_density(section, units);
+    let reference_diameter = read_reference(section, units, sizes.as_ref());
     let scales = Scales { density, diameter: reference_diameter };
-    let start_section = section.section("start");
-    let kind = start_section.as_ref().and_then(|start| start.value::<Kind>("kind"));
-    if !section.has("diameter") && kind.is_some_and(|kind| !kind.is_file()) {
-        section.fail("diameter", "missing: must be a number above 0, or a distribution { ... }");
+    let Some(inner) = section.table("start") else { return (None, scales) };
+    let Some(kind) = inner.word("kind") else { return (None, scales) };
+    let of_file = matches!(kind, "file" | "run");
+    if !of_file {
+        section.require("diameter");
     }
-    let amount = kind.and_then(|kind| read_amount(&section, kind));
-    let seed = section.optional_count("seed", 0..u64::MAX);
+    let amount = read_amount(section, of_file);
     let largest = sizes.as_ref().map(|sizes| sizes.bounds()[1]);
-    let start =
-        start_section.zip(kind).map(|(inner, kind)| read_start(inner, kind, largest, folder));
-    // Known keys, even if the kind of start is not known.
-    section.get("count");
-    section.get("fill_height");
-    let is_random = kind == Some(Kind::Random)
+    let StartAndTemperature { start, granular_temperature } =
+        read_start(&inner, kind, largest, folder);
+    let is_jittered = matches!(start, Some(BedStart::Lattice { jitter, .. }) if jitter > 0.0);
+    let is_random = kind == "random"
         || sizes.as_ref().is_some_and(SizeDistribution::is_random)
-        || start.as_ref().is_some_and(draws_random_numbers);
-    if is_random && !section.has("seed") {
-        section.fail("seed", "missing: must be a whole number, since random numbers are drawn");
+        || is_jittered
+        || granular_temperature > 0.0;
+    if is_random {
+        section.require("seed");
     }
-    section.finish();
-    let setup = start.and_then(|(start, granular_temperature)| {
+    let setup = || {
         Some(ParticleSetup {
             amount,
             sizes,
             reference_diameter: reference_diameter?,
             density: density?,
-            seed: seed.unwrap_or(0),
+            seed: section.count("seed").unwrap_or(0),
             start: start?,
             granular_temperature,
         })
-    });
-    (setup, scales)
-}
-
-/// Whether a start, with its granular temperature, needs random numbers by what its keys say.
-fn draws_random_numbers((start, temperature): &(Option<Start>, f64)) -> bool {
-    let is_jittered = matches!(start, Some(Start::Lattice { jitter, .. }) if *jitter > 0.0);
-    is_jittered || *temperature > 0.0
+    };
+    (setup(), scales)
 }
 
 fn read_density(section: &Section<'_>, units: Option<Units>) -> Option<f64> {
-    let density = section.number("density", Allowed::POSITIVE)?;
+    let density = section.number("density")?;
     if units == Some(Units::Dimensionless) && density != 1.0 {
         section.fail("density", "must be 1 in dimensionless units, it is their scale");
         return None;
@@ -191,87 +178,80 @@ fn read_reference(
     units: Option<Units>,
     sizes: Option<&SizeDistribution>,
 ) -> Option<f64> {
-    let given = section.optional_number("reference_diameter", Allowed::POSITIVE);
-    let is_given = section.has("reference_diameter");
-    match units? {
-        Units::Dimensionless if is_given && given.is_some_and(|diameter| diameter != 1.0) => {
-            section
-                .fail("reference_diameter", "must be 1 in dimensionless units, it is their scale");
+    const KEY: &str = "reference_diameter";
+    let given = section.number(KEY);
+    match (units?, sizes) {
+        (Units::Dimensionless, _) if given.is_some_and(|diameter| diameter != 1.0) => {
+            section.fail(KEY, "must be 1 in dimensionless units, it is their scale");
             None
         }
-        Units::Dimensionless => {
-            if let (false, Some(SizeDistribution::Single(diameter))) = (is_given, sizes)
-                && *diameter != 1.0
-            {
-                let words =
-                    "must be 1 in dimensionless units, or reference_diameter = 1.0 be given";
-                section.fail("diameter", words);
-            }
+        (Units::Dimensionless, Some(SizeDistribution::Single(diameter)))
+            if !section.has(KEY) && *diameter != 1.0 =>
+        {
+            let message = "must be 1 in dimensionless units, or reference_diameter = 1.0 be given";
+            section.fail("diameter", message);
             Some(1.0)
         }
-        Units::Si => match sizes {
-            _ if is_given => given,
-            Some(SizeDistribution::Single(diameter)) => Some(*diameter),
-            None if section.has("diameter") => None,
-            _ => {
-                let words = "missing: must be above 0, since diameters differ or come from a file";
-                section.fail("reference_diameter", words);
-                None
-            }
-        },
+        (Units::Dimensionless, _) => Some(1.0),
+        (Units::Si, _) if section.has(KEY) => given,
+        (Units::Si, Some(SizeDistribution::Single(diameter))) => Some(*diameter),
+        (Units::Si, None) if section.has("diameter") => None,
+        (Units::Si, _) => {
+            section.require(KEY);
+            None
+        }
     }
 }
 
-fn read_amount(section: &Section<'_>, kind: Kind) -> Option<Amount> {
+fn read_amount(section: &Section<'_>, of_file: bool) -> Option<Amount> {
     const KEYS: [&str; 2] = ["count", "fill_height"];
-    if kind.is_file() {
+    if of_file {
         for key in KEYS.into_iter().filter(|key| section.has(key)) {
             section.fail(key, "cannot be given: the start's file says how many");
         }
         return None;
     }
-    match section.exactly_one(&KEYS)? {
-        "count" => section.optional_count("count", 1..1_000_000_001).map(Amount::Count),
-        key => section.optional_number(key, Allowed::POSITIVE).map(Amount::FillHeight),
+    section.require("count");
+    match section.given(&KEYS)? {
+        "count" => section.count("count").map(Amount::Count),
+        key => section.number(key).map(Amount::FillHeight),
     }
 }
 
 fn read_start(
-    section: Section<'_>,
-    kind: Kind,
+    section: &Section<'_>,
+    kind: &str,
     largest: Option<f64>,
     folder: &Path,
-) -> (Option<Start>, f64) {
-    let bottom = || {
-        section.note_default("bottom", "0, the bed begins on the floor of the box");
-        section.number_or("bottom", Allowed::NOT_NEGATIVE, 0.0)
+) -> StartAndTemperature {
+    let path = || section.text("path").map(|path| folder.join(path));
+    let start = || {
+        Some(match kind {
+            "lattice" => BedStart::Lattice {
+                spacing: read_spacing(section, largest)?,
+                jitter: section.number("jitter")?,
+                bottom: section.number("bottom")?,
+            },
+            "random" => BedStart::Random {
+                solids_fraction: section.number("solids_fraction")?,
+                bottom: section.number("bottom")?,
+            },
+            "file" => {
+                let formats = [("csv", BedFormat::Csv), ("lammps", BedFormat::Lammps)];
+                let format = section.choice("format", &formats)?;
+                let offset = section.vector("offset").map(Vector3::from).unwrap_or_default();
+                BedStart::File { path: path()?, format, offset }
+            }
+            _ => BedStart::Run { path: path()? },
+        })
     };
-    let start = match kind {
-        Kind::Lattice => {
-            section.note_default("jitter", "0, an exact lattice");
-            let jitter = section.number_or("jitter", Allowed::from_to_below(0.0, 1.0), 0.0);
-            let bottom = bottom();
-            read_spacing(&section, largest).map(|spacing| Start::Lattice {
-                spacing,
-                jitter,
-                bottom,
-            })
-        }
-        Kind::Random => {
-            let solids_fraction = section.number("solids_fraction", Allowed::positive_up_to(0.3));
-            let bottom = bottom();
-            solids_fraction.map(|solids_fraction| Start::Random { solids_fraction, bottom })
-        }
-        Kind::File => read_file(&section, folder),
-        Kind::Run => section.text("path").map(|path| Start::Run { path: folder.join(path) }),
-    };
-    let temperature = if kind == Kind::Run { 0.0 } else { read_temperature(&section) };
-    section.finish();
-    (start, temperature)
+    let velocity = if kind == "run" { None } else { section.table("velocity") };
+    let temperature = velocity.and_then(|velocity| velocity.number("granular_temperature"));
+    StartAndTemperature { start: start(), granular_temperature: temperature.unwrap_or(0.0) }
 }
 
 fn read_spacing(section: &Section<'_>, largest: Option<f64>) -> Option<f64> {
-    let spacing = section.number("spacing", Allowed::POSITIVE)?;
+    let spacing = section.number("spacing")?;
     match largest {
         Some(largest) if spacing < largest => {
             section.fail("spacing", format!("must be at least the largest diameter, {largest}"));
@@ -279,28 +259,4 @@ fn read_spacing(section: &Section<'_>, largest: Option<f64>) -> Option<f64> {
         }
         _ => Some(spacing),
     }
-}
-
-fn read_file(section: &Section<'_>, folder: &Path) -> Option<Start> {
-    let path = section.text("path");
-    let format = section.value("format");
-    let offset = match section.has("offset") {
-        true => section.numbers("offset", Allowed::FINITE),
-        false => Some(vec![0.0; 3]),
-    };
-    let offset = offset.filter(|offset| {
-        if offset.len() != 3 {
-            section.fail("offset", "must be a list of 3 numbers");
-        }
-        offset.len() == 3
-    });
-    let offset = Vector3::from_column_slice(&offset?);
-    Some(Start::File { path: folder.join(path?), format: format?, offset })
-}
-
-fn read_temperature(section: &Section<'_>) -> f64 {
-    let Some(velocity) = section.optional_section("velocity") else { return 0.0 };
-    let temperature = velocity.number("granular_temperature", Allowed::NOT_NEGATIVE);
-    velocity.finish();
-    temperature.unwrap_or(0.0)
 }

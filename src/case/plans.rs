@@ -1,11 +1,9 @@
 //! What a run writes and when, and how it is spread over ranks: nothing that changes its physics.
 
-use super::allowed::Allowed;
 use super::section::Section;
-use super::wall_time;
+use super::context::require_a_step;
 use crate::domain::RankGrid;
 use crate::state::Balance;
-use serde::Deserialize;
 use std::time::Duration;
 
 /// Intervals of results, in simulated time; `None`: not written.
@@ -36,7 +34,7 @@ pub struct CheckpointPlan {
     pub keep: usize,
 }
 
-/// How the box is cut across ranks.
+/// How the box is divided among ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RankLayout {
     /// Slabs along an axis, as many as there are ranks.
@@ -48,123 +46,52 @@ pub enum RankLayout {
 /// How a run is spread over ranks; never changes results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParallelPlan {
-    /// How the box is cut.
+    /// How the box is divided.
     pub layout: RankLayout,
     /// Skin of the neighbour list over the largest diameter.
     pub skin: f64,
-    /// ForceTorque balancing, unless it is switched off.
+    /// Load balancing, unless it is switched off.
     pub balance: Option<Balance>,
 }
 
-impl Default for ParallelPlan {
-    fn default() -> Self {
-        let balance = Some(Balance::new(100, 1.05));
-        Self { layout: RankLayout::Slabs(2), skin: 0.08, balance }
-    }
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
 /// `[output]`, for a run of this time step.
-pub(super) fn read_output(section: Section<'_>, step: Option<f64>) -> Option<OutputPlan> {
+pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<OutputPlan> {
     let interval = |key| {
-        let interval = section.optional_number(key, Allowed::POSITIVE)?;
-        match step {
-            Some(step) if interval < step => {
-                section.fail(key, format!("must be at least time.step, {step}"));
-                None
-            }
-            _ => Some(interval),
-        }
+        let interval = section.number(key);
+        require_a_step(section, key, interval, step);
+        interval
     };
-    if !section.has("series") {
-        section.number("series", Allowed::POSITIVE);
-    }
-    let series = interval("series");
-    let profiles = interval("profiles");
-    let particles = interval("particles");
-    let gas = interval("gas");
-    let fraction = Allowed::positive_up_to(0.74);
-    let bed_threshold = section.number_or("bed_threshold", fraction, 0.3);
-    section.note_default("bed_threshold", "0.3, the solids fraction that bounds the bed");
-    section.finish();
+    let [series, profiles, particles, gas] =
+        ["series", "profiles", "particles", "gas"].map(interval);
+    let bed_threshold = section.number("bed_threshold")?;
     Some(OutputPlan { series: series?, profiles, particles, gas, bed_threshold })
 }
 
 /// `[checkpoint]`.
-pub(super) fn read_checkpoint(section: Option<Section<'_>>) -> CheckpointPlan {
-    const KEEP: u64 = 3;
-    let Some(section) = section else {
-        let keep = KEEP as usize;
-        return CheckpointPlan { every: None, every_steps: None, every_wall_clock: None, keep };
-    };
-    section.at_most_one(&["every", "every_steps"]);
-    let every = section.optional_number("every", Allowed::POSITIVE);
-    let every_steps = section.optional_count("every_steps", 1..1_000_000_000_001);
-    let every_wall_clock = read_wall_time(&section, "every_wall_clock");
-    let keep = section.optional_count("keep", 1..1001).unwrap_or(KEEP) as usize;
-    section.finish();
-    CheckpointPlan { every, every_steps, every_wall_clock, keep }
-}
-
-/// `[run]`: the wall-clock time after which a run ends itself.
-pub(super) fn read_run(section: Option<Section<'_>>) -> Option<Duration> {
-    let section = section?;
-    let wall_clock = read_wall_time(&section, "wall_clock");
-    section.finish();
-    wall_clock
+pub(super) fn read_checkpoint(section: &Section<'_>) -> Option<CheckpointPlan> {
+    Some(CheckpointPlan {
+        every: section.number("every"),
+        every_steps: section.count("every_steps"),
+        every_wall_clock: section.wall_time("every_wall_clock"),
+        keep: section.count("keep")? as usize,
+    })
 }
 
 /// `[parallel]`.
-pub(super) fn read_parallel(section: Option<Section<'_>>) -> ParallelPlan {
-    let mut plan = ParallelPlan::default();
-    let Some(section) = section else { return plan };
-    section.at_most_one(&["axis", "ranks"]);
-    if let Some(axis) = section.optional::<Axis>("axis") {
-        plan.layout = RankLayout::Slabs(axis as usize);
-    }
-    if let Some(ranks) = section.optional::<[usize; 3]>("ranks") {
-        if ranks.iter().all(|&count| (1..=65_536).contains(&count)) {
-            plan.layout = RankLayout::Grid(RankGrid(ranks));
-        } else {
-            section.fail("ranks", "each must be between 1 and 65536");
-        }
-    }
-    plan.skin = section.number_or("skin", Allowed::between(0.001, 2.0), plan.skin);
-    plan.balance = read_balance(&section, plan.balance);
-    section.finish();
-    plan
+pub(super) fn read_parallel(section: &Section<'_>) -> Option<ParallelPlan> {
+    let axes = [("x", 0), ("y", 1), ("z", 2)];
+    let layout = match section.has("ranks") {
+        true => RankLayout::Grid(RankGrid(section.counts("ranks")?)),
+        false => RankLayout::Slabs(section.choice("axis", &axes)?),
+    };
+    Some(ParallelPlan { layout, skin: section.number("skin")?, balance: read_balance(section)? })
 }
 
-fn read_balance(section: &Section<'_>, default: Option<Balance>) -> Option<Balance> {
-    let Some(node) = section.get("balance") else { return default };
-    if let Some(text) = node.as_text() {
-        if text != "off" {
-            section.fail("balance", "must be \"off\" or { every = STEPS, threshold = RATIO }");
-        }
-        return None;
+/// Load balancing; `Some(None)`: none.
+fn read_balance(section: &Section<'_>) -> Option<Option<Balance>> {
+    if section.word("balance") == Some("off") {
+        return Some(None);
     }
-    let inner = Section::of(node, section.problems)?;
-    if !inner.has("every") {
-        inner.fail("every", "missing: must be a number of steps");
-    }
-    let every = inner.optional_count("every", 1..1_000_000_001);
-    let threshold = inner.number("threshold", Allowed::at_least(1.0));
-    inner.finish();
-    Some(Balance::new(every?, threshold?))
-}
-
-fn read_wall_time(section: &Section<'_>, key: &'static str) -> Option<Duration> {
-    let text: String = section.optional(key)?;
-    let span = wall_time::parse(&text);
-    if span.is_none() {
-        section.fail(key, format!("must be {}", wall_time::ALLOWED));
-    }
-    span
+    let table = section.table_or_defaults("balance")?;
+    Some(Some(Balance::new(table.count("every")?, table.number("threshold")?)))
 }

@@ -1,66 +1,178 @@
-//! Reads one section key by key and collects what is wrong with it.
+//! A section that is checked against its table of keys when it is opened, and then read key by key.
 
-use super::allowed::Allowed;
+use super::allowed_values::{check, description};
 use super::errors::{CaseError, Problems};
-use super::leaf::{nearest, words_for};
+use super::suggestion::nearest;
 use super::tree::{Node, Value};
-use crate::numbers::Schedule;
-use serde::Deserialize;
-use std::cell::RefCell;
-use std::ops::Range;
+use super::wall_time;
+use crate::schema::{self, ActiveKeys, Key, Kind, Required};
+use std::time::Duration;
 
-/// A section that is being read. A value that is missing or wrong is reported and read as `None`.
+/// An open section. What is wrong with it has been reported: whatever is missing or wrong reads as `None`.
+#[derive(Clone)]
 pub(super) struct Section<'a> {
     pub(super) node: &'a Node,
     pub(super) problems: &'a Problems,
-    known: RefCell<Vec<&'static str>>,
+    keys: std::rc::Rc<ActiveKeys>,
 }
 
+/// What stands for a section that the file leaves out.
+static NOTHING: Node = Node::EMPTY;
+
 impl<'a> Section<'a> {
-    /// A node as a section.
-    pub(super) fn of(node: &'a Node, problems: &'a Problems) -> Option<Self> {
-        if !matches!(node.value, Value::Table(_)) {
-            let name = node.path.clone();
-            problems.add(node.error(format!("must be a section of keys, [{name}] or {{ ... }}")));
+    /// Checks a node and all below against a table, and opens it.
+    pub(super) fn open(
+        node: &'a Node,
+        keys: &'static [Key],
+        problems: &'a Problems,
+    ) -> Option<Self> {
+        if let Err(message) = check(&Kind::Table(keys), node) {
+            problems.add(node.error(message));
             return None;
         }
-        Some(Self { node, problems, known: RefCell::default() })
+        let keys = ActiveKeys::of(keys, &|key| node.get(key).and_then(Node::as_text));
+        let section = Self { node, problems, keys: keys.into() };
+        section.check_entries();
+        section.check_presence();
+        Some(section)
     }
 
-    /// A sub-section that must be there.
-    pub(super) fn section(&self, key: &'static str) -> Option<Section<'a>> {
-        match self.get(key) {
-            Some(node) => Section::of(node, self.problems),
-            None => {
-                self.missing(key, &format!("a section [{}]", self.path_of(key)));
-                None
+    /// Values, and keys that nobody knows or that a chosen word has no use for.
+    fn check_entries(&self) {
+        for (name, node) in self.node.entries() {
+            if let Some(key) = self.keys.active.iter().find(|key| key.name == name) {
+                self.check_value(&key.kind, node);
+                continue;
+            }
+            let inactive = self.keys.inactive.iter().filter(|(key, _)| key.name == name);
+            let (mut open, mut refused) = (None, None);
+            for (key, chosen) in inactive {
+                match chosen {
+                    Some(chosen) => refused = Some(chosen),
+                    None => open = Some(key),
+                }
+            }
+            match (open, refused) {
+                // It may be right once the word that decides is.
+                (Some(key), _) => self.check_value(&key.kind, node),
+                (None, Some(chosen)) => self.problems.add(node.error(format!(
+                    "cannot be given: {} {:?} has no use for it",
+                    chosen.key, chosen.word
+                ))),
+                (None, None) => self.problems.add(node.error(self.unknown(name))),
             }
         }
     }
 
-    /// A sub-section that may be left out.
-    pub(super) fn optional_section(&self, key: &'static str) -> Option<Section<'a>> {
-        self.get(key).and_then(|node| Section::of(node, self.problems))
+    fn check_value(&self, kind: &'static Kind, node: &'a Node) {
+        if let Err(message) = check(kind, node) {
+            self.problems.add(node.error(message));
+        } else if !matches!(kind, Kind::Merged(_)) {
+            let tables = match &node.value {
+                Value::Table(_) => std::slice::from_ref(node),
+                _ if matches!(kind, Kind::Tables(_)) => node.items(),
+                _ => &[],
+            };
+            for table in tables {
+                Self::open(table, kind.keys(), self.problems);
+            }
+        }
     }
 
-    /// The value of a key, whatever it is.
-    pub(super) fn get(&self, key: &'static str) -> Option<&'a Node> {
-        self.known.borrow_mut().push(key);
-        self.node.get(key)
+    fn unknown(&self, name: &str) -> String {
+        let open = self.keys.inactive.iter().filter(|(_, chosen)| chosen.is_none());
+        let keys = self.keys.active.iter().copied().chain(open.map(|(key, _)| *key));
+        let mut known: Vec<&str> = keys.map(|key| key.name).collect();
+        known.sort_unstable();
+        known.dedup();
+        match nearest(name, &known) {
+            Some(near) => format!("unknown key: did you mean {near}?"),
+            None => format!("unknown key: known here are {}", known.join(", ")),
+        }
     }
 
-    /// Whether a key is given.
-    pub(super) fn has(&self, key: &'static str) -> bool {
-        self.get(key).is_some()
+    /// Keys that are missing, that exclude each other, or that belong to another one.
+    fn check_presence(&self) {
+        for key in &self.keys.active {
+            match self.has(key.name) {
+                true => self.check_companions(key),
+                false if key.required == Required::Always => self.check_missing(key),
+                false if key.required == Required::Never && !self.has_any(key.partners) => {
+                    self.note_default(key.name);
+                }
+                false => {}
+            }
+        }
+    }
+
+    fn check_companions(&self, key: &Key) {
+        let place = |name: &str| self.node.get(name).map(|node| &node.place);
+        let rank = |name: &str| self.keys.active.iter().position(|other| other.name == name);
+        let order = |name: &str| (place(name), rank(name));
+        let first = key.partners.iter().filter(|name| self.has(name)).min_by_key(|name| order(name));
+        if let Some(first) = first.filter(|first| order(first) < order(key.name)) {
+            self.fail(key.name, format!("cannot be given together with {first}: give one only"));
+        }
+        let owner = key.with.filter(|owner| !self.has(owner)).and_then(|owner| self.keys.find(owner));
+        // An owner that is missing itself has been reported.
+        if let Some(owner) = owner
+            && (owner.required != Required::Always || self.has_any(owner.partners))
+        {
+            self.fail(key.name, format!("cannot be given without {}", owner.name));
+        }
+    }
+
+    fn check_missing(&self, key: &Key) {
+        let is_reported = |other: &&Key| other.partners.contains(&key.name) && !self.has_any(other.partners);
+        let mut before = self.keys.active.iter().take_while(|other| other.name != key.name);
+        let is_free = key.with.is_none_or(|owner| self.has(owner));
+        if is_free && !self.has_any(key.partners) && !before.any(|other| is_reported(other)) {
+            self.require(key.name);
+        }
+    }
+
+    /// Reports that a key is missing unless it or a partner is given, for example because the condition holds under
+    /// which its table requires it.
+    pub(super) fn require(&self, name: &'static str) {
+        let Some(key) = self.key(name) else { return };
+        if self.has(name) || self.has_any(key.partners) {
+            return;
+        }
+        let excluded = |partner: &str| {
+            let given = self.keys.active.iter().filter(|key| self.has(key.name));
+            given.flat_map(|key| key.partners).any(|other| *other == partner)
+        };
+        let partners = key.partners.iter().copied().filter(|partner| !excluded(partner));
+        let choices: Vec<&str> = std::iter::once(name).chain(partners).collect();
+        let reason = match key.required {
+            Required::When(condition) => format!(", since {}", condition.replace('`', "")),
+            _ => String::new(),
+        };
+        self.fail(name, match key.kind {
+            _ if choices.len() > 1 => format!("missing: give {}", choices.join(" or ")),
+            Kind::Table(_) | Kind::Merged(_) => {
+                format!("missing: must be a section [{}]", self.path_of(name))
+            }
+            kind => format!("missing: must be {}{reason}", description(&kind)),
+        });
+    }
+
+    /// Notes what stands for a key that is left out, if its table says that this is printed.
+    pub(super) fn note_default(&self, name: &'static str) {
+        let default = self.key(name).filter(|_| !self.has(name)).and_then(|key| key.default);
+        if let Some(schema::Fallback { value, printed: Some(reason) }) = default {
+            let reason = if reason.is_empty() { String::new() } else { format!(", {reason}") };
+            self.problems.note(format!("{} is not given: {value}{reason}", self.path_of(name)));
+        }
     }
 
     /// Reports an error of a key, at its line or, if it is left out, at that of the section.
-    pub(super) fn fail(&self, key: &'static str, message: impl Into<String>) {
-        let error = match self.node.get(key) {
+    pub(super) fn fail(&self, name: &str, message: impl Into<String>) {
+        let error = match self.node.get(name) {
             Some(node) => node.error(message),
             None => CaseError {
                 place: self.node.place.clone(),
-                key: self.path_of(key),
+                key: self.path_of(name),
                 value: None,
                 message: message.into(),
             },
@@ -68,181 +180,133 @@ impl<'a> Section<'a> {
         self.problems.add(error);
     }
 
-    /// Notes that a key was left out and what stands for it.
-    pub(super) fn note_default(&self, key: &'static str, default: &str) {
-        if self.node.get(key).is_none() {
-            self.problems.note(format!("{} is not given: {default}", self.path_of(key)));
-        }
-    }
-
-    /// A value of any type that must be there.
-    pub(super) fn value<T: Deserialize<'a>>(&self, key: &'static str) -> Option<T> {
-        match self.get(key) {
-            Some(_) => self.optional(key),
-            None => {
-                let wrong = words_for::<T>();
-                self.missing(key, wrong.strip_prefix("must be ").unwrap_or(&wrong));
-                None
-            }
-        }
-    }
-
-    /// A value of any type that may be left out.
-    pub(super) fn optional<T: Deserialize<'a>>(&self, key: &'static str) -> Option<T> {
-        let node = self.get(key)?;
-        node.to().map_err(|mismatch| self.problems.add(node.error(mismatch.0))).ok()
-    }
-
-    /// A text that must be there and not be empty.
-    pub(super) fn text(&self, key: &'static str) -> Option<String> {
-        let text: String = self.value(key)?;
-        if text.trim().is_empty() {
-            self.fail(key, "must not be empty");
-            return None;
-        }
-        Some(text)
-    }
-
-    /// A number in a range that must be there.
-    pub(super) fn number(&self, key: &'static str, allowed: Allowed) -> Option<f64> {
-        if !self.has(key) {
-            self.missing(key, &allowed.to_string());
-        }
-        self.optional_number(key, allowed)
-    }
-
-    /// A number in a range that may be left out.
-    pub(super) fn optional_number(&self, key: &'static str, allowed: Allowed) -> Option<f64> {
-        self.number_of(self.get(key)?, allowed)
-    }
-
-    /// A number in a range; what stands for it if it is left out.
-    pub(super) fn number_or(&self, key: &'static str, allowed: Allowed, default: f64) -> f64 {
-        self.optional_number(key, allowed).unwrap_or(default)
-    }
-
-    /// A whole number in a range that may be left out.
-    pub(super) fn optional_count(&self, key: &'static str, range: Range<u64>) -> Option<u64> {
-        let count: u64 = self.optional(key)?;
-        if !range.contains(&count) {
-            self.fail(key, format!("must be between {} and {}", range.start, range.end - 1));
-            return None;
-        }
-        Some(count)
-    }
-
-    /// A list of numbers, each in a range, that must be there and not be empty.
-    pub(super) fn numbers(&self, key: &'static str, allowed: Allowed) -> Option<Vec<f64>> {
-        let values: Vec<f64> = self.value(key)?;
-        if values.is_empty() {
-            self.fail(key, "must not be empty");
-            return None;
-        }
-        match values.iter().all(|&value| allowed.check(value).is_ok()) {
-            true => Some(values),
-            false => {
-                self.fail(key, format!("each must be {allowed}"));
-                None
-            }
-        }
-    }
-
-    /// A number that may change with time: constant, a ramp `{ from, to }` over the stage that sets it, or
-    /// steps `{ values, every }` or a sine `{ mean, amplitude, frequency }` from the begin of that stage.
-    pub(super) fn schedule(
-        &self,
-        key: &'static str,
-        allowed: Allowed,
-        stages: &[Range<f64>],
-    ) -> Option<Schedule> {
-        let node = self.get(key)?;
-        if !matches!(node.value, Value::Table(_)) {
-            return self.number_of(node, allowed).map(Schedule::Constant);
-        }
-        let stage = stages[node.stage].clone();
-        let section = Section::of(node, self.problems)?;
-        let schedule = if section.has("values") || section.has("every") {
-            let values = section.numbers("values", allowed);
-            let every = section.number("every", Allowed::POSITIVE);
-            values.zip(every).map(|(values, every)| Schedule::Steps {
-                values,
-                start: stage.start,
-                every,
-            })
-        } else if ["mean", "amplitude", "frequency"].into_iter().any(|key| section.has(key)) {
-            let mean = section.number("mean", allowed);
-            let amplitude = section.number("amplitude", Allowed::FINITE);
-            let frequency = section.number("frequency", Allowed::POSITIVE);
-            mean.zip(amplitude).zip(frequency).map(|((mean, amplitude), frequency)| {
-                Schedule::Sine { mean, amplitude, frequency, start: stage.start }
-            })
-        } else {
-            let from = section.number("from", allowed);
-            let to = section.number("to", allowed);
-            let Range { start, end } = stage;
-            from.zip(to).map(|(from, to)| Schedule::Ramp { from, to, start, end })
-        };
-        section.finish();
-        schedule
-    }
-
-    /// Which one of several keys is given; an error unless it is exactly one.
-    pub(super) fn exactly_one(&self, keys: &[&'static str]) -> Option<&'static str> {
-        let given = self.at_most_one(keys)?;
-        if given.is_none() {
-            self.fail(keys[0], format!("missing: give {}", keys.join(" or ")));
-        }
-        given
-    }
-
-    /// Which one of several keys is given, `Some(None)` if none is; an error if several are.
-    pub(super) fn at_most_one(&self, keys: &[&'static str]) -> Option<Option<&'static str>> {
-        let mut given: Vec<&'static str> =
-            keys.iter().copied().filter(|key| self.has(key)).collect();
-        given.sort_by_key(|key| self.node.get(key).map(|node| &node.place));
-        if let [first, others @ ..] = given.as_slice() {
-            for other in others {
-                self.fail(other, format!("cannot be given together with {first}: give one only"));
-            }
-            return others.is_empty().then_some(Some(first));
-        }
-        Some(None)
-    }
-
-    /// Reports the keys that nobody asked for.
-    pub(super) fn finish(&self) {
-        let known = self.known.borrow();
-        let mut unique = known.clone();
-        unique.sort_unstable();
-        unique.dedup();
-        for (key, node) in self.node.entries() {
-            if known.contains(&key.as_str()) {
-                continue;
-            }
-            let advice = match nearest(key, &unique) {
-                Some(near) => format!("did you mean {near}?"),
-                None => format!("known here are {}", unique.join(", ")),
-            };
-            self.problems.add(node.error(format!("unknown key: {advice}")));
-        }
-    }
-
     /// Path of a key of this section.
-    pub(super) fn path_of(&self, key: &str) -> String {
+    pub(super) fn path_of(&self, name: &str) -> String {
         match self.node.path.as_str() {
-            "" => key.to_owned(),
-            path => format!("{path}.{key}"),
+            "" => name.to_owned(),
+            path => format!("{path}.{name}"),
         }
     }
 
-    fn missing(&self, key: &'static str, allowed: &str) {
-        self.fail(key, format!("missing: must be {allowed}"));
+    /// Whether a key is given.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.node.get(name).is_some()
     }
 
-    fn number_of(&self, node: &Node, allowed: Allowed) -> Option<f64> {
-        let checked = node.to().map_err(|mismatch| mismatch.0).and_then(|number| {
-            allowed.check(number).map(|()| number).map_err(|words| format!("must be {words}"))
-        });
-        checked.map_err(|words| self.problems.add(node.error(words))).ok()
+    fn has_any(&self, names: &[&str]) -> bool {
+        names.iter().any(|name| self.has(name))
+    }
+
+    /// Which one of several keys is given; `None` if more than one are, or none is.
+    pub(super) fn given(&self, names: &[&'static str]) -> Option<&'static str> {
+        let mut given = names.iter().copied().filter(|name| self.has(name));
+        let first = given.next();
+        first.filter(|_| given.next().is_none())
+    }
+
+    fn key(&self, name: &str) -> Option<&'static Key> {
+        let key = self.keys.find(name);
+        debug_assert!(key.is_some(), "{} is in no table", self.path_of(name));
+        key
+    }
+
+    /// The value of a key, if it is what the table allows.
+    fn right(&self, name: &str) -> Option<&'a Node> {
+        let (key, node) = (self.key(name)?, self.node.get(name)?);
+        check(&key.kind, node).is_ok().then_some(node)
+    }
+
+    /// What stands for a key that is left out.
+    fn default(&self, name: &str) -> Option<schema::Value> {
+        let key = self.key(name).filter(|_| !self.has(name))?;
+        key.default.map(|default| default.value)
+    }
+
+    /// A number, or its default.
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        match self.default(name) {
+            Some(schema::Value::Number(number)) => Some(number),
+            _ => self.right(name)?.as_number(),
+        }
+    }
+
+    /// A whole number, or its default.
+    pub(super) fn count(&self, name: &str) -> Option<u64> {
+        match self.default(name) {
+            Some(schema::Value::Count(count)) => Some(count),
+            _ => self.right(name)?.as_count(),
+        }
+    }
+
+    /// True or false, or its default.
+    pub(super) fn boolean(&self, name: &str) -> Option<bool> {
+        match self.default(name) {
+            Some(schema::Value::Boolean(truth)) => Some(truth),
+            _ => self.right(name)?.as_boolean(),
+        }
+    }
+
+    /// A chosen word, or its default.
+    pub(super) fn word(&self, name: &str) -> Option<&'a str> {
+        match self.default(name) {
+            Some(schema::Value::Word(word)) => Some(word),
+            _ => self.right(name)?.as_text(),
+        }
+    }
+
+    /// What a chosen word stands for.
+    pub(super) fn choice<T: Clone>(&self, name: &str, meanings: &[(&str, T)]) -> Option<T> {
+        let word = self.word(name)?;
+        let meaning = meanings.iter().find(|(meant, _)| *meant == word);
+        debug_assert!(meaning.is_some(), "{word} of {} is not read", self.path_of(name));
+        meaning.map(|(_, meaning)| meaning.clone())
+    }
+
+    /// A text.
+    pub(super) fn text(&self, name: &str) -> Option<String> {
+        self.right(name)?.as_text().map(str::to_owned)
+    }
+
+    /// A span of wall-clock time.
+    pub(super) fn wall_time(&self, name: &str) -> Option<Duration> {
+        self.right(name)?.as_text().and_then(wall_time::parse)
+    }
+
+    /// A list of numbers.
+    pub(super) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        self.right(name)?.as_list(Node::as_number)
+    }
+
+    /// So many numbers.
+    pub(super) fn vector<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
+        self.numbers(name)?.try_into().ok()
+    }
+
+    /// Whole numbers along x, y and z.
+    pub(super) fn counts(&self, name: &str) -> Option<[usize; 3]> {
+        let counts = self.right(name)?.as_list(Node::as_count)?;
+        let [x, y, z] = counts.as_slice().try_into().ok()?;
+        Some([x, y, z].map(|count: u64| count as usize))
+    }
+
+    /// A table, or a section; `None` if something else is written.
+    pub(super) fn table(&self, name: &str) -> Option<Section<'a>> {
+        let node = self.right(name).filter(|node| matches!(node.value, Value::Table(_)))?;
+        Self::open(node, self.key(name)?.kind.keys(), self.problems)
+    }
+
+    /// A section that may be left out: then all its keys have their defaults.
+    pub(super) fn table_or_defaults(&self, name: &str) -> Option<Section<'a>> {
+        match self.has(name) {
+            true => self.table(name),
+            false => Self::open(&NOTHING, self.key(name)?.kind.keys(), self.problems),
+        }
+    }
+
+    /// The sections of a list.
+    pub(super) fn tables(&self, name: &str) -> Vec<Section<'a>> {
+        let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
+        let open = |item| Self::open(item, key.kind.keys(), self.problems);
+        node.items().iter().filter_map(open).collect()
     }
 }

@@ -1,11 +1,8 @@
 //! Diameters of particles: a number, a list, or a distribution. Drawn by id, so that they depend on the
 //! seed alone.
 
-use super::allowed::Allowed;
 use super::section::Section;
-use super::tree::{Node, Value};
 use crate::numbers::{normal, random_of, uniform};
-use serde::Deserialize;
 
 /// How diameters are distributed over particles, by number.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,55 +121,40 @@ impl SizeDistribution {
     }
 }
 
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Shape {
-    Uniform,
-    Normal,
-    LogNormal,
-}
-
 /// The key `diameter`, if it is given and right.
 pub(super) fn read_diameter(section: &Section<'_>) -> Option<SizeDistribution> {
-    let node = section.get("diameter")?;
-    match node.value {
-        Value::Table(_) => read_distribution(section, node),
-        _ => section.optional_number("diameter", Allowed::POSITIVE).map(SizeDistribution::Single),
+    let Some(table) = section.table("diameter") else {
+        return section.number("diameter").map(SizeDistribution::Single);
+    };
+    match table.given(&["values", "distribution"])? {
+        "values" => read_classes(&table),
+        _ => read_distribution(&table).filter(|distribution| holds_enough(section, distribution)),
     }
 }
 
-fn read_distribution(outer: &Section<'_>, node: &Node) -> Option<SizeDistribution> {
-    let section = Section::of(node, outer.problems)?;
-    if section.has("values") || !section.has("distribution") {
-        return read_classes(section);
-    }
-    let shape: Shape = section.value("distribution")?;
-    let smallest = section.number("smallest", Allowed::POSITIVE);
-    let largest = section.number("largest", Allowed::POSITIVE);
-    let centre = |key| match shape {
-        Shape::Uniform => Some([0.0; 2]),
-        _ => {
-            let centre = section.number(key, Allowed::POSITIVE);
-            let deviation = section.number("deviation", Allowed::POSITIVE);
-            Some([centre?, deviation?])
-        }
-    };
-    let centre = centre(if matches!(shape, Shape::Normal) { "mean" } else { "median" });
-    let bounds = smallest.zip(largest);
-    let is_ordered = bounds.is_none_or(|(smallest, largest)| smallest <= largest);
-    if !is_ordered {
+fn read_distribution(section: &Section<'_>) -> Option<SizeDistribution> {
+    let shape = section.word("distribution")?;
+    let (smallest, largest) = (section.number("smallest")?, section.number("largest")?);
+    if smallest > largest {
         section.fail("largest", "must be at least smallest");
+        return None;
     }
-    let distribution =
-        bounds.zip(centre).map(|((smallest, largest), [c, deviation])| match shape {
-            Shape::Uniform => SizeDistribution::Uniform { smallest, largest },
-            Shape::Normal => SizeDistribution::Normal { mean: c, deviation, smallest, largest },
-            Shape::LogNormal => {
-                SizeDistribution::LogNormal { median: c, deviation, smallest, largest }
-            }
-        });
-    section.finish();
-    distribution.filter(|distribution| is_ordered && holds_enough(outer, distribution))
+    let deviation = || section.number("deviation");
+    Some(match shape {
+        "normal" => SizeDistribution::Normal {
+            mean: section.number("mean")?,
+            deviation: deviation()?,
+            smallest,
+            largest,
+        },
+        "log_normal" => SizeDistribution::LogNormal {
+            median: section.number("median")?,
+            deviation: deviation()?,
+            smallest,
+            largest,
+        },
+        _ => SizeDistribution::Uniform { smallest, largest },
+    })
 }
 
 /// Whether enough of a distribution lies between its bounds; if not, that is reported.
@@ -182,31 +164,22 @@ fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool 
     if part >= least {
         return true;
     }
-    let words = "smallest and largest must hold at least";
-    section.fail("diameter", format!("{words} {least} of the distribution, not {part:.2e}"));
+    let message = "smallest and largest must hold at least";
+    section.fail("diameter", format!("{message} {least} of the distribution, not {part:.2e}"));
     false
 }
 
-fn read_classes(section: Section<'_>) -> Option<SizeDistribution> {
-    let values = section.numbers("values", Allowed::POSITIVE);
-    let fractions = section.numbers("fractions", Allowed::between(0.0, 1.0));
-    section.optional::<String>("distribution");
-    if section.has("distribution") {
-        section.fail("distribution", "cannot be given together with values: give one only");
-    }
-    let (Some(values), Some(fractions)) = (values, fractions) else {
-        section.finish();
-        return None;
-    };
+fn read_classes(section: &Section<'_>) -> Option<SizeDistribution> {
+    let (values, fractions) = (section.numbers("values")?, section.numbers("fractions")?);
     let sum: f64 = fractions.iter().sum();
-    let as_many = values.len() == fractions.len();
-    if !as_many {
+    if values.len() != fractions.len() {
         section.fail("fractions", format!("must be as many as values, {}", values.len()));
-    } else if (sum - 1.0).abs() > 1.0e-6 {
+        return None;
+    }
+    if (sum - 1.0).abs() > 1.0e-6 {
         section.fail("fractions", format!("must add up to 1, not {sum}"));
     }
-    section.finish();
-    as_many.then_some(SizeDistribution::Classes { values, fractions })
+    Some(SizeDistribution::Classes { values, fractions })
 }
 
 #[cfg(test)]

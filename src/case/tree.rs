@@ -1,6 +1,6 @@
 //! The case file as a tree of values that know their line and their path.
 
-use super::errors::{CaseError, Place, Problems};
+use super::errors::{CaseError, SourcePlace, Problems};
 use std::fmt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -11,7 +11,7 @@ pub(super) struct Node {
     /// What it is.
     pub(super) value: Value,
     /// Where its key stands.
-    pub(super) place: Place,
+    pub(super) place: SourcePlace,
     /// Path of keys; members of a list by number from 1, as in `stage.2.gas.viscosity`.
     pub(super) path: String,
     /// Number of the stage that sets it; 0 for the base of the file too.
@@ -52,9 +52,9 @@ impl Node {
             let place = match error.span() {
                 Some(span) => {
                     let (line, column) = line_and_column(text, span.start);
-                    Place::Column(line, column)
+                    SourcePlace::Column(line, column)
                 }
-                None => Place::File,
+                None => SourcePlace::File,
             };
             problems.add_at(place, format!("not valid TOML: {}", error.message()));
         }
@@ -63,8 +63,12 @@ impl Node {
         }
         let lines = Lines::of(text);
         let value = table(root.get_ref(), "", &lines);
-        Some(Self { value, place: Place::File, path: String::new(), stage: 0 })
+        Some(Self { value, place: SourcePlace::File, path: String::new(), stage: 0 })
     }
+
+    /// A table without entries, for a section that the file leaves out.
+    pub(super) const EMPTY: Self =
+        Self { value: Value::Table(Vec::new()), place: SourcePlace::File, path: String::new(), stage: 0 };
 
     /// A member of a table.
     pub(super) fn get(&self, key: &str) -> Option<&Node> {
@@ -78,6 +82,39 @@ impl Node {
     pub(super) fn as_text(&self) -> Option<&str> {
         match &self.value {
             Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The number, if it is one.
+    pub(super) fn as_number(&self) -> Option<f64> {
+        match &self.value {
+            Value::Integer(number) => Some(*number as f64),
+            Value::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The whole number, if it is one and not negative.
+    pub(super) fn as_count(&self) -> Option<u64> {
+        match &self.value {
+            Value::Integer(number) => u64::try_from(*number).ok(),
+            _ => None,
+        }
+    }
+
+    /// True or false, if it is one of them.
+    pub(super) fn as_boolean(&self) -> Option<bool> {
+        match &self.value {
+            Value::Boolean(truth) => Some(*truth),
+            _ => None,
+        }
+    }
+
+    /// The members of a list, if it is one and each of them is of a kind.
+    pub(super) fn as_list<T>(&self, member: impl Fn(&Node) -> Option<T>) -> Option<Vec<T>> {
+        match &self.value {
+            Value::List(items) => items.iter().map(member).collect(),
             _ => None,
         }
     }
@@ -153,8 +190,8 @@ impl Lines {
         Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
     }
 
-    fn line_of(&self, offset: usize) -> Place {
-        Place::Line(self.0.partition_point(|&start| start <= offset))
+    fn line_of(&self, offset: usize) -> SourcePlace {
+        SourcePlace::Line(self.0.partition_point(|&start| start <= offset))
     }
 }
 
@@ -170,7 +207,7 @@ fn table(entries: &DeTable<'_>, path: &str, lines: &Lines) -> Value {
     Value::Table(nodes)
 }
 
-fn node(value: &Spanned<DeValue<'_>>, path: String, place: Place, lines: &Lines) -> Node {
+fn node(value: &Spanned<DeValue<'_>>, path: String, place: SourcePlace, lines: &Lines) -> Node {
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
@@ -201,17 +238,17 @@ mod tests {
         let text = "a = 1\n\n[box]\nlengths = [\n  1.0,\n  nan ]\n[[stage]]\nname = 'x'\n[stage.gas]\nb = 0x1_F\n[particles.start]\nc = true\n";
         let root = Node::parse(text, &Problems::default()).unwrap();
         let line = |node: Option<&Node>| node.unwrap().place.clone();
-        assert_eq!(line(root.get("a")), Place::Line(1));
-        assert_eq!(line(root.get("box")), Place::Line(3));
+        assert_eq!(line(root.get("a")), SourcePlace::Line(1));
+        assert_eq!(line(root.get("box")), SourcePlace::Line(3));
         let lengths = root.get("box").unwrap().get("lengths").unwrap();
-        assert_eq!(lengths.place, Place::Line(4));
-        assert_eq!(lengths.items()[1].place, Place::Line(6));
+        assert_eq!(lengths.place, SourcePlace::Line(4));
+        assert_eq!(lengths.items()[1].place, SourcePlace::Line(6));
         let stage = &root.get("stage").unwrap().items()[0];
-        assert_eq!(stage.place, Place::Line(7));
+        assert_eq!(stage.place, SourcePlace::Line(7));
         let b = stage.get("gas").unwrap().get("b").unwrap();
-        assert_eq!((b.place.clone(), b.path.as_str()), (Place::Line(10), "stage.1.gas.b"));
+        assert_eq!((b.place.clone(), b.path.as_str()), (SourcePlace::Line(10), "stage.1.gas.b"));
         assert_eq!(b.to_string(), "31");
-        assert_eq!(line(root.get("particles").unwrap().get("start")), Place::Line(11));
+        assert_eq!(line(root.get("particles").unwrap().get("start")), SourcePlace::Line(11));
     }
 
     #[test]

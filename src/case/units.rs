@@ -1,10 +1,7 @@
 //! Systems of units that a case may be in.
 
-use serde::Deserialize;
-
 /// The coherent system of units that all numbers of a case are in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Units {
     /// Metre, kilogram, second.
     Si,
@@ -13,6 +10,10 @@ pub enum Units {
 }
 
 impl Units {
+    /// All, by the words that the case file uses.
+    pub(super) const ALL: [(&str, Self); 2] =
+        [("si", Self::Si), ("dimensionless", Self::Dimensionless)];
+
     /// The word that the case file uses.
     pub fn name(self) -> &'static str {
         match self {

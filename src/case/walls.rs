@@ -1,11 +1,9 @@
 //! The walls: in faces of the box, and the case's own.
 
-use super::allowed::Allowed;
 use super::errors::Problems;
-use super::leaf::must_be_one_of;
 use super::section::Section;
-use super::space::{AXES, read_bounds};
-use super::tree::{Node, Value};
+use super::boxes::{AXES, read_bounds};
+use super::tree::Node;
 use super::{Case, Stage};
 use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
 use crate::gas::GasModel;
@@ -15,17 +13,18 @@ use nalgebra::Vector3;
 
 /// `[box]` and `[[wall]]`.
 pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
-    let bounds = root.section("box").and_then(read_bounds);
-    let given = root.get("wall").map(|node| read_walls(node, root.problems));
+    let bounds = root.table("box").as_ref().and_then(read_bounds);
+    let given: Vec<_> = root.tables("wall").iter().map(|wall| (read_wall(wall), wall.node)).collect();
     let bounds = bounds?;
     let mut all = face_walls(&bounds);
-    for (entry, node) in given.into_iter().flatten() {
+    for (entry, node) in given {
+        let Some(entry) = entry else { continue };
         match entry {
             Entry::Face { face, motion } => move_face(&mut all, face, motion, node, root.problems),
             Entry::Own(wall) => {
                 if all.iter().any(|other| other.name == wall.name) {
-                    let words = format!("there is another wall {:?}", wall.name);
-                    root.problems.add(node.error(words));
+                    let message = format!("there is another wall {:?}", wall.name);
+                    root.problems.add(node.error(message));
                 }
                 check_periodic(&bounds, &wall, node, root.problems);
                 all.push(wall);
@@ -61,111 +60,51 @@ enum Entry {
     Own(Wall),
 }
 
-fn read_walls<'a>(node: &'a Node, problems: &Problems) -> Vec<(Entry, &'a Node)> {
-    if !matches!(node.value, Value::List(_)) {
-        problems.add(node.error("must be a list of sections, each [[wall]]"));
+fn read_wall(section: &Section<'_>) -> Option<Entry> {
+    let motion = read_motion(section);
+    match section.given(&["normal", "radius", "face"])? {
+        "face" => {
+            let face = section.word("face").and_then(BoxFace::named)?;
+            Some(Entry::Face { face, motion: motion? })
+        }
+        kind => {
+            let shape = if kind == "radius" { read_cylinder(section) } else { read_plane(section) };
+            Some(Entry::Own(Wall { name: section.text("name")?, shape: shape?, motion: motion? }))
+        }
     }
-    node.items().iter().filter_map(|item| Some((read_wall(item, problems)?, item))).collect()
-}
-
-fn read_wall(node: &Node, problems: &Problems) -> Option<Entry> {
-    let section = Section::of(node, problems)?;
-    section.get("contact"); // read with the section of that name
-    let kind = section.exactly_one(&["normal", "radius", "face"]);
-    let motion = read_motion(&section);
-    let entry = match kind {
-        Some("face") => {
-            read_face(&section).zip(motion).map(|(face, motion)| Entry::Face { face, motion })
-        }
-        Some(kind) => {
-            let name = section.text("name");
-            let shape =
-                if kind == "radius" { read_cylinder(&section) } else { read_plane(&section) };
-            name.zip(shape)
-                .zip(motion)
-                .map(|((name, shape), motion)| Entry::Own(Wall { name, shape, motion }))
-        }
-        None => {
-            section.text("name");
-            section.get("point");
-            section.get("centre");
-            None
-        }
-    };
-    section.finish();
-    entry
-}
-
-fn read_face(section: &Section<'_>) -> Option<BoxFace> {
-    let word = section.text("face")?;
-    let face = BoxFace::named(&word);
-    if face.is_none() {
-        section.fail("face", must_be_one_of(&word, &BoxFace::NAMES));
-    }
-    face
 }
 
 fn read_plane(section: &Section<'_>) -> Option<WallShape> {
-    let point = vector(section, "point");
-    let normal = vector(section, "normal");
-    let unit = normal.and_then(|normal| normal.try_normalize(0.0));
-    if normal.is_some() && unit.is_none() {
+    let normal = Vector3::from(section.vector("normal")?).try_normalize(0.0);
+    if normal.is_none() {
         section.fail("normal", "must not be the zero vector");
     }
-    Some(WallShape::Plane { point: point?, normal: unit? })
+    Some(WallShape::Plane { point: section.vector("point")?.into(), normal: normal? })
 }
 
 fn read_cylinder(section: &Section<'_>) -> Option<WallShape> {
-    let centre = section.numbers("centre", Allowed::FINITE).filter(|numbers| {
-        if numbers.len() != 2 {
-            section.fail("centre", "must be a list of 2 numbers, x and y");
-        }
-        numbers.len() == 2
-    });
-    let radius = section.number("radius", Allowed::POSITIVE);
-    let centre = centre?;
-    Some(WallShape::Cylinder { centre: Vector3::new(centre[0], centre[1], 0.0), radius: radius? })
-}
-
-fn vector(section: &Section<'_>, key: &'static str) -> Option<Vector3<f64>> {
-    let numbers = section.numbers(key, Allowed::FINITE)?;
-    if numbers.len() != 3 {
-        section.fail(key, "must be a list of 3 numbers");
-        return None;
-    }
-    Some(Vector3::new(numbers[0], numbers[1], numbers[2]))
+    let [x, y] = section.vector("centre")?;
+    Some(WallShape::Cylinder { centre: Vector3::new(x, y, 0.0), radius: section.number("radius")? })
 }
 
 /// Velocity, oscillation, and when.
 fn read_motion(section: &Section<'_>) -> Option<WallMotion> {
-    let optional = |key| match section.has(key) {
-        true => vector(section, key),
-        false => Some(Vector3::zeros()),
-    };
-    let velocity = optional("velocity");
-    let amplitude = optional("amplitude");
+    let vector = |name| section.vector(name).map(Vector3::from).unwrap_or_default();
     let frequency = match section.has("amplitude") {
-        true => section.number("frequency", Allowed::POSITIVE),
-        false => {
-            if section.has("frequency") {
-                section.fail("frequency", "is that of an amplitude: give both");
-            }
-            Some(0.0)
-        }
+        true => section.number("frequency"),
+        false => Some(0.0),
     };
-    let start = section.number_or("start", Allowed::NOT_NEGATIVE, 0.0);
-    let end = section.number_or("end", Allowed::POSITIVE, f64::INFINITY);
+    let start = section.number("start")?;
+    let end = match section.has("end") {
+        true => section.number("end")?,
+        false => f64::INFINITY,
+    };
     if end <= start {
         section.fail("end", format!("must be after start, {start}"));
         return None;
     }
-    Some(WallMotion {
-        velocity: velocity?,
-        amplitude: amplitude?,
-        frequency: frequency?,
-        start,
-        end,
-    })
+    let (velocity, amplitude) = (vector("velocity"), vector("amplitude"));
+    Some(WallMotion { velocity, amplitude, frequency: frequency?, start, end })
 }
 
 /// A face of the box in motion: in its plane, or inwards.
@@ -208,7 +147,7 @@ fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems
     }));
 }
 
-/// What is wrong with walls for particles of this smallest diameter and for the gas: (key, words).
+/// What is wrong with walls for particles of this smallest diameter and for the gas: (key, message).
 pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static str, String)> {
     let mut wrong = Vec::new();
     let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.time_step);
@@ -224,16 +163,16 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
         }
         let is_round = matches!(wall.shape, WallShape::Cylinder { .. });
         if with_gas && is_round {
-            let words = "the gas fills the box: it cannot flow in a round column";
-            wrong.push(("gas", words.to_owned()));
+            let message = "the gas fills the box: it cannot flow in a round column";
+            wrong.push(("gas", message.to_owned()));
         }
         let is_face = BoxFace::ALL.into_iter().any(|face| Wall::name_in_face(face) == name);
         if with_gas && is_face && speed > 0.0 {
-            let words = format!(
+            let message = format!(
                 "the gas reaches from face to face of the box: {name:?} cannot move inwards, only in its \
                  plane (a plate that vibrates: use [vibration])"
             );
-            wrong.push(("gas", words));
+            wrong.push(("gas", message));
         }
     }
     wrong

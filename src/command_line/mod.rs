@@ -3,6 +3,7 @@
 mod check;
 mod contact;
 mod info;
+mod keys;
 mod progress;
 mod reading;
 mod report;
@@ -56,6 +57,8 @@ enum Command {
     },
     /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
     Contact(contact::ContactOptions),
+    /// Print the keys of the case file, or of one section, with unit, range, default and meaning.
+    Keys(keys::KeysOptions),
     /// Describe what is in a checkpoint.
     Info {
         /// The checkpoint.
@@ -144,6 +147,7 @@ fn dispatch(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
         }
         Command::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
         Command::Contact(options) => contact::contact(&options, ranks),
+        Command::Keys(options) => keys::keys(&options, ranks),
         Command::Info { file } => info::info(&file, ranks),
     }
 }

@@ -58,7 +58,7 @@ impl<'a> Simulation<'a> {
         let InitialState { state, work, histories, origin } = initial;
         let (histories, origin) = (std::mem::take(histories), *origin);
         let is_new = origin == Origin::NewBed;
-        let stage = next_stage(case, &state.clock);
+        let stage = case.stage_number_at(state.clock.time());
         let models = case.stages[stage].models(&state.sizes);
         state.clock = state.clock.with_time_step(models.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
@@ -168,7 +168,7 @@ impl<'a> Simulation<'a> {
 
     /// Changes the models when the next stage begins.
     fn enter_stage(&mut self) -> Result<(), RunError> {
-        let stage = next_stage(self.case, self.state.clock());
+        let stage = self.case.stage_number_at(self.state.clock().time());
         if stage == self.stage {
             return Ok(());
         }
@@ -279,13 +279,6 @@ fn confirmed<'s>(
     let state = state.synchronised(&mut work.timers);
     time_step::confirm(state, work, ranks)?;
     Ok(state)
-}
-
-/// The stage of the step that comes next.
-fn next_stage(case: &Case, clock: &Clock) -> usize {
-    let middle = clock.time() + 0.5 * clock.time_step;
-    let next = case.stages.partition_point(|stage| stage.start <= middle);
-    next.saturating_sub(1)
 }
 
 /// This rank's particles as records, with wrapped positions.

@@ -1,7 +1,7 @@
 //! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
 use super::layout::{LayoutError, aligned, lay_out};
-use crate::case::{BedPart, Case, Start as BedStart};
+use crate::case::{BedPart, BedStart, Case};
 use crate::domain::{Decomposition, RankGrid};
 use crate::gas::GasState;
 use crate::output::checkpoint::{self, Checkpoint};

@@ -9,7 +9,7 @@ mod lattice;
 mod random_fill;
 
 use super::Case;
-use super::particles::Start;
+use super::particles::BedStart;
 use crate::numbers::{normal, random_of};
 use crate::parallel::ParticleRecord;
 use crate::state::SizeRange;
@@ -136,19 +136,19 @@ struct Sphere {
 /// on all before it, and each line of a file may be wrong.
 pub(super) fn build(case: &Case, part: BedPart) -> Result<InitialBed, BedError> {
     let spheres = match &case.particles.start {
-        Start::Lattice { spacing, jitter, bottom } => {
+        BedStart::Lattice { spacing, jitter, bottom } => {
             lattice::fill(case, *spacing, *jitter, *bottom, part)?
         }
-        Start::Random { solids_fraction, bottom } => {
+        BedStart::Random { solids_fraction, bottom } => {
             let all = random_fill::fill(case, *solids_fraction, *bottom)?;
             (0..).zip(all).filter(|&(id, _)| part.holds(id)).collect()
         }
-        Start::File { path, format, offset } => {
+        BedStart::File { path, format, offset } => {
             let InitialBed { particles } = file::read(case, path, *format, *offset)?;
             let own = particles.into_iter().skip(part.number).step_by(part.of);
             return Ok(InitialBed { particles: own.collect() });
         }
-        Start::Run { path } => return Err(BedError::AnotherRun(path.clone())),
+        BedStart::Run { path } => return Err(BedError::AnotherRun(path.clone())),
     };
     let records = spheres.iter().map(|(id, sphere)| record(case, *id, sphere));
     Ok(InitialBed { particles: records.collect() })

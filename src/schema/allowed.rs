@@ -1,15 +1,10 @@
-//! Ranges of numbers, with words for them.
+//! Ranges of numbers, and the sentences that name them.
 
 use std::fmt;
 
-/// A number for people: 9 digits.
-pub(super) fn rounded(number: f64) -> f64 {
-    format!("{number:.8e}").parse().unwrap_or(number)
-}
-
 /// A range of numbers that a key may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Allowed {
+pub struct Allowed {
     lowest: f64,
     lowest_itself: bool,
     highest: f64,
@@ -20,41 +15,54 @@ impl Allowed {
     /// Larger magnitudes, and smaller ones but 0, would overflow in products.
     const LARGEST: f64 = 1.0e30;
 
+    /// The lower bound, and whether it is itself allowed; minus infinity if there is none.
+    pub fn lower(self) -> (f64, bool) {
+        (self.lowest, self.lowest_itself)
+    }
+
+    /// The upper bound, and whether it is itself allowed; infinity if there is none.
+    pub fn upper(self) -> (f64, bool) {
+        (self.highest, self.highest_itself)
+    }
+
     /// Any finite number.
-    pub(super) const FINITE: Self = Self::of(f64::NEG_INFINITY, false, f64::INFINITY, false);
+    pub const FINITE: Self = Self::of(f64::NEG_INFINITY, false, f64::INFINITY, false);
     /// Above 0.
-    pub(super) const POSITIVE: Self = Self::of(0.0, false, f64::INFINITY, false);
+    pub const POSITIVE: Self = Self::of(0.0, false, f64::INFINITY, false);
     /// At least 0.
-    pub(super) const NOT_NEGATIVE: Self = Self::of(0.0, true, f64::INFINITY, false);
+    pub const NOT_NEGATIVE: Self = Self::of(0.0, true, f64::INFINITY, false);
     /// Above 0 and at most 1.
-    pub(super) const FRACTION: Self = Self::of(0.0, false, 1.0, true);
+    pub const FRACTION: Self = Self::of(0.0, false, 1.0, true);
 
     const fn of(lowest: f64, lowest_itself: bool, highest: f64, highest_itself: bool) -> Self {
         Self { lowest, lowest_itself, highest, highest_itself }
     }
 
     /// At least `lowest`.
-    pub(super) const fn at_least(lowest: f64) -> Self {
+    pub const fn at_least(lowest: f64) -> Self {
         Self::of(lowest, true, f64::INFINITY, false)
     }
 
     /// Above 0 and at most `highest`.
-    pub(super) const fn positive_up_to(highest: f64) -> Self {
+    pub const fn positive_up_to(highest: f64) -> Self {
         Self::of(0.0, false, highest, true)
     }
 
     /// At least `lowest` and below `highest`.
-    pub(super) const fn from_to_below(lowest: f64, highest: f64) -> Self {
+    pub const fn from_to_below(lowest: f64, highest: f64) -> Self {
         Self::of(lowest, true, highest, false)
     }
 
     /// At least `lowest` and at most `highest`.
-    pub(super) const fn between(lowest: f64, highest: f64) -> Self {
+    pub const fn between(lowest: f64, highest: f64) -> Self {
         Self::of(lowest, true, highest, true)
     }
 
-    /// What the number must be, if it is not allowed.
-    pub(super) fn check(self, number: f64) -> Result<(), String> {
+    /// Whether a number is allowed.
+    ///
+    /// # Errors
+    /// What the number must be.
+    pub fn check(self, number: f64) -> Result<(), String> {
         let above = number > self.lowest || (self.lowest_itself && number == self.lowest);
         let below = number < self.highest || (self.highest_itself && number == self.highest);
         if !(above && below) {

@@ -1,0 +1,157 @@
+//! Whether a value is what its key allows, and the sentence that says what is allowed.
+
+use super::suggestion::nearest;
+use super::tree::{Node, Value};
+use super::wall_time;
+use crate::schema::{Allowed, Key, Kind, Word};
+
+/// A number for people: 9 digits.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.8e}").parse().unwrap_or(number)
+}
+
+/// Checks a value, but not what is inside of a table.
+///
+/// # Errors
+/// What the value must be: "must be ...".
+pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
+    let must = || format!("must be {}", description(kind));
+    match kind {
+        Kind::Text => match node.as_text().ok_or_else(must)?.trim() {
+            "" => Err("must not be empty".to_owned()),
+            _ => Ok(()),
+        },
+        Kind::WallTime => {
+            node.as_text().and_then(wall_time::parse).map(|_| ()).ok_or_else(must)
+        }
+        Kind::Boolean => node.as_boolean().map(|_| ()).ok_or_else(must),
+        Kind::Number(allowed) | Kind::Schedule(allowed, _) => check_number(*allowed, kind, node),
+        Kind::Count(least, most) => match node.as_count().ok_or_else(must)? {
+            count if (*least..=*most).contains(&count) => Ok(()),
+            _ => Err(format!("must be between {least} and {most}")),
+        },
+        Kind::Counts(least, most) => {
+            let counts = node.as_list(Node::as_count).filter(|counts| counts.len() == 3);
+            match counts.ok_or_else(must)?.iter().all(|count| (*least..=*most).contains(count)) {
+                true => Ok(()),
+                false => Err(format!("each must be between {least} and {most}")),
+            }
+        }
+        Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
+        Kind::List(allowed) => check_numbers(*allowed, None, kind, node),
+        Kind::Word(words) => check_word(words, node),
+        Kind::Table(_) => match &node.value {
+            Value::Table(_) => Ok(()),
+            _ => Err(format!("must be a section of keys, [{}] or {{ ... }}", node.path)),
+        },
+        Kind::Tables(_) => match &node.value {
+            Value::List(items) if !items.is_empty() => Ok(()),
+            _ => Err(format!("must be a list of sections, each [[{}]]", node.path)),
+        },
+        Kind::Merged(merged) => match (&node.value, node.as_text()) {
+            (Value::Table(_), _) => Ok(()),
+            (_, Some("off" | "on")) if merged.switched => Ok(()),
+            _ => Err(must()),
+        },
+        Kind::Either(kinds) => match chosen(kinds, node) {
+            Some(kind) => check(kind, node),
+            None => Err(must()),
+        },
+    }
+}
+
+fn check_number(allowed: Allowed, kind: &Kind, node: &Node) -> Result<(), String> {
+    if matches!((kind, &node.value), (Kind::Schedule(..), Value::Table(_))) {
+        return Ok(());
+    }
+    let number = node.as_number().ok_or("must be a number")?;
+    allowed.check(number).map_err(|range| format!("must be {range}"))
+}
+
+fn check_numbers(
+    allowed: Allowed,
+    length: Option<usize>,
+    kind: &Kind,
+    node: &Node,
+) -> Result<(), String> {
+    let numbers = node.as_list(Node::as_number);
+    let numbers = numbers.ok_or_else(|| format!("must be {}", description(kind)))?;
+    if numbers.is_empty() {
+        return Err("must not be empty".to_owned());
+    }
+    if length.is_some_and(|length| length != numbers.len()) {
+        return Err(format!("must be {}", description(kind)));
+    }
+    match numbers.iter().all(|&number| allowed.check(number).is_ok()) {
+        true => Ok(()),
+        false => Err(format!("each must be {allowed}")),
+    }
+}
+
+fn check_word(words: &[Word], node: &Node) -> Result<(), String> {
+    let given = node.as_text().unwrap_or_default();
+    if words.iter().any(|word| word.name == given) {
+        return Ok(());
+    }
+    let names: Vec<&str> = words.iter().map(|word| word.name).collect();
+    let hint = nearest(given, &names).map_or(String::new(), |n| format!("; did you mean {n:?}?"));
+    Err(format!("must be {}{hint}", listed(words)))
+}
+
+/// The one of several kinds that is meant, as far as what is written tells.
+fn chosen<'a>(kinds: &'a [Kind], node: &Node) -> Option<&'a Kind> {
+    kinds.iter().find(|kind| match (&node.value, kind) {
+        (Value::Table(_), Kind::Table(_)) => true,
+        (Value::List(_), Kind::List(_)) => true,
+        (Value::Integer(_) | Value::Number(_), Kind::Number(_)) => true,
+        (Value::Text(text), Kind::Word(words)) => {
+            let names: Vec<&str> = words.iter().map(|word| word.name).collect();
+            nearest(text, &names).is_some()
+        }
+        _ => false,
+    })
+}
+
+/// What a value must be, to follow "must be".
+pub(super) fn description(kind: &Kind) -> String {
+    match kind {
+        Kind::Text => "a text in quotes".to_owned(),
+        Kind::WallTime => wall_time::ALLOWED.to_owned(),
+        Kind::Boolean => "true or false".to_owned(),
+        Kind::Number(allowed) => allowed.to_string(),
+        Kind::Schedule(allowed, _) => format!("{allowed}, or a schedule"),
+        Kind::Count(0, most) if *most == u64::MAX - 1 => "a whole number, not negative".to_owned(),
+        Kind::Count(least, most) => format!("a whole number between {least} and {most}"),
+        Kind::Counts(least, most) => format!("a list of 3 whole numbers, each between {least} and {most}"),
+        Kind::Vector(Allowed::FINITE, length) => format!("a list of {length} numbers"),
+        Kind::Vector(allowed, length) => format!("a list of {length} numbers, each {allowed}"),
+        Kind::List(allowed) => format!("a list of numbers, each {allowed}"),
+        Kind::Word(words) => listed(words),
+        Kind::Table(keys) if keys.len() <= 2 => {
+            let entries: Vec<String> = keys.iter().map(placeholder).collect();
+            format!("{{ {} }}", entries.join(", "))
+        }
+        Kind::Table(_) => "a table { ... }".to_owned(),
+        Kind::Tables(_) => "a list of sections".to_owned(),
+        Kind::Merged(merged) if merged.switched => "a section of keys, \"off\" or \"on\"".to_owned(),
+        Kind::Merged(_) => "a section of keys".to_owned(),
+        Kind::Either(kinds) => {
+            let all: Vec<String> = kinds.iter().map(description).collect();
+            all.join(" or ")
+        }
+    }
+}
+
+fn placeholder(key: &Key) -> String {
+    let value = match key.kind {
+        Kind::Word(_) => "WORD".to_owned(),
+        _ if !key.unit.is_empty() => key.unit.to_uppercase(),
+        _ => "NUMBER".to_owned(),
+    };
+    format!("{} = {value}", key.name)
+}
+
+fn listed(words: &[Word]) -> String {
+    let list: Vec<String> = words.iter().map(|word| format!("{:?}", word.name)).collect();
+    list.join(" or ")
+}

@@ -1,0 +1,141 @@
+//! The manual of the case file, `docs/input.md`.
+
+use super::super::schema::{CHAPTERS, Chapter, ROOT};
+use super::{Group, Owner, absence, allowed, explained, groups};
+use crate::schema::{Key, Kind, Required};
+use std::fmt::Write;
+
+const HEAD: &str = "\
+# The case file
+
+<!-- Written by `talcum keys --markdown` from the tables in src/case/schema: change those. -->
+
+One TOML file describes a run. `talcum check CASE.toml` reads it and says what will run. Unknown keys are errors, and all
+errors are reported at once, each with file, line, key, value and what is allowed:
+
+    vibrated.toml:12: contact.restitution = 1.4: must be above 0 and at most 1
+
+No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
+the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
+
+`talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys and show their meaning if the
+first line of the file names the schema (Taplo, and Even Better TOML in VS Code):
+
+    #:schema https://raw.githubusercontent.com/talcum/talcum/main/docs/case.schema.json
+
+A path relative to the case file works too, for example `#:schema ../../docs/case.schema.json`; `talcum keys
+--json-schema` prints the schema.
+
+`--set key.path=value` on the command line changes a key before the file is read. Members of a list go by number, from 1,
+or by name: `--set stage.2.duration=5`, `--set stage.ramp.gas.superficial_velocity=0.1`. Texts of one word, and durations
+such as `3h50m`, need no quotes. A key takes the place of the one that it excludes (`viscosity` that of `stokes_number`),
+and a new `law`, `drag`, `rolling` or `kind` removes the keys that only the old one has. The file with all changes is
+kept in the results as `case.toml`.
+";
+
+/// The manual, in Markdown.
+pub fn manual() -> String {
+    let mut text = HEAD.to_owned();
+    for chapter in CHAPTERS {
+        let _ = write!(text, "\n{}\n", heading(chapter));
+        add_paragraph(&mut text, chapter.before);
+        for group in groups(chapter) {
+            add_group(&mut text, &group);
+        }
+        add_paragraph(&mut text, chapter.after);
+    }
+    text
+}
+
+fn add_paragraph(text: &mut String, paragraph: &str) {
+    if !paragraph.is_empty() {
+        let _ = write!(text, "\n{paragraph}\n");
+    }
+}
+
+fn heading(chapter: &Chapter) -> String {
+    let Chapter { path, title, .. } = *chapter;
+    if path.is_empty() {
+        return format!("## {title}");
+    }
+    let level = "#".repeat(2 + path.matches('.').count());
+    let key = ROOT.iter().find(|key| key.name == path);
+    let is_list = key.is_some_and(|key| matches!(key.kind, Kind::Tables(_)));
+    let name = if is_list { format!("[[{path}]]") } else { format!("[{path}]") };
+    let is_optional = key.map_or(path == "contact.wall", |key| key.required == Required::Never);
+    let optional = if is_optional { " (optional)" } else { "" };
+    let title = if title.is_empty() { String::new() } else { format!(": {title}") };
+    format!("{level} `{name}`{optional}{title}")
+}
+
+fn add_group(text: &mut String, group: &Group) {
+    let in_braces = |names: &[&str]| {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        names.join(", ")
+    };
+    let selector = match &group.of {
+        Owner::Section => None,
+        Owner::Words { key, word: None } => {
+            let _ = write!(text, "\nWith some words of `{key}`:\n");
+            Some(*key)
+        }
+        Owner::Words { key, word: Some(word) } => {
+            let _ = write!(text, "\nWith `{key} = \"{word}\"`:\n");
+            None
+        }
+        Owner::Tables(names) => {
+            let _ = write!(text, "\nIn the braces of {}:\n", in_braces(names));
+            None
+        }
+    };
+    add_keys(text, group, selector);
+    for (names, words) in explained(group) {
+        let _ = write!(text, "\n{}:\n\n", in_braces(&names));
+        for word in words {
+            match word.meaning {
+                "" => drop(writeln!(text, "* `\"{}\"`", word.name)),
+                meaning => drop(writeln!(text, "* `\"{}\"`: {meaning}", word.name)),
+            }
+        }
+    }
+}
+
+/// Rows of keys; neighbours that differ in their names alone share one.
+fn add_keys(text: &mut String, group: &Group, selector: Option<&str>) {
+    let column = selector.map_or(String::new(), |key| format!(" of `{key}` |"));
+    let _ = writeln!(text, "\n| key |{column} unit | meaning | allowed | default |");
+    let rule = if selector.is_some() { " --- |" } else { "" };
+    let _ = writeln!(text, "| --- |{rule} --- | --- | --- | --- |");
+    let is_alike = |a: &Key, b: &Key| Key { name: a.name, ..*b } == *a;
+    for alike in group.keys.chunk_by(|(a, _), (b, _)| is_alike(a, b)) {
+        let names: Vec<String> = alike.iter().map(|(key, _)| format!("`{}`", key.name)).collect();
+        let (key, words) = &alike[0];
+        let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+        let words = selector.map_or(String::new(), |_| format!(" {} |", words.join(", ")));
+        let _ = writeln!(
+            text,
+            "| {} |{words} {} | {} | {} | {} |",
+            names.join(", "),
+            key.unit,
+            key.meaning,
+            quoted(&allowed(&key.kind)),
+            match absence(key).as_str() {
+                "required" => String::new(),
+                absence => quoted(absence),
+            },
+        );
+    }
+}
+
+/// Words in quotes become code.
+fn quoted(text: &str) -> String {
+    let parts: Vec<&str> = text.split('"').collect();
+    let mut found = String::new();
+    for (number, part) in parts.iter().enumerate() {
+        match number % 2 {
+            0 => found.push_str(part),
+            _ => drop(write!(found, "`\"{part}\"`")),
+        }
+    }
+    found.replace("``", "`")
+}

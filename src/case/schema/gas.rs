@@ -1,0 +1,160 @@
+//! `[gas]`: the keys of every gas, and those of each kind.
+
+use super::Chapter;
+use super::drag_laws::LAWS;
+use crate::schema::{Allowed, Key, Kind, SIGNED_SCHEDULE, Value, Word};
+
+const KINDS: &[Word] = &[
+    Word::with(
+        "column",
+        "one-dimensional, without inertia; needs a lower wall or periodicity along z",
+        COLUMN,
+    ),
+    Word::with("volume_averaged", "three-dimensional", VOLUME_AVERAGED),
+];
+
+/// `[gas]`.
+pub(in crate::case) const GAS: &[Key] = &[
+    Key::word("kind", KINDS, "Which gas"),
+    Key::number("viscosity", Allowed::POSITIVE, "Viscosity mu_g of the gas")
+        .unit("stress time")
+        .or(&["stokes_number"]),
+    Key::number(
+        "stokes_number",
+        Allowed::POSITIVE,
+        "St = rho_s g^1/2 d^3/2 / mu_g at the reference diameter",
+    )
+    .or(&["viscosity"]),
+    Key::word("drag", LAWS, "Drag law"),
+    Key::number("drag_factor", Allowed::POSITIVE, "xi, the drag over that of the law")
+        .default(Value::Number(1.0)),
+];
+
+const WEIGHTS: &[Word] = &[
+    Word::new("particle_force", "by the force on the particles"),
+    Word::new("grid_integral", "by the integral over the grid"),
+];
+
+const BASE_NODES: &[Word] =
+    &[Word::new("full_cell", "a whole cell"), Word::new("half_cell", "half a cell")];
+
+/// A column of gas.
+const COLUMN: &[Key] = &[
+    Key::number(
+        "spacing",
+        Allowed::POSITIVE,
+        "Spacing dz of the grid, at least a millionth of the height; in a periodic box its divisor nearest to this \
+         (printed), at most a third of the height",
+    )
+    .unit("length"),
+    Key::new("superficial_velocity", SIGNED_SCHEDULE, "Superficial velocity U_s, upwards")
+        .unit("speed")
+        .or(&["weight"]),
+    Key::word("weight", WEIGHTS, "The gas carries the weight of a fully periodic bed")
+        .or(&["superficial_velocity"]),
+    Key::new("lateral_drag", Kind::Boolean, "Whether the gas resists lateral motion")
+        .printed(Value::Boolean(false), "the gas acts vertically only"),
+    Key::word("base_node", BASE_NODES, "Volume of the grid node on the plate")
+        .printed(Value::Word("full_cell"), "phi is halved in the node on the plate"),
+];
+
+/// What a face of the box does to the gas.
+const FACES: &[Word] = &[
+    Word::new("no_slip", "a wall to which the gas sticks"),
+    Word::new("free_slip", "a wall without friction"),
+    Word::new("inlet", "gas enters at `inlet_velocity`"),
+    Word::new("outlet", "gas leaves at `outlet_pressure`"),
+];
+
+const SIDES: &[Key] = &[
+    Key::word("lower", FACES, "The face at the origin"),
+    Key::word("upper", FACES, "The face opposite"),
+];
+
+const BOTH: Kind = Kind::Either(&[Kind::Word(FACES), Kind::Table(SIDES)]);
+const FACES_MEANING: &str =
+    "What the two faces across this axis do to the gas; refused where the box is periodic";
+const NOT_PERIODIC: &str = "the box is not periodic along this axis";
+
+const PROFILES: &[Word] = &[
+    Word::new("uniform", "the same everywhere"),
+    Word::new(
+        "parabolic",
+        "between the faces across that are not periodic; its mean is the velocity",
+    ),
+];
+
+/// A volume-averaged gas.
+const VOLUME_AVERAGED: &[Key] = &[
+    Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume"),
+    Key::new(
+        "cells",
+        Kind::Counts(1, 100_000),
+        "Cells along x, y, z that fill the box; between faces that are not periodic at least 3; the same in all stages",
+    ),
+    Key::new(
+        "substeps",
+        Kind::Count(1, 100_000),
+        "Time steps of the particles in one of the gas; divides the number of steps before a stage that starts with gas",
+    ),
+    Key::new("x", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
+    Key::new("y", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
+    Key::new("z", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
+    Key::new("inlet_velocity", SIGNED_SCHEDULE, "Superficial velocity into the box at inlets")
+        .unit("speed")
+        .required_when("there is an inlet"),
+    Key::new(
+        "inlet_profile",
+        Kind::Either(&[Kind::Word(PROFILES), Kind::List(Allowed::NOT_NEGATIVE)]),
+        "Velocity over the face of an inlet: a word, or a factor for each cell of the face, x before y before z",
+    )
+    .default(Value::Word("uniform")),
+    Key::number(
+        "outlet_pressure",
+        Allowed::FINITE,
+        "Pressure at outlets, less the hydrostatic head",
+    )
+    .unit("stress")
+    .default(Value::Number(0.0)),
+    Key::number(
+        "filter_width",
+        Allowed::NOT_NEGATIVE,
+        "Full width at half maximum of the filter between particles and cells; 3 to 6 diameters are advised for cells \
+         narrower than 3 diameters",
+    )
+    .unit("length")
+    .default(Value::Number(0.0)),
+    Key::number(
+        "least_voidage",
+        Allowed::between(0.01, 0.9),
+        "Lower bound of the voidage of cells; clipped cells are counted in `series.csv` and reported",
+    )
+    .printed(Value::Number(0.2), "the lower bound of the voidage of cells (clipped cells are counted)"),
+    Key::number(
+        "tolerance",
+        Allowed::between(1.0e-14, 0.1),
+        "Residual of continuity over that at the start of the step",
+    )
+    .default(Value::Number(1.0e-6)),
+    Key::new(
+        "driving",
+        Kind::Vector(Allowed::FINITE, 3),
+        "Force per volume that drives the gas through a periodic box",
+    )
+    .unit("force/volume")
+    .optionally("0, 0, 0"),
+];
+
+pub(super) const CHAPTER: Chapter = Chapter {
+    path: "gas",
+    title: "",
+    keys: GAS,
+    before: "",
+    after: "\
+`\"volume_averaged\"` always needs `density`, whatever the drag law.
+
+The volume-averaged gas advances every `substeps` steps, with drag implicit in its own velocity; the force on each
+particle is kept until its next step. The run stops with an error message if that step is too long: 2 C + V / 2 must not
+exceed 1, where C is the Courant number and V the viscous number, and b dt / (m eps^2) of a particle must not exceed 1,
+where b is its drag per velocity. `check` prints all three.",
+};

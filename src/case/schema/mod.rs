@@ -1,0 +1,124 @@
+//! The tables of the case file: every section with its keys, and the text of the manual around them.
+
+mod boxes;
+mod contact;
+mod contact_laws;
+mod drag_laws;
+mod forces;
+mod gas;
+mod particles;
+mod results;
+mod time;
+
+pub(super) use boxes::{BOX, WALL};
+pub(super) use contact::{AT_WALL, CONTACT};
+pub(super) use forces::{COHESION, GRAVITY, VIBRATION};
+pub(super) use gas::GAS;
+pub(super) use particles::PARTICLES;
+pub(super) use results::{CHECKPOINT, OUTPUT, PARALLEL, RUN};
+pub(super) use time::{STAGE, TIME};
+
+use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
+
+/// One section as the manual shows it.
+#[derive(Debug)]
+pub struct Chapter {
+    /// Path of the section; empty for the top level of the file.
+    pub path: &'static str,
+    /// What the section is about, as a part of its heading; empty if its name says it.
+    pub title: &'static str,
+    /// Its keys.
+    pub keys: &'static [Key],
+    /// Text before the table of keys.
+    pub before: &'static str,
+    /// Text after it.
+    pub after: &'static str,
+}
+
+/// All sections, in the order of the manual.
+pub const CHAPTERS: &[Chapter] = &[
+    Chapter { path: "", title: "Top level", keys: ROOT, before: "", after: "" },
+    boxes::BOX_CHAPTER,
+    boxes::WALL_CHAPTER,
+    particles::CHAPTER,
+    particles::START_CHAPTER,
+    forces::GRAVITY_CHAPTER,
+    forces::VIBRATION_CHAPTER,
+    contact::CHAPTER,
+    contact::AT_WALL_CHAPTER,
+    forces::COHESION_CHAPTER,
+    gas::CHAPTER,
+    Chapter {
+        path: "",
+        title: "Schedules",
+        keys: SIGNED_SCHEDULE_KEYS,
+        before: SCHEDULES,
+        after: SCHEDULES_OF_STAGES,
+    },
+    time::CHAPTER,
+    time::STAGE_CHAPTER,
+    results::OUTPUT_CHAPTER,
+    results::CHECKPOINT_CHAPTER,
+    results::RUN_CHAPTER,
+    results::PARALLEL_CHAPTER,
+];
+
+const SIGNED_SCHEDULE_KEYS: &[Key] = match SIGNED_SCHEDULE {
+    Kind::Schedule(_, keys) => keys,
+    _ => &[],
+};
+
+const SCHEDULES: &str = "\
+Keys that allow a schedule take a number, or a table in braces:
+
+| form | meaning |
+| --- | --- |
+| `0.1` | constant |
+| `{ from = 0.0, to = 0.1 }` | linear during the stage in which it is written, constant afterwards |
+| `{ values = [0.1, 0.2], every = 25.0 }` | one value after another from the start of that stage; the last one stays |
+| `{ mean = 0.1, amplitude = 0.02, frequency = 5.0 }` | mean + amplitude sin(2 pi frequency t), t since the start of that stage |";
+
+const SCHEDULES_OF_STAGES: &str = "\
+In the sections outside of stages a schedule belongs to the first stage. Its numbers obey the range of the key.";
+
+/// The system of units.
+const UNITS: &[Word] = &[
+    Word::new("si", "metre, kilogram, second"),
+    Word::new("dimensionless", "solid density, reference diameter and gravity are 1"),
+];
+
+/// The top level of the file.
+pub(super) const ROOT: &[Key] = &[
+    Key::new("title", Kind::Text, "What you call the run"),
+    Key::word("units", UNITS, "System of units of all numbers"),
+    Key::new("box", Kind::Table(BOX), "The box and its faces"),
+    Key::new("wall", Kind::Tables(WALL), "Further walls, and faces of the box that move").optional(),
+    Key::new("particles", Kind::Table(PARTICLES), "How many particles, of which size and density"),
+    Key::new("gravity", merged("gravity", GRAVITY), "Gravity").required_at_start(),
+    Key::new("vibration", switched("vibration", VIBRATION), "Vibration of the plate").optional(),
+    Key::new("contact", merged("contact", CONTACT), "Contacts between particles and with walls")
+        .required_at_start(),
+    Key::new("cohesion", switched("cohesion", COHESION), "Van der Waals attraction").optional(),
+    Key::new("gas", switched("gas", GAS), "The gas").optional(),
+    Key::new("time", Kind::Table(TIME), "Time step and end of the run"),
+    Key::new("stage", Kind::Tables(STAGE), "Stages of the run, one after another").optional(),
+    Key::new("output", Kind::Table(OUTPUT), "Intervals of results"),
+    Key::new("checkpoint", Kind::Table(CHECKPOINT), "When checkpoints are written").optional(),
+    Key::new("run", Kind::Table(RUN), "Limit of wall-clock time").optional(),
+    Key::new("parallel", Kind::Table(PARALLEL), "How the run is spread over ranks").optional(),
+];
+
+/// The keys of a section at the top of the file.
+pub(super) fn section_keys(name: &str) -> &'static [Key] {
+    ROOT.iter().find(|key| key.name == name).map(|key| key.kind.keys()).unwrap_or_default()
+}
+
+/// A section that stages may change.
+const fn merged(section: &'static str, keys: &'static [Key]) -> Kind {
+    Kind::Merged(Merged { section, keys, switched: false })
+}
+
+/// A section that stages may change, switch off and switch on.
+const fn switched(section: &'static str, keys: &'static [Key]) -> Kind {
+    Kind::Merged(Merged { section, keys, switched: true })
+}

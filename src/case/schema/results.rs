@@ -1,0 +1,116 @@
+//! `[output]`, `[checkpoint]`, `[run]` and `[parallel]`: nothing that changes the physics.
+
+use super::Chapter;
+use crate::schema::{Allowed, Key, Kind, Value, Word};
+
+/// `[output]`.
+pub(in crate::case) const OUTPUT: &[Key] = &[
+    Key::number(
+        "series",
+        Allowed::POSITIVE,
+        "Interval of rows of `series.csv`, at least `time.step` as all intervals here",
+    )
+    .unit("time"),
+    Key::number("profiles", Allowed::POSITIVE, "Interval of profiles").unit("time").optional(),
+    Key::number("particles", Allowed::POSITIVE, "Interval of snapshots of the particles")
+        .unit("time")
+        .optional(),
+    Key::number("gas", Allowed::POSITIVE, "Interval of snapshots of a volume-averaged gas")
+        .unit("time")
+        .optional(),
+    Key::number(
+        "bed_threshold",
+        Allowed::positive_up_to(0.74),
+        "Solids fraction that marks the bottom and the top of the bed",
+    )
+    .printed(Value::Number(0.3), "the solids fraction that marks the bottom and the top of the bed"),
+];
+
+/// `[checkpoint]`.
+pub(in crate::case) const CHECKPOINT: &[Key] = &[
+    Key::number("every", Allowed::POSITIVE, "Interval in simulated time")
+        .unit("time")
+        .or(&["every_steps"])
+        .optional(),
+    Key::new("every_steps", Kind::Count(1, 1_000_000_000_000), "Interval in steps")
+        .or(&["every"])
+        .optional(),
+    Key::new("every_wall_clock", Kind::WallTime, "Interval in wall-clock time").optional(),
+    Key::new("keep", Kind::Count(1, 1000), "How many of the newest are kept")
+        .default(Value::Count(3)),
+];
+
+/// `[run]`.
+pub(in crate::case) const RUN: &[Key] = &[Key::new(
+    "wall_clock",
+    Kind::WallTime,
+    "Wall-clock time after which the run ends with a checkpoint",
+)
+.optional()];
+
+const AXES: &[Word] = &[Word::new("x", ""), Word::new("y", ""), Word::new("z", "")];
+const OFF: &[Word] = &[Word::new("off", "cut planes stay where they are")];
+
+const BALANCE: &[Key] = &[
+    Key::new(
+        "every",
+        Kind::Count(1, 1_000_000_000),
+        "Least number of steps between two checks; they take place when neighbour lists are rebuilt, at the latest \
+         after ten times as many steps",
+    )
+    .unit("steps")
+    .default(Value::Count(100)),
+    Key::number(
+        "threshold",
+        Allowed::at_least(1.0),
+        "Cut planes move if the largest over the mean time that ranks spend on their particles is above this",
+    )
+    .default(Value::Number(1.05)),
+];
+
+/// `[parallel]`.
+pub(in crate::case) const PARALLEL: &[Key] = &[
+    Key::word("axis", AXES, "Slabs along this axis, one per rank")
+        .or(&["ranks"])
+        .default(Value::Word("z")),
+    Key::new(
+        "ranks",
+        Kind::Counts(1, 65_536),
+        "A grid of ranks along x, y and z, as in `[2, 2, 2]`",
+    )
+    .or(&["axis"])
+    .optional(),
+    Key::number("skin", Allowed::between(0.001, 2.0), "Skin of the neighbour lists")
+        .unit("largest diameter")
+        .default(Value::Number(0.08)),
+    Key::new(
+        "balance",
+        Kind::Either(&[Kind::Word(OFF), Kind::Table(BALANCE)]),
+        "Balancing of the load of ranks: how, or `\"off\"`",
+    )
+    .optionally("on, with the defaults below"),
+];
+
+pub(super) const OUTPUT_CHAPTER: Chapter =
+    Chapter { path: "output", title: "", keys: OUTPUT, before: "", after: "" };
+
+pub(super) const CHECKPOINT_CHAPTER: Chapter = Chapter {
+    path: "checkpoint",
+    title: "",
+    keys: CHECKPOINT,
+    before: "\
+A checkpoint is always written at the end, on a signal, and when `run.wall_clock` is over. At most one of `every` and
+`every_steps` is given.",
+    after: "",
+};
+
+pub(super) const RUN_CHAPTER: Chapter =
+    Chapter { path: "run", title: "", keys: RUN, before: "", after: "" };
+
+pub(super) const PARALLEL_CHAPTER: Chapter = Chapter {
+    path: "parallel",
+    title: "never changes results",
+    keys: PARALLEL,
+    before: "",
+    after: "",
+};

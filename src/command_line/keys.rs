@@ -1,0 +1,29 @@
+//! `talcum keys`: what may stand in a case file.
+
+use super::run::say;
+use crate::case::{json_schema, manual, terminal};
+use crate::parallel::Communicator;
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub(super) struct KeysOptions {
+    /// A section, for example contact or particles.start; all if none is given.
+    section: Option<String>,
+    /// Print a JSON schema for editors instead.
+    #[arg(long, conflicts_with = "section")]
+    json_schema: bool,
+    /// Print the manual docs/input.md instead.
+    #[arg(long, hide = true, conflicts_with_all = ["section", "json_schema"])]
+    markdown: bool,
+}
+
+/// Prints keys with unit, range, default and meaning.
+pub(super) fn keys(options: &KeysOptions, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    let text = match options {
+        KeysOptions { json_schema: true, .. } => json_schema(),
+        KeysOptions { markdown: true, .. } => manual(),
+        KeysOptions { section, .. } => terminal(section.as_deref())?,
+    };
+    say(ranks, text.trim_end());
+    Ok(())
+}
