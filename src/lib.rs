@@ -53,7 +53,7 @@
 //! # Modules
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
-//! [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
+//! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
 //! [`parallel`]. Around them: [`analysis`], [`output`], [`case`], [`simulation`], [`timers`], [`command_line`].
 //!
 //! # References

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
-use talcum::case::{Case, RankLayout};
+use talcum::case::{Case, RankLayout, json_schema};
 use talcum::contact::VanDerWaals;
 use talcum::domain::{Face, WallShape};
-use talcum::gas::{Drive, GasModel};
+use talcum::gas::{DragLaw, Drive, GasModel};
 use talcum::numbers::Schedule;
 
 fn read(name: &str, overrides: &[&str]) -> Result<Case, String> {
@@ -76,6 +76,37 @@ fn stages_change_what_they_name_and_keep_the_rest() {
 }
 
 #[test]
+fn a_step_belongs_to_the_stage_of_its_middle() {
+    let case = read("staged.toml", &[]).unwrap();
+    // The time of a run is a sum of steps, which rounding can leave just below the start of a stage at 1.
+    let step = case.stages[0].time_step;
+    for time in [1.0 - f64::EPSILON, 1.0 - 0.4 * step, 1.0 + 0.4 * step] {
+        assert_eq!(case.stage_at(time).name, "ramp", "{time}");
+    }
+    assert_eq!(case.stage_at(1.0 - step).name, "settle");
+}
+
+#[test]
+fn another_word_drops_the_keys_that_only_the_old_one_has() {
+    let overrides = [
+        "gas.voidage_exponent=2.7",
+        "stage.cohesive.gas.drag=gidaspow",
+        "stage.cohesive.gas.drag_switch=sharp",
+        "stage.cohesive.gas.density=1.2",
+    ];
+    let case = read("staged.toml", &overrides).unwrap();
+    let [_, ramp, cohesive] = case.stages.as_slice() else { panic!("three stages") };
+    assert!(matches!(ramp.gas.column().unwrap().drag, DragLaw::WenYuCreeping(_)));
+    assert!(matches!(cohesive.gas.column().unwrap().drag, DragLaw::Gidaspow(_)));
+    let law = ["contact.law=hertz_mindlin", "contact.young_modulus=1e7"];
+    let case = read("plain.toml", &law).unwrap();
+    assert!(!case.text.contains("normal_stiffness") && case.text.contains("restitution"));
+    // Negative control: a key that is set together with the new word must be right.
+    let error = read("plain.toml", &[law[0], law[1], "contact.friction_cap=net"]).unwrap_err();
+    assert!(error.contains("law \"hertz_mindlin\" has no use for it"), "{error}");
+}
+
+#[test]
 fn the_grid_of_a_periodic_box_divides_it() {
     let case = read("periodic-box.toml", &[]).unwrap();
     assert!(close(case.stages[0].gas.column().unwrap().spacing, 18.0 / 13.0));
@@ -103,4 +134,28 @@ fn overrides_change_the_case_and_its_text() {
 fn a_file_that_cannot_be_read_is_an_error() {
     let error = Case::read(Path::new("nowhere/case.toml"), &[]).unwrap_err().to_string();
     assert!(error.starts_with("nowhere/case.toml: cannot be read: "), "{error}");
+}
+
+/// The words that a key of `[gas]` may have, from the schema: a new one is tested without another line here.
+fn words_of_gas(key: &str) -> Vec<String> {
+    let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
+    let words = &schema["definitions"]["gas"]["properties"][key]["enum"];
+    words.as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn every_drag_law_can_be_chosen() {
+    let laws = words_of_gas("drag");
+    assert!(laws.len() >= 7);
+    for law in laws {
+        let chosen = format!("gas.drag={law}");
+        let mut overrides = vec![chosen.as_str()];
+        overrides.extend((law != "wen_yu_creeping").then_some("gas.density=0.001"));
+        overrides.extend((law == "gidaspow").then_some("gas.drag_switch=sharp"));
+        overrides.extend((law == "di_felice").then_some("gas.single_sphere=dallavalle"));
+        let case = read("staged.toml", &overrides).unwrap_or_else(|error| panic!("{law}: {error}"));
+        let drag = format!("{:?}", case.stages[1].gas.column().unwrap().drag);
+        let name = drag.split(['(', ' ']).next().unwrap().to_lowercase();
+        assert_eq!(name, law.replace('_', ""), "{drag}");
+    }
 }

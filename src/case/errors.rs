@@ -26,7 +26,7 @@ pub struct CaseError {
     pub key: String,
     /// The value as it was written, if there is one.
     pub value: Option<String>,
-    /// What is wrong or what is allowed, in words.
+    /// What is wrong or what is allowed.
     pub message: String,
 }
 

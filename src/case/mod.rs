@@ -1,6 +1,7 @@
 //! The case file: a schema of its own, read strictly and turned once into what the rest works with.
 //!
-//! Every key is described in `docs/input.md`.
+//! `schema` holds a table of keys for every section. Reading, `--set`, the merging of stages, error messages,
+//! `docs/input.md`, `talcum keys` and the schema for editors follow from it.
 
 mod allowed_values;
 mod bed;

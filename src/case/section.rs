@@ -9,11 +9,10 @@ use crate::schema::{self, ActiveKeys, Key, Kind, Required};
 use std::time::Duration;
 
 /// An open section. What is wrong with it has been reported: whatever is missing or wrong reads as `None`.
-#[derive(Clone)]
 pub(super) struct Section<'a> {
     pub(super) node: &'a Node,
     pub(super) problems: &'a Problems,
-    keys: std::rc::Rc<ActiveKeys>,
+    keys: ActiveKeys,
 }
 
 /// What stands for a section that the file leaves out.
@@ -31,7 +30,7 @@ impl<'a> Section<'a> {
             return None;
         }
         let keys = ActiveKeys::of(keys, &|key| node.get(key).and_then(Node::as_text));
-        let section = Self { node, problems, keys: keys.into() };
+        let section = Self { node, problems, keys };
         section.check_entries();
         section.check_presence();
         Some(section)
@@ -258,7 +257,9 @@ impl<'a> Section<'a> {
     pub(super) fn choice<T: Clone>(&self, name: &str, meanings: &[(&str, T)]) -> Option<T> {
         let word = self.word(name)?;
         let meaning = meanings.iter().find(|(meant, _)| *meant == word);
-        debug_assert!(meaning.is_some(), "{word} of {} is not read", self.path_of(name));
+        if meaning.is_none() {
+            self.fail(name, format!("{word} is in the table of keys, but this version cannot read it"));
+        }
         meaning.map(|(_, meaning)| meaning.clone())
     }
 

@@ -18,13 +18,13 @@ errors are reported at once, each with file, line, key, value and what is allowe
 No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
 the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
 
-`talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys and show their meaning if the
-first line of the file names the schema (Taplo, and Even Better TOML in VS Code):
+`talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys, show their meaning and mark
+what is wrong if the first line of the file names the schema, by its path relative to the file or by its address (Taplo,
+and Even Better TOML in VS Code):
 
-    #:schema https://raw.githubusercontent.com/talcum/talcum/main/docs/case.schema.json
+    #:schema ../../docs/case.schema.json
 
-A path relative to the case file works too, for example `#:schema ../../docs/case.schema.json`; `talcum keys
---json-schema` prints the schema.
+Outside the repository, `talcum keys --json-schema > case.schema.json` writes it beside the case.
 
 `--set key.path=value` on the command line changes a key before the file is read. Members of a list go by number, from 1,
 or by name: `--set stage.2.duration=5`, `--set stage.ramp.gas.superficial_velocity=0.1`. Texts of one word, and durations

@@ -120,3 +120,15 @@ inside the box. Walls are parallel to the axes along which the box is periodic. 
 that are not periodic, `\"stop\"` for example. The gas fills the box: with gas there are no round columns, and the walls
 of faces move in their planes only.",
 };
+
+#[cfg(test)]
+mod tests {
+    use super::FACE_NAMES;
+    use crate::domain::BoxFace;
+
+    #[test]
+    fn faces_have_the_names_of_the_box() {
+        let names: Vec<&str> = FACE_NAMES.iter().map(|face| face.name).collect();
+        assert_eq!(names, BoxFace::NAMES);
+    }
+}

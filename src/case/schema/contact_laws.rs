@@ -130,3 +130,15 @@ const JKR: &[Key] = &[
     )
     .unit("energy/area"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::LAWS;
+    use crate::contact::ContactLaw;
+
+    #[test]
+    fn the_tables_are_those_of_the_registered_laws() {
+        let names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+        assert_eq!(names, ContactLaw::NAMES);
+    }
+}

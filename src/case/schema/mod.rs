@@ -22,21 +22,21 @@ use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
 
 /// One section as the manual shows it.
 #[derive(Debug)]
-pub struct Chapter {
+pub(super) struct Chapter {
     /// Path of the section; empty for the top level of the file.
-    pub path: &'static str,
+    pub(in crate::case) path: &'static str,
     /// What the section is about, as a part of its heading; empty if its name says it.
-    pub title: &'static str,
+    pub(in crate::case) title: &'static str,
     /// Its keys.
-    pub keys: &'static [Key],
+    pub(in crate::case) keys: &'static [Key],
     /// Text before the table of keys.
-    pub before: &'static str,
+    pub(in crate::case) before: &'static str,
     /// Text after it.
-    pub after: &'static str,
+    pub(in crate::case) after: &'static str,
 }
 
 /// All sections, in the order of the manual.
-pub const CHAPTERS: &[Chapter] = &[
+pub(super) const CHAPTERS: &[Chapter] = &[
     Chapter { path: "", title: "Top level", keys: ROOT, before: "", after: "" },
     boxes::BOX_CHAPTER,
     boxes::WALL_CHAPTER,
