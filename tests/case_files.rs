@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use talcum::case::{Amount, BedPart, Case, BedStart};
+use talcum::case::{Amount, BedPart, BedStart, Case};
 use talcum::parallel::OneRank;
 use talcum::simulation::{self, OutputFolder, RunOptions, start_from_case};
 

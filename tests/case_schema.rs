@@ -74,7 +74,8 @@ fn judged(folder: &str) -> Vec<(String, Option<String>)> {
 fn the_schema_accepts_every_right_case_file() {
     let judged = [judged("tests/cases/good"), judged("cases")].concat();
     assert!(judged.len() >= 40);
-    let refused = judged.into_iter().filter_map(|(name, error)| Some(format!("{name}: {}", error?)));
+    let refused =
+        judged.into_iter().filter_map(|(name, error)| Some(format!("{name}: {}", error?)));
     let refused: Vec<String> = refused.collect();
     assert!(refused.is_empty(), "{}", refused.join("\n"));
 }

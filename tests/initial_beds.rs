@@ -1,7 +1,7 @@
 //! Initial beds: counts, places, sizes, and that nothing touches.
 
 use std::path::Path;
-use talcum::case::{BedPart, Case, InitialBed, BedStart};
+use talcum::case::{BedPart, BedStart, Case, InitialBed};
 use talcum::parallel::ParticleRecord;
 
 fn bed(name: &str, overrides: &[&str]) -> (Case, InitialBed) {

@@ -21,9 +21,7 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
             "" => Err("must not be empty".to_owned()),
             _ => Ok(()),
         },
-        Kind::WallTime => {
-            node.as_text().and_then(wall_time::parse).map(|_| ()).ok_or_else(must)
-        }
+        Kind::WallTime => node.as_text().and_then(wall_time::parse).map(|_| ()).ok_or_else(must),
         Kind::Boolean => node.as_boolean().map(|_| ()).ok_or_else(must),
         Kind::Number(allowed) | Kind::Schedule(allowed, _) => check_number(*allowed, kind, node),
         Kind::Count(least, most) => match node.as_count().ok_or_else(must)? {
@@ -122,7 +120,9 @@ pub(super) fn description(kind: &Kind) -> String {
         Kind::Schedule(allowed, _) => format!("{allowed}, or a schedule"),
         Kind::Count(0, most) if *most == u64::MAX - 1 => "a whole number, not negative".to_owned(),
         Kind::Count(least, most) => format!("a whole number between {least} and {most}"),
-        Kind::Counts(least, most) => format!("a list of 3 whole numbers, each between {least} and {most}"),
+        Kind::Counts(least, most) => {
+            format!("a list of 3 whole numbers, each between {least} and {most}")
+        }
         Kind::Vector(Allowed::FINITE, length) => format!("a list of {length} numbers"),
         Kind::Vector(allowed, length) => format!("a list of {length} numbers, each {allowed}"),
         Kind::List(allowed) => format!("a list of numbers, each {allowed}"),
@@ -133,7 +133,9 @@ pub(super) fn description(kind: &Kind) -> String {
         }
         Kind::Table(_) => "a table { ... }".to_owned(),
         Kind::Tables(_) => "a list of sections".to_owned(),
-        Kind::Merged(merged) if merged.switched => "a section of keys, \"off\" or \"on\"".to_owned(),
+        Kind::Merged(merged) if merged.switched => {
+            "a section of keys, \"off\" or \"on\"".to_owned()
+        }
         Kind::Merged(_) => "a section of keys".to_owned(),
         Kind::Either(kinds) => {
             let all: Vec<String> = kinds.iter().map(description).collect();

@@ -1,10 +1,10 @@
 //! A column of gas, from its keys.
 
 use super::allowed_values::rounded;
+use super::context::ReadContext;
 use super::drag::read_drag;
 use super::schedules::read_schedule;
 use super::section::Section;
-use super::context::ReadContext;
 use crate::domain::{Bounds, Face};
 use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, WeightBalance};
 

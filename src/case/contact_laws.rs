@@ -1,8 +1,8 @@
 //! The contact laws, from their keys.
 
+use super::context::ReadContext;
 use super::forces::positive_gravity;
 use super::section::Section;
-use super::context::ReadContext;
 use super::units::Units;
 use crate::contact::{
     AdhesiveElasticPlastic, ContactLaw, ContactModuli, Elasticity, FrictionCap, HertzMindlin,
@@ -78,10 +78,8 @@ fn read_linear_spring_dashpot(section: &Section<'_>, cohesive: bool) -> Option<C
         }
         key => section.number(key)?,
     };
-    let cap = section.choice(
-        "friction_cap",
-        &[("contact", FrictionCap::Contact), ("net", FrictionCap::Net)],
-    )?;
+    let cap = section
+        .choice("friction_cap", &[("contact", FrictionCap::Contact), ("net", FrictionCap::Net)])?;
     let (restitution, friction) = (section.number("restitution")?, section.number("friction")?);
     let law = LinearSpringDashpot::new(normal, tangential, restitution, friction, cap);
     checked(section, law).map(ContactLaw::LinearSpringDashpot)
@@ -112,7 +110,8 @@ fn read_hysteretic(section: &Section<'_>) -> Option<HystereticParameters> {
 }
 
 fn read_linear_hysteretic(section: &Section<'_>) -> Option<ContactLaw> {
-    let law = LinearHysteretic::new(read_hysteretic(section)?, section.number("adhesion_stiffness")?);
+    let law =
+        LinearHysteretic::new(read_hysteretic(section)?, section.number("adhesion_stiffness")?);
     checked(section, law).map(ContactLaw::LinearHysteretic)
 }
 

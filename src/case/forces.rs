@@ -1,8 +1,8 @@
 //! The sections of what acts on particles at any distance: cohesion, gravity and vibration.
 
+use super::context::ReadContext;
 use super::schedules::{read_schedule, start_of};
 use super::section::Section;
-use super::context::ReadContext;
 use super::units::Units;
 use crate::contact::{CohesionExpression, VanDerWaals};
 use crate::domain::Vibration;
@@ -71,10 +71,7 @@ pub(super) fn read_gravity(section: &Section<'_>, units: Option<Units>) -> Optio
 }
 
 /// `[vibration]`; its phase is 0 at the start of the stage that sets the frequency.
-pub(super) fn read_vibration(
-    section: &Section<'_>,
-    context: ReadContext<'_>,
-) -> Option<Vibration> {
+pub(super) fn read_vibration(section: &Section<'_>, context: ReadContext<'_>) -> Option<Vibration> {
     let key = section.given(&["gamma", "amplitude"])?;
     let gravity = positive_gravity(section, key, "it a magnitude", context.gravity)?;
     let (frequency, strength) = (section.number("frequency")?, section.number(key)?);

@@ -1,9 +1,9 @@
 //! The section of the gas: which kind it is, and what both kinds have.
 
 use super::column::read_column;
+use super::context::ReadContext;
 use super::forces::positive_gravity;
 use super::section::Section;
-use super::context::ReadContext;
 use super::volume_averaged::read_volume_averaged;
 use crate::gas::GasModel;
 use crate::rules::viscosity_of_stokes_number;

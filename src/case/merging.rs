@@ -52,9 +52,8 @@ pub(super) fn useless_keys<'a>(
     choosing: &[&str],
 ) -> Vec<&'static str> {
     let inactive = ActiveKeys::of(keys, word_of).inactive.into_iter();
-    let by_choice = inactive.filter(|(_, chosen)| {
-        chosen.is_some_and(|chosen| choosing.contains(&chosen.key))
-    });
+    let by_choice =
+        inactive.filter(|(_, chosen)| chosen.is_some_and(|chosen| choosing.contains(&chosen.key)));
     by_choice.map(|(key, _)| key.name).collect()
 }
 

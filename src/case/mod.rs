@@ -49,10 +49,10 @@ use crate::particles::Reach;
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange, range_of};
 use allowed_values::rounded;
+use context::ReadContext;
 use errors::Problems;
 use particles::Scales;
 use section::Section;
-use context::ReadContext;
 use std::path::Path;
 use std::time::Duration;
 use tree::Node;
@@ -227,9 +227,9 @@ fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static
         let message = format!("must be {:?} in all stages", first.grid.counts());
         return Some(("gas.cells", message));
     }
-    let stray = 0.5 * case.parallel.skin * sizes.largest_diameter;
+    let drift = 0.5 * case.parallel.skin * sizes.largest_diameter;
     let smallest = model.grid.spacing().min();
-    (stray > smallest).then(|| {
+    (drift > smallest).then(|| {
         let message = format!(
             "are {:.3} of the largest diameter wide: must be at least half of parallel.skin",
             smallest / sizes.largest_diameter
@@ -271,8 +271,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         Some(section) => particles::read_particles(&section, units, folder),
         None => (None, Scales { density: None, diameter: None }),
     };
-    let context =
-        ReadContext { units, scales, domain: domain.as_ref(), gravity: None, times: &[] };
+    let context = ReadContext { units, scales, domain: domain.as_ref(), gravity: None, times: &[] };
     let (stages, step) = stages::read_stages(&root, context);
     let output = root.table("output").and_then(|section| plans::read_output(&section, step));
     let or_defaults = |name| root.table_or_defaults(name);

@@ -1,6 +1,6 @@
 //! Overrides of the command line, `key.path=value`: put into the text, with its format kept.
 
-use super::errors::{SourcePlace, Problems};
+use super::errors::{Problems, SourcePlace};
 use super::merging::useless_keys;
 use super::schema::ROOT;
 use super::tree::Node;
@@ -39,7 +39,11 @@ pub(super) fn apply(
     Some((effective, tree))
 }
 
-fn place_of(path: &str, applied: &[(String, String)], places: &[(String, SourcePlace)]) -> SourcePlace {
+fn place_of(
+    path: &str,
+    applied: &[(String, String)],
+    places: &[(String, SourcePlace)],
+) -> SourcePlace {
     let below = |inner: &str, outer: &str| {
         inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
@@ -77,9 +81,9 @@ fn value_of(text: &str) -> Result<Value, String> {
         return Ok(value);
     }
     let word = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
-    let letter = |c: char| c.is_ascii_alphabetic();
-    let duration = text.starts_with(|c: char| c.is_ascii_digit()) && text.ends_with(letter);
-    let is_word = (text.starts_with(letter) || duration) && text.chars().all(word);
+    let alphabetic = |c: char| c.is_ascii_alphabetic();
+    let duration = text.starts_with(|c: char| c.is_ascii_digit()) && text.ends_with(alphabetic);
+    let is_word = (text.starts_with(alphabetic) || duration) && text.chars().all(word);
     match is_word {
         true => Ok(Value::from(text)),
         false => Err(format!("{text:?} is not a value of TOML; texts need quotes")),
@@ -213,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_overrides_are_refused_in_words() {
+    fn wrong_overrides_are_refused_with_a_message() {
         for (given, words) in [
             ("a", "must look like key.path=value"),
             ("a..b=1", "must look like key.path=value"),

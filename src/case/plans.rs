@@ -1,7 +1,7 @@
 //! What a run writes and when, and how it is spread over ranks: nothing that changes its physics.
 
-use super::section::Section;
 use super::context::require_a_step;
+use super::section::Section;
 use crate::domain::RankGrid;
 use crate::state::Balance;
 use std::time::Duration;

@@ -108,11 +108,13 @@ impl<'a> Section<'a> {
         let place = |name: &str| self.node.get(name).map(|node| &node.place);
         let rank = |name: &str| self.keys.active.iter().position(|other| other.name == name);
         let order = |name: &str| (place(name), rank(name));
-        let first = key.partners.iter().filter(|name| self.has(name)).min_by_key(|name| order(name));
+        let first =
+            key.partners.iter().filter(|name| self.has(name)).min_by_key(|name| order(name));
         if let Some(first) = first.filter(|first| order(first) < order(key.name)) {
             self.fail(key.name, format!("cannot be given together with {first}: give one only"));
         }
-        let owner = key.with.filter(|owner| !self.has(owner)).and_then(|owner| self.keys.find(owner));
+        let owner =
+            key.with.filter(|owner| !self.has(owner)).and_then(|owner| self.keys.find(owner));
         // An owner that is missing itself has been reported.
         if let Some(owner) = owner
             && (owner.required != Required::Always || self.has_any(owner.partners))
@@ -122,7 +124,8 @@ impl<'a> Section<'a> {
     }
 
     fn check_missing(&self, key: &Key) {
-        let is_reported = |other: &&Key| other.partners.contains(&key.name) && !self.has_any(other.partners);
+        let is_reported =
+            |other: &&Key| other.partners.contains(&key.name) && !self.has_any(other.partners);
         let mut before = self.keys.active.iter().take_while(|other| other.name != key.name);
         let is_free = key.with.is_none_or(|owner| self.has(owner));
         if is_free && !self.has_any(key.partners) && !before.any(|other| is_reported(other)) {
@@ -147,13 +150,16 @@ impl<'a> Section<'a> {
             Required::When(condition) => format!(", since {}", condition.replace('`', "")),
             _ => String::new(),
         };
-        self.fail(name, match key.kind {
-            _ if choices.len() > 1 => format!("missing: give {}", choices.join(" or ")),
-            Kind::Table(_) | Kind::Merged(_) => {
-                format!("missing: must be a section [{}]", self.path_of(name))
-            }
-            kind => format!("missing: must be {}{reason}", description(&kind)),
-        });
+        self.fail(
+            name,
+            match key.kind {
+                _ if choices.len() > 1 => format!("missing: give {}", choices.join(" or ")),
+                Kind::Table(_) | Kind::Merged(_) => {
+                    format!("missing: must be a section [{}]", self.path_of(name))
+                }
+                kind => format!("missing: must be {}{reason}", description(&kind)),
+            },
+        );
     }
 
     /// Notes what stands for a key that is left out, if its table says that this is printed.
@@ -258,7 +264,10 @@ impl<'a> Section<'a> {
         let word = self.word(name)?;
         let meaning = meanings.iter().find(|(meant, _)| *meant == word);
         if meaning.is_none() {
-            self.fail(name, format!("{word} is in the table of keys, but this version cannot read it"));
+            self.fail(
+                name,
+                format!("{word} is in the table of keys, but this version cannot read it"),
+            );
         }
         meaning.map(|(_, meaning)| meaning.clone())
     }

@@ -1,14 +1,14 @@
 //! The stages of a run: the base of the file, changed by one stage after another.
 
 use super::contact::read_contact;
-use super::context::{ReadContext, require_a_step};
 use super::contact_laws::AdhesionContext;
+use super::context::{ReadContext, require_a_step};
 use super::forces::{read_cohesion, read_gravity, read_vibration};
 use super::gas::read_gas;
 use super::merging::StageSection;
 use super::section::Section;
-use super::walls::contacts_of;
 use super::stage::Stage;
+use super::walls::contacts_of;
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! The case file as a tree of values that know their line and their path.
 
-use super::errors::{CaseError, SourcePlace, Problems};
+use super::errors::{CaseError, Problems, SourcePlace};
 use std::fmt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -67,8 +67,12 @@ impl Node {
     }
 
     /// A table without entries, for a section that the file leaves out.
-    pub(super) const EMPTY: Self =
-        Self { value: Value::Table(Vec::new()), place: SourcePlace::File, path: String::new(), stage: 0 };
+    pub(super) const EMPTY: Self = Self {
+        value: Value::Table(Vec::new()),
+        place: SourcePlace::File,
+        path: String::new(),
+        stage: 0,
+    };
 
     /// A member of a table.
     pub(super) fn get(&self, key: &str) -> Option<&Node> {

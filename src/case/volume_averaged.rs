@@ -1,10 +1,10 @@
 //! A volume-averaged gas, from its keys.
 
 use super::boxes::AXES;
+use super::context::ReadContext;
 use super::drag::read_drag;
 use super::schedules::read_schedule;
 use super::section::Section;
-use super::context::ReadContext;
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{
     Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel,
@@ -47,10 +47,7 @@ struct Openings {
 }
 
 /// What happens at the faces: `x`, `y`, `z`, and the keys that go with inlets and outlets.
-fn read_boundaries(
-    section: &Section<'_>,
-    context: ReadContext<'_>,
-) -> Option<[[Boundary; 2]; 3]> {
+fn read_boundaries(section: &Section<'_>, context: ReadContext<'_>) -> Option<[[Boundary; 2]; 3]> {
     let openings = Openings {
         velocity: read_schedule(section, "inlet_velocity", context.times),
         profile: read_profile(section),

@@ -1,8 +1,8 @@
 //! The walls: in faces of the box, and the case's own.
 
+use super::boxes::{AXES, read_bounds};
 use super::errors::Problems;
 use super::section::Section;
-use super::boxes::{AXES, read_bounds};
 use super::tree::Node;
 use super::{Case, Stage};
 use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
@@ -14,7 +14,8 @@ use nalgebra::Vector3;
 /// `[box]` and `[[wall]]`.
 pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
     let bounds = root.table("box").as_ref().and_then(read_bounds);
-    let given: Vec<_> = root.tables("wall").iter().map(|wall| (read_wall(wall), wall.node)).collect();
+    let given: Vec<_> =
+        root.tables("wall").iter().map(|wall| (read_wall(wall), wall.node)).collect();
     let bounds = bounds?;
     let mut all = face_walls(&bounds);
     for (entry, node) in given {

@@ -89,9 +89,9 @@ fn add_group(text: &mut String, group: &Group) {
         }
     };
     add_keys(text, group, selector);
-    for (names, words) in explained(group) {
+    for (names, choices) in explained(group) {
         let _ = write!(text, "\n{}:\n\n", in_braces(&names));
-        for word in words {
+        for word in choices {
             match word.meaning {
                 "" => drop(writeln!(text, "* `\"{}\"`", word.name)),
                 meaning => drop(writeln!(text, "* `\"{}\"`: {meaning}", word.name)),

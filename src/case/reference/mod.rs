@@ -66,7 +66,8 @@ fn absence(key: &Key) -> String {
 
 /// Whether a key of a section is a section that the manual shows by itself.
 fn has_chapter(section: &str, key: &Key) -> bool {
-    let path = if section.is_empty() { key.name.to_owned() } else { format!("{section}.{}", key.name) };
+    let path =
+        if section.is_empty() { key.name.to_owned() } else { format!("{section}.{}", key.name) };
     CHAPTERS.iter().any(|chapter| !chapter.path.is_empty() && chapter.path == path)
 }
 
@@ -82,7 +83,10 @@ struct Group {
 enum Owner {
     Section,
     /// One word, or several words that share keys, of a key.
-    Words { key: &'static str, word: Option<&'static str> },
+    Words {
+        key: &'static str,
+        word: Option<&'static str>,
+    },
     /// Tables that stand as values of these keys.
     Tables(Vec<&'static str>),
 }
@@ -123,7 +127,8 @@ fn add_groups(
         }
     }
     for (keys, names) in tables {
-        let known = found.iter().any(|group| matches!(&group.of, Owner::Tables(of) if *of == names));
+        let known =
+            found.iter().any(|group| matches!(&group.of, Owner::Tables(of) if *of == names));
         if !known {
             let keys = keys.iter().map(|key| (key, Vec::new())).collect();
             add_groups(chapter, Owner::Tables(names), keys, found);
@@ -133,9 +138,9 @@ fn add_groups(
 
 /// The keys that words of a key bring: together if words share keys, otherwise word by word.
 fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
-    let words = key.kind.words();
+    let choices = key.kind.words();
     let mut shared: Vec<(&'static Key, Vec<&'static str>)> = Vec::new();
-    for word in words {
+    for word in choices {
         for inner in word.keys {
             match shared.iter_mut().find(|(known, _)| *known == inner) {
                 Some((_, names)) => names.push(word.name),
@@ -147,7 +152,7 @@ fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
         add_groups(chapter, Owner::Words { key: key.name, word: None }, shared, found);
         return;
     }
-    for word in words.iter().filter(|word| !word.keys.is_empty()) {
+    for word in choices.iter().filter(|word| !word.keys.is_empty()) {
         let of = Owner::Words { key: key.name, word: Some(word.name) };
         let keys = word.keys.iter().map(|key| (key, Vec::new())).collect();
         add_groups(chapter, of, keys, found);

@@ -83,9 +83,9 @@ fn show_group(text: &mut String, group: &Group) {
             default => writeln!(text, "      Default: {}.", default.replace('`', "")),
         };
     }
-    for (names, words) in explained(group) {
+    for (names, choices) in explained(group) {
         let _ = writeln!(text, "\n  Words of {}:", names.join(", "));
-        for word in words.iter().filter(|word| !word.meaning.is_empty()) {
+        for word in choices.iter().filter(|word| !word.meaning.is_empty()) {
             let _ = writeln!(text, "      {:?}: {}", word.name, word.meaning.replace('`', ""));
         }
     }

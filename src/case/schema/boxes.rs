@@ -6,7 +6,10 @@ use crate::schema::{Allowed, Key, Kind, Value, Word};
 
 /// What a face of the box does to particles.
 const FACES: &[Word] = &[
-    Word::new("periodic", "what leaves here enters at the opposite face; of both faces, or of neither"),
+    Word::new(
+        "periodic",
+        "what leaves here enters at the opposite face; of both faces, or of neither",
+    ),
     Word::new("wall", "a plane wall"),
     Word::new("open", "particles leave and are counted"),
     Word::new("stop", "the run stops with an error message if a particle leaves"),

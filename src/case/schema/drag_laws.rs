@@ -11,7 +11,11 @@ pub(super) const LAWS: &[Word] = &[
         "gidaspow",
         "Ergun in dense regions, Wen and Yu in dilute ones",
         &[
-            Key::word("drag_switch", SWITCHES, "From Ergun to Wen and Yu at a solids fraction of 0.2"),
+            Key::word(
+                "drag_switch",
+                SWITCHES,
+                "From Ergun to Wen and Yu at a solids fraction of 0.2",
+            ),
             DENSITY,
         ],
     ),
@@ -37,7 +41,5 @@ const DENSITY: Key =
 const SWITCHES: &[Word] =
     &[Word::new("sharp", "with a jump"), Word::new("smooth", "by an arctangent")];
 
-const SPHERES: &[Word] = &[
-    Word::new("dallavalle", "4 % below Stokes at small Re"),
-    Word::new("schiller_naumann", ""),
-];
+const SPHERES: &[Word] =
+    &[Word::new("dallavalle", "4 % below Stokes at small Re"), Word::new("schiller_naumann", "")];

@@ -92,7 +92,8 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("title", Kind::Text, "What you call the run"),
     Key::word("units", UNITS, "System of units of all numbers"),
     Key::new("box", Kind::Table(BOX), "The box and its faces"),
-    Key::new("wall", Kind::Tables(WALL), "Further walls, and faces of the box that move").optional(),
+    Key::new("wall", Kind::Tables(WALL), "Further walls, and faces of the box that move")
+        .optional(),
     Key::new("particles", Kind::Table(PARTICLES), "How many particles, of which size and density"),
     Key::new("gravity", merged("gravity", GRAVITY), "Gravity").required_at_start(),
     Key::new("vibration", switched("vibration", VIBRATION), "Vibration of the plate").optional(),

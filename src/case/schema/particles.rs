@@ -112,7 +112,10 @@ const VELOCITY: Key = Key::new(
 .optionally("at rest, or as the file says");
 
 const FORMATS: &[Word] = &[
-    Word::new("csv", "a table with the header `id,x,y,z[,vx,vy,vz][,wx,wy,wz][,d]` in any order; `#` starts a comment"),
+    Word::new(
+        "csv",
+        "a table with the header `id,x,y,z[,vx,vy,vz][,wx,wy,wz][,d]` in any order; `#` starts a comment",
+    ),
     Word::new(
         "lammps",
         "a dump, of which the last frame is read: columns `id`, `x` or `xu` or `xs` (same for y, z), optionally `vx`, \
@@ -166,8 +169,7 @@ const KINDS: &[Word] = &[
 ];
 
 /// `[particles.start]`.
-const START: &[Key] =
-    &[Key::word("kind", KINDS, "Where the particles start")];
+const START: &[Key] = &[Key::word("kind", KINDS, "Where the particles start")];
 
 pub(super) const CHAPTER: Chapter = Chapter {
     path: "particles",

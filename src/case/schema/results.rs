@@ -23,7 +23,10 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
         Allowed::positive_up_to(0.74),
         "Solids fraction that marks the bottom and the top of the bed",
     )
-    .printed(Value::Number(0.3), "the solids fraction that marks the bottom and the top of the bed"),
+    .printed(
+        Value::Number(0.3),
+        "the solids fraction that marks the bottom and the top of the bed",
+    ),
 ];
 
 /// `[checkpoint]`.
