@@ -1,57 +1,61 @@
-//! Four numbers side by side, for what the compiler does not turn into vector instructions by itself.
+//! Four numbers side by side, for loops that the compiler does not turn into vector instructions by itself.
 
 /// Four doubles in one register.
 ///
-/// Each operation is an IEEE one on each number, rounded once, so that all implementations give the same bits.
+/// Each operation is an IEEE operation on each number, rounded once, so that all implementations give the same bits.
 /// Everything is `#[inline(always)]`: it must be compiled into the function that was chosen for the processor.
+///
+/// The methods are safe although those of one implementation are vector instructions of AVX2: see there why no code can
+/// reach that implementation on a processor without them.
 pub trait F64x4: Copy {
-    /// Four numbers in memory.
+    /// Loads four numbers from memory.
     fn load(numbers: &[f64; 4]) -> Self;
 
-    /// Writes them to memory.
+    /// Stores the numbers in memory.
     fn store(self, numbers: &mut [f64; 4]);
 
-    /// The same number four times.
+    /// Returns the same number four times.
     fn splat(number: f64) -> Self;
 
-    /// Sums.
+    /// Adds number by number.
     fn plus(self, other: Self) -> Self;
 
-    /// Differences.
+    /// Subtracts number by number.
     fn minus(self, other: Self) -> Self;
 
-    /// Products.
+    /// Multiplies number by number.
     fn times(self, other: Self) -> Self;
 
-    /// The larger of each two; either of them if one is undefined.
+    /// Takes the larger of each two numbers; either of them if one is undefined.
     fn larger(self, other: Self) -> Self;
 
-    /// Bit k says whether number k is less than that of the other; not so if either is undefined.
+    /// Bit k is set if number k is less than that of the other, and neither is undefined.
     fn below(self, other: Self) -> u32;
 
-    /// Rows to columns.
+    /// Turns rows into columns.
     fn transposed(rows: [Self; 4]) -> [Self; 4];
 }
 
-/// Four numbers of many.
+/// Four consecutive numbers of a slice.
 #[inline(always)]
 pub fn four(numbers: &[f64], from: usize) -> &[f64; 4] {
-    numbers[from..].first_chunk().expect("as many numbers as quads are asked for")
+    numbers[from..].first_chunk().expect("the slice has four numbers from there on")
 }
 
 /// The same, to be changed.
 #[inline(always)]
 pub fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
-    numbers[from..].first_chunk_mut().expect("as many numbers as quads are asked for")
+    numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")
 }
 
-/// Work on quads. `run`, and all it calls, must be `#[inline(always)]`, as for
-/// [`VectorWork`](super::VectorWork); quads in closures, so also in `map` of arrays, are an order of magnitude slower.
+/// Work on four numbers at a time. `run`, and all it calls, must be `#[inline(always)]`, as for
+/// [`VectorWork`](super::VectorWork). Vectors in closures, and therefore in `map` of arrays, are an order of magnitude
+/// slower.
 pub trait SimdKernel {
-    /// What it gives.
+    /// What it returns.
     type Output;
 
-    /// Does the work with one kind of quad.
+    /// Does the work with one implementation of the vectors.
     fn run<Q: F64x4>(self) -> Self::Output;
 }
 
@@ -60,13 +64,14 @@ pub trait SimdKernel {
 pub fn with_simd<W: SimdKernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        // SAFETY: `avx2::run` requires AVX2, which was just detected.
+        #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
         return unsafe { avx2::run(work) };
     }
     work.run::<Portable>()
 }
 
-/// Quads on any processor.
+/// Four numbers on any processor.
 #[derive(Clone, Copy)]
 struct Portable([f64; 4]);
 
@@ -140,65 +145,83 @@ impl F64x4 for Portable {
 mod avx2 {
     #![allow(
         unsafe_code,
-        reason = "vector instructions; `Wide` is used by `run` alone, which is called where there is AVX2"
+        reason = "vector instructions of AVX2; `Avx2` says why they are never reached without it"
     )]
 
     use super::{F64x4, SimdKernel};
     use std::arch::x86_64::*;
 
+    /// Does the work with vectors of AVX2. Unsafe to call unless the processor has AVX2.
     #[target_feature(enable = "avx2")]
     pub(super) fn run<W: SimdKernel>(work: W) -> W::Output {
-        work.run::<Wide>()
+        work.run::<Avx2>()
     }
 
-    /// Quads in a register of AVX2.
+    /// Four numbers in a register of AVX2.
+    ///
+    /// Its methods are safe functions that execute instructions of AVX2. This is sound by one invariant: **code that uses
+    /// this type runs only if the processor has AVX2.** The type is private to this module, so that nothing else can name
+    /// it, and generic code gets it only from `run`, which is `unsafe` to call without AVX2 (`#[target_feature]`) and is
+    /// called in one place, after AVX2 has been detected. A kernel may keep or return values of it: they exist only in a
+    /// process that runs on such a processor.
+    ///
+    /// Loads and stores need no alignment, and `&[f64; 4]` is exactly the memory that they access.
     #[derive(Clone, Copy)]
-    struct Wide(__m256d);
+    struct Avx2(__m256d);
 
-    impl F64x4 for Wide {
+    impl F64x4 for Avx2 {
         #[inline(always)]
         fn load(numbers: &[f64; 4]) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
         }
 
         #[inline(always)]
         fn store(self, numbers: &mut [f64; 4]) {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), self.0) }
         }
 
         #[inline(always)]
         fn splat(number: f64) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_set1_pd(number) })
         }
 
         #[inline(always)]
         fn plus(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_add_pd(self.0, other.0) })
         }
 
         #[inline(always)]
         fn minus(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_sub_pd(self.0, other.0) })
         }
 
         #[inline(always)]
         fn times(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_mul_pd(self.0, other.0) })
         }
 
         #[inline(always)]
         fn larger(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_max_pd(self.0, other.0) })
         }
 
         #[inline(always)]
         fn below(self, other: Self) -> u32 {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
         }
 
         #[inline(always)]
         fn transposed(rows: [Self; 4]) -> [Self; 4] {
             let [Self(a), Self(b), Self(c), Self(d)] = rows;
+            // SAFETY: the processor has AVX2, by the invariant of this type.
             unsafe {
                 let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
                 let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));

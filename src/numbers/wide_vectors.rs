@@ -1,25 +1,27 @@
-//! The same code for the processor at hand: compiled twice, chosen when it runs.
+//! The same code compiled for two instruction sets, of which one is chosen at run time.
 
 /// Work on many numbers. `run`, and all it calls, must be `#[inline(always)]`: only what is inlined is compiled
 /// for wider vectors (a closure would not be).
 pub trait VectorWork {
-    /// What it gives.
+    /// What it returns.
     type Output;
 
     /// Does the work.
     fn run(self) -> Self::Output;
 }
 
-/// Runs work compiled for the widest vectors that the processor has: AVX2 on x86-64 where there is some,
-/// otherwise what every processor of the target has.
+/// Runs work compiled for the widest vectors that the processor has: AVX2 on x86-64 if it is there, otherwise the
+/// instructions that every processor of the target has.
 ///
-/// The bits are the same: each operation is rounded once, multiplications and additions are never fused, and
-/// the width of a vector is only how many numbers are worked on side by side.
+/// The bits are the same: each operation is rounded once, multiplications and additions are never fused, and the width
+/// of a vector is only the number of values that are worked on side by side.
 #[inline(always)]
 pub fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
-        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        // SAFETY: `with_avx2` is safe code, compiled for AVX2; its one requirement is that the processor has AVX2, which
+        // was just detected.
+        #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
         return unsafe { with_avx2(work) };
     }
     work.run()
