@@ -13,16 +13,16 @@ const VISCOSITY: f64 = 1.0 / 55.0;
 const DENSITY: f64 = 1.3e-3;
 
 /// beta by hand: Moon 2006 eqs (13) to (16).
-fn momentum_transfer(drag: DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 {
+fn momentum_transfer(drag: &DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 {
     let creeping = 18.0 * VISCOSITY / diameter.powi(2) * phi * (1.0 - phi).powf(-2.65);
-    match drag {
+    match *drag {
         DragLaw::WEN_YU_CREEPING => creeping,
         DragLaw::WEN_YU => {
             // Re = (1 - phi) rho d |u_g - u_s| / mu, and (1 - phi) (u_g - u_s) = U_s - u_s.
             let reynolds = DENSITY * diameter * slip.abs() / VISCOSITY;
             creeping * (1.0 + 0.15 * reynolds.powf(0.687))
         }
-        other => panic!("{other:?} is not among these beds"),
+        _ => panic!("{drag:?} is not among these beds"),
     }
 }
 
@@ -54,10 +54,10 @@ fn fixed_lattice(drag: DragLaw, velocity: f64, diameter: f64) -> Bench {
 fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
     for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for (velocity, d) in [(0.12, 1.0), (30.0, 1.0), (-5.0, 0.8)] {
-            let run = fixed_lattice(drag, velocity, d).alone();
+            let run = fixed_lattice(drag.clone(), velocity, d).alone();
             let phi = 160.0 * PI / 6.0 * d.powi(3) / (25.0 * 12.5);
             let u_g = velocity / (1.0 - phi);
-            let gradient = momentum_transfer(drag, phi, d, velocity) * u_g / (1.0 - phi);
+            let gradient = momentum_transfer(&drag, phi, d, velocity) * u_g / (1.0 - phi);
             let expected = gradient * 12.5;
             let found = run.work.gas.column().unwrap().pressure_drop();
             // Sums of 160 numbers on lattices of 1e-15 of the cell, and a power: round-off.
@@ -84,7 +84,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
     bench.add_layers(160, (1.03, 0.55), &[1.0, 0.8], (0.01, 0.0));
     for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         let mut flow = gas(0.5);
-        flow.drag = drag;
+        flow.drag = drag.clone();
         bench.gas = Some(flow);
         let run = bench.alone();
         let cell = 4.2 * 4.2 * 1.5;
@@ -98,7 +98,7 @@ fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
             }
             if phi > 0.0 {
                 let mean_diameter = (6.0 * phi / (PI * lengths)).sqrt();
-                let beta = momentum_transfer(drag, phi, mean_diameter, 0.5);
+                let beta = momentum_transfer(&drag, phi, mean_diameter, 0.5);
                 expected += beta * 0.5 / (1.0 - phi).powi(2) * 1.5;
             }
         }
@@ -221,7 +221,8 @@ fn drift(bench: &Bench) -> f64 {
 fn gas_that_carries_the_weight_lets_nothing_drift() {
     for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for diameters in [[1.0, 1.0], [1.1, 0.7]] {
-            let drift = drift(&weightless_box(WeightBalance::ParticleForce, drag, &diameters));
+            let drift =
+                drift(&weightless_box(WeightBalance::ParticleForce, drag.clone(), &diameters));
             println!("weight by particle force, {drag:?} {diameters:?}: drift {drift:.1e} of g");
             // Gas forces are rounded to 1e-10, of weights of 0.2 to 0.7.
             assert!(drift < 1.0e-9, "{drift:.1e}");
@@ -233,7 +234,8 @@ fn gas_that_carries_the_weight_lets_nothing_drift() {
 fn the_grid_integral_lets_the_box_drift_a_little() {
     for drag in [DragLaw::WEN_YU_CREEPING, DragLaw::WEN_YU] {
         for diameters in [vec![1.0], vec![1.0, 0.7]] {
-            let drift = drift(&weightless_box(WeightBalance::GridIntegral, drag, &diameters));
+            let drift =
+                drift(&weightless_box(WeightBalance::GridIntegral, drag.clone(), &diameters));
             println!("weight by grid integral, {drag:?} {diameters:?}: drift {drift:.1e} of g");
             // phi is averaged twice, up to the particles and back: 1 to 2 % of the force, here of the mean
             // of g_eff.

@@ -34,7 +34,7 @@ fn ergun_in_air() {
     for [voidage, velocity, expected] in
         [[0.40, 0.1, 1715.625], [0.40, 0.5, 12515.625], [0.45, 0.5, 7650.206]]
     {
-        let found = gradient(voidage, velocity, ergun);
+        let found = gradient(voidage, velocity, ergun.clone());
         println!("Ergun: {found:.3} Pa/m for {expected}");
         // Drag is that of the last step's slip, which no longer changes; the pressure is solved to 1e-8.
         assert!((found / expected - 1.0).abs() < 0.001, "{found} for {expected}");

@@ -7,7 +7,7 @@ use crate::particles::{ForceTorque, LANES};
 use std::f64::consts::PI;
 
 /// Particles, and the gas between the nodes of its grid.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct ParticlesInColumn<'a> {
     /// The particles in it.
     pub(super) blocks: &'a [ColumnBlock],

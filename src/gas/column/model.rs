@@ -69,7 +69,7 @@ impl ColumnGas {
     /// The drag on one particle, whatever its size and surroundings.
     pub fn particle_drag(&self) -> ParticleDrag {
         ParticleDrag {
-            law: self.drag,
+            law: self.drag.clone(),
             factor: self.drag_factor,
             viscosity: self.viscosity,
             density: self.density,

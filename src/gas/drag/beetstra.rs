@@ -1,6 +1,10 @@
-//! Beetstra, van der Hoef & Kuipers.
+//! Drag by Beetstra, van der Hoef & Kuipers.
+//!
+//! References:
+//! * R. Beetstra, M. A. van der Hoef, J. A. M. Kuipers, "Drag force of intermediate Reynolds number flow past mono- and
+//!   bidisperse arrays of spheres", AIChE J. 53 (2007) 489-501, <https://doi.org/10.1002/aic.11065>
 
-use super::DragCorrelation;
+use super::{DragCorrelation, ExampleDragLaw};
 use crate::numbers::power;
 
 /// Beetstra, van der Hoef & Kuipers (2007), from lattice-Boltzmann simulations of arrays of spheres up to
@@ -14,7 +18,7 @@ const SLOWEST: f64 = 1.0e-14;
 
 impl DragCorrelation for Beetstra {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         let (phi, eps, reynolds) = (solids_fraction, 1.0 - solids_fraction, reynolds.max(SLOWEST));
         let viscous = 10.0 * phi / (eps * eps) + eps * eps * (1.0 + 1.5 * phi.sqrt());
         // Both brackets times Re^(1/2 + 2 phi), so that no power of a small number grows large.
@@ -22,5 +26,11 @@ impl DragCorrelation for Beetstra {
         let above = 1.0 / eps + 3.0 * eps * phi + 8.4 * power(reynolds, -0.343);
         let ratio = raised * above / (raised + power(10.0, 3.0 * phi));
         eps * (viscous + 0.413 * reynolds / (24.0 * eps * eps) * ratio)
+    }
+}
+
+impl ExampleDragLaw for Beetstra {
+    fn examples() -> Vec<Self> {
+        vec![Self]
     }
 }

@@ -1,7 +1,14 @@
-//! Di Felice.
+//! Drag by Di Felice.
+//!
+//! References:
+//! * R. Di Felice, "The voidage function for fluid-particle interaction systems", Int. J. Multiphase Flow 20 (1994)
+//!   153-159, <https://doi.org/10.1016/0301-9322(94)90011-6>
+//! * J. M. Dallavalle, "Micromeritics: the technology of fine particles", 2nd ed., Pitman, New York (1948)
+//! * L. Schiller, A. Naumann, "Über die grundlegenden Berechnungen bei der Schwerkraftaufbereitung", Z. Ver. Dtsch. Ing.
+//!   77 (1933) 318-320
 
-use super::DragCorrelation;
 use super::wen_yu::schiller_naumann;
+use super::{DragCorrelation, ExampleDragLaw};
 use crate::numbers::power;
 
 /// Di Felice (1994): F = (C_D Re / 24) eps^-chi, chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2 / 2).
@@ -22,7 +29,7 @@ pub enum SingleSphere {
 
 impl DragCorrelation for DiFelice {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         let sphere = match self.single_sphere {
             SingleSphere::Dallavalle => {
                 let root = 0.63 * reynolds.sqrt() + 4.8;
@@ -33,5 +40,13 @@ impl DragCorrelation for DiFelice {
         let distance = 1.5 - libm::log10(reynolds); // infinite for a sphere at rest: chi = 3.7
         let chi = 3.7 - 0.65 * libm::exp(-0.5 * distance * distance);
         sphere * power(1.0 - solids_fraction, 1.0 - chi)
+    }
+}
+
+impl ExampleDragLaw for DiFelice {
+    fn examples() -> Vec<Self> {
+        [SingleSphere::Dallavalle, SingleSphere::SchillerNaumann]
+            .map(|single_sphere| Self { single_sphere })
+            .to_vec()
     }
 }

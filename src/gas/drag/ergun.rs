@@ -1,6 +1,9 @@
-//! Ergun.
+//! Drag by Ergun, of packed beds.
+//!
+//! References:
+//! * S. Ergun, "Fluid flow through packed columns", Chem. Eng. Prog. 48 (1952) 89-94
 
-use super::DragCorrelation;
+use super::{DragCorrelation, ExampleDragLaw};
 
 /// Ergun (1952), the pressure drop of a packed bed: F = 150 phi / (18 eps^2) + 1.75 Re / (18 eps^2).
 ///
@@ -11,8 +14,14 @@ pub struct Ergun;
 
 impl DragCorrelation for Ergun {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         (150.0 * solids_fraction + 1.75 * reynolds) / (18.0 * (1.0 - solids_fraction))
+    }
+}
+
+impl ExampleDragLaw for Ergun {
+    fn examples() -> Vec<Self> {
+        vec![Self]
     }
 }
 

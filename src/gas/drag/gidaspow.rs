@@ -1,6 +1,12 @@
-//! Gidaspow.
+//! Drag by Gidaspow: Ergun in dense, Wen & Yu in dilute suspensions.
+//!
+//! References:
+//! * D. Gidaspow, "Multiphase flow and fluidization: continuum and kinetic theory descriptions", Academic Press, Boston
+//!   (1994)
+//! * L. Huilin, D. Gidaspow, "Hydrodynamics of binary fluidization in a riser: CFD simulation using two granular
+//!   temperatures", Chem. Eng. Sci. 58 (2003) 3777-3792
 
-use super::{DragCorrelation, Ergun, WenYu};
+use super::{DragCorrelation, Ergun, ExampleDragLaw, WenYu};
 use std::f64::consts::PI;
 
 /// Gidaspow (1994): Ergun where the voidage is below 0.8, Wen & Yu (n = 1.65) above.
@@ -24,7 +30,7 @@ const SWITCH: f64 = 0.2;
 
 impl DragCorrelation for Gidaspow {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         let dense = Ergun.scaled_drag(solids_fraction, reynolds);
         let dilute = WenYu::USUAL.scaled_drag(solids_fraction, reynolds);
         match self.switch {
@@ -35,6 +41,12 @@ impl DragCorrelation for Gidaspow {
                 dense + part * (dilute - dense)
             }
         }
+    }
+}
+
+impl ExampleDragLaw for Gidaspow {
+    fn examples() -> Vec<Self> {
+        [Switch::Sharp, Switch::Smooth].map(|switch| Self { switch }).to_vec()
     }
 }
 

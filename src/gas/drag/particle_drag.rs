@@ -4,7 +4,7 @@ use super::{DragCorrelation, DragLaw};
 use std::f64::consts::PI;
 
 /// Drag of a gas on single particles in a suspension.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ParticleDrag {
     /// Drag law.
     pub law: DragLaw,

@@ -1,6 +1,11 @@
-//! Tenneti, Garg & Subramaniam.
+//! Drag by Tenneti, Garg & Subramaniam.
+//!
+//! References:
+//! * S. Tenneti, R. Garg, S. Subramaniam, "Drag law for monodisperse gas-solid systems using particle-resolved direct
+//!   numerical simulation of flow past fixed assemblies of spheres", Int. J. Multiphase Flow 37 (2011) 1072-1092,
+//!   <https://doi.org/10.1016/j.ijmultiphaseflow.2011.05.010>
 
-use super::DragCorrelation;
+use super::{DragCorrelation, ExampleDragLaw};
 use crate::numbers::power;
 
 /// Tenneti, Garg & Subramaniam (2011), from particle-resolved simulations of fixed arrays, phi from 0.1 to 0.5
@@ -13,12 +18,18 @@ pub struct Tenneti;
 
 impl DragCorrelation for Tenneti {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         let (phi, eps) = (solids_fraction, 1.0 - solids_fraction);
         let (phi_cubed, eps_cubed) = (phi * phi * phi, eps * eps * eps);
         let single = 1.0 + 0.15 * power(reynolds, 0.687);
         let viscous = 5.81 * phi / eps_cubed + 0.48 * power(phi, 1.0 / 3.0) / (eps_cubed * eps);
         let inertial = phi_cubed * reynolds * (0.95 + 0.61 * phi_cubed / (eps * eps));
         eps * (single / eps_cubed + viscous + inertial)
+    }
+}
+
+impl ExampleDragLaw for Tenneti {
+    fn examples() -> Vec<Self> {
+        vec![Self]
     }
 }

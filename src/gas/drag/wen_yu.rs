@@ -1,6 +1,13 @@
-//! Wen & Yu.
+//! Drag by Wen & Yu, and its limit at small Reynolds numbers.
+//!
+//! References:
+//! * C. Y. Wen, Y. H. Yu, "Mechanics of fluidization", Chem. Eng. Prog. Symp. Ser. 62 (1966) 100-111
+//! * L. Schiller, A. Naumann, "Über die grundlegenden Berechnungen bei der Schwerkraftaufbereitung", Z. Ver. Dtsch. Ing.
+//!   77 (1933) 318-320
+//! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
+//!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (13)-(16)
 
-use super::DragCorrelation;
+use super::{DragCorrelation, ExampleDragLaw};
 use crate::numbers::{power, powers};
 
 /// Reynolds number above which a sphere's drag coefficient stays at 0.44.
@@ -33,7 +40,7 @@ impl DragCorrelation for WenYu {
     /// assert!((f - 6.68220).abs() < 5e-6); // tabulated value
     /// ```
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
         let crowding = power(1.0 - solids_fraction, -(self.exponent + 1.0));
         if reynolds < INERTIAL {
             crowding * (1.0 + 0.15 * power(reynolds, 0.687))
@@ -44,7 +51,7 @@ impl DragCorrelation for WenYu {
 
     #[inline(always)]
     fn scaled_drags<const N: usize>(
-        self,
+        &self,
         solids_fraction: &[f64; N],
         reynolds: &[f64; N],
     ) -> [f64; N] {
@@ -74,16 +81,16 @@ impl WenYuCreeping {
 
 impl DragCorrelation for WenYuCreeping {
     #[inline(always)]
-    fn scaled_drag(self, solids_fraction: f64, _reynolds: f64) -> f64 {
+    fn scaled_drag(&self, solids_fraction: f64, _reynolds: f64) -> f64 {
         power(1.0 - solids_fraction, -(self.exponent + 1.0))
     }
 
     #[inline(always)]
-    fn scaled_drags<const N: usize>(self, solids_fraction: &[f64; N], _: &[f64; N]) -> [f64; N] {
+    fn scaled_drags<const N: usize>(&self, solids_fraction: &[f64; N], _: &[f64; N]) -> [f64; N] {
         crowding(solids_fraction, self.exponent)
     }
 
-    fn depends_on_reynolds(self) -> bool {
+    fn depends_on_reynolds(&self) -> bool {
         false
     }
 }
@@ -96,6 +103,18 @@ fn crowding<const N: usize>(solids_fraction: &[f64; N], exponent: f64) -> [f64; 
         *number = 1.0 - *number;
     }
     powers(voidage, -(exponent + 1.0))
+}
+
+impl ExampleDragLaw for WenYu {
+    fn examples() -> Vec<Self> {
+        vec![Self::USUAL, Self { exponent: 2.7 }]
+    }
+}
+
+impl ExampleDragLaw for WenYuCreeping {
+    fn examples() -> Vec<Self> {
+        vec![Self::USUAL]
+    }
 }
 
 #[cfg(test)]

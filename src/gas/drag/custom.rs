@@ -1,0 +1,140 @@
+//! Drag laws from outside the crate.
+
+use super::{DragCorrelation, DragLaw};
+use crate::numbers::{VectorWork, in_wide_vectors};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A drag law that the crate does not know by its type. It is called once per block of particles.
+#[derive(Clone, Debug)]
+pub struct CustomDragLaw {
+    name: Arc<str>,
+    law: Arc<dyn BlockDrag>,
+}
+
+/// A drag law that can be called once per block of particles: every [`DragCorrelation`] whose type the compiler may
+/// send between threads and print. It cannot be implemented otherwise.
+pub trait BlockDrag: DragCorrelation + Send + Sync + Debug {
+    /// Replaces the Reynolds numbers by eps F.
+    #[doc(hidden)]
+    fn evaluate_block(&self, solids_fraction: &[f64], reynolds: &mut [f64]);
+}
+
+impl<L: DragCorrelation + Send + Sync + Debug> BlockDrag for L {
+    fn evaluate_block(&self, solids_fraction: &[f64], reynolds: &mut [f64]) {
+        in_wide_vectors(EvaluateBlock { law: self, solids_fraction, reynolds });
+    }
+}
+
+/// Lanes of a law from outside, whatever the length of the caller's block.
+const LANES: usize = 32;
+
+struct EvaluateBlock<'a, L> {
+    law: &'a L,
+    solids_fraction: &'a [f64],
+    reynolds: &'a mut [f64],
+}
+
+impl<L: DragCorrelation> VectorWork for EvaluateBlock<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { law, solids_fraction, reynolds } = self;
+        let (full, rest) = reynolds.as_chunks_mut::<LANES>();
+        let (full_fractions, other_fractions) = solids_fraction.as_chunks::<LANES>();
+        for (numbers, fractions) in full.iter_mut().zip(full_fractions) {
+            *numbers = law.scaled_drags(fractions, numbers);
+        }
+        for (number, &fraction) in rest.iter_mut().zip(other_fractions) {
+            *number = law.scaled_drag(fraction, *number);
+        }
+    }
+}
+
+impl CustomDragLaw {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+impl DragCorrelation for CustomDragLaw {
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
+        self.law.scaled_drag(solids_fraction, reynolds)
+    }
+
+    fn scaled_drags<const N: usize>(
+        &self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N] {
+        let mut scaled = *reynolds;
+        self.law.evaluate_block(solids_fraction, &mut scaled);
+        scaled
+    }
+
+    fn depends_on_reynolds(&self) -> bool {
+        self.law.depends_on_reynolds()
+    }
+}
+
+/// Two are equal if they are the same law, not only alike: its parameters are not known here.
+impl PartialEq for CustomDragLaw {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name && Arc::ptr_eq(&self.law, &other.law)
+    }
+}
+
+impl DragLaw {
+    /// A law from outside the crate, with a name for messages and files.
+    pub fn custom(name: &str, law: impl BlockDrag + 'static) -> Self {
+        Self::Custom(CustomDragLaw { name: name.into(), law: Arc::new(law) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gas::WenYuCreeping;
+
+    /// Stokes drag of a single sphere.
+    #[derive(Debug)]
+    struct Stokes;
+
+    impl DragCorrelation for Stokes {
+        fn scaled_drag(&self, _solids_fraction: f64, _reynolds: f64) -> f64 {
+            1.0
+        }
+
+        fn depends_on_reynolds(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn own_answer_on_the_reynolds_number_is_used() {
+        assert!(!DragLaw::custom("stokes", Stokes).depends_on_reynolds());
+        // Negative control: the law whose answer was the only one that counted, and one that depends on it.
+        assert!(!DragLaw::WEN_YU_CREEPING.depends_on_reynolds());
+        assert!(DragLaw::WEN_YU.depends_on_reynolds());
+    }
+
+    #[test]
+    fn custom_laws_give_the_bits_of_registered_ones() {
+        let phi: [f64; 40] = std::array::from_fn(|lane| 0.016 * lane as f64);
+        let reynolds: [f64; 40] = std::array::from_fn(|lane| 0.3 * (lane * lane) as f64);
+        for law in DragLaw::examples() {
+            let expected = law.scaled_drags(&phi, &reynolds);
+            let custom = match law {
+                DragLaw::WenYu(law) => DragLaw::custom("own", law),
+                DragLaw::WenYuCreeping(law) => DragLaw::custom("own", law),
+                DragLaw::Tenneti(law) => DragLaw::custom("own", law),
+                _ => continue,
+            };
+            assert_eq!(custom.scaled_drags(&phi, &reynolds), expected);
+        }
+        let other = DragLaw::custom("own", WenYuCreeping { exponent: 2.0 });
+        assert_ne!(other.scaled_drag(0.4, 1.0), DragLaw::WEN_YU_CREEPING.scaled_drag(0.4, 1.0));
+    }
+}

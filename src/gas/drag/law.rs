@@ -1,0 +1,41 @@
+//! What a drag law is given, what it returns, and what it must answer.
+
+/// Drag of a suspension over the Stokes drag of a single sphere:
+/// F = F_d / (3 pi mu d eps |u_g - v|), eps = 1 - phi, Re = eps rho_g d |u_g - v| / mu.
+///
+/// F_d is the drag without the force of the mean pressure gradient (model A). The momentum transfer per volume is
+/// beta = 18 mu eps phi F / d^2, and the force per particle (V / phi) beta (u_g - v) = 3 pi mu d eps F (u_g - v).
+pub trait DragCorrelation {
+    /// eps F at a solids fraction in [0, 1) and a Reynolds number >= 0.
+    fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64;
+
+    /// The same for many particles at once, in vector instructions.
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(
+        &self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N]
+    where
+        Self: Sized,
+    {
+        let mut scaled = [0.0; N];
+        for lane in 0..N {
+            scaled[lane] = self.scaled_drag(solids_fraction[lane], reynolds[lane]);
+        }
+        scaled
+    }
+
+    /// Whether the drag depends on the Reynolds number. If not, gas forces are linear in the velocities, and the law is
+    /// evaluated with a Reynolds number of zero.
+    fn depends_on_reynolds(&self) -> bool {
+        true
+    }
+}
+
+/// A drag law that gives examples of itself. Every law of the registry does: the tests of finite, monotone drag and of
+/// equal values one by one and many at once run over these.
+pub trait ExampleDragLaw: DragCorrelation + Sized {
+    /// At least one law; one for each choice that the law offers.
+    fn examples() -> Vec<Self>;
+}
