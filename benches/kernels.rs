@@ -13,7 +13,7 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterio
 use nalgebra::Vector3;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use talcum::contact::{Contact, ContactForceLaw};
+use talcum::contact::{Contact, ContactForceLaw, ContactLaw, ContactModel};
 use talcum::coupling::{Bed, ColumnDeposition};
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 use talcum::gas::{DragCorrelation, DragLaw};
@@ -32,7 +32,7 @@ const APART: f64 = 1.05;
 const SKIN: f64 = 0.08;
 
 /// A cubic lattice at rest in a periodic box: nothing moves, so that each step costs the same.
-fn quantum(edge: u64, spacing: f64) -> Bench {
+fn lattice_bed(edge: u64, spacing: f64) -> Bench {
     let mut bench = Bench::new([edge as f64 * spacing; 3], [PERIODIC; 3]);
     bench.skin = SKIN;
     // Lengths are rounded, so that a hair less than the spacing fits as often as it should.
@@ -82,8 +82,13 @@ fn pairs(run: &Run) -> usize {
 fn within_steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step");
     for edge in EDGES {
-        let mut touching = quantum(edge, TOUCHING);
+        let mut touching = lattice_bed(edge, TOUCHING);
         time_phase(&mut group, "pair forces per contact", (&touching, Phase::Contacts), pairs);
+        let mut custom = lattice_bed(edge, TOUCHING);
+        let law = ContactLaw::custom("linear_spring_dashpot", custom.contact);
+        custom.interface = Some(ContactModel { law, rolling: None });
+        let name = "pair forces per contact, custom law";
+        time_phase(&mut group, name, (&custom, Phase::Contacts), pairs);
         time_phase(
             &mut group,
             "integration per particle",
@@ -92,7 +97,7 @@ fn within_steps(criterion: &mut Criterion) {
         );
         time_phase(&mut group, "list check per particle", (&touching, Phase::Decide), particles);
         time_phase(&mut group, "image refresh per ghost", (&touching, Phase::Halo), ghosts);
-        let apart = quantum(edge, APART);
+        let apart = lattice_bed(edge, APART);
         time_phase(&mut group, "candidate check per pair", (&apart, Phase::Contacts), pairs);
         touching.gas = Some(gas(0.0));
         let phases = [
@@ -158,7 +163,7 @@ fn laws(criterion: &mut Criterion) {
 fn grids(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("grid");
     for edge in EDGES {
-        let bench = quantum(edge, TOUCHING);
+        let bench = lattice_bed(edge, TOUCHING);
         let run = bench.alone();
         let grid = gas(0.0).grid(&bench.domain.bounds);
         let mut graining = ColumnDeposition::new(&grid, 100.0, [1.0, 1.0]);
@@ -175,10 +180,10 @@ fn lists(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("lists");
     group.sample_size(10);
     for edge in EDGES {
-        let bench = quantum(edge, TOUCHING);
+        let bench = lattice_bed(edge, TOUCHING);
         let mut run = bench.alone();
         run.steps(2);
-        let width = run.work.reach.ghost_width(1.0);
+        let width = run.work.list_range.ghost_width(1.0);
         group.throughput(Throughput::Elements(particles(&run) as u64));
         let name = format!("rebuild (sort, ghosts, list, memories) per particle/{}", edge.pow(3));
         group.bench_function(name, |bencher| {
@@ -259,7 +264,7 @@ fn between_ranks(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("two thread ranks");
     group.sample_size(10);
     for edge in EDGES {
-        let bench = quantum(edge, TOUCHING);
+        let bench = lattice_bed(edge, TOUCHING);
         let size = edge.pow(3);
         let crossing = bench.on_ranks([1, 1, 2], |run| ghosts(run)) as u64;
         group.throughput(Throughput::Elements(crossing));
@@ -273,7 +278,7 @@ fn between_ranks(criterion: &mut Criterion) {
         group.bench_function(format!("halo rebuild per ghost/{size}"), |bencher| {
             bencher.iter_custom(|times| {
                 on_two_ranks(&bench, times, |run, ranks| {
-                    let width = run.work.reach.ghost_width(1.0);
+                    let width = run.work.list_range.ghost_width(1.0);
                     let particles = &mut run.state.particles;
                     particles.drop_ghosts();
                     let mut halo = ParticleHalo::default();

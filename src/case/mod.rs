@@ -16,6 +16,7 @@ mod forces;
 mod gas;
 mod merging;
 mod overrides;
+mod own_laws;
 mod particles;
 mod plans;
 mod reference;
@@ -45,7 +46,7 @@ use crate::contact::{ContactForceLaw, ContactModel};
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
-use crate::particles::Reach;
+use crate::particles::ListRange;
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange, range_of};
 use allowed_values::rounded;
@@ -181,9 +182,9 @@ impl Case {
     /// Width of the ghost layer in the stage that needs the widest: subdomains and periodic boxes may not be narrower.
     pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
         let range = |stage: &Stage| range_of(stage.interfaces(), stage.cohesion.as_ref(), sizes);
-        let range = self.stages.iter().map(range).fold(0.0, f64::max);
+        let interaction = self.stages.iter().map(range).fold(0.0, f64::max);
         let skin = self.parallel.skin * sizes.largest_diameter;
-        Reach { range, skin }.ghost_width(sizes.largest_diameter)
+        ListRange { interaction, skin }.ghost_width(sizes.largest_diameter)
     }
 
     /// What is wrong with box and time step for particles of these sizes: (key, message).

@@ -2,7 +2,7 @@
 
 use super::{ContactModel, VanDerWaalsNow};
 use crate::numbers::Quantum;
-use crate::particles::Ranges;
+use crate::particles::InteractionRanges;
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -35,7 +35,7 @@ pub struct ForceLaws<'a> {
     /// Attraction at this instant.
     pub cohesion: Option<VanDerWaalsNow>,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
-    pub ranges: Ranges,
+    pub ranges: InteractionRanges,
     /// Time by which contact histories are advanced; zero to evaluate forces without advancing them.
     pub dt: f64,
     /// Largest component of a contact's force.

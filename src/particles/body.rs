@@ -1,14 +1,13 @@
-//! Records of particles: all that a pair needs of a particle in one place of memory.
+//! Records of particles: the data that a pair needs of a particle, contiguous in memory.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 
-/// Size and motion of a particle. In memory: three times four numbers, each at an address that vector instructions
-/// like.
+/// Size, position and velocities of a particle: three times four numbers, each aligned for vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Body {
-    /// Centre, on the position lattice of the box.
+    /// Centre, a multiple of the position quantum of the box.
     pub position: Vector3<f64>,
     /// Radius.
     pub radius: f64,
@@ -18,35 +17,35 @@ pub struct Body {
     pub mass: f64,
     /// Angular velocity, right-handed.
     pub angular_velocity: Vector3<f64>,
-    /// Zero.
+    /// Padding, zero.
     spare: f64,
 }
 
-/// What acts on a particle. In memory: twice four numbers.
+/// Force and torque on a particle: twice four numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct ForceTorque {
-    /// Total force, on the force lattice.
+    /// Total force, a multiple of the force quantum.
     pub force: Vector3<f64>,
-    /// Zero.
+    /// Padding, zero.
     spare_of_force: f64,
-    /// Total torque about the centre, on the torque lattice.
+    /// Total torque about the centre, a multiple of the torque quantum.
     pub torque: Vector3<f64>,
-    /// Zero.
+    /// Padding, zero.
     spare_of_torque: f64,
 }
 
-/// Solid sphere: I = (2/5) m r^2.
+/// I / (m r^2) of a solid sphere.
 const INERTIA_FACTOR: f64 = 0.4;
 
-/// 4/3 pi r^3.
+/// Volume of a sphere, 4/3 pi r^3.
 #[inline(always)]
 pub fn sphere_volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
 }
 
 impl Body {
-    /// A body without spin.
+    /// Makes a body without spin.
     pub fn new(position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64) -> Self {
         Self { position, radius, velocity, mass, angular_velocity: Vector3::zeros(), spare: 0.0 }
     }
@@ -63,7 +62,7 @@ impl Body {
         bytemuck::cast_ref(self)
     }
 
-    /// The same, to be changed.
+    /// The same, mutable.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 3] {
         bytemuck::cast_mut(self)
@@ -89,7 +88,7 @@ impl ForceTorque {
         bytemuck::cast_ref(self)
     }
 
-    /// The same, to be changed; the zeros remain.
+    /// The same, mutable; the zeros must stay.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 2] {
         bytemuck::cast_mut(self)

@@ -1,11 +1,11 @@
-//! Cells that particles are sorted into, to find those near each other.
+//! The cells that particles are sorted into to find their neighbours.
 
 use super::Body;
 use nalgebra::Vector3;
 
-/// A grid of cells over the particles' bounding box, each at least as wide as the reach of the list.
+/// A grid of cells over the particles' bounding box, each at least as wide as the range of the list.
 ///
-/// Which cells there are changes the order of work, never a result.
+/// The choice of cells changes the order of work, never a result.
 #[derive(Clone, Debug, Default)]
 pub struct CellGrid {
     origin: Vector3<f64>,
@@ -17,7 +17,7 @@ pub struct CellGrid {
     cell_of: Vec<u32>,
 }
 
-/// More cells than this per particle only cost memory: a few particles in a large box.
+/// Largest number of cells per particle: a few particles in a large box would need too much memory.
 const CELLS_PER_PARTICLE: f64 = 4.0;
 
 impl CellGrid {
@@ -41,7 +41,6 @@ impl CellGrid {
         }
         self.members.clear();
         self.members.resize(bodies.len(), 0);
-        // Filled from the back, so that `start` ends up where it began.
         let mut next = self.start.clone();
         for (index, &cell) in self.cell_of.iter().enumerate() {
             self.members[next[cell as usize] as usize] = index as u32;
@@ -49,12 +48,12 @@ impl CellGrid {
         }
     }
 
-    /// All indices, cell by cell.
+    /// All particle indices, cell by cell.
     pub fn order(&self) -> &[u32] {
         &self.members
     }
 
-    /// The members of each run of cells around that of particle `index`, its own included.
+    /// The particles of each row of cells along x, in the cells around that of particle `index`, its own included.
     #[inline(always)]
     pub fn neighbourhood(&self, index: usize) -> impl Iterator<Item = &[u32]> {
         let cell = self.cell_of[index] as usize;

@@ -1,21 +1,21 @@
-//! Near pairs, and what the touching ones remember.
+//! The pairs of the neighbour list, and the contact histories of those that touch.
 //!
-//! Every pair of particles closer than the list's reach, with at least one of them owned, has a slot.
-//! Pairs are stored in rows: the row of an owned particle lists its partners, each pair of two owned
-//! particles once, also where they meet through a periodic face. The pairs that can feel each other for the next
-//! steps, and what those that touch remember, are [`NearPairs`]; [`Contacts::records`] and [`Contacts::recall`]
-//! carry it over a rebuild, to another rank, and through a checkpoint.
+//! Every pair of particles closer than the range of the list, with at least one of them owned, has a slot. Pairs are
+//! stored in rows: the row of an owned particle lists its partners, each pair of two owned particles once, also if they
+//! meet through a periodic face. The pairs that may act on each other within the next steps, and the histories of those
+//! that touch, are in the [`InnerList`]. [`Contacts::histories`] takes the histories out of it, and
+//! `Contacts::restore` puts them back, over a rebuild, on another rank, and through a checkpoint.
 
-use super::near_pairs::{Rows, pair_of};
-use super::pair_blocks::Remembered;
-use super::{NearPairs, Particles, Ranges, Reach};
+use super::inner_list::{Rows, pair_of};
+use super::pair_blocks::OrientedHistory;
+use super::{InnerList, InteractionRanges, ListRange, Particles};
 use crate::domain::PosedWalls;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
 
-/// What a touching pair remembers: one record for all contact laws, of numbers (`f64`) only.
+/// History of a contact: one record for all contact laws, of numbers (`f64`) only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ContactHistory {
@@ -25,29 +25,29 @@ pub struct ContactHistory {
     pub largest_overlap: f64,
 }
 
-/// What is known of the touching pair of particles `lower` < `higher`, seen from the lower id.
+/// History of the touching pair of particles `lower` < `higher`, seen from the lower id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairHistory {
     /// The lower global id.
     pub lower: u64,
     /// The higher global id.
     pub higher: u64,
-    /// Spring of the higher relative to the lower.
+    /// History of the contact, with the displacement of the higher relative to the lower.
     pub history: ContactHistory,
-    /// Angle that the higher has rolled relative to the lower, if a rolling spring holds it.
+    /// Deflection angle of the rolling spring, of the higher relative to the lower; zero without such a spring.
     pub rolling_angle: Vector3<f64>,
 }
 
-/// What is known of a particle that touches a wall.
+/// History of the contact of a particle and a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallHistory {
     /// The particle's global id.
     pub particle: u64,
     /// The wall's number.
     pub wall: u32,
-    /// Spring of the wall relative to the particle.
+    /// History of the contact, with the displacement of the wall relative to the particle.
     pub history: ContactHistory,
-    /// Angle that the wall has rolled relative to the particle, if a rolling spring holds it.
+    /// Deflection angle of the rolling spring, of the wall relative to the particle; zero without such a spring.
     pub rolling_angle: Vector3<f64>,
 }
 
@@ -70,48 +70,48 @@ impl ContactHistories {
     }
 }
 
-/// A touching pair that the new list does not hold: a fault of the program, never of the case.
+/// A touching pair that the new neighbour list does not hold: a fault of the program, never of the case.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
 pub struct LostContact(u64, String);
 
-/// A near pair of an owned particle and a wall.
+/// A pair of an owned particle and a wall near it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallPair {
     pub(crate) particle: u32,
     pub(crate) wall: u32,
 }
 
-/// Slots of near pairs of particles, and of particles near walls.
+/// The pairs of the neighbour list, of particles and of particles with walls, and their contact histories.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
     /// Row i holds the slots `row_start[i]..row_start[i + 1]`.
     pub(crate) row_start: Vec<u32>,
     /// Partner of each slot, an owned particle or a ghost.
     pub(crate) partner: Vec<u32>,
-    /// The pairs that can feel each other.
-    pub(crate) near: NearPairs,
+    /// The pairs that may act on each other within the next steps.
+    pub(crate) inner: InnerList,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_history: Vec<ContactHistory>,
     pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
 }
 
-/// A memory seen from the other side.
+/// A history seen from the other body.
 fn reversed(history: ContactHistory) -> ContactHistory {
     ContactHistory { tangential_spring: -history.tangential_spring, ..history }
 }
 
-/// The same without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
+/// The vector without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
 /// a zero says only from which side the pair was evaluated.
 fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
     vector.map(|component| component + 0.0)
 }
 
 impl PairHistory {
-    /// What the slot of particle `here` remembers of `there`, seen from the lower id.
-    fn of([here, there]: [u64; 2], remembered: Remembered) -> Self {
-        let Remembered { mut history, mut rolling_angle } = remembered;
+    /// The history of the particles `here` and `there`, given as seen from `here`.
+    fn of([here, there]: [u64; 2], oriented: OrientedHistory) -> Self {
+        let OrientedHistory { mut history, mut rolling_angle } = oriented;
         if here > there {
             (history, rolling_angle) = (reversed(history), -rolling_angle);
         }
@@ -120,13 +120,13 @@ impl PairHistory {
         Self { lower: here.min(there), higher: here.max(there), history, rolling_angle }
     }
 
-    /// The same, seen from the particle `here`.
-    fn seen_from(&self, here: u64) -> Remembered {
+    /// The history as seen from the particle `here`.
+    fn seen_from(&self, here: u64) -> OrientedHistory {
         let Self { history, rolling_angle, .. } = *self;
         if here == self.lower {
-            Remembered { history, rolling_angle }
+            OrientedHistory { history, rolling_angle }
         } else {
-            Remembered { history: reversed(history), rolling_angle: -rolling_angle }
+            OrientedHistory { history: reversed(history), rolling_angle: -rolling_angle }
         }
     }
 }
@@ -140,27 +140,27 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let partners = self.near.acting.touching().map(|([_, partner], _)| partner as usize);
+        let partners = self.inner.active.touching().map(|([_, partner], _)| partner as usize);
         partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
     }
 
-    /// Begins a new list, without pairs and memories.
+    /// Removes all pairs of particles, for a new list.
     pub(super) fn clear_pairs(&mut self) {
         self.row_start.clear();
         self.row_start.push(0);
         self.partner.clear();
-        self.near.forget();
+        self.inner.clear();
     }
 
-    /// Takes note that no particle has moved farther than this since the last time.
+    /// Adds a bound of the displacements of all particles since the last call.
     pub fn moved(&mut self, displacement: f64) {
-        self.near.moved(displacement);
+        self.inner.moved(displacement);
     }
 
-    /// Makes sure that all pairs whose surfaces are closer than the ranges of forces are evaluated.
-    pub fn find_near(&mut self, particles: &Particles, ranges: Ranges) {
+    /// Makes sure that the inner list holds all pairs within the interaction ranges.
+    pub fn update_inner_list(&mut self, particles: &Particles, ranges: InteractionRanges) {
         let rows = Rows { start: &self.row_start, partners: &self.partner };
-        self.near.update(particles, rows, ranges);
+        self.inner.update(particles, rows, ranges);
     }
 
     /// The histories of all contacts of owned particles, pairs of two ranks' particles included: these are known to
@@ -181,13 +181,13 @@ impl Contacts {
     }
 
     fn pair_histories(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
-        let touching = self.near.acting.touching();
+        let touching = self.inner.active.touching();
         touching
-            .filter_map(|(pair, remembered)| {
+            .filter_map(|(pair, oriented)| {
                 let [here, there] = pair.map(|index| particles.id[index as usize]);
                 let left_to_other = || particles.owned_original(pair[1] as usize).is_none();
                 let leave = once && here > there && left_to_other();
-                (!leave).then(|| PairHistory::of([here, there], remembered))
+                (!leave).then(|| PairHistory::of([here, there], oriented))
             })
             .collect()
     }
@@ -205,19 +205,19 @@ impl Contacts {
             .collect()
     }
 
-    /// Lists the owned particles near walls, without memories.
+    /// Lists the owned particles near walls, without histories.
     pub(crate) fn find_wall_pairs(
         &mut self,
         particles: &Particles,
         walls: PosedWalls<'_>,
-        reach: Reach,
+        range: ListRange,
     ) {
         self.wall_pairs.clear();
         for particle in 0..particles.owned_count() {
             for (number, (wall, pose)) in walls.iter().enumerate() {
                 let gap = wall.height_at(&particles.body[particle].position, pose)
                     - particles.body[particle].radius;
-                if gap < reach.range + reach.skin {
+                if gap < range.interaction + range.skin {
                     self.wall_pairs
                         .push(WallPair { particle: particle as u32, wall: number as u32 });
                 }
@@ -231,11 +231,11 @@ impl Contacts {
         self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
 
-    /// Gives the slots of a newly built list what their pairs remember.
+    /// Gives the pairs of a new list their histories back.
     ///
     /// # Errors
     /// If a touching pair with an owned particle has no slot.
-    pub(crate) fn recall(
+    pub(crate) fn restore(
         &mut self,
         particles: &Particles,
         histories: &ContactHistories,
@@ -244,47 +244,47 @@ impl Contacts {
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
             particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();
-        // Row, slot, and place among the pairs.
+        // Slot, row, and number of the history.
         let mut found = Vec::with_capacity(pairs.len());
-        for (place, pair) in pairs.iter().enumerate() {
+        for (number, pair) in pairs.iter().enumerate() {
             let known = found.len();
             for [here, there] in [[pair.lower, pair.higher], [pair.higher, pair.lower]] {
                 let Some(&row) = index_of.get(&here) else { continue };
                 let slots = self.row_start[row]..self.row_start[row + 1];
                 let is_there =
                     |&slot: &u32| particles.id[self.partner[slot as usize] as usize] == there;
-                found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, place as u32)));
+                found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, number as u32)));
             }
             if found.len() == known {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
         found.sort_unstable();
-        found.dedup_by_key(|&mut (slot, ..)| slot); // known twice, with the same contents
-        for (slot, row, place) in found {
+        found.dedup_by_key(|&mut (slot, ..)| slot); // the same history may be there twice
+        for (slot, row, number) in found {
             let pair = pair_of(particles, [row, self.partner[slot as usize]]);
             let here = particles.id[row as usize];
-            self.near.recall(pair, pairs[place as usize].seen_from(here));
+            self.inner.restore(pair, pairs[number as usize].seen_from(here));
         }
-        self.recall_walls(&index_of, walls)
+        self.restore_walls(&index_of, walls)
     }
 
-    fn recall_walls(
+    fn restore_walls(
         &mut self,
         index_of: &FxHashMap<u64, usize>,
         walls: &[WallHistory],
     ) -> Result<(), LostContact> {
-        for record in walls {
-            let lost = || LostContact(record.particle, format!("wall {}", record.wall));
-            let &index = index_of.get(&record.particle).ok_or_else(lost)?;
+        for contact in walls {
+            let lost = || LostContact(contact.particle, format!("wall {}", contact.wall));
+            let &index = index_of.get(&contact.particle).ok_or_else(lost)?;
             let slot = self
                 .wall_pairs
-                .binary_search_by_key(&(index as u32, record.wall), |pair| {
+                .binary_search_by_key(&(index as u32, contact.wall), |pair| {
                     (pair.particle, pair.wall)
                 })
                 .map_err(|_| lost())?;
-            self.wall_history[slot] = record.history;
-            self.wall_rolling_angle[slot] = record.rolling_angle;
+            self.wall_history[slot] = contact.history;
+            self.wall_rolling_angle[slot] = contact.rolling_angle;
             self.wall_touching[slot] = true;
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half.
+//! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half of the kick.
 
 use super::{Body, ForceTorque, Particles};
 use crate::numbers::{F64x4, Quantum, SimdKernel, with_simd};
@@ -6,79 +6,77 @@ use bytemuck::Zeroable;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
 pub fn kick(particles: &mut Particles, dt: f64) {
-    move_on(particles, Motion { late: None, dt, drift: None });
+    integrate(particles, KickDrift { pending: None, dt, drift: None });
 }
 
-/// Half a kick, then x += dt v, dt v being rounded to the lattice of positions. The velocities that remain
-/// are those of the half step, which dashpots, sliders and the gas see. Forces are then those of the weight alone: all
-/// others are still to be added. Returns a length that no particle has moved farther than; infinite if a velocity is
-/// undefined. A kick of the step before, of length `late`, is done first if it is still due. These are the sums of
-/// several functions, with one way through memory.
+/// Half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then those of
+/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight: all others are still to be added.
+/// The second half of the previous step's kick, of length `pending`, is done first if it has not been done yet: one pass
+/// through memory does it all. Returns a bound of the displacements of all particles; infinite if a velocity is undefined.
 ///
-/// The way is rounded, not the sum: a sum in doubles is rounded once more before, to digits that depend on
-/// how far from the origin it is, so that a particle beyond a periodic face would move differently before
-/// and after it is wrapped.
-pub fn kick_and_drift(particles: &mut Particles, late: Option<f64>, step: Step) -> f64 {
-    move_on(particles, Motion { late, dt: step.dt, drift: Some(step) })
+/// The displacement is rounded, not the sum: a sum of doubles is rounded before, to digits that depend on its distance from
+/// the origin, so that a particle beyond a periodic face would move differently before and after it is wrapped.
+pub fn kick_and_drift(particles: &mut Particles, pending: Option<f64>, step: DriftStep) -> f64 {
+    integrate(particles, KickDrift { pending, dt: step.dt, drift: Some(step) })
 }
 
 /// Sets the force on each owned particle to its weight.
-pub fn begin_with_weight(particles: &mut Particles, weight: Weight) {
+pub fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
     for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
         *load = ForceTorque::along_z(-weight.of(body.mass));
     }
 }
 
-/// A step's length and what is known of its end.
+/// A drift, and the weight after it.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
-    /// Length.
+pub struct DriftStep {
+    /// Length of the time step.
     pub dt: f64,
-    /// Lattice of positions.
+    /// Quantum of positions.
     pub quantum: Quantum,
-    /// Weight at its end.
+    /// Weight at the end of the step.
     pub weight: Weight,
 }
 
-/// m g, on the lattice of forces.
+/// Weight m g, rounded to multiples of the force quantum.
 #[derive(Clone, Copy, Debug)]
 pub struct Weight {
-    /// g, downwards, in the frame of the plate.
+    /// Acceleration g, downwards, in the frame of the plate.
     pub gravity: f64,
-    /// Lattice of forces.
+    /// Quantum of forces.
     pub quantum: Quantum,
 }
 
 impl Weight {
-    /// Of a particle of this mass.
+    /// Weight of a particle of this mass.
     #[inline(always)]
     pub fn of(&self, mass: f64) -> f64 {
         self.quantum.round(mass * self.gravity)
     }
 }
 
-fn move_on(particles: &mut Particles, motion: Motion) -> f64 {
+fn integrate(particles: &mut Particles, step: KickDrift) -> f64 {
     let owned = particles.owned_count();
-    let (bodies, loads) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
-    with_simd(Moving { bodies, loads, motion })
+    let (bodies, forces) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
+    with_simd(IntegrateAll { bodies, forces, step })
 }
 
-/// The second half of a kick, if it is due; half of another; and a drift, if there is one.
+/// The second half of the previous kick, if it is pending; half of the next kick; and a drift, if there is one.
 #[derive(Clone, Copy)]
-struct Motion {
-    late: Option<f64>,
+struct KickDrift {
+    pending: Option<f64>,
     dt: f64,
-    drift: Option<Step>,
+    drift: Option<DriftStep>,
 }
 
-struct Moving<'a> {
+struct IntegrateAll<'a> {
     bodies: &'a mut [Body],
-    loads: &'a mut [ForceTorque],
-    motion: Motion,
+    forces: &'a mut [ForceTorque],
+    step: KickDrift,
 }
 
-/// Half a step over mass and over inertia of a body.
+/// Half a time step over mass and over moment of inertia of a body.
 struct HalfKick {
     half: f64,
     per_mass: f64,
@@ -92,116 +90,119 @@ impl HalfKick {
     }
 
     #[inline(always)]
-    fn of_size(&mut self, body: &Body) {
+    fn set_size(&mut self, body: &Body) {
         (self.per_mass, self.per_inertia) = (self.half / body.mass, self.half / body.inertia());
     }
 
-    /// The mass, which stands behind the velocity, stays: zero is added.
+    /// The mass, which is stored behind the velocity, does not change: zero is added to it.
     #[inline(always)]
-    fn change<Q: F64x4>(&self, [velocity, spin]: &mut [Q; 2], load: &ForceTorque) {
-        let [force, torque] = load.vectors();
+    fn apply<Q: F64x4>(&self, [velocity, spin]: &mut [Q; 2], forces: &ForceTorque) {
+        let [force, torque] = forces.vectors();
         *velocity = velocity.plus(Q::load(force).times(Q::splat(self.per_mass)));
         *spin = spin.plus(Q::load(torque).times(Q::splat(self.per_inertia)));
     }
 }
 
-impl SimdKernel for Moving<'_> {
-    /// A bound of the ways.
+impl SimdKernel for IntegrateAll<'_> {
+    /// A bound of the displacements.
     type Output = f64;
 
     #[inline(always)]
     fn run<Q: F64x4>(self) -> f64 {
-        let Self { bodies, loads, motion } = self;
-        let mut mover = Mover::<Q>::new(motion);
+        let Self { bodies, forces, step } = self;
+        let mut integrator = Integrator::<Q>::new(step);
         let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
-        let (fours_of_loads, other_loads) = loads.as_chunks_mut::<4>();
-        for (bodies, loads) in fours_of_bodies.iter_mut().zip(fours_of_loads) {
-            mover.move_up_to_four(bodies, loads);
+        let (fours_of_forces, other_forces) = forces.as_chunks_mut::<4>();
+        for (bodies, forces) in fours_of_bodies.iter_mut().zip(fours_of_forces) {
+            integrator.advance_up_to_four(bodies, forces);
         }
-        mover.move_up_to_four(other_bodies, other_loads);
-        mover.farthest.length()
+        integrator.advance_up_to_four(other_bodies, other_forces);
+        integrator.largest_displacement.length()
     }
 }
 
-/// What the loop over bodies carries along.
-struct Mover<Q> {
-    motion: Motion,
-    /// Radius and mass that the rest is for.
+/// Integrates one body after the other, four at a time.
+struct Integrator<Q> {
+    step: KickDrift,
+    /// Radius and mass that the kicks and the weight are for.
     size: [f64; 2],
-    late: HalfKick,
+    pending: HalfKick,
     kick: HalfKick,
     weight: ForceTorque,
-    farthest: Farthest<Q>,
+    largest_displacement: MaxDisplacement<Q>,
 }
 
-impl<Q: F64x4> Mover<Q> {
+impl<Q: F64x4> Integrator<Q> {
     #[inline(always)]
-    fn new(motion: Motion) -> Self {
-        let late = HalfKick::new(motion.late.unwrap_or(0.0));
-        let (kick, weight) = (HalfKick::new(motion.dt), ForceTorque::zeroed());
-        Self { motion, size: [0.0; 2], late, kick, weight, farthest: Farthest::new() }
+    fn new(step: KickDrift) -> Self {
+        let pending = HalfKick::new(step.pending.unwrap_or(0.0));
+        let (kick, weight) = (HalfKick::new(step.dt), ForceTorque::zeroed());
+        let largest_displacement = MaxDisplacement::new();
+        Self { step, size: [0.0; 2], pending, kick, weight, largest_displacement }
     }
 
     #[inline(always)]
-    fn of_size(&mut self, body: &Body) {
+    fn set_size(&mut self, body: &Body) {
         let size = [body.radius, body.mass];
         if self.size != size {
-            self.size = size; // often that of the last one: no division
-            self.late.of_size(body);
-            self.kick.of_size(body);
-            if let Some(step) = self.motion.drift {
+            self.size = size; // often that of the last body: no division
+            self.pending.set_size(body);
+            self.kick.set_size(body);
+            if let Some(step) = self.step.drift {
                 self.weight = ForceTorque::along_z(-step.weight.of(body.mass));
             }
         }
     }
 
     #[inline(always)]
-    fn move_up_to_four(&mut self, bodies: &mut [Body], loads: &mut [ForceTorque]) {
+    fn advance_up_to_four(&mut self, bodies: &mut [Body], forces: &mut [ForceTorque]) {
         let mut displacements = [Q::splat(0.0); 4];
-        for ((body, load), displacement) in bodies.iter_mut().zip(loads).zip(&mut displacements) {
-            self.of_size(body);
-            *displacement = self.move_one(body, load);
+        let each = bodies.iter_mut().zip(forces).zip(&mut displacements);
+        for ((body, forces), displacement) in each {
+            self.set_size(body);
+            *displacement = self.advance(body, forces);
         }
-        if self.motion.drift.is_some() {
-            self.farthest.see(displacements);
+        if self.step.drift.is_some() {
+            self.largest_displacement.include(displacements);
         }
     }
 
-    /// Returns the body's way; zero without a drift.
+    /// Returns the body's displacement; zero without a drift.
     #[inline(always)]
-    fn move_one(&self, body: &mut Body, load: &mut ForceTorque) -> Q {
-        let [place, velocity, spin] = body.vectors_mut();
-        let mut motion = [Q::load(velocity), Q::load(spin)];
-        if self.motion.late.is_some() {
-            self.late.change(&mut motion, load);
+    fn advance(&self, body: &mut Body, forces: &mut ForceTorque) -> Q {
+        let [position, velocity, spin] = body.vectors_mut();
+        let mut velocities = [Q::load(velocity), Q::load(spin)];
+        if self.step.pending.is_some() {
+            self.pending.apply(&mut velocities, forces);
         }
-        self.kick.change(&mut motion, load);
-        motion[0].store(velocity);
-        motion[1].store(spin);
-        let Some(Step { dt, quantum, .. }) = self.motion.drift else { return Q::splat(0.0) };
-        let displacement = quantum.round_four(motion[0].times(Q::load(&[dt, dt, dt, 0.0]))); // the radius stays
-        Q::load(place).plus(displacement).store(place);
-        *load = self.weight;
+        self.kick.apply(&mut velocities, forces);
+        velocities[0].store(velocity);
+        velocities[1].store(spin);
+        let Some(DriftStep { dt, quantum, .. }) = self.step.drift else { return Q::splat(0.0) };
+        // The fourth number of the position is the radius, which does not change.
+        let displacement = quantum.round_four(velocities[0].times(Q::load(&[dt, dt, dt, 0.0])));
+        Q::load(position).plus(displacement).store(position);
+        *forces = self.weight;
         displacement
     }
 }
 
-/// The longest of many ways.
-struct Farthest<Q> {
-    /// The largest square so far, in each lane.
+/// The largest of many displacements.
+struct MaxDisplacement<Q> {
+    /// The largest squared length so far, in each lane.
     squared: Q,
-    /// Undefined if any way is.
+    /// Undefined if any displacement is.
     flag: Q,
 }
 
-impl<Q: F64x4> Farthest<Q> {
+impl<Q: F64x4> MaxDisplacement<Q> {
     #[inline(always)]
     fn new() -> Self {
         Self { squared: Q::splat(0.0), flag: Q::splat(0.0) }
     }
 
     #[inline(always)]
-    fn see(&mut self, displacements: [Q; 4]) {
+    fn include(&mut self, displacements: [Q; 4]) {
         let [x, y, z, _] = Q::transposed(displacements);
         let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
         self.squared = self.squared.larger(squared);
@@ -224,8 +225,8 @@ mod tests {
     use crate::numbers::{random_of, uniform};
     use nalgebra::Vector3;
 
-    fn step(dt: f64, quantum: Quantum) -> Step {
-        Step { dt, quantum, weight: Weight { gravity: 0.0, quantum } }
+    fn step(dt: f64, quantum: Quantum) -> DriftStep {
+        DriftStep { dt, quantum, weight: Weight { gravity: 0.0, quantum } }
     }
 
     /// Energy error after one collision-like half period of a unit oscillator with n steps.
@@ -249,7 +250,7 @@ mod tests {
         assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
     }
 
-    /// A particle on its way out of a periodic box, and its image inside: not one of many may part from it.
+    /// Particles that leave a periodic box, and their images inside: no image may move otherwise than its particle.
     #[test]
     fn a_particle_moves_like_its_periodic_images() {
         let quantum = Quantum::spanning(60.0);
@@ -272,8 +273,8 @@ mod tests {
     }
 
     #[test]
-    fn without_the_second_kick_it_is_not() {
-        // Negative control: a first-order scheme is told apart.
+    fn the_measure_of_order_detects_a_first_order_scheme() {
+        // Negative control of the test above, with a scheme of its own.
         let error = |steps: usize| {
             let (mut x, mut v) = (0.0_f64, 1.0_f64);
             let dt = std::f64::consts::PI / steps as f64;

@@ -1,13 +1,13 @@
-//! Particles: their columns, who is near whom, what touching pairs remember, and how they move.
+//! Particles: their data, neighbour lists, contact histories, and time integration.
 
 mod body;
 mod cell_grid;
-mod closeness;
 mod contacts;
+mod inner_list;
 mod integrate;
-mod near_pairs;
-mod neighbours;
+mod neighbour_list;
 mod pair_blocks;
+mod proximity;
 mod store;
 
 pub use body::{Body, ForceTorque, sphere_volume};
@@ -15,10 +15,10 @@ pub use cell_grid::CellGrid;
 pub use contacts::{
     ContactHistories, ContactHistory, Contacts, LostContact, PairHistory, WallHistory,
 };
-pub use integrate::{Step, Weight, begin_with_weight, kick, kick_and_drift};
-pub(crate) use near_pairs::Waiting;
-pub use near_pairs::{NearPairs, Ranges};
-pub use neighbours::{Neighbours, Reach};
+pub(crate) use inner_list::Candidates;
+pub use inner_list::{InnerList, InteractionRanges};
+pub use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
+pub use neighbour_list::{ListRange, NeighbourList};
 pub use pair_blocks::{
     AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks,
 };

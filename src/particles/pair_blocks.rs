@@ -1,54 +1,54 @@
-//! Pairs side by side in blocks, with what they remember: what the loop over forces streams through.
+//! Pairs side by side in blocks, with their contact histories: the memory that the loop over forces streams through.
 
 use super::ContactHistory;
 use nalgebra::Vector3;
 
-/// Pairs are kept, and evaluated, in blocks of this many. With fewer than about 16 the compiler unrolls the loop
-/// over lanes before it has made vectors of them.
+/// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
+/// it into vector instructions.
 pub const LANES: usize = 32;
 
-/// Numbers that a contact remembers.
+/// Numbers in a contact history.
 pub const HISTORY_FIELDS: usize = size_of::<ContactHistory>() / size_of::<f64>();
 
-/// What the pairs of one block remember, number by number.
+/// The contact histories of the pairs of a block, number by number.
 pub type HistoryLanes = [[f64; LANES]; HISTORY_FIELDS];
 
-/// Angles of rolling springs, axis by axis.
+/// Deflection angles of rolling springs, axis by axis.
 pub type AngleLanes = [[f64; LANES]; 3];
 
-/// Pairs in one place of memory.
+/// A block of pairs, contiguous in memory.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct PairBlock {
-    /// What they remember, seen from the first.
+    /// Contact histories, seen from the first particle.
     pub history: HistoryLanes,
-    /// Row particle of each pair.
+    /// First particle of each pair, an owned one.
     pub first: [u32; LANES],
-    /// Its partner, an owned particle or a ghost.
+    /// Second particle, an owned one or a ghost.
     pub second: [u32; LANES],
-    /// Who feels the force on the partner: the owned particle that it is an image of, or itself.
+    /// Particle that the force on the second is added to: the owned one that it is an image of, or itself.
     pub target: [u32; LANES],
     /// Whether they touched when the force was last evaluated.
     pub touching: [bool; LANES],
 }
 
-/// A pair: its row particle, the partner, and who feels the force on the partner.
+/// A pair: its first and its second particle, and the particle that the force on the second is added to.
 pub type Pair = [u32; 3];
 
-/// What a touching pair remembers, seen from the row's particle.
+/// The history of a touching pair, seen from its first particle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Remembered {
+pub(super) struct OrientedHistory {
     pub(super) history: ContactHistory,
     /// Zero without a rolling spring.
     pub(super) rolling_angle: Vector3<f64>,
 }
 
-/// Pairs by blocks. Lanes of the last block that no pair uses hold one that nobody reads.
+/// Pairs in blocks. Unused lanes of the last block hold a pair whose results are not used.
 #[derive(Clone, Debug, Default)]
 pub struct PairBlocks {
     /// The blocks.
     pub blocks: Vec<PairBlock>,
-    /// Angles of rolling springs, seen from the first; of no pair without such springs.
+    /// Angles of rolling springs, seen from the first particle; empty without such springs.
     pub rolling_angle: Vec<AngleLanes>,
     /// Whether there are rolling springs.
     rolling: bool,
@@ -56,7 +56,7 @@ pub struct PairBlocks {
 }
 
 impl PairBlock {
-    /// A block full of a pair that remembers nothing.
+    /// A block filled with one pair, without history.
     fn of([first, second, target]: Pair) -> Self {
         Self {
             history: [[0.0; LANES]; HISTORY_FIELDS],
@@ -67,7 +67,7 @@ impl PairBlock {
         }
     }
 
-    /// Pairs in the block `index` of `count` pairs.
+    /// Number of pairs in block `index`, of `count` pairs in all.
     pub fn used(index: usize, count: usize) -> usize {
         (count - index * LANES).min(LANES)
     }
@@ -79,8 +79,8 @@ impl PairBlocks {
         self.count
     }
 
-    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that was switched off
-    /// does not come back bent.
+    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that is switched off and on again
+    /// starts without deflection.
     pub fn hold_rolling_angles(&mut self, hold: bool) {
         self.rolling = hold;
         let blocks = if hold { self.blocks.len() } else { 0 };
@@ -101,16 +101,16 @@ impl PairBlocks {
         })
     }
 
-    /// The touching pairs, first and second particle, and what they remember.
-    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
+    /// The touching pairs, first and second particle, and their histories.
+    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], OrientedHistory)> + '_ {
         let pairs = self.pairs().enumerate();
-        pairs.filter_map(|(place, pair)| self.remembered(place).map(|history| (pair, history)))
+        pairs.filter_map(|(place, pair)| self.history(place).map(|history| (pair, history)))
     }
 
-    /// What the pair at a place remembers, if it touches.
-    fn remembered(&self, place: usize) -> Option<Remembered> {
+    /// The history of the pair at a place, if it touches.
+    fn history(&self, place: usize) -> Option<OrientedHistory> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);
-        block.touching[lane].then(|| Remembered {
+        block.touching[lane].then(|| OrientedHistory {
             history: bytemuck::cast(block.history.map(|field| field[lane])),
             rolling_angle: match self.rolling_angle.get(place / LANES) {
                 Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
@@ -119,7 +119,7 @@ impl PairBlocks {
         })
     }
 
-    pub(super) fn push(&mut self, pair: Pair, remembered: Option<Remembered>) {
+    pub(super) fn push(&mut self, pair: Pair, history: Option<OrientedHistory>) {
         if self.count.is_multiple_of(LANES) {
             self.blocks.push(PairBlock::of(pair));
             if self.rolling {
@@ -127,15 +127,15 @@ impl PairBlocks {
             }
         }
         self.count += 1;
-        self.put(self.count - 1, pair, remembered);
+        self.put(self.count - 1, pair, history);
     }
 
-    fn put(&mut self, place: usize, pair: Pair, remembered: Option<Remembered>) {
+    fn put(&mut self, place: usize, pair: Pair, history: Option<OrientedHistory>) {
         let (index, lane) = (place / LANES, place % LANES);
         let block = &mut self.blocks[index];
         [block.first[lane], block.second[lane], block.target[lane]] = pair;
-        block.touching[lane] = remembered.is_some();
-        let Remembered { history, rolling_angle } = remembered.unwrap_or(Remembered::NOTHING);
+        block.touching[lane] = history.is_some();
+        let OrientedHistory { history, rolling_angle } = history.unwrap_or(OrientedHistory::ZERO);
         let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
         for (field, number) in block.history.iter_mut().zip(numbers) {
             field[lane] = number;
@@ -156,7 +156,7 @@ impl PairBlocks {
             let pair = [block.first[lane], block.second[lane], block.target[lane]];
             if block.touching[lane] || keep([pair[0], pair[1]]) {
                 if kept != place {
-                    self.put(kept, pair, self.remembered(place));
+                    self.put(kept, pair, self.history(place));
                 }
                 kept += 1;
             }
@@ -177,8 +177,8 @@ impl PairBlocks {
     }
 }
 
-impl Remembered {
-    const NOTHING: Self = Self {
+impl OrientedHistory {
+    const ZERO: Self = Self {
         history: ContactHistory {
             tangential_spring: Vector3::new(0.0, 0.0, 0.0),
             largest_overlap: 0.0,
@@ -191,32 +191,32 @@ impl Remembered {
 mod tests {
     use super::*;
 
-    fn remembered(number: u32) -> Remembered {
+    fn history(number: u32) -> OrientedHistory {
         let number = f64::from(number);
         let history = ContactHistory {
             tangential_spring: Vector3::new(number, 2.0 * number, 0.0),
             largest_overlap: 0.5 * number,
         };
-        Remembered { history, rolling_angle: Vector3::x() * number }
+        OrientedHistory { history, rolling_angle: Vector3::x() * number }
     }
 
     /// Pairs (k, k + 1000), each third of them touching.
     fn blocks(count: u32) -> PairBlocks {
         let mut pairs = PairBlocks::default();
         for k in 0..count {
-            pairs.push([k, k + 1000, k + 2000], k.is_multiple_of(3).then(|| remembered(k)));
+            pairs.push([k, k + 1000, k + 2000], k.is_multiple_of(3).then(|| history(k)));
         }
         pairs
     }
 
     #[test]
-    fn what_is_pushed_is_found_again() {
+    fn pushed_pairs_are_found_again() {
         let pairs = blocks(100);
         assert_eq!((pairs.count(), pairs.blocks.len(), pairs.rolling_angle.len()), (100, 4, 4));
         assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
         for ([first, _], found) in pairs.touching() {
-            assert_eq!(found.history, remembered(first).history);
-            assert_eq!(found.rolling_angle, remembered(first).rolling_angle);
+            assert_eq!(found.history, history(first).history);
+            assert_eq!(found.rolling_angle, history(first).rolling_angle);
         }
         assert_eq!(pairs.touching().count(), 34);
     }
@@ -227,7 +227,7 @@ mod tests {
         pairs.retain(|[first, second]| first.is_multiple_of(7) && second == first + 1000);
         let expected = (0..100).filter(|k| k % 3 == 0 || k % 7 == 0);
         assert!(pairs.pairs().map(|[first, _]| first).eq(expected));
-        assert!(pairs.touching().all(|([k, _], found)| found.history == remembered(k).history));
+        assert!(pairs.touching().all(|([k, _], found)| found.history == history(k).history));
         assert_eq!(pairs.touching().count(), 34);
         let last = pairs.blocks.last().unwrap();
         let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());

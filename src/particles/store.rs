@@ -4,7 +4,7 @@ use super::{Body, ForceTorque, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
-/// The particles that a rank knows. Index i < `owned_count()` is an owned particle, the others are
+/// The particles of a rank. Index i < `owned_count()` is an owned particle, the others are
 /// ghosts: copies of other ranks' particles or periodic images. Ghosts carry the position of the image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particles {
@@ -13,12 +13,12 @@ pub struct Particles {
     image_of: Vec<u32>,
     /// Global ids: unique, never reused.
     pub id: Vec<u64>,
-    /// Size and motion of each.
+    /// Size, position and velocities of each.
     pub body: Vec<Body>,
-    /// What acts on each; on ghosts, scratch.
+    /// Force and torque on each; on ghosts, without meaning.
     pub forces: Vec<ForceTorque>,
-    /// Of owned particles: force of a gas in three dimensions, on the force lattice, as of its last step; it is
-    /// held until the next. Zero without such a gas.
+    /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum. It is that of the last gas
+    /// step, and constant until the next; zero without such a gas.
     pub gas_force: Vec<Vector3<f64>>,
 }
 
@@ -26,7 +26,7 @@ pub struct Particles {
 const REMOTE: u32 = u32::MAX;
 
 impl Particles {
-    /// No particles, but room for so many.
+    /// Makes an empty store with room for `count` particles.
     pub fn with_room_for(count: usize) -> Self {
         let mut particles = Self::default();
         particles.id.reserve_exact(count);
@@ -46,7 +46,7 @@ impl Particles {
         self.id.len()
     }
 
-    /// The owned particle that a particle is, or is a periodic image of; nothing if another rank owns it.
+    /// Index of the owned particle that a particle is, or is a periodic image of; `None` if another rank owns it.
     #[inline(always)]
     pub fn owned_original(&self, index: usize) -> Option<usize> {
         if index < self.owned {
@@ -90,7 +90,7 @@ impl Particles {
         self.owned += 1;
     }
 
-    /// Adds a ghost: the image of a particle known here, or another rank's.
+    /// Adds a ghost: the image of a particle of this rank, or a copy of another rank's.
     pub fn push_ghost(
         &mut self,
         id: u64,
@@ -110,12 +110,12 @@ impl Particles {
         self.forces.push(ForceTorque::zeroed());
     }
 
-    /// Forgets the ghosts.
+    /// Removes the ghosts.
     pub fn drop_ghosts(&mut self) {
         self.truncate(self.owned);
     }
 
-    /// Forgets everything.
+    /// Removes all particles.
     pub fn clear(&mut self) {
         self.owned = 0;
         self.gas_force.clear();

@@ -4,7 +4,7 @@ use super::{Balance, Domain, Models, SizeRange};
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
 use crate::parallel::ParticleHalo;
-use crate::particles::{Neighbours, Reach};
+use crate::particles::{ListRange, NeighbourList};
 use crate::timers::{Phase, Timers, processor_time};
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub struct Workspace {
     /// When the neighbour list was built, and its cells.
-    pub neighbours: Neighbours,
+    pub neighbours: NeighbourList,
     /// Who is whose ghost.
     pub halo: ParticleHalo,
     /// How the box is cut.
     pub decomposition: Decomposition,
     /// How far lists look.
-    pub reach: Reach,
+    pub list_range: ListRange,
     /// When cut planes move.
     pub balance: Option<Balance>,
     /// Where the walls are at this step.
@@ -61,10 +61,10 @@ impl Workspace {
     /// An empty workspace.
     pub fn new(decomposition: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
         Self {
-            neighbours: Neighbours::default(),
+            neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
             decomposition,
-            reach: Reach { range: 0.0, skin },
+            list_range: ListRange { interaction: 0.0, skin },
             balance,
             wall_poses: Vec::new(),
             gas: GasSolver::None,
@@ -117,7 +117,7 @@ impl Workspace {
 
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
-        self.reach.range = models.range(sizes);
+        self.list_range.interaction = models.range(sizes);
         self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
         self.tallies.by_gas = [0; 3];
         self.gas = GasSolver::None;

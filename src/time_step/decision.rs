@@ -24,7 +24,7 @@ pub(super) fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<StepDecision, StepError> {
-    let Workspace { neighbours, wall_poses, timers, reach, fault, requests, .. } = work;
+    let Workspace { neighbours, wall_poses, timers, list_range, fault, requests, .. } = work;
     let step = state.clock.step;
     let balance_due = work.balance.is_some_and(|balance| balance.is_overdue(step));
     timers.time(Phase::Decide, || {
@@ -33,7 +33,7 @@ pub(super) fn decide(
         let beyond = |kind| if near_faces { first_beyond(particles, domain, kind) } else { None };
         let (stopped, left) = (beyond(Face::Stop), beyond(Face::Open).is_some());
         let by_walls = neighbours
-            .outdated_by_walls(PosedWalls { walls: &domain.walls, poses: wall_poses }, *reach);
+            .outdated_by_walls(PosedWalls { walls: &domain.walls, poses: wall_poses }, *list_range);
         let faulty = fault.is_some();
         let Requests { stop, checkpoint } = *requests;
         let flags = [left || by_walls, faulty, stopped.is_some(), stop, checkpoint];
@@ -44,7 +44,7 @@ pub(super) fn decide(
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|flag| flag > 0.0);
         state.contacts.moved(displacement);
         neighbours.moved(displacement);
-        let outdated = outdated || neighbours.outdated(*reach);
+        let outdated = outdated || neighbours.outdated(*list_range);
         if faulty {
             let message = agreed_message(fault.take(), ranks);
             return Err(StepError::Unstable { step: step - 1, message });

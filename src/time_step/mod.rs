@@ -10,7 +10,9 @@ use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::PosedWalls;
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
-use crate::particles::{self, ContactHistories, Ranges, Step, begin_with_weight};
+use crate::particles::{
+    self, ContactHistories, DriftStep, InteractionRanges, set_forces_to_weight,
+};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{agreed_message, decide};
@@ -106,7 +108,7 @@ pub fn find_first_forces(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) {
-    begin_with_weight(&mut state.particles, models.weight_at(state.clock.time()));
+    set_forces_to_weight(&mut state.particles, models.weight_at(state.clock.time()));
     advance_gas(state, models, work, ranks);
     add_forces(state, domain, models, work, 0.0);
 }
@@ -154,7 +156,7 @@ fn kick_and_drift(
 ) -> f64 {
     let quantum = domain.bounds.position_quantum();
     let weight = models.weight_at(state.clock.time());
-    let step = Step { dt: models.time_step, quantum, weight };
+    let step = DriftStep { dt: models.time_step, quantum, weight };
     let particles = &mut state.particles;
     work.timers.time(Phase::Integrate, || particles::kick_and_drift(particles, kick_due, step))
 }
@@ -185,7 +187,10 @@ fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Wo
         contact: &models.contact,
         at_walls: &models.at_walls,
         cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
-        ranges: Ranges { contact: models.contact_range(&state.sizes), any: work.reach.range },
+        ranges: InteractionRanges {
+            contact: models.contact_range(&state.sizes),
+            any: work.list_range.interaction,
+        },
         dt,
         limit: models.limits.force,
         force_quantum: models.force_quantum,

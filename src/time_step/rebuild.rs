@@ -41,7 +41,7 @@ pub(super) fn arrange(
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
     let before = work.decomposition.clone();
-    let width = work.reach.ghost_width(state.sizes.largest_diameter);
+    let width = work.list_range.ghost_width(state.sizes.largest_diameter);
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &domain.bounds);
     balance(state, &domain.bounds, work, ranks);
@@ -68,16 +68,16 @@ fn rebuild_lists(
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
     let State { particles, contacts, sizes, .. } = state;
-    let (bounds, width) = (&domain.bounds, work.reach.ghost_width(sizes.largest_diameter));
+    let (bounds, width) = (&domain.bounds, work.list_range.ghost_width(sizes.largest_diameter));
     work.on_particles(|work| {
         work.neighbours.sort_by_cells(particles, width);
-        work.neighbours.note_faces(particles, bounds);
+        work.neighbours.measure_clearance(particles, bounds);
     });
     let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
     work.halo.rebuild(particles, subdomain, width, ranks);
     let rebuilt = work.on_particles(|work| {
         let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
-        work.neighbours.rebuild(particles, contacts, walls, work.reach, histories)
+        work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories)
     });
     agree(rebuilt, ranks)
 }
@@ -122,7 +122,7 @@ fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Com
     }
     if load.imbalance > threshold {
         let positions = particles.body.iter().map(|body| body.position);
-        let width = work.reach.ghost_width(state.sizes.largest_diameter);
+        let width = work.list_range.ghost_width(state.sizes.largest_diameter);
         work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
     }
 }
@@ -143,7 +143,7 @@ fn distribute_gas(
             force: models.limits.force,
             force_quantum: models.force_quantum,
             speed: models.limits.speed,
-            drift: 0.5 * work.reach.skin,
+            drift: 0.5 * work.list_range.skin,
         },
         before,
         subdomain: work.decomposition.subdomain(&domain.bounds, ranks.rank()),

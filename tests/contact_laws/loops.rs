@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use talcum::contact::{
     AdhesiveElasticPlastic, Contact, ContactForce, ContactForceLaw, ContactLaw, ContactModuli,
-    FrictionCap, HertzMindlin, HystereticParameters, Jkr, LinearHysteretic, LinearSpringDashpot,
+    ExampleScales, HystereticParameters, Jkr,
 };
 use talcum::particles::ContactHistory;
 
@@ -29,17 +29,16 @@ fn adhesive(primary_diameter: f64) -> AdhesiveElasticPlastic {
 
 const MODULI: ContactModuli = ContactModuli { normal: 1.0, shear: 0.3 };
 
-/// One of each, without dashpots, for R* = 1 and overlaps of order 1.
+/// Every law of the registry, without dashpots, for R* = 1 and overlaps of order 1.
 fn laws() -> Vec<ContactLaw> {
-    let linear = LinearSpringDashpot::new(1.0, 0.8, 1.0, 0.4, FrictionCap::Contact).unwrap();
-    vec![
-        ContactLaw::LinearSpringDashpot(linear),
-        ContactLaw::AdhesiveElasticPlastic(adhesive(PRIMARY)),
-        ContactLaw::AdhesiveElasticPlastic(adhesive(0.0)),
-        ContactLaw::LinearHysteretic(LinearHysteretic::new(parameters(), 0.7).unwrap()),
-        ContactLaw::HertzMindlin(HertzMindlin::new(MODULI, 1.0, 0.4).unwrap()),
-        ContactLaw::Jkr(Jkr::new(MODULI, 0.05, 1.0, 0.4).unwrap()),
-    ]
+    ContactLaw::examples(ExampleScales { stiffness: 1.0, overlap: 1.0, restitution: 1.0 })
+}
+
+#[test]
+fn every_law_of_the_registry_gives_examples_of_itself() {
+    for name in ContactLaw::NAMES {
+        assert!(laws().iter().any(|law| law.name() == *name), "{name}");
+    }
 }
 
 /// Two bodies that are moved by hand.

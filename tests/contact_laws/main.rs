@@ -5,6 +5,8 @@
 #[path = "../beds/mod.rs"]
 mod beds;
 
+mod custom;
+mod documentation;
 mod elastic;
 mod hysteretic;
 mod loops;

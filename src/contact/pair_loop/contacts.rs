@@ -8,7 +8,7 @@ use crate::contact::lanes::{
 };
 use crate::contact::rolling::{NoRolling, Rolling};
 use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
-use crate::particles::{LANES, NearPairs, PairBlock, PairBlocks, Particles};
+use crate::particles::{InnerList, LANES, PairBlock, PairBlocks, Particles};
 use std::marker::PhantomData;
 
 /// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
@@ -17,7 +17,7 @@ const CACHED: usize = 1 << 22;
 /// Adds the forces and torques of the pairs that may touch.
 pub(super) struct ContactLoop<'a> {
     pub(super) particles: &'a mut Particles,
-    pub(super) near: &'a mut NearPairs,
+    pub(super) inner: &'a mut InnerList,
     pub(super) laws: &'a ForceLaws<'a>,
 }
 
@@ -45,7 +45,7 @@ impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
     #[inline(always)]
     fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
         let work = self.work;
-        match (work.laws.contact.rolling, work.near.one_size) {
+        match (work.laws.contact.rolling, work.inner.one_size) {
             (Some(rolling), _) => {
                 work.evaluate::<Q, _, _, _>((&law, rolling), ManySizes::default())
             }
@@ -64,12 +64,12 @@ impl ContactLoop<'_> {
         (law, rolling): (&L, R),
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, near, laws } = self;
+        let Self { particles, inner, laws } = self;
         let mut block = ContactBlock::default();
         let mut no_angles = [[0.0; LANES]; 3];
-        let count = near.acting.count();
-        let from_memory = size_of_val(&near.acting.blocks[..]) > CACHED;
-        let PairBlocks { blocks, rolling_angle, .. } = &mut near.acting;
+        let count = inner.active.count();
+        let from_memory = size_of_val(&inner.active.blocks[..]) > CACHED;
+        let PairBlocks { blocks, rolling_angle, .. } = &mut inner.active;
         for index in 0..blocks.len() {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];

@@ -27,13 +27,13 @@ pub fn add_pair_forces(
     contacts: &mut Contacts,
     laws: &ForceLaws,
 ) -> Result<(), ForceOutOfRange> {
-    contacts.near.acting.hold_rolling_angles(laws.contact.rolling.is_some());
-    contacts.find_near(particles, laws.ranges);
-    let near = &mut contacts.near;
+    contacts.inner.active.hold_rolling_angles(laws.contact.rolling.is_some());
+    contacts.update_inner_list(particles, laws.ranges);
+    let inner = &mut contacts.inner;
     match laws.cohesion {
-        None => near.look_for_arrivals(particles),
-        Some(cohesion) => with_simd(SeparatedLoop { particles, near, cohesion, laws })?,
+        None => inner.find_promotions(particles),
+        Some(cohesion) => with_simd(SeparatedLoop { particles, inner, cohesion, laws })?,
     }
-    near.let_in();
-    with_simd(ContactLoop { particles, near, laws })
+    inner.promote();
+    with_simd(ContactLoop { particles, inner, laws })
 }

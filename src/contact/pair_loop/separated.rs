@@ -7,13 +7,13 @@ use crate::contact::lanes::{
 use crate::contact::van_der_waals::{Attraction, Full, NearContact};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
-use crate::particles::{ForceTorque, LANES, NearPairs, Pair, Particles, Waiting};
+use crate::particles::{Candidates, ForceTorque, InnerList, LANES, Pair, Particles};
 
 /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
 /// those that have come within the range of contacts, and leaves them to that loop.
 pub(super) struct SeparatedLoop<'a> {
     pub(super) particles: &'a mut Particles,
-    pub(super) near: &'a mut NearPairs,
+    pub(super) inner: &'a mut InnerList,
     pub(super) cohesion: VanDerWaalsNow,
     pub(super) laws: &'a ForceLaws<'a>,
 }
@@ -34,7 +34,7 @@ impl SimdKernel for SeparatedLoop<'_> {
 impl SeparatedLoop<'_> {
     #[inline(always)]
     fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
-        match self.near.one_size {
+        match self.inner.one_size {
             Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
             None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
         }
@@ -46,13 +46,13 @@ impl SeparatedLoop<'_> {
         attraction: A,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, near, laws, .. } = self;
-        let Waiting { pairs, reach, arrived } = near.waiting();
+        let Self { particles, inner, laws, .. } = self;
+        let Candidates { pairs, contact_range, to_promote } = inner.candidates();
         let mut block = SeparatedBlock::default();
         for (number, pairs) in pairs.chunks(LANES).enumerate() {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
-            block.attract((attraction, reach), &sizes, laws);
-            block.note_arrived(number, pairs.len(), arrived);
+            block.attract((attraction, contact_range), &sizes, laws);
+            block.collect_in_contact_range(number, pairs.len(), to_promote);
             if let Some(lane) = first_flagged(&block.out_of_range) {
                 let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
                 let force = vector(&block.force_on_j, lane);
@@ -71,8 +71,8 @@ struct SeparatedBlock {
     branch_vector: [Lanes; 3],
     overlap: Lanes,
     force_on_j: [Lanes; 3],
-    /// 1 where a contact reaches the pair.
-    arrived: [u64; LANES],
+    /// 1 where the pair is within the range of contacts.
+    in_contact_range: [u64; LANES],
     /// 1 where the force exceeds the limit or is undefined.
     out_of_range: [u64; LANES],
 }
@@ -96,7 +96,7 @@ impl SeparatedBlock {
     #[inline(always)]
     fn attract<A: Attraction, S: Sizes>(
         &mut self,
-        (attraction, reach): (A, f64),
+        (attraction, contact_range): (A, f64),
         sizes: &S,
         laws: &ForceLaws,
     ) {
@@ -104,12 +104,12 @@ impl SeparatedBlock {
             let [radius_i, radius_j] = sizes.radii(lane);
             let (overlap, normal) =
                 overlap_and_normal(vector(&self.branch_vector, lane), [radius_i, radius_j]);
-            let arrived = overlap > -reach;
+            let in_contact_range = overlap > -contact_range;
             let pull = attraction.between(radius_i, radius_j, -overlap);
-            let pull = if arrived { 0.0 } else { pull };
+            let pull = if in_contact_range { 0.0 } else { pull };
             let force_on_j = laws.force_quantum.round_vector(normal * -pull);
             self.overlap[lane] = overlap;
-            self.arrived[lane] = u64::from(arrived);
+            self.in_contact_range[lane] = u64::from(in_contact_range);
             for axis in 0..3 {
                 self.force_on_j[axis][lane] = force_on_j[axis];
             }
@@ -117,12 +117,12 @@ impl SeparatedBlock {
         }
     }
 
-    /// Of the first `used` pairs of the block of this number.
+    /// Collects the numbers of those of the first `used` pairs that are within the range of contacts.
     #[inline(always)]
-    fn note_arrived(&self, number: usize, used: usize, arrived: &mut Vec<u32>) {
-        if let Some(first) = first_flagged(&self.arrived) {
-            let lanes = (first..used).filter(|&lane| self.arrived[lane] != 0);
-            arrived.extend(lanes.map(|lane| (number * LANES + lane) as u32));
+    fn collect_in_contact_range(&self, number: usize, used: usize, to_promote: &mut Vec<u32>) {
+        if let Some(first) = first_flagged(&self.in_contact_range) {
+            let lanes = (first..used).filter(|&lane| self.in_contact_range[lane] != 0);
+            to_promote.extend(lanes.map(|lane| (number * LANES + lane) as u32));
         }
     }
 
