@@ -15,7 +15,7 @@ use crate::parallel::{
     Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particles::ContactHistories;
-use crate::state::{Clock, Models, SizeRange, State, Workspace};
+use crate::state::{Models, SizeRange, State, Workspace};
 use crate::time_step::{self, Staggered, StepError};
 use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};
