@@ -40,7 +40,7 @@ impl<'a> Section<'a> {
     fn check_entries(&self) {
         for (name, node) in self.node.entries() {
             if let Some(key) = self.keys.active.iter().find(|key| key.name == name) {
-                self.check_value(&key.kind, node);
+                self.check_value(key, node);
                 continue;
             }
             let inactive = self.keys.inactive.iter().filter(|(key, _)| key.name == name);
@@ -53,7 +53,7 @@ impl<'a> Section<'a> {
             }
             match (open, refused) {
                 // It may be right once the word that decides is.
-                (Some(key), _) => self.check_value(&key.kind, node),
+                (Some(key), _) => self.check_value(key, node),
                 (None, Some(chosen)) => self.problems.add(node.error(format!(
                     "cannot be given: {} {:?} has no use for it",
                     chosen.key, chosen.word
@@ -63,9 +63,14 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn check_value(&self, kind: &'static Kind, node: &'a Node) {
+    fn check_value(&self, key: &'static Key, node: &'a Node) {
+        let kind = &key.kind;
         if let Err(message) = check(kind, node) {
-            self.problems.add(node.error(message));
+            // Of how many numbers a list is tells less than what they are.
+            let is_shape =
+                matches!(kind, Kind::Vector(..)) && message.starts_with("must be a list");
+            let meaning = if is_shape { format!(" ({})", key.meaning) } else { String::new() };
+            self.problems.add(node.error(message + &meaning));
         } else if !matches!(kind, Kind::Merged(_)) {
             let tables = match &node.value {
                 Value::Table(_) => std::slice::from_ref(node),

@@ -76,16 +76,25 @@ impl Allowed {
     }
 }
 
+/// A number of a table as people write it: with an exponent if it is small.
+pub(super) fn short(number: f64) -> String {
+    match number != 0.0 && number.abs() < 1.0e-3 {
+        true => format!("{number:e}"),
+        false => number.to_string(),
+    }
+}
+
 impl fmt::Display for Allowed {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lower = if self.lowest_itself { "at least" } else { "above" };
         let upper = if self.highest_itself { "at most" } else { "below" };
+        let [lowest, highest] = [self.lowest, self.highest].map(short);
         match (self.lowest.is_finite(), self.highest.is_finite()) {
             (false, false) => write!(formatter, "a finite number"),
-            (true, false) => write!(formatter, "{lower} {}", self.lowest),
-            (false, true) => write!(formatter, "{upper} {}", self.highest),
+            (true, false) => write!(formatter, "{lower} {lowest}"),
+            (false, true) => write!(formatter, "{upper} {highest}"),
             (true, true) => {
-                write!(formatter, "{lower} {} and {upper} {}", self.lowest, self.highest)
+                write!(formatter, "{lower} {lowest} and {upper} {highest}")
             }
         }
     }

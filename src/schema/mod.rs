@@ -247,7 +247,7 @@ impl Kind {
 impl fmt::Display for Value {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Number(number) => write!(formatter, "{number}"),
+            Self::Number(number) => formatter.write_str(&allowed::short(*number)),
             Self::Count(count) => write!(formatter, "{count}"),
             Self::Word(word) => write!(formatter, "{word:?}"),
             Self::Boolean(truth) => write!(formatter, "{truth}"),

@@ -6,7 +6,7 @@ use crate::schema::{Allowed, Key, Kind, Merged, Required, Value as Literal, Word
 use serde_json::{Map, Value, json};
 
 /// A span of time such as `1d2h3m4s`.
-const WALL_TIME: &str = "^\\s*(?=[0-9])([0-9]+d)?([0-9]+h)?([0-9]+m)?([0-9]+s)?\\s*$";
+const WALL_TIME: &str = "^\\s*([0-9]+[dhms])+\\s*$";
 
 /// The schema, as the text of a file: draft 7, which Taplo reads.
 pub fn json_schema() -> String {
@@ -192,9 +192,14 @@ fn exclusions(keys: &'static [Key]) -> Vec<Value> {
 
 /// What must be there: each key, or one of its partners.
 fn requirements(keys: &[Key]) -> Vec<Value> {
-    let required = keys.iter().filter(|key| key.required == Required::Always);
-    let rules = required.map(|key| {
-        let any = std::iter::once(&key.name).chain(key.partners);
+    let required = keys.iter().filter_map(|key| match key.required {
+        Required::Always => Some((key, &[][..])),
+        // The first stage may give it as well.
+        Required::AtStart => Some((key, &["stage"][..])),
+        _ => None,
+    });
+    let rules = required.map(|(key, instead)| {
+        let any = std::iter::once(&key.name).chain(key.partners).chain(instead);
         let any: Vec<Value> = any.map(|name| json!({ "required": [name] })).collect();
         match key.with {
             Some(owner) => json!({

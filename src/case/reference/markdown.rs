@@ -1,7 +1,7 @@
 //! The manual of the case file, `docs/input.md`.
 
 use super::super::schema::{CHAPTERS, Chapter, ROOT};
-use super::{Group, Owner, absence, allowed, explained, groups};
+use super::{Explained, Group, Owner, absence, allowed, explained, groups};
 use crate::schema::{Key, Kind, Required};
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ errors are reported at once, each with file, line, key, value and what is allowe
 
     vibrated.toml:12: contact.restitution = 1.4: must be above 0 and at most 1
 
-No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
+Keys without a default are required. No default hides physics: those few that touch it are printed by `check` and at the start of a run. All numbers are in
 the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
 
 `talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys, show their meaning and mark
@@ -39,8 +39,10 @@ pub fn manual() -> String {
     for chapter in CHAPTERS {
         let _ = write!(text, "\n{}\n", heading(chapter));
         add_paragraph(&mut text, chapter.before);
-        for group in groups(chapter) {
-            add_group(&mut text, &group);
+        let groups = groups(chapter);
+        for (number, group) in groups.iter().enumerate() {
+            add_group(&mut text, group);
+            add_words(&mut text, &explained(&groups, number));
         }
         add_paragraph(&mut text, chapter.after);
     }
@@ -68,15 +70,16 @@ fn heading(chapter: &Chapter) -> String {
     format!("{level} `{name}`{optional}{title}")
 }
 
+fn as_code(names: &[&str]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    names.join(", ")
+}
+
 fn add_group(text: &mut String, group: &Group) {
-    let in_braces = |names: &[&str]| {
-        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-        names.join(", ")
-    };
     let selector = match &group.of {
         Owner::Section => None,
         Owner::Words { key, word: None } => {
-            let _ = write!(text, "\nWith some words of `{key}`:\n");
+            let _ = write!(text, "\nKeys that depend on `{key}`:\n");
             Some(*key)
         }
         Owner::Words { key, word: Some(word) } => {
@@ -84,14 +87,17 @@ fn add_group(text: &mut String, group: &Group) {
             None
         }
         Owner::Tables(names) => {
-            let _ = write!(text, "\nIn the braces of {}:\n", in_braces(names));
+            let _ = write!(text, "\nInside the braces of {}:\n", as_code(names));
             None
         }
     };
     add_keys(text, group, selector);
-    for (names, choices) in explained(group) {
-        let _ = write!(text, "\n{}:\n\n", in_braces(&names));
-        for word in choices {
+}
+
+fn add_words(text: &mut String, explained: &[Explained]) {
+    for Explained { keys, words } in explained {
+        let _ = write!(text, "\n{}:\n\n", as_code(keys));
+        for word in words.iter() {
             match word.meaning {
                 "" => drop(writeln!(text, "* `\"{}\"`", word.name)),
                 meaning => drop(writeln!(text, "* `\"{}\"`: {meaning}", word.name)),
@@ -108,22 +114,17 @@ fn add_keys(text: &mut String, group: &Group, selector: Option<&str>) {
     let _ = writeln!(text, "| --- |{rule} --- | --- | --- | --- |");
     let is_alike = |a: &Key, b: &Key| Key { name: a.name, ..*b } == *a;
     for alike in group.keys.chunk_by(|(a, _), (b, _)| is_alike(a, b)) {
-        let names: Vec<String> = alike.iter().map(|(key, _)| format!("`{}`", key.name)).collect();
+        let names: Vec<&str> = alike.iter().map(|(key, _)| key.name).collect();
         let (key, words) = &alike[0];
-        let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
-        let words = selector.map_or(String::new(), |_| format!(" {} |", words.join(", ")));
-        let _ = writeln!(
-            text,
-            "| {} |{words} {} | {} | {} | {} |",
-            names.join(", "),
-            key.unit,
-            key.meaning,
-            quoted(&allowed(&key.kind)),
-            match absence(key).as_str() {
-                "required" => String::new(),
-                absence => quoted(absence),
-            },
-        );
+        let words = selector.map_or(String::new(), |_| format!(" {} |", as_code(words)));
+        let default = match absence(key).as_str() {
+            "required" => String::new(),
+            absence => quoted(absence),
+        };
+        let (names, allowed) = (as_code(&names), quoted(&allowed(&key.kind)));
+        let row =
+            format!("| {names} |{words} {} | {} | {allowed} | {default} |", key.unit, key.meaning);
+        let _ = writeln!(text, "{}", row.replace("|  |", "| |"));
     }
 }
 

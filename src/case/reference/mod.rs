@@ -10,7 +10,7 @@ pub use terminal::{UnknownSection, terminal};
 
 use super::allowed_values::description;
 use super::schema::{CHAPTERS, Chapter};
-use crate::schema::{Key, Kind, Required};
+use crate::schema::{Allowed, Key, Kind, Required, Word};
 
 /// What a key allows, without its default.
 fn allowed(kind: &Kind) -> String {
@@ -21,7 +21,7 @@ fn allowed(kind: &Kind) -> String {
             all.join(" or ")
         }
         Kind::Number(allowed) | Kind::Schedule(allowed, _) => {
-            let numbers = if *allowed == crate::schema::Allowed::FINITE {
+            let numbers = if *allowed == Allowed::FINITE {
                 "a number".to_owned()
             } else {
                 allowed.to_string()
@@ -56,7 +56,7 @@ fn absence(key: &Key) -> String {
             };
         }
         Required::Never if default.is_none() => match instead {
-            Some(instead) => format!("none; at most one of {}", &instead["this or ".len()..]),
+            Some(_) => format!("none; not together with {}", partners.join(" or ")),
             None => "none".to_owned(),
         },
         Required::Never => String::new(),
@@ -159,17 +159,26 @@ fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
     }
 }
 
-/// The words of the keys of a group that have a meaning to show: key names, and their words.
-fn explained(group: &Group) -> Vec<(Vec<&'static str>, &'static [crate::schema::Word])> {
-    let mut found: Vec<(Vec<&'static str>, &'static [crate::schema::Word])> = Vec::new();
-    for (key, _) in &group.keys {
+/// Words to explain, and the keys that have them.
+struct Explained {
+    keys: Vec<&'static str>,
+    words: &'static [Word],
+}
+
+/// The words of a group that have a meaning to show, but those that groups before have shown.
+fn explained(groups: &[Group], number: usize) -> Vec<Explained> {
+    let words_of =
+        |group: &Group| group.keys.iter().map(|(key, _)| key.kind.words()).collect::<Vec<_>>();
+    let shown: Vec<&[Word]> = groups[..number].iter().flat_map(words_of).collect();
+    let mut found: Vec<Explained> = Vec::new();
+    for (key, _) in &groups[number].keys {
         let words = key.kind.words();
-        if words.iter().all(|word| word.meaning.is_empty()) {
+        if words.iter().all(|word| word.meaning.is_empty()) || shown.contains(&words) {
             continue;
         }
-        match found.iter_mut().find(|(_, known)| *known == words) {
-            Some((names, _)) => names.push(key.name),
-            None => found.push((vec![key.name], words)),
+        match found.iter_mut().find(|known| known.words == words) {
+            Some(known) => known.keys.push(key.name),
+            None => found.push(Explained { keys: vec![key.name], words }),
         }
     }
     found

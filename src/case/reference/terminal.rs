@@ -2,7 +2,7 @@
 
 use super::super::schema::{CHAPTERS, Chapter};
 use super::super::suggestion::nearest;
-use super::{Group, Owner, absence, allowed, explained, groups};
+use super::{Explained, Group, Owner, absence, allowed, explained, groups};
 use std::fmt::Write;
 use thiserror::Error;
 
@@ -57,8 +57,10 @@ fn show(chapter: &Chapter) -> String {
     if chapter.keys.is_empty() {
         let _ = writeln!(text, "  {}", chapter.before.replace('\n', "\n  "));
     }
-    for group in groups(chapter) {
-        show_group(&mut text, &group);
+    let groups = groups(chapter);
+    for (number, group) in groups.iter().enumerate() {
+        show_group(&mut text, group);
+        show_words(&mut text, &explained(&groups, number));
     }
     text
 }
@@ -66,9 +68,9 @@ fn show(chapter: &Chapter) -> String {
 fn show_group(text: &mut String, group: &Group) {
     let _ = match &group.of {
         Owner::Section => Ok(()),
-        Owner::Words { key, word: None } => writeln!(text, "\n  With some words of {key}:\n"),
+        Owner::Words { key, word: None } => writeln!(text, "\n  Keys that depend on {key}:\n"),
         Owner::Words { key, word: Some(word) } => writeln!(text, "\n  With {key} = {word:?}:\n"),
-        Owner::Tables(names) => writeln!(text, "\n  In the braces of {}:\n", names.join(", ")),
+        Owner::Tables(names) => writeln!(text, "\n  Inside the braces of {}:\n", names.join(", ")),
     };
     for (key, words) in &group.keys {
         let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
@@ -83,9 +85,12 @@ fn show_group(text: &mut String, group: &Group) {
             default => writeln!(text, "      Default: {}.", default.replace('`', "")),
         };
     }
-    for (names, choices) in explained(group) {
-        let _ = writeln!(text, "\n  Words of {}:", names.join(", "));
-        for word in choices.iter().filter(|word| !word.meaning.is_empty()) {
+}
+
+fn show_words(text: &mut String, explained: &[Explained]) {
+    for Explained { keys, words } in explained {
+        let _ = writeln!(text, "\n  Words of {}:", keys.join(", "));
+        for word in words.iter().filter(|word| !word.meaning.is_empty()) {
             let _ = writeln!(text, "      {:?}: {}", word.name, word.meaning.replace('`', ""));
         }
     }

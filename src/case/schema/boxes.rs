@@ -61,7 +61,7 @@ pub(in crate::case) const WALL: &[Key] = &[
     )
     .unit("length")
     .or(&["normal", "face"]),
-    Key::new("centre", Kind::Vector(Allowed::FINITE, 2), "Of a round column: x and y of its axis")
+    Key::new("centre", Kind::Vector(Allowed::FINITE, 2), "x and y of the axis of a round column")
         .unit("length")
         .with("radius"),
     Key::word("face", FACE_NAMES, "The wall in this face of the box: the other keys are about it")
