@@ -95,9 +95,9 @@ fn add_group(text: &mut String, group: &Group) {
 }
 
 fn add_words(text: &mut String, explained: &[Explained]) {
-    for Explained { keys, words } in explained {
+    for Explained { keys, choices } in explained {
         let _ = write!(text, "\n{}:\n\n", as_code(keys));
-        for word in words.iter() {
+        for word in choices.iter() {
             match word.meaning {
                 "" => drop(writeln!(text, "* `\"{}\"`", word.name)),
                 meaning => drop(writeln!(text, "* `\"{}\"`: {meaning}", word.name)),

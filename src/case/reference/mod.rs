@@ -162,7 +162,7 @@ fn add_words(chapter: &Chapter, key: &'static Key, found: &mut Vec<Group>) {
 /// Words to explain, and the keys that have them.
 struct Explained {
     keys: Vec<&'static str>,
-    words: &'static [Word],
+    choices: &'static [Word],
 }
 
 /// The words of a group that have a meaning to show, but those that groups before have shown.
@@ -176,9 +176,9 @@ fn explained(groups: &[Group], number: usize) -> Vec<Explained> {
         if words.iter().all(|word| word.meaning.is_empty()) || shown.contains(&words) {
             continue;
         }
-        match found.iter_mut().find(|known| known.words == words) {
+        match found.iter_mut().find(|known| known.choices == words) {
             Some(known) => known.keys.push(key.name),
-            None => found.push(Explained { keys: vec![key.name], words }),
+            None => found.push(Explained { keys: vec![key.name], choices: words }),
         }
     }
     found

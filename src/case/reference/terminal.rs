@@ -88,9 +88,9 @@ fn show_group(text: &mut String, group: &Group) {
 }
 
 fn show_words(text: &mut String, explained: &[Explained]) {
-    for Explained { keys, words } in explained {
+    for Explained { keys, choices } in explained {
         let _ = writeln!(text, "\n  Words of {}:", keys.join(", "));
-        for word in words.iter().filter(|word| !word.meaning.is_empty()) {
+        for word in choices.iter().filter(|word| !word.meaning.is_empty()) {
             let _ = writeln!(text, "      {:?}: {}", word.name, word.meaning.replace('`', ""));
         }
     }

@@ -43,3 +43,15 @@ const SWITCHES: &[Word] =
 
 const SPHERES: &[Word] =
     &[Word::new("dallavalle", "4 % below Stokes at small Re"), Word::new("schiller_naumann", "")];
+
+#[cfg(test)]
+mod tests {
+    use super::LAWS;
+    use crate::gas::DragLaw;
+
+    #[test]
+    fn the_tables_are_those_of_the_registered_laws() {
+        let names: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+        assert_eq!(names, DragLaw::NAMES);
+    }
+}

@@ -60,7 +60,10 @@ const COLUMN: &[Key] = &[
 
 /// What a face of the box does to the gas.
 const FACES: &[Word] = &[
-    Word::new("no_slip", "a wall to which the gas sticks"),
+    Word::new(
+        "no_slip",
+        "a wall to which the gas sticks; it moves as the `[[wall]]` of that face does",
+    ),
     Word::new("free_slip", "a wall without friction"),
     Word::new("inlet", "gas enters at `inlet_velocity`"),
     Word::new("outlet", "gas leaves at `outlet_pressure`"),
