@@ -1,6 +1,7 @@
 //! Counts the messages of a step, for the scaling model of docs/performance.md.
 //!
-//! `cargo bench --bench messages` prints a table in Markdown for a vibrated bed on thread ranks: the maxima over the ranks.
+//! `cargo bench --bench messages` prints a table in Markdown for a vibrated bed on thread ranks: the maxima over the
+//! ranks.
 
 #[path = "../tests/beds/mod.rs"]
 mod beds;

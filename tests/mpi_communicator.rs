@@ -275,8 +275,8 @@ fn read(ranks: &MpiRanks, folder: &Path) {
     }
 }
 
-/// While all ranks have a file open, MPI keeps nothing else with the name of that file: no other file beside it or among
-/// the temporary files, and no semaphore, for which the run after a killed one would wait.
+/// While all ranks have a file open, MPI keeps nothing else with the name of that file: no other file beside it or
+/// among the temporary files, and no semaphore, for which the run after a killed one would wait.
 fn open(ranks: &MpiRanks, folder: &Path) {
     let name = format!("open-by-{}.h5", ranks.size());
     let mut options = hdf5::File::with_options();

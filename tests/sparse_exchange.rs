@@ -10,8 +10,8 @@ use talcum::parallel::{Communicator, Message, share_with_all};
 /// Every fourth exchange has no messages. There are so many that each rank is late often.
 const EXCHANGES: u64 = 400;
 
-/// The message of one rank to another, or to itself, in one exchange; mostly empty. Some lengths are multiples of the 1000
-/// bytes to which `mpi_communicator` limits the messages of MPI.
+/// The message of one rank to another, or to itself, in one exchange; mostly empty. Some lengths are multiples of the
+/// 1000 bytes to which `mpi_communicator` limits the messages of MPI.
 fn contents(exchange: u64, from: usize, to: usize) -> Vec<u8> {
     const LENGTHS: [usize; 6] = [1, 999, 1000, 1001, 3000, 70_000];
     let mut generator = random_of(exchange, (100 * from + to) as u64, "messages");

@@ -60,8 +60,8 @@ impl<'a> Solve<'a> {
     }
 }
 
-/// The number of iterations, and the bits of the solution, rank by rank. Since the box is divided along z, they are in the
-/// order of the grid.
+/// The number of iterations, and the bits of the solution, rank by rank. Since the box is divided along z, they are in
+/// the order of the grid.
 fn on_ranks(system: &System, ranks: usize) -> (usize, Vec<u64>) {
     let solved = run_on_threads(ranks, |ranks| {
         let mut solve = Solve::new(system, ranks);

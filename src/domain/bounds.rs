@@ -29,8 +29,8 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the quantum of positions, which is about 10^-15 of
-    /// the longest.
+    /// A box with faces `[axis][lower, upper]`. Lengths are rounded to the quantum of positions, which is about 10^-15
+    /// of the longest.
     pub fn new(lengths: Vector3<f64>, faces: [[Face; 2]; 3]) -> Self {
         let quantum = Quantum::spanning(2.0 * lengths.max());
         Self { lengths: quantum.round_vector(lengths), faces, quantum }

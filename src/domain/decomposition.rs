@@ -41,8 +41,8 @@ impl fmt::Display for RankGrid {
     }
 }
 
-/// A rectilinear decomposition: along each axis an increasing list of cut planes from 0 to the length of the box, with one
-/// layer of subdomains between two of them.
+/// A rectilinear decomposition: along each axis an increasing list of cut planes from 0 to the length of the box, with
+/// one layer of subdomains between two of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decomposition {
     grid: RankGrid,

@@ -38,9 +38,9 @@ pub enum WallShape {
     },
 }
 
-/// Translation of a wall: the displacement is v tau + A sin(2 pi f tau). tau is the time since `start`; before it tau is
-/// 0, and after `end` it is constant. The motion depends on time alone, so that it has the same bits on all ranks and
-/// after any restart.
+/// Translation of a wall: the displacement is v tau + A sin(2 pi f tau). tau is the time since `start`; before it tau
+/// is 0, and after `end` it is constant. The motion depends on time alone, so that it has the same bits on all ranks
+/// and after any restart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallMotion {
     /// Velocity v.
@@ -158,8 +158,8 @@ impl Wall {
         Self { name: name.into(), shape, motion: WallMotion::REST }
     }
 
-    /// Its displacement at the end of a step of this length, and its velocity in the middle of the step: those of particles
-    /// are also taken at the half step.
+    /// Its displacement at the end of a step of this length, and its velocity in the middle of the step: those of
+    /// particles are also taken at the half step.
     pub fn pose(&self, time: f64, step: f64) -> WallPose {
         WallPose {
             displacement: self.motion.displacement(time),

@@ -57,8 +57,8 @@ impl BoxGrid {
         ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
     }
 
-    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells along each
-    /// divided axis.
+    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells along
+    /// each divided axis.
     ///
     /// Returns `None` if the grid has too few cells for that.
     pub fn aligned(&self, decomposition: &Decomposition, least: usize) -> Option<Decomposition> {

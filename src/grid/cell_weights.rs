@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 
 /// Finds the cells of a rank around points in its subdomain or near it.
 ///
-/// The cells are those whose centres surround the point. Along each axis their weight is 1 - |x - x_c| / dx. At a face of
-/// the box that is not periodic the outer cell would lie outside: its weight is given to the inner one, so that the
+/// The cells are those whose centres surround the point. Along each axis their weight is 1 - |x - x_c| / dx. At a face
+/// of the box that is not periodic the outer cell would lie outside: its weight is given to the inner one, so that the
 /// weights add up to 1 everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellLocator {
@@ -15,8 +15,8 @@ pub struct CellLocator {
     spacing: Vector3<f64>,
 }
 
-/// The two cells around a point along each axis, by local indices, and the weight of the upper one; that of the lower one
-/// is 1 minus it.
+/// The two cells around a point along each axis, by local indices, and the weight of the upper one; that of the lower
+/// one is 1 minus it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellWeights {
     /// Local indices of the cells below.

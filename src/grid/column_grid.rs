@@ -85,8 +85,8 @@ impl ColumnGrid {
         if self.periodic { z - self.height * (z / self.height).floor() } else { z }
     }
 
-    /// The nodes around a wrapped height and their weights. Below the lowest node and above the highest, that node has all
-    /// the weight. There are no branches, so that loops over it are vectorised.
+    /// The nodes around a wrapped height and their weights. Below the lowest node and above the highest, that node has
+    /// all the weight. There are no branches, so that loops over it are vectorised.
     #[inline(always)]
     pub fn weights(&self, z: f64) -> NodeWeights {
         let cells = z / self.spacing;

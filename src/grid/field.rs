@@ -6,8 +6,8 @@ use std::ops::Range;
 
 /// One value for each cell that a rank owns, and for each cell of a halo around them; x varies fastest.
 ///
-/// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from count
-/// to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
+/// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from
+/// count to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     count: [usize; 3],

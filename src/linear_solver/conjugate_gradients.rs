@@ -85,7 +85,7 @@ impl ConjugateGradients {
     }
 
     /// Improves the solution until |b - A x|, computed from the solution itself, is as small as allowed or as rounding
-    /// permits. The iteration is restarted if only the residual that it updates is small. Collective.
+    /// permits. The iteration is restarted if only the residual that it updates is small. This call is collective.
     pub(super) fn solve(
         &mut self,
         equation: &mut Equation,
@@ -110,7 +110,7 @@ impl ConjugateGradients {
     }
 
     /// The rounding error of b - A x: 2^-52 |D x|, D being the diagonal of A. No solution in double precision has a
-    /// residual much below it. Collective.
+    /// residual much below it. This call is collective.
     fn rounding(&mut self, equation: &Equation, ranks: &dyn Communicator) -> f64 {
         equation.coefficients.scale_by_diagonal(equation.solution, &mut self.applied);
         DotProduct::default().of(&self.applied, &self.applied, ranks).sqrt() * f64::EPSILON
@@ -154,7 +154,7 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// z = M r; returns r . z. Collective.
+    /// z = M r; returns r . z. This call is collective.
     fn precondition(
         &mut self,
         equation: &Equation,
@@ -178,7 +178,7 @@ impl ConjugateGradients {
     }
 
     /// q = A p, x <- x + alpha p, r <- r - alpha q with alpha = (r . z) / (p . q); returns r . r. Before: the halo of
-    /// p is current. Collective.
+    /// p is current. This call is collective.
     fn update_solution(
         &mut self,
         equation: &mut Equation,

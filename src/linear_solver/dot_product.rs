@@ -115,8 +115,8 @@ impl FixedPointSum {
 /// A dot product that is computed again and again; its quanta follow from its last value.
 ///
 /// Each of N terms is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value. As long as
-/// the value keeps its magnitude, the relative error is below N 2^-71 and no sum needs to be repeated. The result is the
-/// same for any order of the cells and any number of ranks.
+/// the value keeps its magnitude, the relative error is below N 2^-71 and no sum needs to be repeated. The result is
+/// the same for any order of the cells and any number of ranks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DotProduct {
     quanta: TermQuanta,
@@ -135,8 +135,8 @@ impl DotProduct {
         RunningDot { quanta: self.quanta, sum: FixedPointSum::default() }
     }
 
-    /// The sum over all ranks. If terms lay beyond the bound, it is computed again from `a` and `b`. Undefined (NaN) if a
-    /// term is infinite or undefined. Collective.
+    /// The sum over all ranks. If terms lay beyond the bound, it is computed again from `a` and `b`. Undefined (NaN) if
+    /// a term is infinite or undefined. This call is collective.
     pub(super) fn finish(
         &mut self,
         running: RunningDot,
@@ -156,7 +156,7 @@ impl DotProduct {
         value
     }
 
-    /// The dot product of the owned values of two fields. Collective.
+    /// The dot product of the owned values of two fields. This call is collective.
     pub(super) fn of(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> f64 {
         let running = in_wide_vectors(AddRows { running: self.begin(), a, b });
         self.finish(running, [a, b], ranks)

@@ -1,10 +1,10 @@
 //! Interpolation along one axis from the pairs of cells, the coarse grid, to the cells, the fine grid. The weights
 //! follow from the coefficients (operator-dependent interpolation, Alcouffe, Brandt, Dendy and Painter 1981).
 //!
-//! Cells 2m and 2m + 1 form a pair. Its value stands for the point midway between them, or for the cell itself where the
-//! last cell is single. Let M be the pair of a cell c, and N the next pair beyond c. Three resistances lie in series
-//! between M and N: half of the resistance inside each pair, and that of the face between them. The cell lies between
-//! the first two:
+//! Cells 2m and 2m + 1 form a pair. Its value stands for the point midway between them, or for the cell itself where
+//! the last cell is single. Let M be the pair of a cell c, and N the next pair beyond c. Three resistances lie in
+//! series between M and N: half of the resistance inside each pair, and that of the face between them. The cell lies
+//! between the first two:
 //!
 //! ```text
 //! p_c = (1 - t) p_M + t p_N,   t = R / (R + 1/a + R'),   R = 1 / (2 a_inside)

@@ -74,7 +74,8 @@ impl LevelTransfer {
         (Self { along_axes, gathered, solution: Field::new(&next_cells, 1) }, next)
     }
 
-    /// Sets the weights of the interpolation and the coefficients of the coarser level, and returns these. Collective.
+    /// Sets the weights of the interpolation and the coefficients of the coarser level, and returns these. This call is
+    /// collective.
     pub(super) fn coarsen<'a>(
         &'a mut self,
         finest: &'a Coefficients,

@@ -95,7 +95,7 @@ impl Multigrid {
         Self { replicated, levels }
     }
 
-    /// Sets the coefficients of all levels from those of the finest, whose halos are current. Collective.
+    /// Sets the coefficients of all levels from those of the finest, whose halos are current. This call is collective.
     pub(super) fn set_coefficients(&mut self, finest: &Coefficients, ranks: &dyn Communicator) {
         let mut coefficients = finest;
         if let Some(replicated) = &mut self.replicated {
@@ -117,7 +117,8 @@ impl Multigrid {
         }
     }
 
-    /// z = M r with the right-hand side r and the solution z. Halos are neither needed nor filled. Collective.
+    /// z = M r with the right-hand side r and the solution z. Halos are neither needed nor filled. This call is
+    /// collective.
     pub(super) fn cycle(
         &mut self,
         equation: &mut Equation,
@@ -173,7 +174,7 @@ impl Smoother {
 }
 
 impl Cycle {
-    /// One cycle on the first of the levels, from zero or from the solution at hand. Collective.
+    /// One cycle on the first of the levels, from zero or from the solution at hand. This call is collective.
     fn visit(
         self,
         levels: &mut [Level],
@@ -198,7 +199,7 @@ impl Cycle {
     }
 
     /// Restricts the residual and solves the equation of the coarser level, as often as the cycle visits it. After: the
-    /// halo of its solution is current. Collective.
+    /// halo of its solution is current. This call is collective.
     fn solve_coarser(
         self,
         transfer: &mut LevelTransfer,

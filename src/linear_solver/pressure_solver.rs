@@ -79,8 +79,8 @@ impl PressureSolver {
     /// Sets a_f, for the lower faces of cells along x, y and z, and d_c (zero if `None`), and builds the coarse levels.
     ///
     /// Only owned cells of the fields are read; their halos may have any width. Faces that lie in a face of the box,
-    /// unless that is periodic, count as closed whatever the field holds there: an outlet of given pressure is expressed
-    /// by d_c. Collective.
+    /// unless that is periodic, count as closed whatever the field holds there: an outlet of given pressure is
+    /// expressed by d_c. This call is collective.
     ///
     /// # Errors
     /// If a coefficient is negative, infinite or undefined on any rank: the same error on all ranks.
@@ -126,7 +126,7 @@ impl PressureSolver {
     /// Solves A p = b, starting from the values in `solution`. Only owned cells of both fields are read and set.
     ///
     /// In a closed box (d_c = 0 everywhere) the mean of the right-hand side is subtracted, and the solution has mean
-    /// zero. Collective; the bits of the result do not depend on the decomposition.
+    /// zero. This call is collective. The bits of the result do not depend on the decomposition.
     ///
     /// # Errors
     /// If the right-hand side or the start values are not finite, or after 200 iterations: the same error on all ranks;
@@ -171,7 +171,8 @@ impl PressureSolver {
     }
 }
 
-/// Subtracts the mean over all cells of the grid, whose sum is exact; returns it. Overwrites `ones`. Collective.
+/// Subtracts the mean over all cells of the grid, whose sum is exact; returns it. Overwrites `ones`. This call is
+/// collective.
 fn remove_mean(
     field: &mut Field,
     cells: &LocalCells,

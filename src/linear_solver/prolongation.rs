@@ -1,7 +1,7 @@
 //! Restriction and prolongation along one axis, with the weights of [`Interpolation`].
 //!
-//! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c) r_c
-//! from its own cells and t_c r_c from the cells beside it.
+//! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c)
+//! r_c from its own cells and t_c r_c from the cells beside it.
 
 use super::cell_pairs::row_starts;
 use super::interpolation::Interpolation;
@@ -14,7 +14,8 @@ impl Interpolation {
         in_wide_vectors(Restrict { interpolation: self, fine, coarse });
     }
 
-    /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this one.
+    /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this
+    /// one.
     pub(super) fn prolong(&self, coarse: &Field, fine: &mut Field) {
         in_wide_vectors(Prolong::<false> { interpolation: self, coarse, fine });
     }

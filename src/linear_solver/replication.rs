@@ -17,7 +17,7 @@ impl Replication {
         Self { cells, periodic, buffer: vec![0.0; cells.counts.iter().product()] }
     }
 
-    /// Gathers the owned cells of all ranks in the owned cells of `replica`. Collective.
+    /// Gathers the owned cells of all ranks in the owned cells of `replica`. This call is collective.
     pub(super) fn gather(&mut self, field: &Field, replica: &mut Field, ranks: &dyn Communicator) {
         self.buffer.fill(0.0);
         let [along_x, rows, _] = self.cells.count;
@@ -34,7 +34,7 @@ impl Replication {
         replica.set_owned(self.buffer.iter().copied());
     }
 
-    /// Gathers coefficients; the halo of `replica` is not filled. Collective.
+    /// Gathers coefficients; the halo of `replica` is not filled. This call is collective.
     pub(super) fn gather_coefficients(
         &mut self,
         coefficients: &Coefficients,

@@ -10,20 +10,20 @@ pub fn sine(x: f64) -> f64 {
 /// x^y for normal x > 0 and results that are normal numbers; relative error below 1e-14 while x^y lies within
 /// 1e-3 to 1e3, growing with |ln x^y|.
 ///
-/// It consists of additions, multiplications and one division, without branches, so that loops over it are vectorised; a
-/// call into a library takes longer than all contacts of a particle. Every operation is rounded once, so the bits do not
-/// depend on the machine.
+/// It consists of additions, multiplications and one division, without branches, so that loops over it are vectorised;
+/// a call into a library takes longer than all contacts of a particle. Every operation is rounded once, so the bits do
+/// not depend on the machine.
 ///
-/// log2 is computed from the series of artanh((m - 1)/(m + 1)), 2^f from its Taylor series. Both are truncated where the
-/// next term is below 2^-53, and evaluated in independent parts by Estrin's scheme (Muller, "Elementary Functions", 3rd
-/// ed., chapters 3, 5 and 11).
+/// log2 is computed from the series of artanh((m - 1)/(m + 1)), 2^f from its Taylor series. Both are truncated where
+/// the next term is below 2^-53, and evaluated in independent parts by Estrin's scheme (Muller, "Elementary Functions",
+/// 3rd ed., chapters 3, 5 and 11).
 #[inline(always)]
 pub fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
 }
 
-/// Powers of several numbers, in short loops. A processor looks 100 to 250 instructions ahead, and so executes several of
-/// these independent iterations at once.
+/// Powers of several numbers, in short loops. A processor looks 100 to 250 instructions ahead, and so executes several
+/// of these independent iterations at once.
 #[inline(always)]
 pub fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
     let mut binary_exponents = [0.0; N];

@@ -22,10 +22,10 @@ use nalgebra::Vector3;
 /// A quantum: numbers are rounded to `k * spacing`, with an integer k and a power of two `spacing`.
 ///
 /// Multiples of one quantum are added and subtracted **exactly** in double precision as long as the result stays below
-/// 2^53 quanta. Their sum is therefore the same for any order and any distribution over ranks. Talcum rounds positions to
-/// one quantum, so that the displacement between two particles does not depend on the periodic face or the rank border
-/// across which it is computed, and forces to another, so that the force on a particle does not depend on the order in
-/// which its contacts are evaluated.
+/// 2^53 quanta. Their sum is therefore the same for any order and any distribution over ranks. Talcum rounds positions
+/// to one quantum, so that the displacement between two particles does not depend on the periodic face or the rank
+/// border across which it is computed, and forces to another, so that the force on a particle does not depend on the
+/// order in which its contacts are evaluated.
 ///
 /// ```
 /// use talcum::numbers::Quantum;

@@ -11,14 +11,15 @@ const BINS: usize = 1024;
 /// Weight in the histogram of a particle of mean cost.
 const MEAN_WEIGHT: f64 = 1024.0;
 
-/// Range of a particle's cost relative to the mean. Particles in flight cost a tenth of those at rest on others; a ratio
-/// outside this range is taken for an error of the measured time.
+/// Range of a particle's cost relative to the mean. Particles in flight cost a tenth of those at rest on others; a
+/// ratio outside this range is taken for an error of the measured time.
 const COST_RANGE: [f64; 2] = [0.1, 10.0];
 
 /// How evenly the work is distributed over the ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RankLoad {
-    /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no particles.
+    /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no
+    /// particles.
     pub imbalance: f64,
     /// Time per particle of this rank, relative to that of all ranks.
     cost: f64,
@@ -28,7 +29,8 @@ impl RankLoad {
     /// The load before any time is known: all particles cost the same.
     pub const UNKNOWN: Self = Self { imbalance: f64::INFINITY, cost: 1.0 };
 
-    /// From the processor time that this rank has spent on its particles, waiting excluded, and their number. Collective.
+    /// From the processor time that this rank has spent on its particles, waiting excluded, and their number. This call
+    /// is collective.
     pub fn measured(particles: usize, time: Duration, ranks: &dyn Communicator) -> Self {
         let mut sums = [particles as i64, time.as_nanos() as i64];
         let mut largest = sums.map(|own| own as f64);
@@ -47,8 +49,8 @@ impl RankLoad {
         Self { imbalance: imbalance(1), cost: cost.clamp(COST_RANGE[0], COST_RANGE[1]) }
     }
 
-    /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are at
-    /// least `least_width` wide; `positions` are those of the owned particles, wrapped. Collective.
+    /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
+    /// at least `least_width` wide; `positions` are those of the owned particles, wrapped. This call is collective.
     ///
     /// The planes change which rank does which work, never a result.
     pub fn balanced(
@@ -109,8 +111,8 @@ mod tests {
     use crate::domain::{Face, RankGrid};
     use crate::parallel::run_on_threads;
 
-    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles of
-    /// which those below a third cost three times as much.
+    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles
+    /// of which those below a third cost three times as much.
     fn imbalance_of_a_bed_with_a_dense_bottom(by_time: bool) -> f64 {
         let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
         let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();

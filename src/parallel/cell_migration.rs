@@ -21,7 +21,7 @@ impl CellRecord {
     }
 }
 
-/// Sends records to the ranks that own their cells, from whatever ranks hold them. Collective.
+/// Sends records to the ranks that own their cells, from whatever ranks hold them. This call is collective.
 pub fn send_cells_to_owners(
     records: &[CellRecord],
     grid: &BoxGrid,

@@ -1,12 +1,13 @@
 //! At the start of a run contact histories are sent to the owners of their particles, which the ranks that have read
 //! them do not know.
 //!
-//! The owners are found in a distributed directory, by a rendezvous algorithm (the distributed directory of Zoltan; S. J.
-//! Plimpton, C. Knight, "Rendezvous algorithms for large-scale modeling and simulation", J. Parallel Distrib. Comput.
-//! 147 (2021) 184-195). The range of ids is divided into equal chunks, one for each rank, which keeps the owners of the
-//! particles in its chunk: its entries of the directory. Each rank registers the particles that it owns, looks up those
-//! that its records name, and then sends the records. No rank ever holds more than its share of the records and of the
-//! directory. Where a rank's ids are consecutive, as those read from a checkpoint are, it sends to few others.
+//! The owners are found in a distributed directory, by a rendezvous algorithm (the distributed directory of Zoltan; S.
+//! J. Plimpton, C. Knight, "Rendezvous algorithms for large-scale modeling and simulation", J. Parallel Distrib.
+//! Comput. 147 (2021) 184-195). The range of ids is divided into equal chunks, one for each rank, which keeps the
+//! owners of the particles in its chunk: its entries of the directory. Each rank registers the particles that it owns,
+//! looks up those that its records name, and then sends the records. No rank ever holds more than its share of the
+//! records and of the directory. Where a rank's ids are consecutive, as those read from a checkpoint are, it sends to
+//! few others.
 
 use super::migrate::deliver;
 use super::sort_by_id::IdRange;
@@ -20,7 +21,7 @@ use std::collections::BTreeMap;
 type Owners = FxHashMap<u64, usize>;
 
 /// Sends contact records, each of which is on one rank, to the ranks that own their particles. `owned` holds the ids of
-/// the particles of this rank. Records of particles that no rank owns are dropped. Collective.
+/// the particles of this rank. Records of particles that no rank owns are dropped. This call is collective.
 pub fn send_histories_to_owners(
     mut contacts: Vec<ContactRecord>,
     mut wall_contacts: Vec<WallContactRecord>,
@@ -44,7 +45,7 @@ pub fn send_histories_to_owners(
     }
 }
 
-/// The owners of the particles with these ids; those without an owner are left out. Collective.
+/// The owners of the particles with these ids; those without an owner are left out. This call is collective.
 fn find_owners(ids: &[u64], owned: &[u64], ranks: &dyn Communicator) -> Owners {
     let range = IdRange::of(owned.iter().copied(), ranks);
     let send_to_directory = |ids: &[u64]| {
@@ -71,7 +72,7 @@ fn messages<T: Pod>(by_rank: BTreeMap<usize, Vec<T>>) -> Vec<Message> {
     by_rank.into_iter().map(|(rank, records)| Message::of(rank, &records)).collect()
 }
 
-/// Sends each record to the owners of its two particles, once if they are the same. Collective.
+/// Sends each record to the owners of its two particles, once if they are the same. This call is collective.
 fn to_owners<T: Pod>(
     records: Vec<T>,
     ids_of: impl Fn(&T) -> [u64; 2],

@@ -50,8 +50,9 @@ impl FieldHalo {
         self.neighbours[axis]
     }
 
-    /// Fills the halos from the owners. Collective. Cells beyond a face of the box that is not periodic have no owner: there
-    /// a halo stays as it is, except that it takes from the neighbours along the face what they hold beyond it.
+    /// Fills the halos from the owners. This call is collective. Cells beyond a face of the box that is not periodic
+    /// have no owner: there a halo stays as it is, except that it takes from the neighbours along the face what they
+    /// hold beyond it.
     ///
     /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
     /// After: halo cells equal those of their owners.
@@ -71,8 +72,9 @@ impl FieldHalo {
         }
     }
 
-    /// Adds the values in halos to those of their owners, and sets the halos to zero, except for those beyond faces of the
-    /// box that are not periodic. The values must be multiples of one quantum, so that their sums are exact. Collective.
+    /// Adds the values in halos to those of their owners, and sets the halos to zero, except for those beyond faces of
+    /// the box that are not periodic. The values must be multiples of one quantum, so that their sums are exact. This
+    /// call is collective.
     pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         for axis in (0..3).rev() {
             if self.neighbours[axis] == [Some(self.rank); 2] {
@@ -184,7 +186,8 @@ mod tests {
         Bounds::new(Vector3::new(6.0, 5.0, 9.0), [periodic, periodic, [Face::Wall, Face::Open]])
     }
 
-    /// Calls `check` with each cell of a rank and its halo, and with the global index of the cell if it lies in the box.
+    /// Calls `check` with each cell of a rank and its halo, and with the global index of the cell if it lies in the
+    /// box.
     fn for_each_cell(
         local: &LocalCells,
         halo: isize,

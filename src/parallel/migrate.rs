@@ -9,11 +9,12 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Sends every owned particle with its contact histories to the rank whose subdomain holds its position. Collective.
+/// Sends every owned particle with its contact histories to the rank whose subdomain holds its position. This call is
+/// collective.
 ///
 /// Before: there are no ghosts; positions are wrapped; `histories` are those of all contacts of owned particles. After:
-/// every rank owns exactly the particles in its subdomain and holds the histories of all their contacts, and no others. A
-/// pair may be listed twice, with the same contents.
+/// every rank owns exactly the particles in its subdomain and holds the histories of all their contacts, and no others.
+/// A pair may be listed twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
     histories: &mut ContactHistories,
@@ -43,7 +44,7 @@ pub fn migrate(
     }
 }
 
-/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles. Collective.
+/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles. This call is collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
     decomposition: &Decomposition,
@@ -60,7 +61,8 @@ pub fn send_to_owners(
 }
 
 /// Returns the records of all ranks, in the order of the ranks, on every rank; there must be few. They are gathered on
-/// rank 0 along a binary tree and broadcast, which takes about 2 log2 n messages one after another on n ranks. Collective.
+/// rank 0 along a binary tree and broadcast, which takes about 2 log2 n messages one after another on n ranks. This
+/// call is collective.
 pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<T> {
     if ranks.size() == 1 {
         return records;
@@ -126,7 +128,7 @@ fn pack_particles(
 }
 
 /// Sends `outgoing[r]` to rank r; returns what was received, in the order of the senders. The records of this rank to
-/// itself are not copied. Collective.
+/// itself are not copied. This call is collective.
 pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
     let mut own = std::mem::take(&mut outgoing[ranks.rank()]);
     if ranks.size() == 1 {

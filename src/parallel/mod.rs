@@ -1,7 +1,7 @@
 //! Communication between ranks, which knows no physics.
 //!
-//! One rank is not a special case: periodic images are ghosts that a rank sends to itself. Every function with an
-//! argument `ranks` that is called collective must be called by all ranks in the same order.
+//! One rank is not a special case: periodic images are ghosts that a rank sends to itself. A call is *collective* if all
+//! ranks must make it, in the same order.
 //!
 //! # What ranks send to each other
 //!
@@ -96,8 +96,9 @@ impl Message {
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access` and `is_root` is collective:
-/// all ranks must call it in the same order. None can fail: a broken connection ends the program on all ranks.
+/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access` and `is_root` is
+/// collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
+/// ranks.
 pub trait Communicator {
     /// The number of this rank, from 0.
     fn rank(&self) -> usize;
@@ -106,9 +107,9 @@ pub trait Communicator {
     fn size(&self) -> usize;
 
     /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above. After: `incoming[0]` is what the
-    /// neighbour below sent up, `incoming[1]` what the one above sent down. Where there is no neighbour, nothing is sent
-    /// and `incoming` is empty. A rank may be its own neighbour (one rank along a periodic axis), and both neighbours may
-    /// be the same rank (two ranks).
+    /// neighbour below sent up, `incoming[1]` what the one above sent down. Where there is no neighbour, nothing is
+    /// sent and `incoming` is empty. A rank may be its own neighbour (one rank along a periodic axis), and both
+    /// neighbours may be the same rank (two ranks).
     fn exchange(
         &self,
         neighbours: AxisNeighbours,
@@ -117,12 +118,12 @@ pub trait Communicator {
     );
 
     /// Sends at most one message to each rank, this one included, and returns the messages to this rank in the order of
-    /// their senders. An empty message is not sent. Ranks need not know who sends to them. The cost grows with the number
-    /// of messages and the logarithm of the number of ranks.
+    /// their senders. An empty message is not sent. Ranks need not know who sends to them. The cost grows with the
+    /// number of messages and the logarithm of the number of ranks.
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message>;
 
-    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [quantum], and their sums within
-    /// its range: then the result is exact, and therefore the same for any number of ranks.
+    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [quantum], and their sums
+    /// within its range: then the result is exact, and therefore the same for any number of ranks.
     ///
     /// [quantum]: crate::numbers::Quantum
     fn sum_exact(&self, values: &mut [f64]);
@@ -163,8 +164,8 @@ pub trait Communicator {
     }
 }
 
-/// An error that occurred on one rank or several, with the message of the lowest of them. It is the same on all ranks, so
-/// that all react in the same way.
+/// An error that occurred on one rank or several, with the message of the lowest of them. It is the same on all ranks,
+/// so that all react in the same way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CollectiveError(pub String);
 
@@ -176,8 +177,8 @@ impl fmt::Display for CollectiveError {
 
 impl std::error::Error for CollectiveError {}
 
-/// Turns results that may differ between ranks into one on which all agree: an error on any rank becomes an error on all.
-/// Collective.
+/// Turns results that may differ between ranks into one on which all agree: an error on any rank becomes an error on
+/// all. This call is collective.
 ///
 /// # Errors
 /// The error of the lowest rank that has one.

@@ -44,8 +44,8 @@ static RUNNING: AtomicBool = AtomicBool::new(false);
 
 /// The processes that `mpirun` (or `srun`) started together; one if the program was started alone.
 ///
-/// MPI is finalised when this is dropped, so it must outlive every file that the ranks write together. Until then a panic
-/// on one rank ends all ranks.
+/// MPI is finalised when this is dropped, so it must outlive every file that the ranks write together. Until then a
+/// panic on one rank ends all ranks.
 pub struct MpiRanks {
     // Fields are dropped in this order: MPI is finalised last.
     world: SimpleCommunicator,
@@ -88,8 +88,8 @@ impl MpiRanks {
         })
     }
 
-    /// Sets the largest number of bytes in one message of MPI (1 GiB by default). It must be at least 1 and the same on all
-    /// ranks. Longer messages are sent in pieces.
+    /// Sets the largest number of bytes in one message of MPI (1 GiB by default). It must be at least 1 and the same on
+    /// all ranks. Longer messages are sent in pieces.
     pub fn with_longest_message(mut self, longest_message: usize) -> Self {
         self.longest_message = longest_message.max(1);
         self
@@ -101,8 +101,8 @@ impl MpiRanks {
         self.universe.world().abort(code)
     }
 
-    /// The pieces of a message. All have the largest length, except for the last, which is shorter and may be empty. MPI
-    /// guarantees that one message does not overtake another between two ranks.
+    /// The pieces of a message. All have the largest length, except for the last, which is shorter and may be empty.
+    /// MPI guarantees that one message does not overtake another between two ranks.
     fn pieces<'m>(&self, message: &'m [u8]) -> impl Iterator<Item = &'m [u8]> {
         let whole = message.chunks_exact(self.longest_message);
         let rest = whole.remainder();
@@ -248,8 +248,8 @@ impl Communicator for MpiRanks {
     }
 }
 
-/// Sends in progress, which are waited for when they are dropped. Nearly every message is one piece, for which no memory
-/// is allocated.
+/// Sends in progress, which are waited for when they are dropped. Nearly every message is one piece, for which no
+/// memory is allocated.
 type Sent<G> = (Option<G>, Vec<G>);
 
 /// Sends the pieces of a message.

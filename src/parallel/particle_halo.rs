@@ -1,7 +1,7 @@
 //! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
-//! They are exchanged axis by axis. Ghosts received along one axis are sent on along the next, so that edges and corners
-//! need no messages of their own.
+//! They are exchanged axis by axis. Ghosts received along one axis are sent on along the next, so that edges and
+//! corners need no messages of their own.
 
 use super::{AxisNeighbours, Communicator, GhostMotion, NewGhost, records_of_bytes};
 use crate::domain::Subdomain;
@@ -32,10 +32,10 @@ pub struct ParticleHalo {
 }
 
 impl ParticleHalo {
-    /// Chooses the ghosts: every particle within `width` of this rank's subdomain. Collective.
+    /// Chooses the ghosts: every particle within `width` of this rank's subdomain. This call is collective.
     ///
-    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts stand behind
-    /// the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
+    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts stand
+    /// behind the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
     pub fn rebuild(
         &mut self,
         particles: &mut Particles,
@@ -71,7 +71,7 @@ impl ParticleHalo {
         }
     }
 
-    /// Updates position, velocity and angular velocity of all ghosts. Collective.
+    /// Updates position, velocity and angular velocity of all ghosts. This call is collective.
     ///
     /// Before: owned particles are current, and the ghosts are those of the last rebuild. After: ghosts equal their
     /// originals; their order is unchanged.

@@ -4,8 +4,8 @@ use bytemuck::Pod;
 
 use super::{Communicator, Message, Records, records_of_bytes};
 
-/// One rank's rows of a table that is sorted over all ranks. The rows of rank 0, of rank 1 and so on, one after another,
-/// are the table, or a chunk of it.
+/// One rank's rows of a table that is sorted over all ranks. The rows of rank 0, of rank 1 and so on, one after
+/// another, are the table, or a chunk of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SortedRows<T> {
     /// This rank's rows, sorted; there may be none.
@@ -22,7 +22,8 @@ const ROWS_PER_CHUNK: u64 = 1 << 14;
 
 /// Sorts all records by their first id, then by their second, and returns this rank's share. The range of first ids is
 /// divided into equal parts, so that all ranks hold about as many rows if the ids are about evenly spread. Records with
-/// the same first id come to the same rank; the order of records with equal ids is not defined. Collective.
+/// the same first id come to the same rank; the order of records with equal ids is not defined. This call is
+/// collective.
 pub fn sort_by_id<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
@@ -34,7 +35,8 @@ pub fn sort_by_id<T: Pod>(
 }
 
 /// Does the same chunk by chunk: `take` gets this rank's share of the first chunk of ids, then of the next. Only the
-/// records of one chunk are copied at a time, never all. Offsets and totals are those of the whole table. Collective.
+/// records of one chunk are copied at a time, never all. Offsets and totals are those of the whole table. This call is
+/// collective.
 pub fn sort_by_id_in_chunks<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
@@ -122,7 +124,7 @@ pub(super) struct IdRange {
 }
 
 impl IdRange {
-    /// The range of the ids of all ranks. Collective.
+    /// The range of the ids of all ranks. This call is collective.
     pub(super) fn of(ids: impl Iterator<Item = u64>, ranks: &dyn Communicator) -> Self {
         let here = ids.fold(None, |range: Option<(u64, u64)>, id| {
             Some(range.map_or((id, id), |(low, high)| (low.min(id), high.max(id))))
@@ -142,7 +144,8 @@ impl IdRange {
         Self { lowest, highest }
     }
 
-    /// The chunk of an id if the range is divided into so many equal chunks; the nearest one for an id outside the range.
+    /// The chunk of an id if the range is divided into so many equal chunks; the nearest one for an id outside the
+    /// range.
     pub(super) fn chunk_of(self, id: u64, chunks: usize) -> usize {
         let width = ((self.highest - self.lowest) / chunks as u64).saturating_add(1);
         ((id.saturating_sub(self.lowest) / width) as usize).min(chunks - 1)
