@@ -1,0 +1,44 @@
+//! A bed of spheres that do not move, against Ergun's equation.
+
+use super::gas_on_cells;
+use crate::beds::{Bench, OPEN, PERIODIC, law};
+use std::f64::consts::PI;
+use talcum::gas::{DragLaw, Ergun};
+
+const DIAMETER: f64 = 1.0e-3;
+const VISCOSITY: f64 = 1.8e-5;
+const DENSITY: f64 = 1.2;
+
+/// Pressure gradient in a bed of this voidage that fills the box, from fields.
+fn gradient(voidage: f64, velocity: f64, law_of_drag: DragLaw) -> f64 {
+    // A cubic lattice, spheres overlapping a little: so heavy that nothing moves.
+    let spacing = DIAMETER * (PI / 6.0 / (1.0 - voidage)).cbrt();
+    let lengths = [8.0 * spacing, 8.0 * spacing, 32.0 * spacing];
+    let mut bench = Bench::new(lengths, [PERIODIC, PERIODIC, OPEN]);
+    bench.contact = law(1.0e3, 0.9, 0.1);
+    bench.density = 1.0e9;
+    bench.skin = 0.1 * DIAMETER;
+    bench.time_step = 1.0e-5;
+    bench.add_layers(2048, (spacing * (1.0 - 1.0e-9), 0.5 * spacing), &[DIAMETER], (0.0, 0.0));
+    let model = gas_on_cells(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);
+    bench.volume_averaged = Some(model);
+    let mut run = bench.alone();
+    run.steps(100);
+    let pressure = &run.state.gas.volume_averaged().unwrap().fields.pressure;
+    (pressure.at([0, 0, 0]) - pressure.at([0, 0, 7])) / (28.0 * spacing)
+}
+
+#[test]
+fn ergun_in_air() {
+    let ergun = DragLaw::Ergun(Ergun);
+    for [voidage, velocity, expected] in
+        [[0.40, 0.1, 1715.625], [0.40, 0.5, 12515.625], [0.45, 0.5, 7650.206]]
+    {
+        let found = gradient(voidage, velocity, ergun.clone());
+        println!("Ergun: {found:.3} Pa/m for {expected}");
+        // Drag is that of the last step's slip, which no longer changes; the pressure is solved to 1e-8.
+        assert!((found / expected - 1.0).abs() < 0.001, "{found} for {expected}");
+    }
+    // Negative control: Wen & Yu's law gives another one.
+    assert!((gradient(0.40, 0.1, DragLaw::WEN_YU) / 1715.625 - 1.0).abs() > 0.01);
+}

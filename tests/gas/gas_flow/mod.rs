@@ -1,0 +1,13 @@
+//! The gas in three dimensions, alone: exact answers, orders of convergence, published numbers, one answer.
+
+mod cavity;
+mod driver;
+mod exact;
+mod fixed_bed;
+mod jet;
+mod manufactured;
+mod manufactured_in_space;
+mod outlet;
+mod ranks;
+mod source;
+mod taylor_green;

@@ -1,0 +1,138 @@
+//! The order of accuracy; closed boxes and narrow ones.
+
+use super::equations::{Equation, norm};
+use std::f64::consts::PI;
+use talcum::linear_solver::Tolerance;
+
+const TIGHT: Tolerance = Tolerance { relative: 1.0e-11, absolute: 0.0 };
+
+/// Distance from the face at which coefficients are evaluated, in cells.
+const AT_FACES: f64 = 0.0;
+
+/// Largest error of -div(a grad p) = b in the unit cube with p = cos(pi x) cos(2 pi y) sin(pi z / 2 + ...) and
+/// a = 1 + x/2 + y z: walls without flow at x and y, p given on top.
+fn error_on(n: usize, shift: f64) -> f64 {
+    let pressure =
+        |[x, y, z]: [f64; 3]| (PI * x).cos() * (2.0 * PI * y).cos() * (0.5 * PI * z).cos();
+    let slope = |[x, y, z]: [f64; 3]| {
+        let [a, b, c] = [PI * x, 2.0 * PI * y, 0.5 * PI * z];
+        [
+            -PI * a.sin() * b.cos() * c.cos(),
+            -2.0 * PI * a.cos() * b.sin() * c.cos(),
+            -0.5 * PI * a.cos() * b.cos() * c.sin(),
+        ]
+    };
+    let mobility = |[x, y, z]: [f64; 3]| 1.0 + 0.5 * x + y * z;
+    let grad_mobility = |[_, y, z]: [f64; 3]| [0.5, z, y];
+    let source = |at: [f64; 3]| {
+        let laplacian = -(1.0 + 4.0 + 0.25) * PI * PI * pressure(at);
+        let (g, s) = (grad_mobility(at), slope(at));
+        -(mobility(at) * laplacian + g[0] * s[0] + g[1] * s[1] + g[2] * s[2])
+    };
+    let h = 1.0 / n as f64;
+    let mut equation = Equation::in_box([n; 3], [1.0; 3], [false; 3]);
+    for cell in 0..equation.cells() {
+        let centre = equation.indices(cell).map(|i| (i as f64 + 0.5) * h);
+        for axis in 0..3 {
+            let mut face = centre;
+            face[axis] += (shift - 0.5) * h;
+            equation.faces[axis][cell] = h * mobility(face);
+        }
+        equation.right[cell] = source(centre) * h.powi(3);
+        let [x, y, _] = centre;
+        if equation.diagonal[cell] > 0.0 {
+            // p = 0 on top: cos(pi / 2).
+            equation.diagonal[cell] = 2.0 * h * mobility([x, y, 1.0 + shift * h]);
+        }
+    }
+    equation.close();
+    let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
+    outcome.result.unwrap();
+    let error = |cell: usize| {
+        let centre = equation.indices(cell).map(|i| (i as f64 + 0.5) * h);
+        (outcome.solution[cell] - pressure(centre)).abs()
+    };
+    (0..equation.cells()).map(error).fold(0.0, f64::max)
+}
+
+/// The observed order of accuracy from each grid to the next finer one.
+fn orders(shift: f64) -> Vec<f64> {
+    let errors: Vec<f64> = [8, 16, 32, 64].map(|n| error_on(n, shift)).to_vec();
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+#[test]
+fn the_solution_is_second_order_accurate() {
+    // On the coarsest grid a wave has 8 cells. From 16 cells on the leading term of the error dominates; the next term
+    // changes the observed order by less than 0.1.
+    let orders = orders(AT_FACES);
+    assert!((orders[1] - 2.0).abs() < 0.1 && (orders[2] - 2.0).abs() < 0.1, "{orders:?}");
+}
+
+#[test]
+fn coefficients_evaluated_half_a_cell_off_are_detected_as_first_order() {
+    let orders = orders(AT_FACES + 0.5);
+    assert!(orders[2] < 1.2, "first order is expected: {orders:?}");
+}
+
+#[test]
+fn in_a_closed_box_the_mean_is_removed_from_sources_and_solution() {
+    for periodic in [[false; 3], [true; 3], [true, false, true]] {
+        let mut equation = Equation::new([12, 9, 14], periodic);
+        equation.diagonal.fill(0.0);
+        let mean = equation.right.iter().sum::<f64>() / equation.cells() as f64;
+        let outcome = equation.solve_on(&equation.even_decomposition([1, 1, 2]), TIGHT);
+        let convergence = outcome.result.unwrap();
+        // The rounding errors of both sums are below 1e-12.
+        assert!((convergence.removed_mean - mean).abs() < 1.0e-12, "{convergence:?}");
+        equation.right.iter_mut().for_each(|value| *value -= mean);
+        equation.check(&outcome, TIGHT.relative);
+        let sum: f64 = outcome.solution.iter().sum();
+        assert!(sum.abs() < 1.0e-12 * norm(&outcome.solution) * equation.cells() as f64);
+    }
+}
+
+#[test]
+fn in_a_box_with_an_outlet_no_mean_is_removed() {
+    // Negative control of the test above.
+    let equation = Equation::new([12, 9, 14], [false; 3]);
+    let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
+    assert_eq!(outcome.result.unwrap().removed_mean, 0.0);
+    assert!(outcome.solution.iter().sum::<f64>().abs() > 1.0);
+    equation.check(&outcome, TIGHT.relative);
+}
+
+#[test]
+fn grids_of_one_cell_and_of_odd_counts_are_solved() {
+    let cases = [
+        ([1, 1, 1], [false; 3]),
+        ([1, 1, 200], [true, true, false]),
+        ([1, 40, 30], [true, false, false]),
+        ([33, 17, 9], [false; 3]),
+        ([33, 17, 9], [true, true, true]),
+        ([2, 2, 50], [true, true, false]),
+        ([3, 5, 101], [true, true, false]),
+    ];
+    for (counts, periodic) in cases {
+        let mut equation = Equation::new(counts, periodic);
+        if periodic[2] {
+            equation.diagonal[0] = 0.1;
+        }
+        let outcome = equation.solve_on(&equation.even_decomposition([1; 3]), TIGHT);
+        equation.check(&outcome, TIGHT.relative);
+        let iterations = outcome.iterations();
+        assert!(iterations <= 14, "{counts:?}: {iterations}");
+    }
+}
+
+#[test]
+fn a_converged_start_value_needs_no_iteration_and_zero_sources_give_zero_pressure() {
+    let mut equation = Equation::new([16; 3], [false; 3]);
+    let decomposition = equation.even_decomposition([1; 3]);
+    let solved = equation.solve_on(&decomposition, TIGHT);
+    let again = equation.solve_from(&solved.solution, &decomposition, Tolerance::relative(1.0e-10));
+    assert_eq!((again.iterations(), again.bits()), (0, solved.bits()));
+    equation.right.fill(0.0);
+    let rest = equation.solve_from(&solved.solution, &decomposition, TIGHT);
+    assert_eq!((rest.iterations(), rest.solution), (0, vec![0.0; equation.cells()]));
+}

@@ -1,0 +1,7 @@
+//! The pressure solver against plain loops, closed forms, and itself on other decompositions.
+
+mod accuracy;
+mod convergence;
+mod equations;
+mod failures;
+mod rank_equality;

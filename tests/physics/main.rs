@@ -1,0 +1,12 @@
+//! Physics against closed forms, published numbers and balances.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+#[path = "../beds/mod.rs"]
+mod beds;
+
+mod contact_laws;
+mod energy;
+mod gas_column;
+mod integrator_order;
+mod minimum_fluidisation;
+mod single_particle;

@@ -1,0 +1,319 @@
+//! Checkpoints come back as they were on any number of ranks, and anything else is refused in words.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use bytemuck::Zeroable;
+use talcum::output::Provenance;
+use talcum::output::checkpoint::{Checkpoint, file_name, newest_good, prune, read, write};
+use talcum::parallel::{
+    CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
+    run_on_threads,
+};
+use talcum::state::{Clock, Departed, GasReport, SizeRange};
+use xxhash_rust::xxh3::xxh3_128;
+
+/// A state of so many particles, of which this rank has every n-th.
+fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
+    let mine = |id: &u64| (id + 1) % ranks.size() as u64 == ranks.rank() as u64;
+    let particle = |id| {
+        let x = id as f64 / 3.0;
+        let mut particle: ParticleRecord = Zeroable::zeroed();
+        bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut particle)).fill(x);
+        ParticleRecord { id, velocity: [-x, 1.0e-300, -0.0], ..particle }
+    };
+    let spring = [1.0e-9, -2.0e-9, 0.0];
+    let contact = |k: u64| ContactRecord {
+        lower: 7 * (k / 3),
+        higher: 7 * (k / 3) + 3 - k % 3,
+        tangential_spring: spring,
+        largest_overlap: k as f64,
+        rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
+    };
+    let wall_contact = |k| WallContactRecord {
+        particle: k / 2,
+        wall: 1 - k % 2,
+        tangential_spring: spring,
+        largest_overlap: 0.1,
+        rolling_angle: [0.0, 0.01, 0.0],
+    };
+    let cell = |cell: u64| CellRecord {
+        cell,
+        lower_velocity: [0.0, 1.0 / 3.0, 2.0 / 3.0],
+        upper_velocity: [1.0, 4.0 / 3.0, 5.0 / 3.0],
+        pressure: 2.0,
+        voidage: 7.0 / 3.0,
+    };
+    Checkpoint {
+        clock: Clock { step, origin_time: 0.1, origin_step: 1, time_step: 2.5e-4 },
+        departed: Departed { count: 2, volume: 1.04 },
+        sizes: SizeRange { smallest_diameter: 0.8, largest_diameter: 1.2, largest_mass: 1.7 },
+        case_text: "title = \"Grüße\"\n".repeat(if count > 5 { 6000 } else { 1 }),
+        case_folder: "/some/where".to_owned(),
+        particles: (0..count).map(|k| k * 10).filter(mine).map(particle).collect(),
+        contacts: (0..count / 2).filter(mine).map(contact).collect(),
+        wall_contacts: (0..count / 4).filter(mine).map(wall_contact).collect(),
+        cells: (0..count / 3).filter(mine).map(cell).collect(),
+        gas_report: GasReport {
+            iterations: 7,
+            raised_cells: 1,
+            courant: 0.2,
+            momentum_error: 1.0e-12,
+        },
+    }
+}
+
+fn provenance(ranks: &dyn Communicator) -> Provenance {
+    Provenance::here_and_now("A bed", "dimensionless", ranks)
+}
+
+/// All ranks' shares as one, sorted.
+fn whole(shares: Vec<Checkpoint>) -> Checkpoint {
+    let mut shares = shares.into_iter();
+    let mut whole = shares.next().unwrap();
+    for share in shares {
+        assert_eq!(
+            (share.clock, share.departed, share.sizes),
+            (whole.clock, whole.departed, whole.sizes)
+        );
+        assert_eq!(share.case_text, whole.case_text);
+        whole.particles.extend(share.particles);
+        whole.contacts.extend(share.contacts);
+        whole.wall_contacts.extend(share.wall_contacts);
+        whole.cells.extend(share.cells);
+    }
+    whole.particles.sort_by_key(|particle| particle.id);
+    whole.contacts.sort_by_key(|contact| (contact.lower, contact.higher));
+    whole.wall_contacts.sort_by_key(|contact| (contact.particle, contact.wall));
+    whole.cells.sort_by_key(|cell| cell.cell);
+    whole
+}
+
+#[test]
+fn a_checkpoint_is_read_back_on_any_number_of_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    for count in [0, 1, 2, 53] {
+        let original = whole(vec![share(count, 12, &OneRank)]);
+        let digest = original.digest(&OneRank);
+        for writers in 1..=3 {
+            let path = folder.path().join(file_name(writers as u64));
+            let digests = run_on_threads(writers, |ranks| {
+                write(&path, &share(count, 12, ranks), &provenance(ranks), ranks).unwrap()
+            });
+            assert!(digests.iter().all(|&written| written == digest));
+            for readers in [1, 2, 3, 5] {
+                let shares = run_on_threads(readers, |ranks| {
+                    let (checkpoint, provenance, found) = read(&path, ranks).unwrap();
+                    assert_eq!((provenance.ranks, found), (writers as u64, digest));
+                    assert!(checkpoint.particles.len() <= count as usize / readers + 1);
+                    checkpoint
+                });
+                assert_eq!(
+                    whole(shares),
+                    original,
+                    "{count} particles, {writers} to {readers} ranks"
+                );
+            }
+        }
+    }
+    assert!(std::fs::read_dir(folder.path()).unwrap().all(|entry| {
+        entry.unwrap().path().extension().is_some_and(|extension| extension == "h5")
+    }));
+}
+
+#[test]
+fn a_checkpoint_has_the_same_bytes_from_any_number_of_ranks() {
+    let folder = tempfile::tempdir().unwrap();
+    let provenance = provenance(&OneRank);
+    let files = [1, 2, 3].map(|n| {
+        let path = folder.path().join(file_name(n));
+        run_on_threads(n as usize, |ranks| {
+            write(&path, &share(40, 12, ranks), &provenance, ranks).unwrap();
+        });
+        std::fs::read(path).unwrap()
+    });
+    assert!(files[0] == files[1] && files[0] == files[2]);
+}
+
+/// The words in which a file is refused, the same on two ranks.
+fn refusal(path: &Path) -> String {
+    let refusals = run_on_threads(2, |ranks| read(path, ranks).map(|_| "read").unwrap_err());
+    assert_eq!(refusals[0], refusals[1]);
+    assert_eq!(refusals[0].path, path);
+    refusals[0].message.clone()
+}
+
+#[test]
+fn truncated_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let lengths = (0..bytes.len()).step_by(311).chain(bytes.len() - 60..bytes.len());
+    for length in lengths {
+        std::fs::write(&path, &bytes[..length]).unwrap();
+        let message = refusal(&path);
+        match length {
+            0 => assert_eq!(message, "the file is empty"),
+            1..8 => assert_eq!(message, "this is not an HDF5 file"),
+            _ => assert!(message.contains("cut short"), "{length}: {message}"),
+        }
+    }
+}
+
+#[test]
+fn damaged_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    for place in (0..bytes.len()).step_by(173).chain(bytes.len() - 60..bytes.len()) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x10;
+        std::fs::write(&path, &damaged).unwrap();
+        let message = refusal(&path);
+        assert!(
+            message.contains("damaged") || message == "this is not an HDF5 file",
+            "{place}: {message}"
+        );
+    }
+    let longer = [&bytes[..], b"more"].concat();
+    std::fs::write(&path, longer).unwrap();
+    assert!(refusal(&path).contains("damaged"));
+    std::fs::write(&path, bytes).unwrap();
+    read(&path, &OneRank).unwrap();
+}
+
+#[test]
+fn foreign_files_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("file.h5");
+    assert!(refusal(&path).contains("cannot be opened: No such file"));
+    assert_eq!(refusal(folder.path()), "this is not a file");
+    std::fs::write(&path, "time,height\n0,1\n").unwrap();
+    assert_eq!(refusal(&path), "this is not an HDF5 file");
+    let file = hdf5::File::create(&path).unwrap();
+    file.new_dataset::<f64>().shape([100]).create("x").unwrap();
+    file.close().unwrap();
+    assert!(refusal(&path).contains("HDF5 file of another program"));
+}
+
+/// Changes a checkpoint in a way that no damage could, and appends its checksum again.
+fn forge(path: &Path, change: impl FnOnce(&hdf5::File)) {
+    let bytes = std::fs::read(path).unwrap();
+    std::fs::write(path, &bytes[..bytes.len() - 40]).unwrap();
+    let file = hdf5::File::open_rw(path).unwrap();
+    change(&file);
+    file.close().unwrap();
+    let mut bytes = std::fs::read(path).unwrap();
+    let length = bytes.len() as u64;
+    assert!(length < 1 << 22, "one block");
+    let hash = xxh3_128(&xxh3_128(&bytes).to_be_bytes());
+    bytes.extend_from_slice(b"\nTalcum seal  2\n");
+    bytes.extend_from_slice(&length.to_le_bytes());
+    bytes.extend_from_slice(&hash.to_be_bytes());
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn intact_files_with_inconsistent_content_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    let forged = |change: fn(&hdf5::File)| {
+        write(&path, &share(5, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+        forge(&path, change);
+        path.as_path()
+    };
+    read(forged(|_| ()), &OneRank).unwrap();
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&4_u64).unwrap());
+    assert!(refusal(newer).contains("written by a newer Talcum"));
+    let moved = forged(|file| {
+        let mass = file.dataset("particles/mass").unwrap();
+        let mut masses = mass.read_raw::<f64>().unwrap();
+        masses[2] += 1.0e-15;
+        mass.write_raw(&masses).unwrap();
+    });
+    assert!(refusal(moved).contains("the state's digest is"));
+    let without = forged(|file| file.unlink("contacts/lower").unwrap());
+    assert!(refusal(without).contains("/contacts/lower"));
+    let stranger = forged(|file| file.group("/").unwrap().delete_attr("format").unwrap());
+    assert!(refusal(stranger).contains("not a checkpoint"), "{}", refusal(stranger));
+    let earlier = forged(|file| {
+        file.group("clock").unwrap().attr("origin_step").unwrap().write_scalar(&99_u64).unwrap();
+    });
+    assert!(refusal(earlier).contains("origin lies after"));
+}
+
+#[test]
+fn files_of_schema_version_1_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    let mut state = share(20, 12, &OneRank);
+    state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
+    state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
+    state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
+    (state.cells, state.gas_report) = (Vec::new(), GasReport::default());
+    let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    let without_angles = |file: &hdf5::File| {
+        file.unlink("gas").unwrap();
+        file.unlink("particles/gas_force").unwrap();
+        file.unlink("contacts/rolling_angle").unwrap();
+        file.unlink("wall_contacts/rolling_angle").unwrap();
+    };
+    let of_then = |file: &hdf5::File| {
+        let digest = hdf5::types::VarLenUnicode::from_str("9b7025bd5cf6209a24ad1192757b13fe");
+        file.attr("digest").unwrap().write_scalar(&digest.unwrap()).unwrap();
+    };
+    // Controls: the file is one of today's.
+    forge(&path, of_then);
+    assert!(refusal(&path).contains("the state's digest is"));
+    forge(&path, without_angles);
+    assert!(refusal(&path).contains("gas"));
+    forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&1_u64).unwrap());
+    let (found, _, found_digest) = read(&path, &OneRank).unwrap();
+    assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));
+}
+
+#[test]
+fn the_newest_intact_checkpoint_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |step| folder.path().join(file_name(step));
+    assert!(newest_good(folder.path(), &OneRank).unwrap().found.is_none());
+    for step in [9, 20, 100, 3000, 3001] {
+        write(&path(step), &share(5, step, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    }
+    std::fs::write(path(3001), "").unwrap();
+    let bytes = std::fs::read(path(3000)).unwrap();
+    std::fs::write(path(3000), &bytes[..bytes.len() / 2]).unwrap();
+    std::fs::write(folder.path().join("checkpoint-000000009999.h5.partial"), bytes).unwrap();
+    std::fs::write(folder.path().join("checkpoint-newest.h5"), "not one of ours").unwrap();
+    run_on_threads(2, |ranks| {
+        let search = newest_good(folder.path(), ranks).unwrap();
+        let (found, checkpoint, ..) = search.found.unwrap();
+        assert_eq!((found, checkpoint.clock.step), (path(100), 100));
+        let refused: Vec<String> = search.refused.iter().map(ToString::to_string).collect();
+        assert!(refused[0].ends_with("checkpoint-000000003001.h5: the file is empty"));
+        assert!(refused[1].contains("cut short"));
+    });
+    run_on_threads(2, |ranks| prune(folder.path(), 3, ranks).unwrap());
+    let mut names: Vec<String> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names[..3], [100, 3000, 3001].map(file_name));
+    assert_eq!(names[3..], ["checkpoint-newest.h5"]);
+}
+
+#[test]
+fn a_failed_write_leaves_the_old_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(file_name(1));
+    let digest = write(&path, &share(5, 1, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    std::fs::create_dir(folder.path().join(file_name(1) + ".partial")).unwrap();
+    run_on_threads(2, |ranks| {
+        let error = write(&path, &share(6, 2, ranks), &provenance(ranks), ranks).unwrap_err();
+        assert!(error.to_string().contains(".partial: HDF5 says"), "{error}");
+    });
+    assert_eq!(read(&path, &OneRank).unwrap().2, digest);
+}

@@ -1,0 +1,17 @@
+//! The program as its users meet it: case files, runs, restarts, checkpoints, failures, results.
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
+#[path = "../launch/mod.rs"]
+mod launch;
+
+mod case_files;
+mod case_meaning;
+mod case_schema;
+mod checkpoint_files;
+mod failures;
+mod golden;
+mod initial_beds;
+mod interruption;
+mod mpirun;
+mod restart;
+mod snapshots;

@@ -1,0 +1,222 @@
+//! A run that was stopped goes on as if it had not been, on any number of ranks: the same digest, the same
+//! series, profiles and snapshots.
+
+use crate::launch::{checkpoints, series, smoke, talcum};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn newest(folder: &Path) -> String {
+    text(&checkpoints(folder).pop().expect("there is a checkpoint"))
+}
+
+/// Name, shape and bits of every dataset in a file.
+type Datasets = BTreeMap<String, (Vec<usize>, Vec<u64>)>;
+
+fn datasets(path: &Path) -> Datasets {
+    let mut found = Datasets::new();
+    let mut groups = vec![hdf5::File::open(path).unwrap().as_group().unwrap()];
+    while let Some(group) = groups.pop() {
+        groups.extend(group.groups().unwrap());
+        for dataset in group.datasets().unwrap() {
+            let bits = if dataset.dtype().unwrap().is::<f64>() {
+                dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+            } else {
+                let integers = dataset.read_raw::<i64>().unwrap();
+                integers.into_iter().map(i64::cast_unsigned).collect()
+            };
+            found.insert(dataset.name(), (dataset.shape(), bits));
+        }
+    }
+    found
+}
+
+/// Everything in two folders of results that the interruption must not change.
+fn assert_same_results(one: &Path, other: &Path) {
+    assert_eq!(series(one), series(other));
+    for name in ["profiles.h5", "particles.vtkhdf"] {
+        let [first, second] = [one, other].map(|folder| datasets(&folder.join(name)));
+        assert!(first.len() >= 5, "{first:?}");
+        for (dataset, contents) in &first {
+            assert!(second.get(dataset) == Some(contents), "{name}: {dataset}");
+        }
+        assert_eq!(first.len(), second.len());
+    }
+}
+
+/// Stages, ramps, steps and a vibration, stopped in the middle of the ramp of cohesion.
+#[test]
+fn a_restart_on_other_ranks_gives_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let case = smoke("staged");
+    let whole = place("whole");
+    let digest = talcum(0, &["run", &case, "--output", &text(&whole)]).digest();
+
+    let resumed = place("resumed");
+    let output = text(&resumed);
+    talcum(2, &["run", &case, "--output", &output, "--until", "1.75"]).digest();
+    let at_half = newest(&resumed);
+    let copy = text(&place("checkpoint.h5"));
+    std::fs::copy(&at_half, &copy).unwrap();
+    let end = talcum(3, &["run", &case, "--output", &output, "--resume"]);
+    assert_eq!(end.digest(), digest);
+    let message = format!("resuming from {at_half} at time 1.75, state ");
+    assert!(end.output.contains(&message), "{}", end.output);
+    assert_same_results(&resumed, &whole);
+
+    // A foreign folder for the results: the rest of the rows, after the same header.
+    for (ranks, more) in [(0, &[][..]), (1, &[]), (4, &["--ranks", "2,1,2"])] {
+        let folder = place(&format!("restarted on {ranks}"));
+        let output = text(&folder);
+        let arguments = [&["restart", &copy, "--output", &output], more].concat();
+        assert_eq!(talcum(ranks, &arguments).digest(), digest);
+        let (rest, rows) = (series(&folder), series(&whole));
+        let rest = rest.split_once('\n').unwrap().1;
+        assert!(rows.ends_with(rest) && rest.lines().count() == 18, "{rest}");
+    }
+    // Nothing is left to do, and nothing changes.
+    let again = talcum(0, &["run", &case, "--output", &output, "--resume"]);
+    assert_eq!(again.digest(), digest);
+    assert_same_results(&resumed, &whole);
+}
+
+#[test]
+fn departures_and_initial_sizes_survive_a_restart() {
+    for (name, half) in [("open-top", "1.7"), ("polydisperse", "2.05"), ("periodic-weight", "1.2")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        let (whole, resumed) = (place("whole"), place("resumed"));
+        let case = smoke(name);
+        let digest = talcum(0, &["run", &case, "--output", &text(&whole)]).digest();
+        let output = text(&resumed);
+        talcum(0, &["run", &case, "--output", &output, "--until", half]).digest();
+        talcum(2, &["restart", &newest(&resumed), "--until", "2.5"]).digest();
+        let end = talcum(0, &["run", &case, "--output", &output, "--resume"]);
+        assert_eq!(end.digest(), digest, "{name}");
+        assert_same_results(&resumed, &whole);
+        assert_eq!(end.output.contains("particles have left"), name == "open-top");
+    }
+}
+
+#[test]
+fn a_run_can_start_from_the_end_of_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let output = text(&place("settled"));
+    talcum(0, &["run", &smoke("staged"), "--output", &output, "--until", "1"]).digest();
+    let path = newest(&place("settled"));
+    let staged = std::fs::read_to_string(smoke("staged")).unwrap();
+    let (before, after) = staged.split_once("[particles]").unwrap();
+    let after = &after[after.find("[gravity]").unwrap()..];
+    let particles =
+        format!("density = 1.0\n[particles.start]\nkind = \"run\"\npath = \"{path}\"\n");
+    let case = text(&place("case.toml"));
+    std::fs::write(&case, format!("{before}[particles]\n{particles}{after}")).unwrap();
+    let run = |name: &str, ranks| {
+        talcum(ranks, &["run", &case, "--output", &text(&place(name)), "--until", "0.2"])
+    };
+    let one = run("one", 0);
+    assert_eq!(one.digest(), run("two", 2).digest());
+    let first = series(&place("one")).lines().nth(1).unwrap().to_owned();
+    let last = series(&place("settled")).lines().last().unwrap().to_owned();
+    // Time begins anew, the bed does not.
+    assert!(first.starts_with("0,") && last.starts_with("1,"));
+    assert_eq!(first.split(',').nth(6), last.split(',').nth(6));
+}
+
+#[test]
+fn keys_can_change_on_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let output = text(&place("start"));
+    let case = smoke("rank-equality");
+    talcum(0, &["run", &case, "--output", &output, "--until", "0.5"]).digest();
+    let start = newest(&place("start"));
+    let mut count = 0;
+    let mut go_on = |ranks, change: &[&str]| {
+        count += 1;
+        let output = text(&place(&count.to_string()));
+        let arguments = [&["restart", &start, "--output", &output, "--until", "0.8"], change];
+        let ended = talcum(ranks, &arguments.concat());
+        (ended.digest(), ended.output)
+    };
+    let (same, message) = go_on(0, &[]);
+    assert!(
+        message.contains("complete at time 0.8;") && message.contains("000000003200.h5"),
+        "{message}"
+    );
+    let shorter = ["--set", "time.step=1.0e-4"];
+    let (other, message) = go_on(0, &shorter);
+    // 2000 steps of 2.5e-4, then 3000 of 1e-4.
+    assert!(
+        message.contains("complete at time 0.8;") && message.contains("000000005000.h5"),
+        "{message}"
+    );
+    assert_ne!(other, same);
+    assert_eq!(go_on(2, &shorter).0, other);
+    let without_gas = ["--set", "gas.superficial_velocity=0"];
+    assert_ne!(go_on(0, &without_gas).0, same);
+    let parallel = ["--set", "parallel.skin=0.3", "--set", "parallel.axis=x"];
+    assert_eq!(go_on(2, &parallel).0, same);
+}
+
+#[test]
+fn later_checkpoints_are_superseded_by_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let case = smoke("rank-equality");
+    let often = ["--set", "checkpoint.every=0.1", "--set", "checkpoint.keep=3"];
+    let run = |name: &str, more: &[&str]| {
+        let output = text(&place(name));
+        let arguments = [&["run", &case, "--output", &output], &often[..], more].concat();
+        talcum(0, &arguments)
+    };
+    let digest = run("whole", &["--until", "0.5"]).digest();
+    run("branched", &["--until", "0.4"]).digest();
+    let files = checkpoints(&place("branched"));
+    assert_eq!(files.len(), 3);
+    // Another future begins at the oldest, and is interrupted at once.
+    let change = ["--set", "contact.friction=0.5", "--until", "0.25"];
+    let message = talcum(0, &[&["restart", &text(&files[0])], &change[..]].concat());
+    assert!(
+        message.errors.contains("kept as checkpoint-000000001600.h5.superseded"),
+        "{message:?}"
+    );
+    let goes_on = run("branched", &["--resume", "--until", "0.5"]);
+    assert!(goes_on.output.contains("at time 0.25, state "), "{}", goes_on.output);
+    assert!(goes_on.errors.contains("the case has changed"), "{}", goes_on.errors);
+    assert_ne!(goes_on.digest(), digest);
+}
+
+#[test]
+fn earlier_results_are_kept_continued_or_replaced_as_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = text(folder.path());
+    let case = smoke("walls");
+    let run = |more: &[&str]| {
+        talcum(0, &[&["run", &case, "--output", &output, "--until", "0.2"], more].concat())
+    };
+    std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    let digest = run(&[]).digest();
+    let before = std::fs::read(folder.path().join("series.csv")).unwrap();
+    let refused = run(&[]);
+    assert_eq!(refused.code(), Some(1));
+    let message = refused.error();
+    assert!(
+        ["--resume", "--force", "--output"]
+            .iter()
+            .all(|displacement| message.contains(displacement)),
+        "{message}"
+    );
+    assert_eq!(std::fs::read(folder.path().join("series.csv")).unwrap(), before);
+    let elsewhere = talcum(0, &["restart", &newest(folder.path()), "--output", &output]);
+    assert_eq!(elsewhere.code(), Some(0), "continues its own folder: {}", elsewhere.errors);
+    assert_eq!(run(&["--force"]).digest(), digest);
+    assert_eq!(checkpoints(folder.path()).len(), 1);
+    assert_eq!(std::fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
+}
