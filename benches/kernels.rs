@@ -187,14 +187,14 @@ fn lists(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(particles(&run) as u64));
         let name = format!("rebuild (sort, ghosts, list, memories) per particle/{}", edge.pow(3));
         group.bench_function(name, |bencher| {
-            let Run { state, domain, models, work, ranks } = &mut run;
+            let talcum::setup::Run { state, domain, models, work, ranks } = &mut *run;
             bencher.iter(|| {
                 rebuild(state, domain, models, work, *ranks)
                     .expect("all contacts have their place");
             });
         });
         group.bench_function(format!("sorting by cells per particle/{}", edge.pow(3)), |bencher| {
-            let Run { state, work, .. } = &mut run;
+            let talcum::setup::Run { state, work, .. } = &mut *run;
             state.particles.drop_ghosts();
             bencher.iter(|| work.neighbours.sort_by_cells(&mut state.particles, width));
         });

@@ -1,6 +1,30 @@
 //! Talcum: CFD-DEM of fluidised beds of fine, cohesive powders, with the same bits on any number of MPI
 //! ranks.
 //!
+//! # Quick start
+//!
+//! ```
+//! use talcum::contact::{FrictionCap, LinearSpringDashpot};
+//! use talcum::domain::Face::{Open, Periodic, Wall};
+//! use talcum::setup::{Layers, Setup};
+//! use talcum::state::Physics;
+//!
+//! // Stiffnesses, restitution, friction; the time step. Density, diameter and gravity are 1.
+//! let law = LinearSpringDashpot::new(1.0e4, 8.2e3, 0.7, 0.3, FrictionCap::Contact)?;
+//! let faces = [[Periodic; 2], [Periodic; 2], [Wall, Open]];
+//! let mut run = Setup::new([6.0, 6.0, 30.0], faces, Physics::new(law, 4.0e-4))?
+//!     .gravity(1.0)
+//!     .layers(&Layers { count: 50, jitter: 0.05, ..Layers::default() })
+//!     .start_alone()?;
+//! run.steps(500)?;
+//! let top = run.particles().map(|particle| particle.position[2]).fold(0.0, f64::max);
+//! println!("time {}: top at {top}, digest {}", run.time(), run.digest()?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`setup`] says more, and the folder `examples` has whole programs. A case file is read by [`case`] and run by
+//! [`simulation`], which is what the program `talcum` does.
+//!
 //! # Equations
 //!
 //! Each particle i, a sphere of radius r, mass m, volume V and inertia I = (2/5) m r^2, moves by
@@ -54,7 +78,7 @@
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
 //! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`]. Around them: [`analysis`], [`output`], [`case`], [`simulation`], [`timers`], [`command_line`].
+//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`command_line`].
 //!
 //! # References
 //!
@@ -94,6 +118,7 @@ pub mod parallel;
 pub mod particles;
 pub mod rules;
 pub mod schema;
+pub mod setup;
 pub mod simulation;
 pub mod state;
 pub mod time_step;

@@ -87,7 +87,7 @@ impl Observation {
         let external = ExternalForces::of(view, ranks);
         let after = MomentumProbe::take(&state.particles, ranks);
         let imbalance = |before: MomentumProbe| {
-            before.largest_imbalance(&after, external.total, models.time_step)
+            before.largest_imbalance(&after, external.total, models.physics.time_step)
         };
         let momentum = after.momentum();
         let mean_energy = match particles.mass > 0.0 {
@@ -100,10 +100,10 @@ impl Observation {
         Self {
             time,
             departed: state.departed.count,
-            weight: particles.mass * models.gravity.magnitude,
+            weight: particles.mass * models.physics.gravity.magnitude,
             particles,
-            gravity: models.gravity.magnitude,
-            effective_gravity: models.gravity.at(time),
+            gravity: models.physics.gravity.magnitude,
+            effective_gravity: models.physics.gravity.at(time),
             gas_force: external.gas,
             plate_force: external.plate,
             momentum_imbalance: probe.map_or(0.0, imbalance),

@@ -48,7 +48,7 @@ use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::particles::ListRange;
 use crate::rules::ReducedBody;
-use crate::state::{Domain, SizeRange, range_of};
+use crate::state::{Domain, SizeRange};
 use allowed_values::rounded;
 use context::ReadContext;
 use errors::Problems;
@@ -131,7 +131,7 @@ impl Case {
     ///
     /// The middle of the step decides: times that are sums of steps differ by rounding from the start of a stage.
     pub fn stage_number_at(&self, time: f64) -> usize {
-        let middle = time + self.stages.first().map_or(0.0, |stage| 0.5 * stage.time_step);
+        let middle = time + self.stages.first().map_or(0.0, |stage| 0.5 * stage.physics.time_step);
         self.stages.partition_point(|stage| stage.start <= middle).saturating_sub(1)
     }
 
@@ -152,7 +152,7 @@ impl Case {
 
     /// The same as the gas of a stage; no gas if there is no such stage.
     pub fn gas_on_cells(&self) -> &GasModel {
-        let mut gases = self.stages.iter().map(|stage| &stage.gas);
+        let mut gases = self.stages.iter().map(|stage| &stage.physics.gas);
         gases.find(|gas| gas.volume_averaged().is_some()).unwrap_or(&GasModel::None)
     }
 
@@ -174,15 +174,15 @@ impl Case {
             interface.law.contact_duration(bodies.mass, bodies.radius)
         };
         let at_wall = ReducedBody::of_sphere_and_wall(mass, radius);
-        let of_pair = duration(&stage.contact, ReducedBody::of_equal_spheres(mass, radius));
-        let of_walls = stage.at_walls.iter().map(|interface| duration(interface, at_wall));
+        let of_pair = duration(&stage.physics.contact, ReducedBody::of_equal_spheres(mass, radius));
+        let of_walls = stage.physics.at_walls.iter().map(|interface| duration(interface, at_wall));
         of_walls.fold(of_pair, f64::min)
     }
 
     /// Width of the ghost layer in the stage that needs the widest: subdomains and periodic boxes may not be narrower.
     pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
-        let range = |stage: &Stage| range_of(stage.interfaces(), stage.cohesion.as_ref(), sizes);
-        let interaction = self.stages.iter().map(range).fold(0.0, f64::max);
+        let ranges = self.stages.iter().map(|stage| stage.physics.range(sizes));
+        let interaction = ranges.fold(0.0, f64::max);
         let skin = self.parallel.skin * sizes.largest_diameter;
         ListRange { interaction, skin }.ghost_width(sizes.largest_diameter)
     }
@@ -193,7 +193,7 @@ impl Case {
         wrong.extend(walls::check_walls(self, sizes.smallest_diameter));
         for stage in &self.stages {
             let duration = self.shortest_contact(stage, sizes);
-            if stage.time_step > duration {
+            if stage.physics.time_step > duration {
                 let name = &stage.name;
                 let message = format!(
                     "must be below {duration:.3e}, the duration of a contact in stage {name:?}; a \
@@ -202,7 +202,7 @@ impl Case {
                 wrong.push(("time.step", message));
             }
             wrong.extend(check_flow(self, stage, sizes));
-            let limits = stage.limits(sizes);
+            let limits = stage.physics.limits(sizes);
             let torque = limits.force * sizes.largest_diameter;
             if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
                 let message = "gives forces beyond the range of numbers".to_owned();
@@ -216,8 +216,8 @@ impl Case {
 /// The volume-averaged gas moves at whole multiples of its step, on cells that are the same for all stages
 /// and not too small for the particles.
 fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static str, String)> {
-    let (model, first) = (stage.gas.volume_averaged()?, case.volume_averaged()?);
-    let (name, step) = (&stage.name, (stage.start / stage.time_step).round() as u64);
+    let (model, first) = (stage.physics.gas.volume_averaged()?, case.volume_averaged()?);
+    let (name, step) = (&stage.name, (stage.start / stage.physics.time_step).round() as u64);
     if !step.is_multiple_of(model.substeps) {
         let message = format!(
             "must divide the number of steps before stage {name:?}, {step}: the gas begins there"

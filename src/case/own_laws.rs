@@ -18,8 +18,8 @@ impl Case {
     pub fn with_contact_law(mut self, law: &ContactLaw) -> Result<Self, TomlError> {
         self.text = renamed(&self.text, ["contact", "law"], law.name())?;
         for stage in &mut self.stages {
-            let replaced = std::mem::replace(&mut stage.contact.law, law.clone());
-            for wall in stage.at_walls.iter_mut().filter(|wall| wall.law == replaced) {
+            let replaced = std::mem::replace(&mut stage.physics.contact.law, law.clone());
+            for wall in stage.physics.at_walls.iter_mut().filter(|wall| wall.law == replaced) {
                 wall.law = law.clone();
             }
         }
@@ -33,7 +33,7 @@ impl Case {
     pub fn with_drag_law(mut self, law: &DragLaw) -> Result<Self, TomlError> {
         self.text = renamed(&self.text, ["gas", "drag"], law.name())?;
         for stage in &mut self.stages {
-            match &mut stage.gas {
+            match &mut stage.physics.gas {
                 GasModel::None => {}
                 GasModel::Column(gas) => gas.drag = law.clone(),
                 GasModel::VolumeAveraged(model) => model.coupling.drag.law = law.clone(),

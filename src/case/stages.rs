@@ -11,6 +11,7 @@ use super::stage::Stage;
 use super::walls::contacts_of;
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
+use crate::state::Physics;
 use std::ops::Range;
 
 /// Stages as far as their own keys say them.
@@ -44,16 +45,16 @@ pub(super) fn read_stages(
         if let Some(member) = members.get(index) {
             sections.iter_mut().for_each(|section| section.change(member, index));
         }
-        let stage = read_stage(&sections, root, context);
+        let physics = read_physics(&sections, root, context, step);
         StageSection::mark(&mut sections);
-        stages.push(stage.and_then(|stage| {
-            let (name, time_step) = (name.clone()?, step?);
-            Some(Stage { name, start: time.start, end: time.end, time_step, ..stage })
+        stages.push(physics.and_then(|physics| {
+            let Range { start, end } = time.clone();
+            Some(Stage { name: name.clone()?, start, end, physics })
         }));
     }
     // Also a section that no stage switches on must be right.
     if StageSection::switch_on_unused(&mut sections) {
-        read_stage(&sections, root, context);
+        read_physics(&sections, root, context, step);
     }
     (stages.into_iter().collect(), step)
 }
@@ -93,12 +94,13 @@ fn timetable(sections: &[Section<'_>], step: Option<f64>) -> Timetable {
     Timetable { names, times }
 }
 
-/// What acts in a stage; its name and times are still to be filled in.
-fn read_stage(
+/// What acts in a stage.
+fn read_physics(
     sections: &[StageSection],
     root: &Section<'_>,
     context: ReadContext<'_>,
-) -> Option<Stage> {
+    step: Option<f64>,
+) -> Option<Physics> {
     let open = |name| StageSection::open(sections, name, root.problems);
     let (gravity, contact, cohesion) = (open("gravity"), open("contact"), open("cohesion"));
     for (name, section) in [("gravity", &gravity), ("contact", &contact)] {
@@ -118,16 +120,13 @@ fn read_stage(
     // A section that is there but wrong leaves no stage.
     let (vibration, cohesion) = (all_or_none(vibration)?, all_or_none(cohesion)?);
     let contact = contact?;
-    Some(Stage {
-        name: String::new(),
-        start: 0.0,
-        end: 0.0,
-        time_step: 0.0,
+    Some(Physics {
         contact: contact.particles,
         at_walls: contact.at_walls,
         cohesion,
         gas: gas.unwrap_or(Some(GasModel::None))?,
         gravity: EffectiveGravity { magnitude, vibration },
+        time_step: step?,
     })
 }
 

@@ -5,7 +5,7 @@ use super::errors::Problems;
 use super::section::Section;
 use super::tree::Node;
 use super::{Case, Stage};
-use crate::domain::{Bounds, BoxFace, Face, Wall, WallMotion, WallShape};
+use crate::domain::{Bounds, BoxFace, Wall, WallMotion, WallShape};
 use crate::gas::GasModel;
 use crate::rules::speed_limit;
 use crate::state::Domain;
@@ -16,8 +16,7 @@ pub(super) fn read_domain(root: &Section<'_>) -> Option<Domain> {
     let bounds = root.table("box").as_ref().and_then(read_bounds);
     let given: Vec<_> =
         root.tables("wall").iter().map(|wall| (read_wall(wall), wall.node)).collect();
-    let bounds = bounds?;
-    let mut all = face_walls(&bounds);
+    let Domain { bounds, walls: mut all } = Domain::of_box(bounds?);
     for (entry, node) in given {
         let Some(entry) = entry else { continue };
         match entry {
@@ -45,12 +44,6 @@ pub(super) fn contacts_of<'a>(root: &'a Node, domain: &Domain) -> Vec<Option<&'a
     };
     let of = |wall: &Wall| entries.iter().find(|entry| is_of(entry, wall))?.get("contact");
     domain.walls.iter().map(of).collect()
-}
-
-/// Walls in the faces of the box.
-fn face_walls(bounds: &Bounds) -> Vec<Wall> {
-    let is_wall = |face: &BoxFace| bounds.face(*face) == Face::Wall;
-    BoxFace::ALL.into_iter().filter(is_wall).map(|face| Wall::in_face(bounds, face)).collect()
 }
 
 /// One `[[wall]]`.
@@ -151,9 +144,9 @@ fn check_periodic(bounds: &Bounds, wall: &Wall, node: &Node, problems: &Problems
 /// What is wrong with walls for particles of this smallest diameter and for the gas: (key, message).
 pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static str, String)> {
     let mut wrong = Vec::new();
-    let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.time_step);
+    let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.physics.time_step);
     let limit = case.stages.iter().map(fastest).fold(f64::INFINITY, f64::min);
-    let with_gas = case.stages.iter().any(|stage| stage.gas != GasModel::None);
+    let with_gas = case.stages.iter().any(|stage| stage.physics.gas != GasModel::None);
     for wall in &case.domain.walls {
         let (name, speed) = (&wall.name, wall.largest_approach_speed());
         if speed > limit {

@@ -73,7 +73,7 @@ fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
 /// Comments, a line of names with units, and a row for each point; of a particle and the wall of a number, or of two
 /// particles.
 fn table(case: &Case, stage: &Stage, wall: Option<usize>, options: &ContactOptions) -> String {
-    let contact = wall.map_or(&stage.contact, |number| &stage.at_walls[number]);
+    let contact = wall.map_or(&stage.physics.contact, |number| &stage.physics.at_walls[number]);
     let at_wall = wall.is_some();
     let diameter = case.particles.reference_diameter;
     let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
@@ -81,7 +81,7 @@ fn table(case: &Case, stage: &Stage, wall: Option<usize>, options: &ContactOptio
         true => ReducedBody::of_sphere_and_wall(mass, radius),
         false => ReducedBody::of_equal_spheres(mass, radius),
     };
-    let cohesion = stage.cohesion.as_ref().map(|cohesion| cohesion.at(stage.start));
+    let cohesion = stage.physics.cohesion.as_ref().map(|cohesion| cohesion.at(stage.start));
     let attraction = |separation: f64| match &cohesion {
         Some(cohesion) if at_wall => cohesion.to_wall(radius, separation),
         Some(cohesion) => cohesion.between_particles(radius, radius, separation),

@@ -10,3 +10,10 @@ pub struct ContactModel {
     /// Resistance to rolling.
     pub rolling: Option<RollingFriction>,
 }
+
+/// A law without resistance to rolling.
+impl<L: Into<ContactLaw>> From<L> for ContactModel {
+    fn from(law: L) -> Self {
+        Self { law: law.into(), rolling: None }
+    }
+}

@@ -34,6 +34,18 @@ pub struct ParticleLimits {
     pub drift: f64,
 }
 
+impl From<ColumnGas> for GasModel {
+    fn from(gas: ColumnGas) -> Self {
+        Self::Column(gas)
+    }
+}
+
+impl From<VolumeAveragedModel> for GasModel {
+    fn from(gas: VolumeAveragedModel) -> Self {
+        Self::VolumeAveraged(gas)
+    }
+}
+
 impl GasModel {
     /// The column gas, if it is that.
     pub fn column(&self) -> Option<&ColumnGas> {

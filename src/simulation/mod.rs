@@ -10,7 +10,7 @@ mod running;
 mod start;
 
 pub use folder::OutputFolder;
-pub use layout::{LayoutError, lay_out};
+pub use layout::lay_out;
 pub use start::{InitialState, Origin, StartError, start_from_case, start_from_checkpoint};
 
 use crate::analysis::Digest;

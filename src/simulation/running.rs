@@ -60,7 +60,7 @@ impl<'a> Simulation<'a> {
         let is_new = origin == Origin::NewBed;
         let stage = case.stage_number_at(state.clock.time());
         let models = case.stages[stage].models(&state.sizes);
-        state.clock = state.clock.with_time_step(models.time_step);
+        state.clock = state.clock.with_time_step(models.physics.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
         time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
         if is_new {
@@ -293,7 +293,7 @@ fn records(case: &Case, state: &State) -> impl Records<ParticleRecord> {
 /// The profile of the bed, on the grid of the first gas or on one of 1.5 diameters.
 fn profile_of(case: &Case, models: &Models, sizes: &SizeRange) -> BedProfile {
     let bounds = &case.domain.bounds;
-    let mut gases = case.stages.iter().map(|stage| &stage.gas);
+    let mut gases = case.stages.iter().map(|stage| &stage.physics.gas);
     let grid = match gases.find(|gas| **gas != GasModel::None).unwrap_or(&GasModel::None) {
         GasModel::Column(gas) => gas.grid(bounds),
         GasModel::VolumeAveraged(model) => ColumnGrid::new(bounds, model.grid.spacing().z, 1.0),

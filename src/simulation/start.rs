@@ -1,16 +1,13 @@
 //! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
-use super::layout::{LayoutError, aligned, lay_out};
+use super::layout::{lay_out, layout_of};
 use crate::case::{BedPart, BedStart, Case};
 use crate::domain::{Decomposition, RankGrid};
-use crate::gas::GasState;
 use crate::output::checkpoint::{self, Checkpoint};
-use crate::parallel::{
-    CellRecord, CollectiveError, Communicator, ContactRecord, ParticleRecord, RankLoad,
-    WallContactRecord, agree, send_histories_to_owners, send_to_owners,
-};
-use crate::particles::{ContactHistories, Contacts, Particles};
-use crate::state::{Clock, Departed, GasReport, SizeRange, State, Workspace};
+use crate::parallel::{CollectiveError, Communicator, ParticleRecord, RankLoad, agree};
+use crate::particles::ContactHistories;
+use crate::setup::{DistributedState, Layout, LayoutError, Snapshot};
+use crate::state::{SizeRange, State, Workspace};
 use nalgebra::Vector3;
 use thiserror::Error;
 
@@ -59,24 +56,6 @@ pub struct InitialState {
     pub origin: Origin,
 }
 
-/// What a state holds beside its records.
-#[derive(Clone, Copy)]
-struct StateHeader {
-    clock: Clock,
-    departed: Departed,
-    sizes: SizeRange,
-}
-
-/// What this rank holds of a bed, before it is sent to its owners.
-#[derive(Default)]
-struct LocalRecords {
-    particles: Vec<ParticleRecord>,
-    contacts: Vec<ContactRecord>,
-    wall_contacts: Vec<WallContactRecord>,
-    cells: Vec<CellRecord>,
-    report: GasReport,
-}
-
 /// The bed that the case describes, at time zero. Collective.
 ///
 /// # Errors
@@ -86,25 +65,23 @@ pub fn start_from_case(
     grid: Option<RankGrid>,
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
-    let records = match &case.particles.start {
+    let new_bed = |particles: Vec<ParticleRecord>| {
+        let sizes = case.size_range().unwrap_or_else(|| measured_sizes(&particles, ranks));
+        Snapshot::new_bed(particles, sizes, case.stages[0].physics.time_step)
+    };
+    let bed = match &case.particles.start {
         BedStart::Run { path } => {
             let (end, _, _) = checkpoint::read(path, ranks)?;
             // The gas starts from rest.
-            LocalRecords { cells: Vec::new(), ..LocalRecords::of(end) }
+            let (pairs, walls, gas_report) = (end.contacts, end.wall_contacts, end.gas_report);
+            Snapshot { pairs, walls, gas_report, ..new_bed(end.particles) }
         }
         _ => {
             let part = BedPart { number: ranks.rank(), of: ranks.size() };
-            let bed = agree(case.initial_bed(part), ranks).map_err(StartError::Bed)?;
-            LocalRecords { particles: bed.particles, ..LocalRecords::default() }
+            new_bed(agree(case.initial_bed(part), ranks).map_err(StartError::Bed)?.particles)
         }
     };
-    let sizes = match case.size_range() {
-        Some(sizes) => sizes,
-        None => measured_sizes(&records.particles, ranks),
-    };
-    let clock = Clock::new(case.stages[0].time_step);
-    let header = StateHeader { clock, departed: Departed::default(), sizes };
-    distribute(case, records, header, Origin::NewBed, grid, ranks)
+    distribute(case, bed, Origin::NewBed, grid, ranks)
 }
 
 /// The state of a checkpoint; `continues` says whether earlier results are in the output folder. Collective.
@@ -118,18 +95,11 @@ pub fn start_from_checkpoint(
     continues: bool,
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
-    let Checkpoint { clock, departed, sizes, .. } = checkpoint;
-    let header = StateHeader { clock, departed, sizes };
+    let Checkpoint { clock, departed, sizes, particles, cells, gas_report, .. } = checkpoint;
+    let (pairs, walls) = (checkpoint.contacts, checkpoint.wall_contacts);
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
-    distribute(case, LocalRecords::of(checkpoint), header, origin, grid, ranks)
-}
-
-impl LocalRecords {
-    fn of(checkpoint: Checkpoint) -> Self {
-        let Checkpoint { particles, contacts, wall_contacts, cells, gas_report: report, .. } =
-            checkpoint;
-        Self { particles, contacts, wall_contacts, cells, report }
-    }
+    let end = Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report };
+    distribute(case, end, origin, grid, ranks)
 }
 
 fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {
@@ -147,55 +117,37 @@ fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> Siz
 /// Sends the records to the ranks that own them. Collective.
 fn distribute(
     case: &Case,
-    records: LocalRecords,
-    header: StateHeader,
+    snapshot: Snapshot,
     origin: Origin,
     grid: Option<RankGrid>,
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
-    let StateHeader { clock, departed, sizes } = header;
+    let sizes = snapshot.sizes;
     if let Some((key, message)) = case.check_sizes(&sizes).into_iter().next() {
         return Err(StartError::Sizes { key, message });
     }
     let mut decomposition = lay_out(case, &sizes, grid, ranks.size())?;
     if case.parallel.balance.is_some() {
-        decomposition = balanced_at_start(case, &decomposition, &records.particles, &sizes, ranks);
-        decomposition = aligned(case, decomposition, case.ghost_width(&sizes))?;
+        let layout = layout_of(case, &sizes);
+        let balanced = balanced_at_start(&layout, &decomposition, &snapshot.particles, ranks);
+        decomposition = layout.align(balanced)?;
     }
-    let LocalRecords { particles: records, contacts, wall_contacts, cells, report } = records;
-    let records = send_to_owners(records, &decomposition, ranks);
-    let mut particles = Particles::with_room_for(records.len());
-    for record in records {
-        record.push_to(&mut particles);
-    }
-    let histories = send_histories_to_owners(contacts, wall_contacts, &particles.id, ranks);
-    let subdomain = decomposition.subdomain(&case.domain.bounds, ranks.rank());
-    let gas = GasState::from_records(case.gas_on_cells(), &cells, report, subdomain, ranks);
-    if gas == GasState::None {
-        particles.gas_force.fill(Vector3::zeros());
-    }
-    let contacts = Contacts::default();
-    let state = State { particles, contacts, clock, departed, sizes, gas };
+    let gas = case.gas_on_cells();
+    let DistributedState { state, histories } =
+        snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
     let skin = case.parallel.skin * sizes.largest_diameter;
     let work = Workspace::new(decomposition, skin, case.parallel.balance);
     Ok(InitialState { state, work, histories, origin })
 }
 
 fn balanced_at_start(
-    case: &Case,
+    layout: &Layout<'_>,
     decomposition: &Decomposition,
     particles: &[ParticleRecord],
-    sizes: &SizeRange,
     ranks: &dyn Communicator,
 ) -> Decomposition {
     let positions: Vec<Vector3<f64>> =
         particles.iter().map(|record| Vector3::from(record.position)).collect();
-    let width = case.ghost_width(sizes);
-    RankLoad::UNKNOWN.balanced(
-        decomposition,
-        positions.iter().copied(),
-        &case.domain.bounds,
-        width,
-        ranks,
-    )
+    let positions = positions.iter().copied();
+    RankLoad::UNKNOWN.balanced(decomposition, positions, layout.bounds, layout.ghost_width, ranks)
 }

@@ -1,6 +1,6 @@
 //! Where a run happens.
 
-use crate::domain::{Bounds, Wall, WallShape};
+use crate::domain::{Bounds, BoxFace, Face, Wall, WallShape};
 
 /// Where it happens: the same for the whole run.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,13 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// A box with the walls that lie in its faces.
+    pub fn of_box(bounds: Bounds) -> Self {
+        let faces = BoxFace::ALL.into_iter().filter(|&face| bounds.face(face) == Face::Wall);
+        let walls = faces.map(|face| Wall::in_face(&bounds, face)).collect();
+        Self { bounds, walls }
+    }
+
     /// Horizontal cross-section that particles have room in: of the box, or of a narrower round column.
     pub fn cross_section(&self) -> f64 {
         let area = |wall: &Wall| match wall.shape {

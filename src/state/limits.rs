@@ -15,6 +15,25 @@ pub struct SizeRange {
     pub largest_mass: f64,
 }
 
+impl SizeRange {
+    /// The range of particles of these radii and masses; `None` if there are none.
+    pub fn of(particles: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+        particles.into_iter().fold(None, |range: Option<Self>, (radius, mass)| {
+            let diameter = 2.0 * radius;
+            let range = range.unwrap_or(Self {
+                smallest_diameter: diameter,
+                largest_diameter: diameter,
+                largest_mass: mass,
+            });
+            Some(Self {
+                smallest_diameter: range.smallest_diameter.min(diameter),
+                largest_diameter: range.largest_diameter.max(diameter),
+                largest_mass: range.largest_mass.max(mass),
+            })
+        })
+    }
+}
+
 /// What a run may not exceed: beyond, its numbers would mean nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {

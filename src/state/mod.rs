@@ -6,6 +6,7 @@ mod clock;
 mod domain;
 mod limits;
 mod models;
+mod physics;
 mod run_state;
 mod workspace;
 
@@ -14,6 +15,7 @@ pub use balance::Balance;
 pub use clock::Clock;
 pub use domain::Domain;
 pub use limits::{Limits, SizeRange};
-pub use models::{Models, range_of};
+pub use models::Models;
+pub use physics::Physics;
 pub use run_state::{Departed, State};
 pub use workspace::{Requests, Tallies, Workspace};

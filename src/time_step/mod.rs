@@ -47,7 +47,7 @@ impl StepError {
     }
 }
 
-/// One step of length `models.time_step`, but for its second half-kick, which [`Staggered`] owes.
+/// One step of length `models.physics.time_step`, but for its second half-kick, which [`Staggered`] owes.
 ///
 /// Before: forces are those of the current positions. After: the same, one step later. Returns what any
 /// rank was asked for. Collective.
@@ -61,7 +61,7 @@ pub fn advance(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<Requests, StepError> {
-    let dt = models.time_step;
+    let dt = models.physics.time_step;
     // [step]
     let (state, kick_due) = staggered.take();
     state.clock.tick();
@@ -73,7 +73,7 @@ pub fn advance(
     } else {
         refresh_ghosts(state, work, ranks);
     }
-    if state.clock.step.is_multiple_of(models.gas.substeps()) {
+    if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
         advance_gas(state, models, work, ranks);
     }
     add_forces(state, domain, models, work, dt);
@@ -156,7 +156,7 @@ fn kick_and_drift(
 ) -> f64 {
     let quantum = domain.bounds.position_quantum();
     let weight = models.weight_at(state.clock.time());
-    let step = DriftStep { dt: models.time_step, quantum, weight };
+    let step = DriftStep { dt: models.physics.time_step, quantum, weight };
     let particles = &mut state.particles;
     work.timers.time(Phase::Integrate, || particles::kick_and_drift(particles, kick_due, step))
 }
@@ -170,8 +170,8 @@ fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communica
 fn advance_gas(state: &mut State, models: &Models, work: &mut Workspace, ranks: &dyn Communicator) {
     let State { particles, gas, clock, .. } = state;
     let time = clock.time();
-    let dt = models.time_step * models.gas.substeps() as f64;
-    let step = GasStep { time, dt, gravity: models.gravity.at(time) };
+    let dt = models.physics.time_step * models.physics.gas.substeps() as f64;
+    let step = GasStep { time, dt, gravity: models.physics.gravity.at(time) };
     let advanced = work.timers.time(Phase::Gas, || work.gas.advance(gas, particles, &step, ranks));
     work.note_fault(advanced);
 }
@@ -184,9 +184,9 @@ fn advance_gas(state: &mut State, models: &Models, work: &mut Workspace, ranks: 
 fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Workspace, dt: f64) {
     let time = state.clock.time();
     let laws = ForceLaws {
-        contact: &models.contact,
-        at_walls: &models.at_walls,
-        cohesion: models.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
+        contact: &models.physics.contact,
+        at_walls: &models.physics.at_walls,
+        cohesion: models.physics.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
         ranges: InteractionRanges {
             contact: models.contact_range(&state.sizes),
             any: work.list_range.interaction,

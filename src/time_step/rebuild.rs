@@ -45,7 +45,7 @@ pub(super) fn arrange(
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &domain.bounds);
     balance(state, &domain.bounds, work, ranks);
-    work.decomposition = models.gas.align(&work.decomposition, width)?;
+    work.decomposition = models.physics.gas.align(&work.decomposition, width)?;
     migrate(&mut state.particles, &mut histories, &work.decomposition, ranks);
     rebuild_lists(state, domain, work, &histories, ranks)?;
     distribute_gas(state, domain, models, work, &before, ranks)
@@ -150,7 +150,7 @@ fn distribute_gas(
         time: state.clock.time(),
     };
     let State { particles, gas, .. } = state;
-    work.gas.distribute(&models.gas, gas, particles, &layout, ranks)
+    work.gas.distribute(&models.physics.gas, gas, particles, &layout, ranks)
 }
 
 /// A particle that moves a tenth of the smallest diameter in one step could pass through others.

@@ -1,27 +1,21 @@
-//! Small beds for tests: the one place that builds domain, models, state and workspace.
+//! Small beds for tests: shorthand for the setups of the library, whose errors fail the test.
 #![allow(dead_code, reason = "each test file uses a part")]
 
 use nalgebra::Vector3;
-use std::collections::HashSet;
 use std::f64::consts::PI;
+use std::ops::{Deref, DerefMut};
 use talcum::contact::{
-    CohesionExpression, ContactLaw, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
+    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
 };
-use talcum::domain::{
-    Bounds, BoxFace, Decomposition, EffectiveGravity, Face, RankGrid, Vibration, Wall,
-};
+use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
-use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive, GasModel, GasReport, GasState};
+use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive, GasModel};
 use talcum::numbers::{Schedule, random_of, uniform};
-use talcum::parallel::{
-    CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
-    run_on_threads, send_to_owners, share_with_all,
-};
-use talcum::particles::{ContactHistories, Contacts, PairHistory, Particles, WallHistory};
-use talcum::state::{
-    Balance, Clock, Departed, Domain, Limits, Models, SizeRange, State, Workspace,
-};
-use talcum::time_step::{Staggered, StepError, advance, begin, find_first_forces};
+use talcum::parallel::{Communicator, OneRank, ParticleRecord, run_on_threads};
+pub(crate) use talcum::setup::Snapshot;
+use talcum::setup::{self, Setup, Sphere};
+use talcum::state::{Balance, Domain, Physics, SizeRange};
+use talcum::time_step::StepError;
 
 pub(crate) const PERIODIC: [Face; 2] = [Face::Periodic; 2];
 pub(crate) const OPEN: [Face; 2] = [Face::Open; 2];
@@ -111,19 +105,12 @@ pub(crate) fn branch(
     })
 }
 
-fn face_walls(bounds: &Bounds) -> Vec<Wall> {
-    let is_wall = |face: &BoxFace| bounds.face(*face) == Face::Wall;
-    BoxFace::ALL.into_iter().filter(is_wall).map(|face| Wall::in_face(bounds, face)).collect()
-}
-
 impl Bench {
     /// An empty box with walls in its faces: the paper's powder (k_n 2e5, e 0.9, mu 0.1, density and diameter
     /// 1), without weight, gas and cohesion.
     pub(crate) fn new(lengths: [f64; 3], faces: [[Face; 2]; 3]) -> Self {
-        let bounds = Bounds::new(lengths.into(), faces);
-        let walls = face_walls(&bounds);
         Self {
-            domain: Domain { bounds, walls },
+            domain: Domain::of_box(Bounds::new(lengths.into(), faces)),
             contact: law(2.0e5, 0.9, 0.1),
             interface: None,
             at_walls: Vec::new(),
@@ -142,19 +129,10 @@ impl Bench {
 
     /// Adds a particle of the bench's density, without spin; its id is its number.
     pub(crate) fn add(&mut self, position: [f64; 3], velocity: [f64; 3], radius: f64) -> &mut Self {
-        let lattice = self.domain.bounds.position_quantum();
-        let zero = [0.0; 3];
-        self.particles.push(ParticleRecord {
-            id: self.particles.len() as u64,
-            position: lattice.round_vector(position.into()).into(),
-            velocity,
-            angular_velocity: zero,
-            force: zero,
-            torque: zero,
-            radius,
-            mass: self.density * 4.0 / 3.0 * PI * radius.powi(3),
-            gas_force: [0.0; 3],
-        });
+        let quantum = self.domain.bounds.position_quantum();
+        let position = quantum.round_vector(position.into()).into();
+        let sphere = Sphere { position, velocity, radius, density: self.density };
+        self.particles.push(sphere.record(self.particles.len() as u64));
         self
     }
 
@@ -188,60 +166,37 @@ impl Bench {
 
     /// Sizes of all particles; those of a unit sphere if there are none.
     pub(crate) fn sizes(&self) -> SizeRange {
-        let radii = || self.particles.iter().map(|particle| particle.radius);
-        if self.particles.is_empty() {
-            let largest_mass = self.density * PI / 6.0;
-            return SizeRange { smallest_diameter: 1.0, largest_diameter: 1.0, largest_mass };
-        }
-        SizeRange {
-            smallest_diameter: 2.0 * radii().fold(f64::INFINITY, f64::min),
-            largest_diameter: 2.0 * radii().fold(0.0, f64::max),
-            largest_mass: self.particles.iter().map(|particle| particle.mass).fold(0.0, f64::max),
-        }
+        let range = SizeRange::of(self.particles.iter().map(|it| (it.radius, it.mass)));
+        let (smallest_diameter, largest_diameter) = (1.0, 1.0);
+        let largest_mass = self.density * PI / 6.0;
+        range.unwrap_or(SizeRange { smallest_diameter, largest_diameter, largest_mass })
     }
 
-    fn gas_model(&self) -> GasModel {
-        match (&self.volume_averaged, &self.gas) {
+    fn physics(&self) -> Physics {
+        let of_particles = self.interface.clone().unwrap_or_else(|| self.contact.into());
+        let gas = match (&self.volume_averaged, &self.gas) {
             (Some(model), _) => GasModel::VolumeAveraged(model.clone()),
             (None, Some(gas)) => GasModel::Column(gas.clone()),
             (None, None) => GasModel::None,
-        }
+        };
+        let (at_walls, cohesion) = (self.at_walls.clone(), self.cohesion.clone());
+        let (gravity, contact) = (self.gravity, of_particles);
+        Physics { contact, at_walls, cohesion, gas, gravity, time_step: self.time_step }
     }
 
-    pub(crate) fn models(&self) -> Models {
-        let law = ContactLaw::LinearSpringDashpot(self.contact);
-        let contact = self.interface.clone().unwrap_or(ContactModel { law, rolling: None });
-        let at_walls = self.at_walls.clone();
-        let SizeRange { smallest_diameter, largest_diameter, largest_mass } = self.sizes();
-        let diameters = [smallest_diameter, largest_diameter];
-        let weight = largest_mass * self.gravity.largest();
-        let (cohesion, dt) = (self.cohesion.clone(), self.time_step);
-        let mut limits = Limits::new(
-            std::iter::once(&contact).chain(&at_walls),
-            cohesion.as_ref(),
-            diameters,
-            weight,
-            dt,
-        );
-        limits.force = self.force_limit.unwrap_or(limits.force);
-        Models {
-            contact,
-            at_walls,
-            cohesion,
-            gas: self.gas_model(),
-            gravity: self.gravity,
-            time_step: dt,
-            limits,
-            force_quantum: limits.force_quantum(),
-            torque_quantum: limits.torque_quantum(0.5 * largest_diameter),
-        }
+    /// The same for the library.
+    pub(crate) fn setup(&self) -> Setup {
+        let setup = Setup::in_domain(self.domain.clone(), self.physics())
+            .particles(self.particles.iter().copied())
+            .sizes(self.sizes())
+            .skin(self.skin);
+        let setup = self.balance.into_iter().fold(setup, Setup::balance);
+        self.force_limit.into_iter().fold(setup, Setup::force_limit)
     }
 
     /// Everything at the bench's start, on this rank of a rank grid. Collective.
     pub(crate) fn start<'a>(&self, grid: RankGrid, ranks: &'a dyn Communicator) -> Run<'a> {
-        let clock = Clock::new(self.time_step);
-        let whole = Snapshot { particles: self.particles.clone(), ..Snapshot::at(clock) };
-        self.run_from(&whole, true, grid, ranks)
+        Run(self.setup().start(grid, ranks).expect("the test's bed can start"))
     }
 
     /// The run that `end` is a state of, continued on this rank of any rank grid. Collective.
@@ -251,53 +206,7 @@ impl Bench {
         grid: RankGrid,
         ranks: &'a dyn Communicator,
     ) -> Run<'a> {
-        self.run_from(end, false, grid, ranks)
-    }
-
-    fn run_from<'a>(
-        &self,
-        whole: &Snapshot,
-        new_bed: bool,
-        grid: RankGrid,
-        ranks: &'a dyn Communicator,
-    ) -> Run<'a> {
-        let (here, size) = (ranks.rank(), ranks.size());
-        assert_eq!(grid.size(), size, "the rank grid is of all ranks");
-        let (domain, models) = (self.domain.clone(), self.models());
-        let width = self.sizes().largest_diameter + self.skin;
-        let even = Decomposition::even(grid, &self.domain.bounds);
-        let decomposition =
-            models.gas.align(&even, width).expect("the test's gas has enough cells");
-        let share: Vec<ParticleRecord> =
-            whole.particles.iter().copied().skip(here).step_by(size).collect();
-        let mut particles = Particles::default();
-        for record in send_to_owners(share, &decomposition, ranks) {
-            record.push_to(&mut particles);
-        }
-        let owned: HashSet<u64> = particles.id.iter().copied().collect();
-        let pairs = whole.pairs.iter().copied().map(PairHistory::from);
-        let walls = whole.walls.iter().copied().map(WallHistory::from);
-        let histories = ContactHistories {
-            pairs: pairs
-                .filter(|it| owned.contains(&it.lower) || owned.contains(&it.higher))
-                .collect(),
-            walls: walls.filter(|it| owned.contains(&it.particle)).collect(),
-        };
-        let (clock, departed, sizes) = (whole.clock, whole.departed, self.sizes());
-        let contacts = Contacts::default();
-        let share: Vec<_> = whole.cells.iter().copied().skip(here).step_by(size).collect();
-        let report = GasReport::default();
-        let subdomain = decomposition.subdomain(&self.domain.bounds, here);
-        let gas = GasState::from_records(&models.gas, &share, report, subdomain, ranks);
-        let mut state = State { particles, contacts, clock, departed, sizes, gas };
-        let mut work = Workspace::new(decomposition, self.skin, self.balance);
-        work.prepare(&domain, &models, &state.sizes);
-        begin(&mut state, &domain, &models, &mut work, histories, ranks)
-            .expect("the test's bed can begin");
-        if new_bed {
-            find_first_forces(&mut state, &domain, &models, &mut work, ranks);
-        }
-        Run { state, domain, models, work, ranks }
+        Run(self.setup().resume(end, grid, ranks).expect("the test's bed can go on"))
     }
 
     /// The run on one rank.
@@ -317,92 +226,40 @@ impl Bench {
     }
 }
 
-/// A state on one rank, with all that is needed for its next step.
-pub(crate) struct Run<'a> {
-    pub(crate) state: State,
-    pub(crate) domain: Domain,
-    pub(crate) models: Models,
-    pub(crate) work: Workspace,
-    pub(crate) ranks: &'a dyn Communicator,
+/// A run whose errors fail the test.
+pub(crate) struct Run<'a>(pub(crate) setup::Run<'a>);
+
+impl<'a> Deref for Run<'a> {
+    type Target = setup::Run<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl DerefMut for Run<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
 }
 
 impl Run<'_> {
     pub(crate) fn try_step(&mut self) -> Result<(), StepError> {
-        let Self { state, domain, models, work, ranks } = self;
-        advance(&mut Staggered::new(state), domain, models, work, *ranks).map(|_| ())
+        self.0.step()
     }
 
     pub(crate) fn steps(&mut self, count: u64) -> &mut Self {
-        for _ in 0..count {
-            self.try_step().expect("the test's bed can go on");
-        }
+        self.0.steps(count).expect("the test's bed can go on");
         self
-    }
-
-    pub(crate) fn time(&self) -> f64 {
-        self.state.clock.time()
     }
 
     /// A particle of this rank.
     pub(crate) fn particle(&self, id: u64) -> ParticleRecord {
-        let particles = &self.state.particles;
-        let owned = &particles.id[..particles.owned_count()];
-        let index =
-            owned.iter().position(|&other| other == id).expect("the particle is owned here");
-        ParticleRecord::of(particles, index)
+        self.0.particle(id).expect("the particle is owned here")
     }
 
-    /// The whole state, sorted by ids, positions wrapped. Collective; the same on all ranks.
-    pub(crate) fn snapshot(&self) -> Snapshot {
-        let State { particles, contacts, clock, departed, .. } = &self.state;
-        let here: Vec<ParticleRecord> = (0..particles.owned_count())
-            .map(|index| {
-                let position = self.domain.bounds.wrap(particles.body[index].position).into();
-                ParticleRecord { position, ..ParticleRecord::of(particles, index) }
-            })
-            .collect();
-        let ContactHistories { pairs, walls } = contacts.histories_once(particles);
-        let pairs = pairs.into_iter().map(ContactRecord::from);
-        let walls = walls.into_iter().map(WallContactRecord::from);
-        let mut particles = share_with_all(here, self.ranks);
-        let mut pairs = share_with_all(pairs.collect::<Vec<_>>(), self.ranks);
-        let mut walls = share_with_all(walls.collect::<Vec<_>>(), self.ranks);
-        particles.sort_by_key(|particle| particle.id);
-        pairs.sort_by_key(|pair| (pair.lower, pair.higher));
-        walls.sort_by_key(|contact| (contact.particle, contact.wall));
-        let cells = self.work.gas.records(&self.state.gas);
-        let mut cells = share_with_all(cells, self.ranks);
-        cells.sort_by_key(|record| record.cell);
-        Snapshot { particles, pairs, walls, cells, clock: *clock, departed: *departed }
-    }
-}
-
-/// A whole state: what a checkpoint holds.
-#[derive(Clone, Debug)]
-pub(crate) struct Snapshot {
-    pub(crate) particles: Vec<ParticleRecord>,
-    pub(crate) pairs: Vec<ContactRecord>,
-    pub(crate) walls: Vec<WallContactRecord>,
-    pub(crate) cells: Vec<CellRecord>,
-    pub(crate) clock: Clock,
-    pub(crate) departed: Departed,
-}
-
-impl Snapshot {
-    fn at(clock: Clock) -> Self {
-        let (pairs, walls, cells) = (Vec::new(), Vec::new(), Vec::new());
-        Self { particles: Vec::new(), pairs, walls, cells, clock, departed: Departed::default() }
-    }
-
-    /// Every bit of it; equal only for equal states.
-    pub(crate) fn bits(&self) -> Vec<u8> {
-        let mut bytes = bytemuck::cast_slice::<_, u8>(&self.particles).to_vec();
-        bytes.extend_from_slice(bytemuck::cast_slice(&self.pairs));
-        bytes.extend_from_slice(bytemuck::cast_slice(&self.walls));
-        bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
-        bytes.extend_from_slice(&self.clock.step.to_le_bytes());
-        bytes.extend_from_slice(&self.departed.count.to_le_bytes());
-        bytes.extend_from_slice(&self.departed.volume.to_le_bytes());
-        bytes
+    /// The whole state on all ranks. Collective.
+    pub(crate) fn snapshot(&mut self) -> Snapshot {
+        self.0.snapshot().expect("the test's forces have a meaning")
     }
 }

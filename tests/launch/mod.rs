@@ -79,11 +79,15 @@ pub(crate) fn smoke(name: &str) -> String {
 
 /// Starts the program: by itself for no ranks, else under `mpirun`.
 pub(crate) fn start(ranks: usize, arguments: &[&str]) -> Running {
+    start_program(Path::new(env!("CARGO_BIN_EXE_talcum")), ranks, arguments)
+}
+
+/// Starts a program: by itself for no ranks, else under `mpirun`.
+pub(crate) fn start_program(program: &Path, ranks: usize, arguments: &[&str]) -> Running {
     let turn = (ranks > 0).then(|| ONE_MPIRUN.lock().unwrap_or_else(PoisonError::into_inner));
-    let program = env!("CARGO_BIN_EXE_talcum");
-    let mut command = Command::new(if ranks > 0 { "mpirun" } else { program });
+    let mut command = Command::new(if ranks > 0 { Path::new("mpirun") } else { program });
     if ranks > 0 {
-        command.args(["-n", &ranks.to_string(), program]);
+        command.args(["-n", &ranks.to_string()]).arg(program);
     }
     let folder = tempfile::tempdir().unwrap();
     let file = |name| File::create(folder.path().join(name)).unwrap();

@@ -28,12 +28,12 @@ fn momentum_transfer(drag: &DragLaw, phi: f64, diameter: f64, slip: f64) -> f64 
 fn step_and_measure(run: &mut Run, profile: &mut BedProfile) -> Measures {
     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
     run.steps(1);
-    let Run { state, domain, models, work, ranks } = run;
+    let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
     measure(RunView { state, domain, models, work }, profile, Some(probe), *ranks)
 }
 
 fn profile_of(run: &Run) -> BedProfile {
-    let spacing = run.models.gas.column().map_or(1.5, |gas| gas.spacing);
+    let spacing = run.models.physics.gas.column().map_or(1.5, |gas| gas.spacing);
     let grid = ColumnGrid::new(&run.domain.bounds, spacing, 1.0);
     BedProfile::new(grid, run.models.limits.speed, [1.0; 2], 0.3)
 }
@@ -135,7 +135,7 @@ fn plate_gas_and_weight_change_the_momentum_at_every_step() {
                     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
                     run.steps(1);
                     run.work.tallies.by_gas = [0; 3];
-                    let Run { state, domain, models, work, ranks } = run;
+                    let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                     let probe = Some(probe);
                     let view = RunView { state, domain, models, work };
                     let wrong = measure(view, &mut profile, probe, *ranks);

@@ -36,7 +36,7 @@ fn poured_bed() -> (Bench, Snapshot) {
 /// Gas force over weight of the particles in the middle half of the bed, and the mean solids fraction there:
 /// the ends, where phi is averaged with what is beyond them, are not the bulk.
 fn bulk(run: &mut Run) -> (f64, f64) {
-    let Run { state, work, .. } = run;
+    let talcum::setup::Run { state, work, .. } = &mut **run;
     let gas = work.gas.column().unwrap();
     let mut probe = state.particles.clone();
     probe.forces.fill(ForceTorque::of(Vector3::zeros()));

@@ -138,7 +138,7 @@ fn every_case_of_the_repository_takes_steps() {
         let initial = start_from_case(&case, None, &OneRank)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let options = RunOptions {
-            end_time: 20.0 * case.stages[0].time_step,
+            end_time: 20.0 * case.stages[0].physics.time_step,
             folder: OutputFolder { path: folder.path().to_owned(), case_folder: PathBuf::new() },
             stop: &AtomicBool::new(false),
             watch: &mut |_| (),

@@ -22,15 +22,15 @@ fn close(a: f64, b: f64) -> bool {
 fn groups_become_quantities() {
     let case = read("cohesive-column.toml", &["cohesion.wall_bond_number=40"]).unwrap();
     let stage = &case.stages[0];
-    let cohesion: &VanDerWaals = stage.cohesion.as_ref().unwrap();
+    let cohesion: &VanDerWaals = stage.physics.cohesion.as_ref().unwrap();
     let now = cohesion.at(0.0);
     // Bo = F / (m g) with m = pi/6, g = 1, for both.
     assert!(close(now.between_particles(0.5, 0.5, 0.0), 20.0 * PI / 6.0));
     assert!(close(now.to_wall(0.5, 0.0), 40.0 * PI / 6.0));
-    let gas = stage.gas.column().unwrap();
+    let gas = stage.physics.gas.column().unwrap();
     assert!(close(gas.viscosity, 1.0 / 55.0));
     assert_eq!(gas.spacing, 1.5);
-    let vibration = stage.gravity.vibration.unwrap();
+    let vibration = stage.physics.gravity.vibration.unwrap();
     assert_eq!((vibration.relative_acceleration, vibration.frequency), (3.0, 0.16));
     assert_eq!(case.wall_clock.unwrap().as_secs(), 13_800);
     assert_eq!(case.domain.bounds.faces(2), [Face::Wall, Face::Stop]);
@@ -41,11 +41,11 @@ fn groups_become_quantities() {
 fn groups_become_quantities_in_si_too() {
     let case = read("si.toml", &["cohesion.bond_number=20", "gas.stokes_number=55"]).unwrap();
     let (d, rho, g) = (5.0e-5_f64, 900.0, 9.81);
-    let now = case.stages[0].cohesion.as_ref().unwrap().at(0.0);
+    let now = case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0);
     let weight = rho * PI / 6.0 * d.powi(3) * g;
     // The full expression tends to the near-contact one as s/r falls, here 2e-5.
     assert!((now.between_particles(0.5 * d, 0.5 * d, 0.0) / weight / 20.0 - 1.0).abs() < 1.0e-4);
-    let viscosity = case.stages[0].gas.column().unwrap().viscosity;
+    let viscosity = case.stages[0].physics.gas.column().unwrap().viscosity;
     assert!(close(rho * g.sqrt() * d.powf(1.5) / viscosity, 55.0));
     assert_eq!(case.domain.walls.len(), 6);
     let WallShape::Plane { normal, .. } = case.domain.walls[5].shape else { panic!("a plane") };
@@ -57,17 +57,17 @@ fn stages_change_what_they_name_and_keep_the_rest() {
     let case = read("staged.toml", &[]).unwrap();
     let [settle, ramp, cohesive] = case.stages.as_slice() else { panic!("three stages") };
     assert_eq!([settle.start, settle.end, ramp.end, cohesive.end], [0.0, 1.0, 3.0, 6.0]);
-    assert!(settle.gas == GasModel::None && settle.cohesion.is_none());
-    assert!(ramp.cohesion.is_none());
+    assert!(settle.physics.gas == GasModel::None && settle.physics.cohesion.is_none());
+    assert!(ramp.physics.cohesion.is_none());
     let ramped = Schedule::Ramp { from: 0.0, to: 0.04, start: 1.0, end: 3.0 };
     for stage in [ramp, cohesive] {
-        assert_eq!(stage.gas.column().unwrap().drive, Drive::Velocity(ramped.clone()));
+        assert_eq!(stage.physics.gas.column().unwrap().drive, Drive::Velocity(ramped.clone()));
     }
-    let cohesion = cohesive.cohesion.as_ref().unwrap();
+    let cohesion = cohesive.physics.cohesion.as_ref().unwrap();
     let steps = Schedule::Steps { values: vec![1.0e-10, 2.0e-10], start: 3.0, every: 1.5 };
     assert_eq!(cohesion.hamaker_constant, steps);
     assert_eq!(cohesion.wall_hamaker_constant, Schedule::Constant(0.0));
-    let vibration = cohesive.gravity.vibration.unwrap();
+    let vibration = cohesive.physics.gravity.vibration.unwrap();
     assert_eq!(vibration.start, 3.0);
     assert!(close(vibration.relative_acceleration, 0.1 * (0.4 * PI).powi(2)));
     assert_eq!(case.end_time(), 6.0);
@@ -79,7 +79,7 @@ fn stages_change_what_they_name_and_keep_the_rest() {
 fn a_step_belongs_to_the_stage_of_its_middle() {
     let case = read("staged.toml", &[]).unwrap();
     // The time of a run is a sum of steps, which rounding can leave just below the start of a stage at 1.
-    let step = case.stages[0].time_step;
+    let step = case.stages[0].physics.time_step;
     for time in [1.0 - f64::EPSILON, 1.0 - 0.4 * step, 1.0 + 0.4 * step] {
         assert_eq!(case.stage_at(time).name, "ramp", "{time}");
     }
@@ -109,7 +109,7 @@ fn another_word_drops_the_keys_that_only_the_old_one_has() {
 #[test]
 fn the_grid_of_a_periodic_box_divides_it() {
     let case = read("periodic-box.toml", &[]).unwrap();
-    assert!(close(case.stages[0].gas.column().unwrap().spacing, 18.0 / 13.0));
+    assert!(close(case.stages[0].physics.gas.column().unwrap().spacing, 18.0 / 13.0));
     assert!(case.notes.iter().any(|note| note.contains("gas.spacing = 1.4 becomes 1.38")));
     assert!(case.notes.iter().any(|note| note.contains("gas.lateral_drag is not given: false")));
 }
@@ -120,7 +120,7 @@ fn overrides_change_the_case_and_its_text() {
     let case = read("staged.toml", &overrides).unwrap();
     assert_eq!(case.end_time(), 9.0);
     assert_eq!(case.parallel.layout, RankLayout::Slabs(0));
-    assert_eq!(case.stages[1].gas, GasModel::None);
+    assert_eq!(case.stages[1].physics.gas, GasModel::None);
     let again = Case::from_text(&case.text, "again", Path::new("."), &[]).unwrap();
     assert_eq!(again.stages, case.stages);
     let error = read("staged.toml", &["contact.restitution=1.4", "time.end=9"]).unwrap_err();
@@ -154,7 +154,7 @@ fn every_drag_law_can_be_chosen() {
         overrides.extend((law == "gidaspow").then_some("gas.drag_switch=sharp"));
         overrides.extend((law == "di_felice").then_some("gas.single_sphere=dallavalle"));
         let case = read("staged.toml", &overrides).unwrap_or_else(|error| panic!("{law}: {error}"));
-        let drag = format!("{:?}", case.stages[1].gas.column().unwrap().drag);
+        let drag = format!("{:?}", case.stages[1].physics.gas.column().unwrap().drag);
         let name = drag.split(['(', ' ']).next().unwrap().to_lowercase();
         assert_eq!(name, law.replace('_', ""), "{drag}");
     }

@@ -43,7 +43,7 @@ pub(super) fn check(
     // Before the trial: what stands here helps where the trial fails.
     say(ranks, message.trim_end());
     let seconds = trial(&case, &mut initial, ranks)?;
-    let steps = case.end_time() / case.stages[0].time_step;
+    let steps = case.end_time() / case.stages[0].physics.time_step;
     let total = readable(Duration::from_secs_f64(seconds * steps));
     let on_ranks = super::report::count_of(ranks.size(), "rank");
     say(

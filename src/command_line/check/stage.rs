@@ -33,7 +33,7 @@ impl ReferenceParticle {
     fn of(case: &Case, stage: &Stage) -> Self {
         let diameter = case.particles.reference_diameter;
         let mass = case.particles.mass_of(diameter);
-        let gravity = stage.gravity.magnitude;
+        let gravity = stage.physics.gravity.magnitude;
         Self { diameter, density: case.particles.density, mass, gravity }
     }
 
@@ -59,15 +59,15 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
     if particle.gravity > 0.0 {
         describe_forces_over_weight(lines, stage, &particle);
     }
-    if let Some(vibration) = &stage.gravity.vibration {
+    if let Some(vibration) = &stage.physics.gravity.vibration {
         let gamma = vibration.relative_acceleration;
         lines.add("Gamma, frequency", &format!("{gamma:.4}, {:.4}", vibration.frequency));
     }
-    match &stage.gas {
+    match &stage.physics.gas {
         GasModel::None => {}
         GasModel::Column(gas) => describe_column(lines, gas, &particle),
         GasModel::VolumeAveraged(model) => {
-            describe_volume_averaged(lines, model, &particle, stage.time_step);
+            describe_volume_averaged(lines, model, &particle, stage.physics.time_step);
         }
     }
     describe_contacts(lines, case, stage, sizes);
@@ -76,10 +76,10 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
 fn describe_forces_over_weight(lines: &mut Lines, stage: &Stage, particle: &ReferenceParticle) {
     let (diameter, radius) = (particle.diameter, 0.5 * particle.diameter);
     let pair = ReducedBody::of_equal_spheres(particle.mass, radius);
-    let stiffness = stage.contact.law.stiffness(SMALL_OVERLAP * diameter, pair.radius);
+    let stiffness = stage.physics.contact.law.stiffness(SMALL_OVERLAP * diameter, pair.radius);
     let scaled = stiffness / (particle.density * particle.gravity * diameter * diameter);
     lines.add("k_n / (rho_s g d^2)", &format!("{scaled:.4e}"));
-    if let Some(cohesion) = &stage.cohesion {
+    if let Some(cohesion) = &stage.physics.cohesion {
         let [pair, wall] = bond_numbers(cohesion, particle);
         lines.add("Bond number, particles and walls", &format!("{pair:.4}, {wall:.4}"));
     }
@@ -104,19 +104,19 @@ fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &Size
     let radius = 0.5 * sizes.smallest_diameter;
     let mut tell = |name: &str, contact: &ContactModel, bodies: ReducedBody| {
         let duration = contact.law.contact_duration(bodies.mass, bodies.radius);
-        let steps = duration / stage.time_step;
+        let steps = duration / stage.physics.time_step;
         let law = contact.law.name();
         lines.add(name, &format!("{duration:.4e}, {steps:.1} time steps ({law})"));
     };
     let pair = ReducedBody::of_equal_spheres(mass, radius);
-    tell("duration of a contact", &stage.contact, pair);
-    for (wall, contact) in case.domain.walls.iter().zip(&stage.at_walls) {
-        if *contact != stage.contact {
+    tell("duration of a contact", &stage.physics.contact, pair);
+    for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
+        if *contact != stage.physics.contact {
             let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
             tell(&format!("with wall \"{}\"", wall.name), contact, bodies);
         }
     }
-    if case.shortest_contact(stage, sizes) / stage.time_step < LEAST_STEPS_PER_CONTACT {
+    if case.shortest_contact(stage, sizes) / stage.physics.time_step < LEAST_STEPS_PER_CONTACT {
         lines.add(
             "warning",
             &format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),

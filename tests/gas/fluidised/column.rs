@@ -74,7 +74,7 @@ fn next_cycle(run: &mut Run) -> Cycle {
             row[0] -= force * run.work.tallies.on_walls[0][2] as f64;
             row[1] += force * run.work.tallies.by_gas[2] as f64;
             if step % (steps / samples) == 0 {
-                let Run { state, domain, models, work, ranks } = run;
+                let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                 let view = RunView { state, domain, models, work };
                 let now = measure(view, &mut profile, None, *ranks);
                 row[2] += now.grid_pressure_drop / samples as f64;

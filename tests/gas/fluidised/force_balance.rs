@@ -23,7 +23,7 @@ fn rows(velocity: f64) -> Vec<Measures> {
     run.steps(12_500);
     let mut read = |run: &mut Run| {
         run.steps(25);
-        let Run { state, domain, models, work, ranks } = run;
+        let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
         measure(RunView { state, domain, models, work }, &mut profile, None, *ranks)
     };
     (0..1600).map(|_| read(&mut run)).collect()

@@ -118,7 +118,7 @@ fn restart_without_the_custom_law_is_refused() {
 
     let law = ContactLaw::custom("scaled_hertz", Scaled { law: hertz(), factor: 1.0 });
     let own = case.clone().with_contact_law(&law).unwrap();
-    assert!(own.stages.iter().all(|stage| stage.contact.law == law));
+    assert!(own.stages.iter().all(|stage| stage.physics.contact.law == law));
     let error = error_of_restart(&own, &[]).unwrap();
     assert!(error.contains("contact.law") && error.contains("scaled_hertz"), "{error}");
     let known = ["contact.law=linear_spring_dashpot".to_owned()];
@@ -126,7 +126,7 @@ fn restart_without_the_custom_law_is_refused() {
 
     let drag = DragLaw::custom("stokes", Stokes);
     let own = case.with_drag_law(&drag).unwrap();
-    let laws = own.stages.iter().filter_map(|stage| match &stage.gas {
+    let laws = own.stages.iter().filter_map(|stage| match &stage.physics.gas {
         GasModel::Column(gas) => Some(&gas.drag),
         _ => None,
     });

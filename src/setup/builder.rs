@@ -1,0 +1,233 @@
+//! What is chosen before a run, and its start.
+
+use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
+use crate::contact::{ContactModel, VanDerWaals};
+use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
+use crate::gas::GasModel;
+use crate::parallel::{Communicator, OneRank, ParticleRecord};
+use crate::particles::ListRange;
+use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
+use crate::time_step::{begin, find_first_forces};
+
+/// A bed before its start: a box, what acts on the particles, and the particles. All ranks build the same.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    pub(super) domain: Domain,
+    pub(super) physics: Physics,
+    pub(super) particles: Vec<ParticleRecord>,
+    pub(super) sizes: Option<SizeRange>,
+    pub(super) skin: Option<f64>,
+    pub(super) force_limit: Option<f64>,
+    balance: Option<Balance>,
+}
+
+impl Setup {
+    /// Margin of the neighbour list over the largest diameter, if none is given.
+    pub const SKIN: f64 = 0.1;
+
+    /// An empty box from the origin to `lengths`, with faces `[axis][lower, upper]`; a wall lies in each face that is
+    /// one.
+    ///
+    /// # Errors
+    /// If a length is not above 0, or only one of two opposite faces is periodic.
+    pub fn new(
+        lengths: [f64; 3],
+        faces: [[Face; 2]; 3],
+        physics: Physics,
+    ) -> Result<Self, SetupError> {
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let length = lengths[axis];
+            if !(length.is_finite() && length > 0.0) {
+                return Err(SetupError::BoxLength { axis: name, length });
+            }
+            let [lower, upper] = faces[axis].map(|face| face == Face::Periodic);
+            if lower != upper {
+                return Err(SetupError::PeriodicFaces { axis: name });
+            }
+        }
+        Ok(Self::in_domain(Domain::of_box(Bounds::new(lengths.into(), faces)), physics))
+    }
+
+    /// An empty domain.
+    pub fn in_domain(domain: Domain, physics: Physics) -> Self {
+        let particles = Vec::new();
+        let (sizes, skin, force_limit, balance) = (None, None, None, None);
+        Self { domain, physics, particles, sizes, skin, force_limit, balance }
+    }
+
+    /// One more wall, after those in the faces of the box.
+    #[must_use]
+    pub fn wall(mut self, wall: Wall) -> Self {
+        self.domain.walls.push(wall);
+        self
+    }
+
+    /// Contact models of particles and walls, by the walls' numbers; walls beyond are like particles.
+    #[must_use]
+    pub fn walls(mut self, models: impl IntoIterator<Item = ContactModel>) -> Self {
+        self.physics.at_walls = models.into_iter().collect();
+        self
+    }
+
+    /// Attraction of particles, and of particles and walls.
+    #[must_use]
+    pub fn cohesion(mut self, cohesion: VanDerWaals) -> Self {
+        self.physics.cohesion = Some(cohesion);
+        self
+    }
+
+    /// The gas between the particles.
+    #[must_use]
+    pub fn gas(mut self, gas: impl Into<GasModel>) -> Self {
+        self.physics.gas = gas.into();
+        self
+    }
+
+    /// Gravity along -z; length per time squared.
+    #[must_use]
+    pub fn gravity(mut self, magnitude: f64) -> Self {
+        self.physics.gravity.magnitude = magnitude;
+        self
+    }
+
+    /// The box is the frame of a plate that vibrates along z.
+    #[must_use]
+    pub fn vibration(mut self, vibration: Vibration) -> Self {
+        self.physics.gravity.vibration = Some(vibration);
+        self
+    }
+
+    /// One more particle. Its id is the number of particles before it.
+    #[must_use]
+    pub fn particle(mut self, sphere: Sphere) -> Self {
+        let id = self.particles.len() as u64;
+        self.particles.push(sphere.record(id));
+        self
+    }
+
+    /// Layers of particles. Their ids go on from the number of particles before them.
+    #[must_use]
+    pub fn layers(self, layers: &Layers) -> Self {
+        let spheres: Vec<Sphere> = layers.spheres(&self.domain.bounds).collect();
+        spheres.into_iter().fold(self, Self::particle)
+    }
+
+    /// More particles, with ids that no other has.
+    #[must_use]
+    pub fn particles(mut self, records: impl IntoIterator<Item = ParticleRecord>) -> Self {
+        self.particles.extend(records);
+        self
+    }
+
+    /// Sizes from which the limits of forces and speeds follow, if not those of the particles.
+    #[must_use]
+    pub fn sizes(mut self, sizes: SizeRange) -> Self {
+        self.sizes = Some(sizes);
+        self
+    }
+
+    /// Margin of the neighbour list, [`Setup::SKIN`] of the largest diameter if not given; length. It changes how often
+    /// lists are rebuilt, and no result.
+    #[must_use]
+    pub fn skin(mut self, skin: f64) -> Self {
+        self.skin = Some(skin);
+        self
+    }
+
+    /// Cut planes follow the load of the ranks. This changes no result.
+    #[must_use]
+    pub fn balance(mut self, balance: Balance) -> Self {
+        self.balance = Some(balance);
+        self
+    }
+
+    /// The largest component of one contact's force, if not that of an overlap of half the smallest diameter. Forces are
+    /// rounded to a fraction of about 10^-15 of it.
+    #[must_use]
+    pub fn force_limit(mut self, force: f64) -> Self {
+        self.force_limit = Some(force);
+        self
+    }
+
+    /// The bed on this rank of a grid of all ranks, at time zero, its forces found. Collective.
+    ///
+    /// # Errors
+    /// If the setup has no meaning, or the ranks cannot divide it; the same on all ranks.
+    pub fn start<'a>(
+        &self,
+        grid: RankGrid,
+        ranks: &'a dyn Communicator,
+    ) -> Result<Run<'a>, SetupError> {
+        self.check()?;
+        let quantum = self.domain.bounds.position_quantum();
+        let on_lattice = |record: &ParticleRecord| ParticleRecord {
+            position: quantum.round_vector(record.position.into()).into(),
+            ..*record
+        };
+        let particles = self.particles.iter().map(on_lattice).collect();
+        let bed = Snapshot::new_bed(particles, self.size_range()?, self.physics.time_step);
+        let mut run = self.run_from(&bed, grid, ranks)?;
+        let Run { state, domain, models, work, .. } = &mut run;
+        find_first_forces(state, domain, models, work, ranks);
+        Ok(run)
+    }
+
+    /// The bed on one rank, at time zero.
+    ///
+    /// # Errors
+    /// As [`Setup::start`].
+    pub fn start_alone(&self) -> Result<Run<'static>, SetupError> {
+        self.start(RankGrid([1, 1, 1]), &OneRank)
+    }
+
+    /// The run that a snapshot was taken of, on this rank of any grid of ranks; or another, from its particles with the
+    /// physics of this setup. Collective.
+    ///
+    /// # Errors
+    /// As [`Setup::start`].
+    pub fn resume<'a>(
+        &self,
+        snapshot: &Snapshot,
+        grid: RankGrid,
+        ranks: &'a dyn Communicator,
+    ) -> Result<Run<'a>, SetupError> {
+        self.check()?;
+        self.run_from(snapshot, grid, ranks)
+    }
+
+    /// Lists and ghosts of a state that all ranks have whole. Collective.
+    fn run_from<'a>(
+        &self,
+        whole: &Snapshot,
+        grid: RankGrid,
+        ranks: &'a dyn Communicator,
+    ) -> Result<Run<'a>, SetupError> {
+        let (domain, models) = (self.domain.clone(), self.models(&whole.sizes)?);
+        let skin = self.skin.unwrap_or(Self::SKIN * whole.sizes.largest_diameter);
+        let list_range = ListRange { interaction: models.range(&whole.sizes), skin };
+        let ghost_width = list_range.ghost_width(whole.sizes.largest_diameter);
+        self.check_width(ghost_width)?;
+        let gas = &models.physics.gas;
+        let layout = Layout { bounds: &domain.bounds, gas, ghost_width };
+        let decomposition = layout.even(grid, ranks.size())?;
+        let share = whole.share_of(ranks);
+        let distributed = share.distribute(&domain.bounds, gas, &decomposition, ranks);
+        let (mut state, histories) = (distributed.state, distributed.histories);
+        state.clock = state.clock.with_time_step(models.physics.time_step);
+        let mut work = Workspace::new(decomposition, skin, self.balance);
+        work.prepare(&domain, &models, &state.sizes);
+        begin(&mut state, &domain, &models, &mut work, histories, ranks)?;
+        Ok(Run { state, domain, models, work, ranks })
+    }
+
+    /// What acts on particles of these sizes.
+    fn models(&self, sizes: &SizeRange) -> Result<Models, SetupError> {
+        let mut limits = self.physics.limits(sizes);
+        limits.force = self.force_limit.unwrap_or(limits.force);
+        let torque = limits.force * sizes.largest_diameter;
+        if !(limits.force * torque).is_finite() || limits.force * torque <= 0.0 {
+            return Err(SetupError::ForceRange { force: limits.force });
+        }
+        Ok(Models::new(self.physics.clone(), limits, sizes))
+    }
+}

@@ -1,0 +1,110 @@
+//! A bed that moves.
+
+use super::Snapshot;
+use crate::analysis::Digest;
+use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::particles::ContactHistories;
+use crate::state::{Domain, Models, State, Workspace};
+use crate::time_step::{Staggered, StepError, advance, confirm};
+
+/// A bed between two steps, on this rank of all ranks. [`Setup::start`](super::Setup::start) makes it.
+///
+/// Methods that are called collective are called by all ranks in the same order.
+pub struct Run<'a> {
+    /// Particles, contacts and gas, all of it at the time of the clock.
+    pub state: State,
+    /// Box and walls.
+    pub domain: Domain,
+    /// What acts on the particles.
+    pub models: Models,
+    /// Lists and buffers, sums of the last step, timers.
+    pub work: Workspace,
+    /// The ranks.
+    pub ranks: &'a dyn Communicator,
+}
+
+impl Run<'_> {
+    /// One step of length `models.physics.time_step`. Collective.
+    ///
+    /// # Errors
+    /// If a force or a speed has no meaning, or a particle passes a face of kind [`Stop`](crate::domain::Face::Stop).
+    /// The run cannot go on.
+    pub fn step(&mut self) -> Result<(), StepError> {
+        self.steps(1)
+    }
+
+    /// So many steps. Collective.
+    ///
+    /// # Errors
+    /// As [`Run::step`].
+    pub fn steps(&mut self, count: u64) -> Result<(), StepError> {
+        let Self { state, domain, models, work, ranks } = self;
+        let mut state = Staggered::new(state);
+        for _ in 0..count {
+            advance(&mut state, domain, models, work, *ranks)?;
+        }
+        Ok(())
+    }
+
+    /// Simulated time since the start of the run.
+    pub fn time(&self) -> f64 {
+        self.state.clock.time()
+    }
+
+    /// Number of particles in the box. Collective.
+    pub fn particle_count(&self) -> usize {
+        self.ranks.total(self.state.particles.owned_count())
+    }
+
+    /// The particles of this rank, positions wrapped into the box, in an order that may change from step to step.
+    pub fn particles(&self) -> impl Iterator<Item = ParticleRecord> {
+        let (particles, bounds) = (&self.state.particles, &self.domain.bounds);
+        (0..particles.owned_count()).map(move |index| ParticleRecord {
+            position: bounds.wrap(particles.body[index].position).into(),
+            ..ParticleRecord::of(particles, index)
+        })
+    }
+
+    /// The particle with this id, if this rank owns it; its position is wrapped into the box.
+    pub fn particle(&self, id: u64) -> Option<ParticleRecord> {
+        let particles = &self.state.particles;
+        let owned = &particles.id[..particles.owned_count()];
+        let index = owned.iter().position(|&other| other == id)?;
+        let position = self.domain.bounds.wrap(particles.body[index].position).into();
+        Some(ParticleRecord { position, ..ParticleRecord::of(particles, index) })
+    }
+
+    /// Hash of the whole state: the same on any number of ranks. Collective.
+    ///
+    /// # Errors
+    /// If the forces of the last step have no meaning.
+    pub fn digest(&mut self) -> Result<Digest, StepError> {
+        let here = self.part()?;
+        Ok(Digest::of(&here.clock, &here.records(), self.ranks))
+    }
+
+    /// The whole state, sorted by ids, on all ranks: for small beds. Collective.
+    ///
+    /// # Errors
+    /// If the forces of the last step have no meaning.
+    pub fn snapshot(&mut self) -> Result<Snapshot, StepError> {
+        Ok(self.part()?.gathered(self.ranks))
+    }
+
+    /// This rank's part of the state, each record on one rank. Collective.
+    fn part(&mut self) -> Result<Snapshot, StepError> {
+        confirm(&self.state, &mut self.work, self.ranks)?;
+        let State { particles, contacts, clock, departed, sizes, gas } = &self.state;
+        let ContactHistories { pairs, walls } = contacts.histories_once(particles);
+        Ok(Snapshot {
+            clock: *clock,
+            departed: *departed,
+            sizes: *sizes,
+            particles: self.particles().collect(),
+            pairs: pairs.into_iter().map(ContactRecord::from).collect(),
+            walls: walls.into_iter().map(WallContactRecord::from).collect(),
+            cells: self.work.gas.records(gas),
+            gas_report: gas.report(),
+        })
+    }
+}

@@ -1,0 +1,131 @@
+//! A state as records, and its way to the ranks.
+
+use crate::analysis::StateRecords;
+use crate::domain::{Bounds, Decomposition};
+use crate::gas::{GasModel, GasState};
+use crate::parallel::{
+    CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord,
+    send_histories_to_owners, send_to_owners, share_with_all,
+};
+use crate::particles::{ContactHistories, Contacts, Particles};
+use crate::state::{Clock, Departed, GasReport, SizeRange, State};
+use nalgebra::Vector3;
+
+/// A state as records: of all particles, or of those that one rank has. A run that goes on from it comes to the same
+/// bits as one that was never stopped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Time.
+    pub clock: Clock,
+    /// What has left the box.
+    pub departed: Departed,
+    /// Sizes of the particles at the start of the run.
+    pub sizes: SizeRange,
+    /// Particles.
+    pub particles: Vec<ParticleRecord>,
+    /// Histories of touching pairs.
+    pub pairs: Vec<ContactRecord>,
+    /// Histories of contacts with walls.
+    pub walls: Vec<WallContactRecord>,
+    /// Cells of a volume-averaged gas; none without such a gas, or for a gas that starts from rest.
+    pub cells: Vec<CellRecord>,
+    /// How the last step of that gas went.
+    pub gas_report: GasReport,
+}
+
+/// This rank's part of a state, before there are lists and ghosts.
+pub struct DistributedState {
+    /// The state.
+    pub state: State,
+    /// Histories of its contacts.
+    pub histories: ContactHistories,
+}
+
+impl Snapshot {
+    /// A new bed of these particles at time zero.
+    pub fn new_bed(particles: Vec<ParticleRecord>, sizes: SizeRange, time_step: f64) -> Self {
+        Self {
+            clock: Clock::new(time_step),
+            departed: Departed::default(),
+            sizes,
+            particles,
+            pairs: Vec::new(),
+            walls: Vec::new(),
+            cells: Vec::new(),
+            gas_report: GasReport::default(),
+        }
+    }
+
+    /// This rank's share of a snapshot that all ranks have whole.
+    pub fn share_of(&self, ranks: &dyn Communicator) -> Self {
+        fn share<T: Copy>(all: &[T], ranks: &dyn Communicator) -> Vec<T> {
+            all.iter().copied().skip(ranks.rank()).step_by(ranks.size()).collect()
+        }
+        Self {
+            particles: share(&self.particles, ranks),
+            pairs: share(&self.pairs, ranks),
+            walls: share(&self.walls, ranks),
+            cells: share(&self.cells, ranks),
+            ..*self
+        }
+    }
+
+    /// The same with the records of all ranks on every rank, sorted by their ids. Collective.
+    pub(super) fn gathered(self, ranks: &dyn Communicator) -> Self {
+        let mut particles = share_with_all(self.particles, ranks);
+        let mut pairs = share_with_all(self.pairs, ranks);
+        let mut walls = share_with_all(self.walls, ranks);
+        let mut cells = share_with_all(self.cells, ranks);
+        particles.sort_by_key(|particle| particle.id);
+        pairs.sort_by_key(|pair| (pair.lower, pair.higher));
+        walls.sort_by_key(|contact| (contact.particle, contact.wall));
+        cells.sort_by_key(|record| record.cell);
+        Self { particles, pairs, walls, cells, ..self }
+    }
+
+    /// Sends the records, each of which is on one rank, to the ranks that own them. Collective.
+    pub fn distribute(
+        self,
+        bounds: &Bounds,
+        gas: &GasModel,
+        decomposition: &Decomposition,
+        ranks: &dyn Communicator,
+    ) -> DistributedState {
+        let Self { clock, departed, sizes, gas_report, .. } = self;
+        let records = send_to_owners(self.particles, decomposition, ranks);
+        let mut particles = Particles::with_room_for(records.len());
+        for record in records {
+            record.push_to(&mut particles);
+        }
+        let histories = send_histories_to_owners(self.pairs, self.walls, &particles.id, ranks);
+        let subdomain = decomposition.subdomain(bounds, ranks.rank());
+        let gas = GasState::from_records(gas, &self.cells, gas_report, subdomain, ranks);
+        if gas == GasState::None {
+            particles.gas_force.fill(Vector3::zeros());
+        }
+        let contacts = Contacts::default();
+        DistributedState {
+            state: State { particles, contacts, clock, departed, sizes, gas },
+            histories,
+        }
+    }
+
+    /// The records, for a digest.
+    pub fn records(&self) -> StateRecords<'_, [ParticleRecord]> {
+        let Self { particles, pairs, walls, cells, .. } = self;
+        StateRecords { particles, contacts: pairs, wall_contacts: walls, cells }
+    }
+
+    /// All bits of it: equal only for equal states.
+    pub fn bits(&self) -> Vec<u8> {
+        let Self { clock, departed, .. } = self;
+        let mut bytes = bytemuck::cast_slice::<_, u8>(&self.particles).to_vec();
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.pairs));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.walls));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
+        bytes.extend_from_slice(&clock.step.to_le_bytes());
+        bytes.extend_from_slice(&departed.count.to_le_bytes());
+        bytes.extend_from_slice(&departed.volume.to_le_bytes());
+        bytes
+    }
+}
