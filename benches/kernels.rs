@@ -246,14 +246,14 @@ fn multigrid(criterion: &mut Criterion) {
 fn on_two_ranks(
     bench: &Bench,
     times: u64,
-    work: impl Fn(&mut Run, &dyn Communicator) + Sync,
+    work: impl Fn(&mut talcum::setup::Run, &dyn Communicator) + Sync,
 ) -> Duration {
     let elapsed = run_on_threads(2, |ranks| {
         let mut run = bench.start(RankGrid::slabs(2, 2), ranks);
         ranks.any(false); // both are ready
         let begin = Instant::now();
         for _ in 0..times {
-            work(&mut run, ranks);
+            work(&mut run.0, ranks);
         }
         begin.elapsed()
     });

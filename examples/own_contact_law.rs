@@ -8,16 +8,11 @@
 use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::PI;
-use talcum::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactLaw, ContactModel, ForceLaws, InvalidContactLaw,
-    add_pair_forces,
-};
-use talcum::domain::PosedWalls;
-use talcum::numbers::Quantum;
-use talcum::particles::{
-    ContactHistories, ContactHistory, Contacts, DriftStep, InteractionRanges, ListRange,
-    NeighbourList, Particles, Weight, kick, kick_and_drift,
-};
+use talcum::contact::{Contact, ContactForce, ContactForceLaw, ContactLaw, InvalidContactLaw};
+use talcum::domain::Face;
+use talcum::particles::ContactHistory;
+use talcum::setup::{Setup, Sphere};
+use talcum::state::Physics;
 
 /// F_n = k_n delta.
 #[derive(Debug)]
@@ -61,47 +56,29 @@ impl ContactForceLaw for LinearSpring {
     }
 }
 
-/// Two particles of this mass and radius 1/2 that meet head on; the speed at which they separate.
-fn speed_of_rebound(law: LinearSpring, mass: f64, speed: f64) -> Result<f64, Box<dyn Error>> {
-    let dt = law.contact_duration(0.5 * mass, 0.25) / 200.0;
-    let limit = law.largest_force(0.2, 0.25);
-    let quantum = Quantum::spanning(64.0 * limit);
-    let contact = ContactModel { law: ContactLaw::custom("linear_spring", law), rolling: None };
-    let laws = ForceLaws {
-        contact: &contact,
-        at_walls: &[],
-        cohesion: None,
-        ranges: InteractionRanges::default(),
-        dt,
-        limit,
-        force_quantum: quantum,
-        torque_quantum: quantum,
+/// Two particles of diameter and density 1 that meet head on in a box without walls; the speed at which they separate.
+fn speed_of_rebound(law: LinearSpring, speed: f64) -> Result<f64, Box<dyn Error>> {
+    let dt = law.contact_duration(0.5 * PI / 6.0, 0.25) / 200.0;
+    let law = ContactLaw::custom("linear_spring", law);
+    let sphere = |x: f64, along_x: f64| Sphere {
+        position: [x, 2.0, 2.0],
+        velocity: [along_x, 0.0, 0.0],
+        radius: 0.5,
+        density: 1.0,
     };
-    let mut particles = Particles::default();
-    particles.push(0, Vector3::zeros(), Vector3::x() * (0.5 * speed), 0.5, mass);
-    particles.push(1, Vector3::x() * 1.001, Vector3::x() * (-0.5 * speed), 0.5, mass);
-    // One list for the whole collision: its range covers all that the particles can move.
-    let (mut contacts, range) = (Contacts::default(), ListRange { interaction: 0.0, skin: 1.0 });
-    NeighbourList::default().rebuild(
-        &particles,
-        &mut contacts,
-        PosedWalls { walls: &[], poses: &[] },
-        range,
-        &ContactHistories::default(),
-    )?;
-    let step =
-        DriftStep { dt, quantum: Quantum::spanning(4.0), weight: Weight { gravity: 0.0, quantum } };
-    for _ in 0..400 {
-        contacts.moved(kick_and_drift(&mut particles, None, step));
-        add_pair_forces(&mut particles, &mut contacts, &laws)?;
-        kick(&mut particles, dt);
-    }
-    Ok(particles.body[1].velocity.x - particles.body[0].velocity.x)
+    let mut run = Setup::new([4.0; 3], [[Face::Open; 2]; 3], Physics::new(law, dt))?
+        .particle(sphere(1.0, 0.5 * speed))
+        .particle(sphere(2.001, -0.5 * speed))
+        .start_alone()?;
+    run.steps(400)?;
+    let velocity = |id: u64| run.particle(id).map(|particle| particle.velocity[0]);
+    let (one, other) = velocity(0).zip(velocity(1)).ok_or("a particle has left the box")?;
+    Ok(other - one)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (stiffness, mass, speed) = (1.0e5, 0.5, 2.0);
-    let found = speed_of_rebound(LinearSpring::new(stiffness)?, mass, speed)?;
+    let (stiffness, speed) = (1.0e5, 2.0);
+    let found = speed_of_rebound(LinearSpring::new(stiffness)?, speed)?;
     println!("met at a speed of {speed}, separated at {found:.6}");
     // The integrator's error over a collision of 200 steps is of order (pi / 200)^2.
     if (found / speed - 1.0).abs() > 1.0e-3 {

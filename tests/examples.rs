@@ -68,6 +68,12 @@ fn own_output_writes_a_row_for_each_interval() {
 }
 
 #[test]
+fn own_contact_law_returns_the_speed() {
+    let output = run("own_contact_law", 0, &[]);
+    assert!(output.starts_with("met at a speed of 2, separated at "), "{output}");
+}
+
+#[test]
 fn read_checkpoint_prints_what_the_run_ended_with() {
     let folder = tempfile::tempdir().unwrap();
     let results = folder.path().join("results").display().to_string();
