@@ -2,5 +2,6 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod documents;
+mod index;
 mod layers;
 mod vocabulary;
