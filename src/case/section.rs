@@ -133,7 +133,7 @@ impl<'a> Section<'a> {
             |other: &&Key| other.partners.contains(&key.name) && !self.has_any(other.partners);
         let mut before = self.keys.active.iter().take_while(|other| other.name != key.name);
         let is_free = key.with.is_none_or(|owner| self.has(owner));
-        if is_free && !self.has_any(key.partners) && !before.any(|other| is_reported(other)) {
+        if is_free && !self.has_any(key.partners) && !before.any(is_reported) {
             self.require(key.name);
         }
     }

@@ -1,5 +1,7 @@
 //! What a case file means: conversions of dimensionless groups, stages, schedules, overrides.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 use std::f64::consts::PI;
 use std::path::Path;
 use talcum::case::{Case, RankLayout, json_schema};

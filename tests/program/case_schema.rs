@@ -1,5 +1,7 @@
 //! The manual and the editors' schema of the case file are what the tables in src/case/schema say.
 
+#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+
 use boon::{Compiler, Schemas};
 use std::path::{Path, PathBuf};
 use talcum::case::{json_schema, manual, terminal};
