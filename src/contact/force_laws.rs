@@ -12,38 +12,38 @@ use thiserror::Error;
     "the contact of particle {particle} with {other} has a force of {force:.3e} (limit {limit:.3e}), at an \
      overlap of {overlap:.3e}: shorten time.step, or check the start for overlaps"
 )]
-pub struct ForceOutOfRange {
+pub(crate) struct ForceOutOfRange {
     /// The particle's id.
-    pub particle: u64,
+    pub(crate) particle: u64,
     /// The other particle, or the wall.
-    pub other: String,
+    pub(crate) other: String,
     /// Largest component of the force, by magnitude.
-    pub force: f64,
+    pub(crate) force: f64,
     /// The limit of that component.
-    pub limit: f64,
+    pub(crate) limit: f64,
     /// Overlap of the two bodies.
-    pub overlap: f64,
+    pub(crate) overlap: f64,
 }
 
 /// The laws of all forces at contacts at one instant, with their limits and rounding.
 #[derive(Clone, Copy, Debug)]
-pub struct ForceLaws<'a> {
+pub(crate) struct ForceLaws<'a> {
     /// Contact model of two particles.
-    pub contact: &'a ContactModel,
+    pub(crate) contact: &'a ContactModel,
     /// Contact models of particles and walls, by the walls' numbers; for walls beyond its end, that of particles holds.
-    pub at_walls: &'a [ContactModel],
+    pub(crate) at_walls: &'a [ContactModel],
     /// Attraction at this instant.
-    pub cohesion: Option<VanDerWaalsNow>,
+    pub(crate) cohesion: Option<VanDerWaalsNow>,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
-    pub ranges: InteractionRanges,
+    pub(crate) ranges: InteractionRanges,
     /// Time by which contact histories are advanced; zero to evaluate forces without advancing them.
-    pub dt: f64,
+    pub(crate) dt: f64,
     /// Largest component of a contact's force.
-    pub limit: f64,
+    pub(crate) limit: f64,
     /// Quantum of forces.
-    pub force_quantum: Quantum,
+    pub(crate) force_quantum: Quantum,
     /// Quantum of torques.
-    pub torque_quantum: Quantum,
+    pub(crate) torque_quantum: Quantum,
 }
 
 #[cold]

@@ -13,14 +13,14 @@ mod rolling;
 mod van_der_waals;
 mod walls;
 
-pub use force_laws::{ForceLaws, ForceOutOfRange};
+pub(crate) use force_laws::ForceLaws;
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
 pub use lanes::BlockLaw;
 pub use law::{Contact, ContactForce, ContactForceLaw};
 pub use laws::*;
 pub use model::ContactModel;
-pub use pair_loop::add_pair_forces;
+pub(crate) use pair_loop::add_pair_forces;
 pub use rolling::{RollingFriction, RollingKind};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
-pub use walls::add_wall_forces;
+pub(crate) use walls::add_wall_forces;

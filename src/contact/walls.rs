@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.
-pub fn add_wall_forces(
+pub(crate) fn add_wall_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     walls: PosedWalls<'_>,

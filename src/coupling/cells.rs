@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 ///
 /// One set of weights serves both directions, so that interpolation is the adjoint of deposition.
 #[derive(Clone, Debug)]
-pub struct CellTransfer {
+pub(crate) struct CellTransfer {
     bounds: Bounds,
     cell_volume: f64,
     ends: [[bool; 2]; 3],
@@ -27,7 +27,7 @@ pub struct CellTransfer {
 
 impl CellTransfer {
     /// For one rank's part of a grid, and a filter of this full width at half maximum (0 for none).
-    pub fn new(grid: &BoxGrid, filter_width: f64, subdomain: Subdomain) -> Self {
+    pub(crate) fn new(grid: &BoxGrid, filter_width: f64, subdomain: Subdomain) -> Self {
         let part = grid.local_cells(subdomain);
         Self {
             bounds: subdomain.bounds.clone(),
@@ -42,23 +42,23 @@ impl CellTransfer {
 
     /// Whether particles that have moved so far since they were sorted to ranks still lie within reach of their
     /// rank's halos.
-    pub fn reaches(grid: &BoxGrid, drift: f64) -> bool {
+    pub(crate) fn reaches(grid: &BoxGrid, drift: f64) -> bool {
         drift <= CellLocator::MARGIN * grid.spacing().min()
     }
 
     /// The cells of this rank.
-    pub fn part(&self) -> &LocalCells {
+    pub(crate) fn part(&self) -> &LocalCells {
         self.locator.cells()
     }
 
     /// The cells around each owned particle, as of the last [`CellTransfer::deposit_volume`].
-    pub fn corners(&self) -> &[Corners] {
+    pub(crate) fn corners(&self) -> &[Corners] {
         &self.corners
     }
 
     /// The cells around a point, for fields that are like `field`.
     #[inline(always)]
-    pub fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
+    pub(crate) fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
         let weights = self.locator.weights(&self.bounds.wrap(*position));
         Corners::of(&weights, field)
     }
@@ -67,7 +67,7 @@ impl CellTransfer {
     /// Shares of volume are rounded to `quantum`. Collective.
     ///
     /// Before: owned particles are current. After: halos of the field are out of date.
-    pub fn deposit_volume(
+    pub(crate) fn deposit_volume(
         &mut self,
         particles: &Particles,
         quantum: Quantum,
@@ -88,7 +88,7 @@ impl CellTransfer {
     /// Collective.
     ///
     /// After: halos are out of date.
-    pub fn sum_per_volume(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn sum_per_volume(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         self.halo.add_to_owners(fields, ranks);
         for field in fields.iter_mut() {
             field.values_mut().iter_mut().for_each(|value| *value /= self.cell_volume);
@@ -97,18 +97,22 @@ impl CellTransfer {
     }
 
     /// Adds what halos hold to the cells that own it. Collective.
-    pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         self.halo.add_to_owners(fields, ranks);
     }
 
     /// Filters fields that are then interpolated, and fills their halos. Collective.
-    pub fn prepare_interpolation(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn prepare_interpolation(
+        &mut self,
+        fields: &mut [&mut Field],
+        ranks: &dyn Communicator,
+    ) {
         self.filter(fields, ranks);
         self.halo.refresh(fields, ranks);
     }
 
     /// Fills the halos of fields. Collective.
-    pub fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         self.halo.refresh(fields, ranks);
     }
 

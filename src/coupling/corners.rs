@@ -5,14 +5,14 @@ use crate::numbers::Quantum;
 
 /// The eight cells around a point: places in the memory of fields of one shape, and weights.
 #[derive(Clone, Copy, Debug)]
-pub struct Corners {
+pub(crate) struct Corners {
     places: [u32; 8],
     weights: [f64; 8],
 }
 
 impl Corners {
     /// For fields that are like `field`.
-    pub fn of(weights: &CellWeights, field: &Field) -> Self {
+    pub(crate) fn of(weights: &CellWeights, field: &Field) -> Self {
         let corners = weights.corners();
         Self {
             places: corners.map(|(cell, _)| field.index(cell) as u32),
@@ -23,7 +23,7 @@ impl Corners {
 
 /// Adds amounts to the cells around a point, each share rounded to the field's lattice: their sums are exact.
 #[inline(always)]
-pub fn deposit<const N: usize>(
+pub(crate) fn deposit<const N: usize>(
     fields: [&mut Field; N],
     quanta: [Quantum; N],
     corners: &Corners,
@@ -39,7 +39,7 @@ pub fn deposit<const N: usize>(
 
 /// The values of fields at a point, with the weights of [`deposit`]. Halos must be current.
 #[inline(always)]
-pub fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners) -> [f64; N] {
+pub(crate) fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners) -> [f64; N] {
     fields.map(|field| {
         let mut sum = 0.0;
         for (place, weight) in corners.places.into_iter().zip(corners.weights) {
@@ -52,7 +52,7 @@ pub fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners) -> [f
 /// Sets each owned cell to the mean of a face field's values at its two faces along `axis`.
 ///
 /// The gas averages two cells to a face, so that this is the adjoint.
-pub fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
+pub(crate) fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
     let (above, along_x) = (faces.strides()[axis], faces.count()[0]);
     for (from, to) in faces.rows().zip(cells.rows()) {
         for i in 0..along_x {
@@ -64,7 +64,7 @@ pub fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
 
 /// Sets each owned cell to the mean of a field's gradients at its two faces along `axis`: half the difference
 /// of the cells above and below over the distance of cells. Halos must be current.
-pub fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &mut Field) {
+pub(crate) fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &mut Field) {
     let (stride, along_x) = (field.strides()[axis], field.count()[0]);
     let values = field.values();
     for (from, to) in field.rows().zip(cells.rows()) {

@@ -13,7 +13,7 @@ use std::f64::consts::LN_2;
 /// passes the ends of a box that does not repeat. The filter is symmetric, so that what it does to a field
 /// given by particles and to one read by particles is adjoint, and conserves sums to round-off.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Filter {
+pub(crate) struct Filter {
     steps: usize,
     /// kappa along x, y, z.
     strength: [f64; 3],
@@ -23,7 +23,7 @@ pub struct Filter {
 
 impl Filter {
     /// Full width at half maximum of the Gaussian; none if it is 0.
-    pub fn new(grid: &BoxGrid, width: f64) -> Option<Self> {
+    pub(crate) fn new(grid: &BoxGrid, width: f64) -> Option<Self> {
         // Variance width^2 / (8 ln 2) = 2 kappa n dx^2.
         let whole = [0, 1, 2].map(|a| width * width / (16.0 * LN_2 * grid.spacing()[a].powi(2)));
         let steps = (2.0 * (whole[0] + whole[1] + whole[2])).ceil() as usize;
@@ -32,13 +32,8 @@ impl Filter {
         (steps > 0).then_some(Self { steps, strength, periodic, scratch: Vec::new() })
     }
 
-    /// Steps of diffusion, each with one exchange between ranks.
-    pub fn steps(&self) -> usize {
-        self.steps
-    }
-
     /// Filters the owned cells of fields. Collective. After: halos are out of date.
-    pub fn apply(
+    pub(crate) fn apply(
         &mut self,
         fields: &mut [&mut Field],
         ends: &[[bool; 2]; 3],

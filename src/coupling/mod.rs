@@ -8,8 +8,7 @@ mod column_deposition;
 mod corners;
 mod filter;
 
-pub use cells::CellTransfer;
+pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
 pub use column_deposition::{Bed, ColumnDeposition};
-pub use corners::{Corners, deposit, interpolate, mean_gradient, mean_of_faces};
-pub use filter::Filter;
+pub(crate) use corners::{deposit, interpolate, mean_gradient, mean_of_faces};

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// of the box that is not periodic the outer cell would lie outside: its weight is given to the inner one, so that the
 /// weights add up to 1 everywhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CellLocator {
+pub(crate) struct CellLocator {
     cells: LocalCells,
     periodic: [bool; 3],
     spacing: Vector3<f64>,
@@ -18,21 +18,21 @@ pub struct CellLocator {
 /// The two cells around a point along each axis, by local indices, and the weight of the upper one; that of the lower
 /// one is 1 minus it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellWeights {
+pub(crate) struct CellWeights {
     /// Local indices of the cells below.
-    pub lower: [isize; 3],
+    pub(crate) lower: [isize; 3],
     /// Local indices of the cells above; the same as those below at a face of the box that is not periodic.
-    pub upper: [isize; 3],
+    pub(crate) upper: [isize; 3],
     /// Weights of the cells above.
-    pub of_upper: [f64; 3],
+    pub(crate) of_upper: [f64; 3],
 }
 
 impl CellLocator {
     /// How many cells a point may lie outside the subdomain so that the cells around it are within a halo of two cells.
-    pub const MARGIN: f64 = 1.5;
+    pub(crate) const MARGIN: f64 = 1.5;
 
     /// For the cells of a rank.
-    pub fn new(grid: &BoxGrid, cells: LocalCells) -> Self {
+    pub(crate) fn new(grid: &BoxGrid, cells: LocalCells) -> Self {
         let spacing = grid.spacing();
         let periodic = std::array::from_fn(|axis| grid.is_periodic(axis));
         Self { cells, periodic, spacing }
@@ -43,7 +43,7 @@ impl CellLocator {
     ///
     /// `wrapped` is the point with its periodic coordinates in the box, so that all images have the same weights.
     #[inline(always)]
-    pub fn weights(&self, wrapped: &Vector3<f64>) -> CellWeights {
+    pub(crate) fn weights(&self, wrapped: &Vector3<f64>) -> CellWeights {
         let mut weights = CellWeights { lower: [0; 3], upper: [0; 3], of_upper: [0.0; 3] };
         for axis in 0..3 {
             let centres = wrapped[axis] / self.spacing[axis] - 0.5;
@@ -71,7 +71,7 @@ impl CellLocator {
     }
 
     /// The cells of this rank.
-    pub fn cells(&self) -> &LocalCells {
+    pub(crate) fn cells(&self) -> &LocalCells {
         &self.cells
     }
 }
@@ -79,7 +79,7 @@ impl CellLocator {
 impl CellWeights {
     /// The eight cells and their weights, x fastest.
     #[inline(always)]
-    pub fn corners(&self) -> [([isize; 3], f64); 8] {
+    pub(crate) fn corners(&self) -> [([isize; 3], f64); 8] {
         std::array::from_fn(|corner| {
             let mut cell = [0; 3];
             let mut weight = 1.0;

@@ -6,6 +6,6 @@ mod column_grid;
 mod field;
 
 pub use box_grid::{BoxGrid, LocalCells};
-pub use cell_weights::{CellLocator, CellWeights};
+pub(crate) use cell_weights::{CellLocator, CellWeights};
 pub use column_grid::{ColumnGrid, NodeWeights};
 pub use field::Field;

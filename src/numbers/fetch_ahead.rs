@@ -6,7 +6,7 @@ const LINE: usize = 64;
 /// Prefetches a value that will soon be read or changed. It has no effect but on speed, and none at all on processors
 /// other than x86-64.
 #[inline(always)]
-pub fn fetch_ahead<T>(value: &T) {
+pub(crate) fn fetch_ahead<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]
     for offset in (0..size_of::<T>()).step_by(LINE) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -2,7 +2,7 @@
 
 /// Index of the first flag that is not 0. Nearly always there is none, which one test of all flags together shows.
 #[inline(always)]
-pub fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
+pub(crate) fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
     let mut any = 0;
     for flag in flags {
         any |= flag;

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, LN_2, LOG2_E};
 
 /// sin(x), x in radians.
-pub fn sine(x: f64) -> f64 {
+pub(crate) fn sine(x: f64) -> f64 {
     libm::sin(x)
 }
 
@@ -18,14 +18,14 @@ pub fn sine(x: f64) -> f64 {
 /// the next term is below 2^-53, and evaluated in independent parts by Estrin's scheme (Muller, "Elementary Functions",
 /// 3rd ed., chapters 3, 5 and 11).
 #[inline(always)]
-pub fn power(x: f64, y: f64) -> f64 {
+pub(crate) fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
 }
 
 /// Powers of several numbers, in short loops. A processor looks 100 to 250 instructions ahead, and so executes several
 /// of these independent iterations at once.
 #[inline(always)]
-pub fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
+pub(crate) fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
     let mut binary_exponents = [0.0; N];
     for (number, binary) in numbers.iter_mut().zip(&mut binary_exponents) {
         [*binary, *number] = split(*number);
@@ -47,7 +47,7 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
 /// The integer x of 0 to 2^32 - 1, in vector instructions where a cast with its checks is not.
 #[inline(always)]
-pub fn whole(x: f64) -> u32 {
+pub(crate) fn whole(x: f64) -> u32 {
     (x + TWO_TO_52).to_bits() as u32
 }
 

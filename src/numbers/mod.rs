@@ -12,11 +12,11 @@ mod simd;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
-pub use fetch_ahead::fetch_ahead;
-pub use flags::first_flagged;
-pub use functions::{power, powers, sine, whole};
+pub(crate) use fetch_ahead::fetch_ahead;
+pub(crate) use flags::first_flagged;
+pub(crate) use functions::{power, powers, sine, whole};
 pub use quantum::{Quantum, within};
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;
-pub use simd::{F64x4, SimdKernel, four, four_mut, with_simd};
-pub use wide_vectors::{VectorWork, in_wide_vectors};
+pub(crate) use simd::{F64x4, SimdKernel, four, four_mut, with_simd};
+pub(crate) use wide_vectors::{VectorWork, in_wide_vectors};

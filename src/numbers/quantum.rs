@@ -78,7 +78,7 @@ impl Quantum {
 
     /// Rounds each of four numbers.
     #[inline(always)]
-    pub fn round_four<Q: F64x4>(self, values: Q) -> Q {
+    pub(crate) fn round_four<Q: F64x4>(self, values: Q) -> Q {
         let shift = Q::splat(self.shift);
         values.plus(shift).minus(shift)
     }

@@ -7,7 +7,7 @@
 ///
 /// The methods are safe although those of one implementation are vector instructions of AVX2: see there why no code can
 /// reach that implementation on a processor without them.
-pub trait F64x4: Copy {
+pub(crate) trait F64x4: Copy {
     /// Loads four numbers from memory.
     fn load(numbers: &[f64; 4]) -> Self;
 
@@ -38,20 +38,20 @@ pub trait F64x4: Copy {
 
 /// Four consecutive numbers of a slice.
 #[inline(always)]
-pub fn four(numbers: &[f64], from: usize) -> &[f64; 4] {
+pub(crate) fn four(numbers: &[f64], from: usize) -> &[f64; 4] {
     numbers[from..].first_chunk().expect("the slice has four numbers from there on")
 }
 
 /// The same, to be changed.
 #[inline(always)]
-pub fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
+pub(crate) fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")
 }
 
 /// Work on four numbers at a time. `run`, and all it calls, must be `#[inline(always)]`, as for
 /// [`VectorWork`](super::VectorWork). Vectors in closures, and therefore in `map` of arrays, are an order of magnitude
 /// slower.
-pub trait SimdKernel {
+pub(crate) trait SimdKernel {
     /// What it returns.
     type Output;
 
@@ -61,7 +61,7 @@ pub trait SimdKernel {
 
 /// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does.
 #[inline(always)]
-pub fn with_simd<W: SimdKernel>(work: W) -> W::Output {
+pub(crate) fn with_simd<W: SimdKernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: `avx2::run` requires AVX2, which was just detected.

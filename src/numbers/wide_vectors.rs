@@ -2,7 +2,7 @@
 
 /// Work on many numbers. `run`, and all it calls, must be `#[inline(always)]`: only what is inlined is compiled
 /// for wider vectors (a closure would not be).
-pub trait VectorWork {
+pub(crate) trait VectorWork {
     /// What it returns.
     type Output;
 
@@ -16,7 +16,7 @@ pub trait VectorWork {
 /// The bits are the same: each operation is rounded once, multiplications and additions are never fused, and the width
 /// of a vector is only the number of values that are worked on side by side.
 #[inline(always)]
-pub fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
+pub(crate) fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: `with_avx2` is safe code, compiled for AVX2; its one requirement is that the processor has AVX2, which

@@ -15,14 +15,14 @@ impl CellRecord {
     }
 
     /// The local indices of the cell on the rank that owns it.
-    pub fn indices_in(&self, local: &LocalCells) -> [isize; 3] {
+    pub(crate) fn indices_in(&self, local: &LocalCells) -> [isize; 3] {
         let global = self.global_indices(local.counts);
         [0, 1, 2].map(|axis| global[axis] as isize - local.start[axis] as isize)
     }
 }
 
 /// Sends records to the ranks that own their cells, from whatever ranks hold them. This call is collective.
-pub fn send_cells_to_owners(
+pub(crate) fn send_cells_to_owners(
     records: &[CellRecord],
     grid: &BoxGrid,
     decomposition: &Decomposition,

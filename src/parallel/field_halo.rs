@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The neighbours of a rank, and the buffers of the exchange.
 #[derive(Clone, Debug)]
-pub struct FieldHalo {
+pub(crate) struct FieldHalo {
     rank: usize,
     neighbours: [AxisNeighbours; 3],
     outgoing: [Vec<u8>; 2],
@@ -35,7 +35,7 @@ impl Slabs {
 
 impl FieldHalo {
     /// For the fields of a subdomain.
-    pub fn new(subdomain: Subdomain) -> Self {
+    pub(crate) fn new(subdomain: Subdomain) -> Self {
         let neighbours = [0, 1, 2].map(|axis| subdomain.neighbours(axis));
         Self {
             rank: subdomain.rank,
@@ -45,18 +45,13 @@ impl FieldHalo {
         }
     }
 
-    /// Neighbours below and above along an axis.
-    pub fn neighbours(&self, axis: usize) -> AxisNeighbours {
-        self.neighbours[axis]
-    }
-
     /// Fills the halos from the owners. This call is collective. Cells beyond a face of the box that is not periodic
     /// have no owner: there a halo stays as it is, except that it takes from the neighbours along the face what they
     /// hold beyond it.
     ///
     /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
     /// After: halo cells equal those of their owners.
-    pub fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         for axis in 0..3 {
             if self.neighbours[axis] == [Some(self.rank); 2] {
                 fields.iter_mut().for_each(|field| copy_images(field, axis));
@@ -75,7 +70,7 @@ impl FieldHalo {
     /// Adds the values in halos to those of their owners, and sets the halos to zero, except for those beyond faces of
     /// the box that are not periodic. The values must be multiples of one quantum, so that their sums are exact. This
     /// call is collective.
-    pub fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         for axis in (0..3).rev() {
             if self.neighbours[axis] == [Some(self.rank); 2] {
                 fields.iter_mut().for_each(|field| fold_images(field, axis));

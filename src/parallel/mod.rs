@@ -12,7 +12,7 @@
 //! | motion of ghosts ([`ParticleHalo::refresh`]) | `GhostMotion` | 72 per ghost | neighbours, axis by axis | [`exchange`] |
 //! | what is done next (`time_step::decide`) | 6 numbers | 48 | all | [`maximum`] |
 //! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact`] |
-//! | volume-averaged gas: halos of fields ([`FieldHalo`]) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
+//! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
@@ -24,9 +24,9 @@
 //! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 168 per particle | new owner | [`sparse_exchange`] |
 //! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 72 per contact | new owner | [`sparse_exchange`] |
 //! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 96 per ghost | neighbours, axis by axis | [`exchange`] |
-//! | cells that change owner ([`send_cells_to_owners`]) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
+//! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
 //!
-//! At the start of a run, the same records go to their owners ([`send_to_owners`], [`send_cells_to_owners`]), those of
+//! At the start of a run, the same records go to their owners ([`send_to_owners`], `send_cells_to_owners`), those of
 //! contacts by a distributed directory ([`send_histories_to_owners`]). For each file that all ranks write, records are
 //! sorted by id over the ranks ([`sort_by_id`]).
 //!
@@ -53,9 +53,9 @@ mod sort_by_id;
 mod thread_ranks;
 
 pub use balance::RankLoad;
-pub use cell_migration::send_cells_to_owners;
+pub(crate) use cell_migration::send_cells_to_owners;
 pub use directory::send_histories_to_owners;
-pub use field_halo::FieldHalo;
+pub(crate) use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 ///
 /// The choice of cells changes the order of work, never a result.
 #[derive(Clone, Debug, Default)]
-pub struct CellGrid {
+pub(crate) struct CellGrid {
     origin: Vector3<f64>,
     inverse_width: Vector3<f64>,
     counts: [usize; 3],
@@ -22,7 +22,7 @@ const CELLS_PER_PARTICLE: f64 = 4.0;
 
 impl CellGrid {
     /// Sorts bodies into cells at least `width` wide.
-    pub fn fill(&mut self, bodies: &[Body], width: f64) {
+    pub(crate) fn fill(&mut self, bodies: &[Body], width: f64) {
         self.lay_out(bodies, width);
         let cells = self.counts.iter().product::<usize>();
         self.cell_of.clear();
@@ -49,13 +49,13 @@ impl CellGrid {
     }
 
     /// All particle indices, cell by cell.
-    pub fn order(&self) -> &[u32] {
+    pub(crate) fn order(&self) -> &[u32] {
         &self.members
     }
 
     /// The particles of each row of cells along x, in the cells around that of particle `index`, its own included.
     #[inline(always)]
-    pub fn neighbourhood(&self, index: usize) -> impl Iterator<Item = &[u32]> {
+    pub(crate) fn neighbourhood(&self, index: usize) -> impl Iterator<Item = &[u32]> {
         let cell = self.cell_of[index] as usize;
         let [nx, ny, nz] = self.counts;
         let (i, j, k) = (cell % nx, (cell / nx) % ny, cell / (nx * ny));

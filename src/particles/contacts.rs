@@ -158,7 +158,7 @@ impl Contacts {
     }
 
     /// Makes sure that the inner list holds all pairs within the interaction ranges.
-    pub fn update_inner_list(&mut self, particles: &Particles, ranges: InteractionRanges) {
+    pub(crate) fn update_inner_list(&mut self, particles: &Particles, ranges: InteractionRanges) {
         let rows = Rows { start: &self.row_start, partners: &self.partner };
         self.inner.update(particles, rows, ranges);
     }

@@ -14,11 +14,11 @@ use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 /// Interaction ranges: separations of surfaces up to which pairs act on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct InteractionRanges {
+pub(crate) struct InteractionRanges {
     /// Range of contacts.
-    pub contact: f64,
+    pub(crate) contact: f64,
     /// Range of any force, of contact or attraction.
-    pub any: f64,
+    pub(crate) any: f64,
 }
 
 /// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`.
@@ -30,12 +30,12 @@ pub(super) struct Rows<'a> {
 
 /// The inner list.
 #[derive(Clone, Debug, Default)]
-pub struct InnerList {
+pub(crate) struct InnerList {
     /// Pairs that are within the range of contacts, or were when the list was made; in the order of the neighbour list,
     /// those that have been promoted since behind.
-    pub active: PairBlocks,
+    pub(crate) active: PairBlocks,
     /// Radius and mass, if all particles have the same.
-    pub one_size: Option<[f64; 2]>,
+    pub(crate) one_size: Option<[f64; 2]>,
     /// The other pairs. They may attract each other.
     candidates: Vec<Pair>,
     /// Separation of surfaces up to which contacts act, and a little more.

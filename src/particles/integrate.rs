@@ -5,7 +5,7 @@ use crate::numbers::{F64x4, Quantum, SimdKernel, with_simd};
 use bytemuck::Zeroable;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
-pub fn kick(particles: &mut Particles, dt: f64) {
+pub(crate) fn kick(particles: &mut Particles, dt: f64) {
     integrate(particles, KickDrift { pending: None, dt, drift: None });
 }
 
@@ -16,12 +16,16 @@ pub fn kick(particles: &mut Particles, dt: f64) {
 ///
 /// The displacement is rounded, not the sum: a sum of doubles is rounded before, to digits that depend on its distance from
 /// the origin, so that a particle beyond a periodic face would move differently before and after it is wrapped.
-pub fn kick_and_drift(particles: &mut Particles, pending: Option<f64>, step: DriftStep) -> f64 {
+pub(crate) fn kick_and_drift(
+    particles: &mut Particles,
+    pending: Option<f64>,
+    step: DriftStep,
+) -> f64 {
     integrate(particles, KickDrift { pending, dt: step.dt, drift: Some(step) })
 }
 
 /// Sets the force on each owned particle to its weight.
-pub fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
+pub(crate) fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
     for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
         *load = ForceTorque::along_z(-weight.of(body.mass));
@@ -30,28 +34,28 @@ pub fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
 
 /// A drift, and the weight after it.
 #[derive(Clone, Copy, Debug)]
-pub struct DriftStep {
+pub(crate) struct DriftStep {
     /// Length of the time step.
-    pub dt: f64,
+    pub(crate) dt: f64,
     /// Quantum of positions.
-    pub quantum: Quantum,
+    pub(crate) quantum: Quantum,
     /// Weight at the end of the step.
-    pub weight: Weight,
+    pub(crate) weight: Weight,
 }
 
 /// Weight m g, rounded to multiples of the force quantum.
 #[derive(Clone, Copy, Debug)]
-pub struct Weight {
+pub(crate) struct Weight {
     /// Acceleration g, downwards, in the frame of the plate.
-    pub gravity: f64,
+    pub(crate) gravity: f64,
     /// Quantum of forces.
-    pub quantum: Quantum,
+    pub(crate) quantum: Quantum,
 }
 
 impl Weight {
     /// Weight of a particle of this mass.
     #[inline(always)]
-    pub fn of(&self, mass: f64) -> f64 {
+    pub(crate) fn of(&self, mass: f64) -> f64 {
         self.quantum.round(mass * self.gravity)
     }
 }

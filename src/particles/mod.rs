@@ -11,15 +11,15 @@ mod proximity;
 mod store;
 
 pub use body::{Body, ForceTorque, sphere_volume};
-pub use cell_grid::CellGrid;
+pub(crate) use cell_grid::CellGrid;
 pub use contacts::{
     ContactHistories, ContactHistory, Contacts, LostContact, PairHistory, WallHistory,
 };
 pub(crate) use inner_list::Candidates;
-pub use inner_list::{InnerList, InteractionRanges};
-pub use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
+pub(crate) use inner_list::{InnerList, InteractionRanges};
+pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
 pub use neighbour_list::{ListRange, NeighbourList};
-pub use pair_blocks::{
+pub(crate) use pair_blocks::{
     AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks,
 };
 pub use store::Particles;

@@ -5,35 +5,35 @@ use nalgebra::Vector3;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
 /// it into vector instructions.
-pub const LANES: usize = 32;
+pub(crate) const LANES: usize = 32;
 
 /// Numbers in a contact history.
-pub const HISTORY_FIELDS: usize = size_of::<ContactHistory>() / size_of::<f64>();
+pub(crate) const HISTORY_FIELDS: usize = size_of::<ContactHistory>() / size_of::<f64>();
 
 /// The contact histories of the pairs of a block, number by number.
-pub type HistoryLanes = [[f64; LANES]; HISTORY_FIELDS];
+pub(crate) type HistoryLanes = [[f64; LANES]; HISTORY_FIELDS];
 
 /// Deflection angles of rolling springs, axis by axis.
-pub type AngleLanes = [[f64; LANES]; 3];
+pub(crate) type AngleLanes = [[f64; LANES]; 3];
 
 /// A block of pairs, contiguous in memory.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub struct PairBlock {
+pub(crate) struct PairBlock {
     /// Contact histories, seen from the first particle.
-    pub history: HistoryLanes,
+    pub(crate) history: HistoryLanes,
     /// First particle of each pair, an owned one.
-    pub first: [u32; LANES],
+    pub(crate) first: [u32; LANES],
     /// Second particle, an owned one or a ghost.
-    pub second: [u32; LANES],
+    pub(crate) second: [u32; LANES],
     /// Particle that the force on the second is added to: the owned one that it is an image of, or itself.
-    pub target: [u32; LANES],
+    pub(crate) target: [u32; LANES],
     /// Whether they touched when the force was last evaluated.
-    pub touching: [bool; LANES],
+    pub(crate) touching: [bool; LANES],
 }
 
 /// A pair: its first and its second particle, and the particle that the force on the second is added to.
-pub type Pair = [u32; 3];
+pub(crate) type Pair = [u32; 3];
 
 /// The history of a touching pair, seen from its first particle.
 #[derive(Clone, Copy, Debug)]
@@ -45,11 +45,11 @@ pub(super) struct OrientedHistory {
 
 /// Pairs in blocks. Unused lanes of the last block hold a pair whose results are not used.
 #[derive(Clone, Debug, Default)]
-pub struct PairBlocks {
+pub(crate) struct PairBlocks {
     /// The blocks.
-    pub blocks: Vec<PairBlock>,
+    pub(crate) blocks: Vec<PairBlock>,
     /// Angles of rolling springs, seen from the first particle; empty without such springs.
-    pub rolling_angle: Vec<AngleLanes>,
+    pub(crate) rolling_angle: Vec<AngleLanes>,
     /// Whether there are rolling springs.
     rolling: bool,
     count: usize,
@@ -68,20 +68,20 @@ impl PairBlock {
     }
 
     /// Number of pairs in block `index`, of `count` pairs in all.
-    pub fn used(index: usize, count: usize) -> usize {
+    pub(crate) fn used(index: usize, count: usize) -> usize {
         (count - index * LANES).min(LANES)
     }
 }
 
 impl PairBlocks {
     /// Number of pairs.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.count
     }
 
     /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that is switched off and on again
     /// starts without deflection.
-    pub fn hold_rolling_angles(&mut self, hold: bool) {
+    pub(crate) fn hold_rolling_angles(&mut self, hold: bool) {
         self.rolling = hold;
         let blocks = if hold { self.blocks.len() } else { 0 };
         self.rolling_angle.resize(blocks, [[0.0; LANES]; 3]);

@@ -28,7 +28,7 @@ impl Models {
     }
 
     /// What particles weigh in the frame of the plate.
-    pub fn weight_at(&self, time: f64) -> Weight {
+    pub(crate) fn weight_at(&self, time: f64) -> Weight {
         Weight { gravity: self.physics.gravity.at(time), quantum: self.force_quantum }
     }
 

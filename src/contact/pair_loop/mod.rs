@@ -22,7 +22,7 @@ use separated::SeparatedLoop;
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined; the first such pair of this rank.
-pub fn add_pair_forces(
+pub(crate) fn add_pair_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
