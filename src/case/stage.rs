@@ -18,6 +18,6 @@ pub struct Stage {
 impl Stage {
     /// The models of this stage for particles of these sizes, which are those at the start of the run, also in a restart.
     pub fn models(&self, sizes: &SizeRange) -> Models {
-        self.physics.models(sizes)
+        Models::of(&self.physics, sizes)
     }
 }

@@ -1,6 +1,6 @@
 //! Why a gas cannot go on.
 
-use super::volume_averaged::NavierStokesError;
+use crate::linear_solver::LinearSolverError;
 use thiserror::Error;
 
 /// A gas force that has no meaning.
@@ -50,6 +50,42 @@ pub enum GasForceOutOfRange {
     /// On the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
     NoBalance(f64),
+}
+
+/// Why a step of the equations of the volume-averaged gas is not possible: the same on all ranks.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum NavierStokesError {
+    /// Advection and viscosity are explicit.
+    #[error(
+        "the gas's step of {dt:.3e} is too long: 2 x {courant:.3} (Courant number) + {viscous:.3} / 2 (viscosity) may \
+         not exceed 1; at this instant steps up to {longest:.3e} would do"
+    )]
+    StepTooLong {
+        /// The step.
+        dt: f64,
+        /// Courant number.
+        courant: f64,
+        /// Viscous number.
+        viscous: f64,
+        /// The longest step that is allowed now.
+        longest: f64,
+    },
+    /// A velocity or the voidage is undefined.
+    #[error("the gas's velocity, or the voidage that it was given, is infinite or not a number")]
+    NotFinite,
+    /// The voidage is out of its range.
+    #[error(
+        "the gas was given voidages from {least} to {largest}; all must be above 0 and at most 1"
+    )]
+    Voidage {
+        /// The smallest, or 1.
+        least: f64,
+        /// The largest.
+        largest: f64,
+    },
+    /// The pressure equation has no solution.
+    #[error(transparent)]
+    Pressure(#[from] LinearSolverError),
 }
 
 /// Why a step of a gas is not possible.

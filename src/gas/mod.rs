@@ -14,8 +14,10 @@ mod column;
 mod drag;
 mod error;
 mod model;
+mod particle_limits;
 mod solver;
 mod state;
+mod step;
 pub mod volume_averaged;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, WeightBalance};
@@ -23,7 +25,9 @@ pub use drag::{
     Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, ExampleDragLaw,
     Gidaspow, ParticleDrag, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,
 };
-pub use error::{GasError, GasForceOutOfRange};
-pub use model::{GasModel, ParticleLimits};
-pub use solver::{GasLayout, GasObservables, GasSolver, GasStep};
-pub use state::{GasReport, GasState};
+pub use error::{GasError, GasForceOutOfRange, NavierStokesError};
+pub use model::GasModel;
+pub use particle_limits::ParticleLimits;
+pub use solver::{GasLayout, GasObservables, GasSolver};
+pub use state::GasState;
+pub use step::{GasReport, GasStep};

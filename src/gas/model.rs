@@ -3,7 +3,6 @@
 use super::ColumnGas;
 use super::volume_averaged::VolumeAveragedModel;
 use crate::domain::Decomposition;
-use crate::numbers::Quantum;
 use crate::parallel::CollectiveError;
 
 /// The gas of a stage.
@@ -17,21 +16,6 @@ pub enum GasModel {
     Column(ColumnGas),
     /// In three dimensions.
     VolumeAveraged(VolumeAveragedModel),
-}
-
-/// Bounds of what particles are and do: sums over them have room for that.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParticleLimits {
-    /// Smallest and largest diameter.
-    pub diameters: [f64; 2],
-    /// Largest component of one particle's gas force.
-    pub force: f64,
-    /// What forces are rounded to.
-    pub force_quantum: Quantum,
-    /// Largest speed of particles, and of gas relative to them.
-    pub speed: f64,
-    /// How far a particle may be from where it was when it was sorted to its rank.
-    pub drift: f64,
 }
 
 impl From<ColumnGas> for GasModel {

@@ -1,5 +1,6 @@
 //! The gas in a run: it advances, acts on the particles, and is read off, whichever it is.
 
+use super::step::GasStep;
 use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAveragedState};
 use super::{
     ColumnSolver, GasError, GasForceOutOfRange, GasModel, GasReport, GasState, ParticleLimits,
@@ -20,17 +21,6 @@ pub enum GasSolver {
     Column(ColumnSolver),
     /// The volume-averaged gas.
     VolumeAveraged(VolumeAveragedSolver),
-}
-
-/// When and how long a step of the gas is.
-#[derive(Clone, Copy, Debug)]
-pub struct GasStep {
-    /// Time at its beginning.
-    pub time: f64,
-    /// Its length.
-    pub dt: f64,
-    /// Downward acceleration.
-    pub gravity: f64,
 }
 
 /// Where the gas is to be, and how it is spread over the ranks now.

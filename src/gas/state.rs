@@ -1,6 +1,7 @@
 //! What a gas is at one time, beside the particles.
 
 use super::GasModel;
+use super::step::GasReport;
 use super::volume_averaged::VolumeAveragedState;
 use crate::domain::Subdomain;
 use crate::parallel::{CellRecord, Communicator};
@@ -14,19 +15,6 @@ pub enum GasState {
     None,
     /// The volume-averaged gas on this rank's cells.
     VolumeAveraged(VolumeAveragedState),
-}
-
-/// How the last step of a gas on cells went, over all ranks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GasReport {
-    /// Iterations of the pressure equation.
-    pub iterations: u64,
-    /// Cells whose voidage was raised to the least one.
-    pub raised_cells: u64,
-    /// Courant number.
-    pub courant: f64,
-    /// Largest component of the force on particles less what the gas loses at its faces.
-    pub momentum_error: f64,
 }
 
 impl GasState {

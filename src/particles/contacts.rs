@@ -6,69 +6,15 @@
 //! that touch, are in the [`InnerList`]. [`Contacts::histories`] takes the histories out of it, and
 //! `Contacts::restore` puts them back, over a rebuild, on another rank, and through a checkpoint.
 
+use super::contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
 use super::inner_list::{Rows, pair_of};
 use super::pair_blocks::OrientedHistory;
-use super::{InnerList, InteractionRanges, ListRange, Particles};
+use super::range::ListRange;
+use super::{InnerList, InteractionRanges, Particles};
 use crate::domain::PosedWalls;
-use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
-
-/// History of a contact: one record for all contact laws, of numbers (`f64`) only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct ContactHistory {
-    /// Tangential displacement of the second body relative to the first since the contact began.
-    pub tangential_spring: Vector3<f64>,
-    /// Largest overlap since the contact began.
-    pub largest_overlap: f64,
-}
-
-/// History of the touching pair of particles `lower` < `higher`, seen from the lower id.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairHistory {
-    /// The lower global id.
-    pub lower: u64,
-    /// The higher global id.
-    pub higher: u64,
-    /// History of the contact, with the displacement of the higher relative to the lower.
-    pub history: ContactHistory,
-    /// Deflection angle of the rolling spring, of the higher relative to the lower; zero without such a spring.
-    pub rolling_angle: Vector3<f64>,
-}
-
-/// History of the contact of a particle and a wall.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallHistory {
-    /// The particle's global id.
-    pub particle: u64,
-    /// The wall's number.
-    pub wall: u32,
-    /// History of the contact, with the displacement of the wall relative to the particle.
-    pub history: ContactHistory,
-    /// Deflection angle of the rolling spring, of the wall relative to the particle; zero without such a spring.
-    pub rolling_angle: Vector3<f64>,
-}
-
-/// The contact histories of some particles: of the pairs that touch, and of the particles that touch a wall.
-///
-/// They outlive the slots of a neighbour list: over a rebuild, to another rank, and through a checkpoint.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ContactHistories {
-    /// Touching pairs, in no particular order. A pair may occur twice, with the same contents.
-    pub pairs: Vec<PairHistory>,
-    /// Particles that touch a wall, in no particular order.
-    pub walls: Vec<WallHistory>,
-}
-
-impl ContactHistories {
-    /// Removes the histories of all contacts of a particle for which `is_kept` does not hold, given its global id.
-    pub fn retain_particles(&mut self, is_kept: impl Fn(u64) -> bool) {
-        self.pairs.retain(|pair| is_kept(pair.lower) && is_kept(pair.higher));
-        self.walls.retain(|contact| is_kept(contact.particle));
-    }
-}
 
 /// A touching pair that the new neighbour list does not hold: a fault of the program, never of the case.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -2,24 +2,26 @@
 
 mod body;
 mod cell_grid;
+mod contact_history;
 mod contacts;
 mod inner_list;
 mod integrate;
 mod neighbour_list;
 mod pair_blocks;
 mod proximity;
+mod range;
 mod store;
 
 pub use body::{Body, ForceTorque, sphere_volume};
 pub(crate) use cell_grid::CellGrid;
-pub use contacts::{
-    ContactHistories, ContactHistory, Contacts, LostContact, PairHistory, WallHistory,
-};
+pub use contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
+pub use contacts::{Contacts, LostContact};
 pub(crate) use inner_list::Candidates;
 pub(crate) use inner_list::{InnerList, InteractionRanges};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
-pub use neighbour_list::{ListRange, NeighbourList};
+pub use neighbour_list::NeighbourList;
 pub(crate) use pair_blocks::{
     AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks,
 };
+pub use range::ListRange;
 pub use store::Particles;

@@ -1,26 +1,12 @@
 //! The neighbour list: how far it looks, when it is outdated, and how it is built.
 
-use super::contacts::{ContactHistories, LostContact};
+use super::contact_history::ContactHistories;
+use super::contacts::LostContact;
 use super::proximity::{SetBits, close_partners};
+use super::range::ListRange;
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
-
-/// Separation of surfaces up to which the list holds pairs: the interaction range and the skin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ListRange {
-    /// Interaction range: separation of surfaces up to which particles act on each other.
-    pub interaction: f64,
-    /// Skin: additional separation that lets the list be used for many steps.
-    pub skin: f64,
-}
-
-impl ListRange {
-    /// Width of the ghost layer: the largest distance between two centres in the list.
-    pub fn ghost_width(&self, largest_diameter: f64) -> f64 {
-        largest_diameter + self.interaction + self.skin
-    }
-}
 
 /// What is needed to build the list, and to see when it is outdated. Disposable: a list that is built at another step
 /// gives the same bits, because the pairs that act on each other are the same and force sums are exact.

@@ -1,6 +1,6 @@
 //! Pairs side by side in blocks, with their contact histories: the memory that the loop over forces streams through.
 
-use super::ContactHistory;
+use super::contact_history::ContactHistory;
 use nalgebra::Vector3;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned

@@ -1,10 +1,9 @@
 //! What acts on the particles, and its limits for their sizes.
 
+use super::physics::range_of;
 use super::{Limits, Physics, SizeRange};
-use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
 use crate::numbers::Quantum;
 use crate::particles::Weight;
-use crate::rules::interaction_range;
 
 /// What acts on the particles of a run during one stage, with what follows from their sizes; immutable.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +19,13 @@ pub struct Models {
 }
 
 impl Models {
-    /// With these limits for particles of these sizes; [`Physics::models`] gives those that follow from the physics.
+    /// For particles of these sizes, which are those at the start of the run, also in a restart: limits and quanta follow
+    /// from them.
+    pub fn of(physics: &Physics, sizes: &SizeRange) -> Self {
+        Self::new(physics.clone(), physics.limits(sizes), sizes)
+    }
+
+    /// With these limits for particles of these sizes; [`Models::of`] gives those that follow from the physics.
     pub fn new(physics: Physics, limits: Limits, sizes: &SizeRange) -> Self {
         let force_quantum = limits.force_quantum();
         let torque_quantum = limits.torque_quantum(0.5 * sizes.largest_diameter);
@@ -41,15 +46,4 @@ impl Models {
     pub fn contact_range(&self, sizes: &SizeRange) -> f64 {
         range_of([&self.physics.contact], None, sizes)
     }
-}
-
-/// Separation of surfaces up to which bodies of these contact models act on each other, particles being of these sizes.
-pub(super) fn range_of<'a>(
-    models: impl IntoIterator<Item = &'a ContactModel>,
-    cohesion: Option<&VanDerWaals>,
-    sizes: &SizeRange,
-) -> f64 {
-    let largest_radius = 0.5 * sizes.largest_diameter;
-    let reaches = models.into_iter().map(|model| model.law.contact_range(largest_radius));
-    interaction_range(reaches, cohesion.map(|cohesion| cohesion.range))
 }

@@ -1,13 +1,13 @@
 //! What acts on the particles, before their sizes are known.
 
-use super::models::range_of;
-use super::{Limits, Models, SizeRange};
-use crate::contact::{ContactModel, VanDerWaals};
+use super::{Limits, SizeRange};
+use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
+use crate::rules::interaction_range;
 
 /// What acts on the particles during one stage of a run, in one coherent system of units. With the sizes of the
-/// particles, [`Models`] follow from it.
+/// particles, [`Models`](super::Models) follow from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Physics {
     /// Contact of two particles.
@@ -37,12 +37,6 @@ impl Physics {
         }
     }
 
-    /// The models for particles of these sizes, which are those at the start of the run, also in a restart: limits and
-    /// quanta follow from them.
-    pub fn models(&self, sizes: &SizeRange) -> Models {
-        Models::new(self.clone(), self.limits(sizes), sizes)
-    }
-
     /// The contact models: of two particles, and of particles and walls.
     pub fn contact_models(&self) -> impl Iterator<Item = &ContactModel> {
         std::iter::once(&self.contact).chain(&self.at_walls)
@@ -63,4 +57,15 @@ impl Physics {
             self.time_step,
         )
     }
+}
+
+/// Separation of surfaces up to which bodies of these contact models act on each other, particles being of these sizes.
+pub(super) fn range_of<'a>(
+    models: impl IntoIterator<Item = &'a ContactModel>,
+    cohesion: Option<&VanDerWaals>,
+    sizes: &SizeRange,
+) -> f64 {
+    let largest_radius = 0.5 * sizes.largest_diameter;
+    let reaches = models.into_iter().map(|model| model.law.contact_range(largest_radius));
+    interaction_range(reaches, cohesion.map(|cohesion| cohesion.range))
 }

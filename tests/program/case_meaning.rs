@@ -92,9 +92,9 @@ fn a_step_belongs_to_the_stage_of_its_middle() {
 fn another_word_drops_the_keys_that_only_the_old_one_has() {
     let overrides = [
         "gas.voidage_exponent=2.7",
-        "stage.cohesive.physics.gas.drag=gidaspow",
-        "stage.cohesive.physics.gas.drag_switch=sharp",
-        "stage.cohesive.physics.gas.density=1.2",
+        "stage.cohesive.gas.drag=gidaspow",
+        "stage.cohesive.gas.drag_switch=sharp",
+        "stage.cohesive.gas.density=1.2",
     ];
     let case = read("staged.toml", &overrides).unwrap();
     let [_, ramp, cohesive] = case.stages.as_slice() else { panic!("three stages") };

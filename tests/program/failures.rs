@@ -1,4 +1,4 @@
-//! What goes wrong ends all ranks, with one message and a code, and never by waiting for ever.
+//! What goes wrong ends all ranks, with one message and a code, and never by a hang.
 
 use crate::launch::{Ended, checkpoints, signal, smoke, start, talcum, wait_for_end_of};
 use std::fs;

@@ -1,5 +1,5 @@
-//! Whatever ends a run early, it goes on from a checkpoint and comes to the same bits: signals, the clock on
-//! the wall, a kill at any instant, a damaged file.
+//! Whatever ends a run early, it goes on from a checkpoint and comes to the same bits: signals, wall-clock
+//! limits, a kill at any instant, a damaged file.
 
 use crate::launch::{
     Ended, Running, checkpoints, series, signal, smoke, start, talcum, wait_for_end_of,

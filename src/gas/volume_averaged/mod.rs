@@ -45,8 +45,6 @@ pub use boundary::{
 };
 pub use exchange::ParticleExchange;
 pub use model::{CouplingModel, GAS_HALO, VolumeAveragedGas, VolumeAveragedModel};
-pub use navier_stokes::{
-    NavierStokesError, NavierStokesReport, NavierStokesSolver, NavierStokesStep,
-};
+pub use navier_stokes::{NavierStokesReport, NavierStokesSolver, NavierStokesStep};
 pub use solver::VolumeAveragedSolver;
 pub use state::{BedOnGrid, GasFields, VolumeAveragedState};

@@ -8,6 +8,7 @@ use super::momentum::{Forces, Momentum};
 use super::viscosity::{ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation};
 use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
 use crate::domain::Subdomain;
+use crate::gas::NavierStokesError;
 use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
 use crate::parallel::{Communicator, FieldHalo};
@@ -91,42 +92,6 @@ pub struct NavierStokesReport {
     pub viscous: f64,
     /// The pressure equation.
     pub convergence: Convergence,
-}
-
-/// Why a step is not possible: the same on all ranks.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NavierStokesError {
-    /// Advection and viscosity are explicit.
-    #[error(
-        "the gas's step of {dt:.3e} is too long: 2 x {courant:.3} (Courant number) + {viscous:.3} / 2 (viscosity) may \
-         not exceed 1; at this instant steps up to {longest:.3e} would do"
-    )]
-    StepTooLong {
-        /// The step.
-        dt: f64,
-        /// Courant number.
-        courant: f64,
-        /// Viscous number.
-        viscous: f64,
-        /// The longest step that is allowed now.
-        longest: f64,
-    },
-    /// A velocity or the voidage is undefined.
-    #[error("the gas's velocity, or the voidage that it was given, is infinite or not a number")]
-    NotFinite,
-    /// The voidage is out of its range.
-    #[error(
-        "the gas was given voidages from {least} to {largest}; all must be above 0 and at most 1"
-    )]
-    Voidage {
-        /// The smallest, or 1.
-        least: f64,
-        /// The largest.
-        largest: f64,
-    },
-    /// The pressure equation has no solution.
-    #[error(transparent)]
-    Pressure(#[from] LinearSolverError),
 }
 
 impl NavierStokesSolver {

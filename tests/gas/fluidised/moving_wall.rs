@@ -14,7 +14,7 @@ const HEIGHT: f64 = 4.0;
 
 /// Gas alone between a plate at rest and a lid in motion, at a steady state; velocity along x in its cells.
 fn between_plates(lid: Vector3<f64>) -> Vec<f64> {
-    let mut bench = Bench::new([2.0, 2.0, HEIGHT], [PERIODIC, PERIODIC, [Face::Wall; 2]]);
+    let mut bench = Bench::new([3.0, 3.0, HEIGHT], [PERIODIC, PERIODIC, [Face::Wall; 2]]);
     bench.time_step = 0.01;
     let lid_motion = WallMotion { velocity: lid, ..WallMotion::REST };
     bench.domain.walls.last_mut().expect("the lid").motion = lid_motion;

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid, WallMotion};
+use talcum::gas::NavierStokesError;
 use talcum::gas::volume_averaged::{
-    BedOnGrid, Boundary, GAS_HALO, GasFields, Inlet, NavierStokesError, NavierStokesReport,
-    NavierStokesSolver, NavierStokesStep, Profile, VolumeAveragedGas,
+    BedOnGrid, Boundary, GAS_HALO, GasFields, Inlet, NavierStokesReport, NavierStokesSolver,
+    NavierStokesStep, Profile, VolumeAveragedGas,
 };
 use talcum::grid::{BoxGrid, Field, LocalCells};
 use talcum::linear_solver::Tolerance;

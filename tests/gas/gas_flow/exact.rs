@@ -2,7 +2,8 @@
 
 use super::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet, no_slip, wall};
 use nalgebra::Vector3;
-use talcum::gas::volume_averaged::{Boundary, NavierStokesError, Profile};
+use talcum::gas::NavierStokesError;
+use talcum::gas::volume_averaged::{Boundary, Profile};
 
 /// Gas between two plates, of which the upper moves along x with velocity 1.
 fn couette() -> Flow<'static> {

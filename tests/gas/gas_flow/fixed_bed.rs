@@ -2,7 +2,8 @@
 
 use super::driver::{FREE_SLIP, Flow, OUTLET, PERIODIC, Problem, inlet};
 use nalgebra::Vector3;
-use talcum::gas::volume_averaged::{NavierStokesError, Profile};
+use talcum::gas::NavierStokesError;
+use talcum::gas::volume_averaged::Profile;
 
 /// beta of Ergun: 150 mu (1 - eps)^2 / (eps d^2) + 1.75 rho (1 - eps) |u - v| / d, per volume, u between particles.
 fn ergun(eps: f64, velocity: f64) -> f64 {

@@ -1,3 +1,6 @@
+//! Solids volume and momentum pass between particles and cells without loss, at walls and filtered too, in any
+//! decomposition.
+
 use super::*;
 use crate::domain::{Bounds, Decomposition, Face, RankGrid};
 use crate::gas::{Beetstra, DragLaw, ParticleDrag};
@@ -10,7 +13,7 @@ const DIAMETER: f64 = 0.6;
 const MASS: f64 = 0.1;
 const STEP: f64 = 0.01;
 const GRAVITY: f64 = 9.81;
-/// Range of the lattice of forces.
+/// Range of the quantum of forces.
 const FORCES: f64 = 16.0;
 
 /// Periodic, between walls, and from a wall to an open end.
