@@ -30,7 +30,7 @@ impl LinearSpring {
         if stiffness > 0.0 {
             return Ok(Self { stiffness });
         }
-        let (parameter, allowed) = ("normal_stiffness", "positive");
+        let (parameter, allowed) = ("normal_stiffness", "positive".to_owned());
         Err(InvalidContactLaw { parameter, value: stiffness, allowed })
     }
 }

@@ -1,11 +1,11 @@
 //! The section of contact: between particles, and at walls.
 
-use super::contact_laws::{AdhesionContext, LawAndBody, adhesion_keys, read_law};
+use super::contact_laws::{AdhesionContext, LawAndBody, read_law};
 use super::merging::merge;
 use super::schema::AT_WALL;
 use super::section::Section;
 use super::tree::{Node, Value};
-use crate::contact::{ContactModel, Elasticity, RollingFriction, RollingKind};
+use crate::contact::{ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind};
 
 /// The contacts of a stage.
 pub(super) struct Contacts {
@@ -76,7 +76,8 @@ fn changed(section: &Node, change: &Node) -> Node {
 
 /// Walls do not inherit the adhesion of particles unless the case says so.
 fn require_adhesion(contact: &Section<'_>, changes: &[&Node]) {
-    let keys = adhesion_keys(contact.word("law").unwrap_or_default());
+    let law = contact.word("law").unwrap_or_default();
+    let keys = ContactLaw::adhesion_of(law).map_or(&[][..], |adhesion| adhesion.keys);
     if !keys.iter().any(|key| contact.has(key)) {
         return; // the law has none, or it is missed with the keys of particles
     }

@@ -4,11 +4,9 @@ use super::context::ReadContext;
 use super::forces::positive_gravity;
 use super::section::Section;
 use super::units::Units;
-use crate::contact::{
-    AdhesiveElasticPlastic, ContactLaw, ContactModuli, Elasticity, FrictionCap, HertzMindlin,
-    HystereticParameters, InvalidContactLaw, Jkr, LinearHysteretic, LinearSpringDashpot,
-};
+use crate::contact::{ContactLaw, ContactLawValues, Elasticity};
 use crate::rules::attraction_of_bond_number;
+use crate::schema::KeyValues;
 
 /// What laws with adhesion need from the rest of the file.
 pub(super) struct AdhesionContext<'a> {
@@ -24,14 +22,11 @@ pub(super) struct LawAndBody {
     pub(super) body: Option<Elasticity>,
 }
 
-/// The keys that say how much adhesion a law brings; none if it brings none.
-pub(super) fn adhesion_keys(law: &str) -> &'static [&'static str] {
-    match law {
-        "adhesive_elastic_plastic" => &["adhesion", "bond_number"],
-        "jkr" => &["surface_energy"],
-        "linear_hysteretic" => &["adhesion_stiffness"],
-        _ => &[],
-    }
+/// What a law reads its keys through.
+struct LawSection<'a> {
+    section: &'a Section<'a>,
+    other_body: Option<Elasticity>,
+    adhesion: &'a AdhesionContext<'a>,
 }
 
 /// The law of a section; the other body is of `particles`' elasticity, or of the same.
@@ -40,126 +35,65 @@ pub(super) fn read_law(
     particles: Option<Elasticity>,
     adhesion: &AdhesionContext<'_>,
 ) -> LawAndBody {
-    let law = section.word("law").unwrap_or_default();
-    if matches!(law, "adhesive_elastic_plastic" | "jkr") && adhesion.cohesive {
+    let name = section.word("law").unwrap_or_default();
+    let own = ContactLaw::adhesion_of(name);
+    if adhesion.cohesive && own.is_some_and(|own| own.replaces_cohesion) {
         section.fail("law", "brings its own adhesion: it cannot stand beside [cohesion]");
     }
-    let alone = |law| LawAndBody { law, body: None };
-    match law {
-        "linear_spring_dashpot" => alone(read_linear_spring_dashpot(section, adhesion.cohesive)),
-        "adhesive_elastic_plastic" => alone(read_adhesive_elastic_plastic(section, adhesion.read)),
-        "linear_hysteretic" => alone(read_linear_hysteretic(section)),
-        "hertz_mindlin" => read_elastic(section, particles, |moduli, e, mu| {
-            Some(HertzMindlin::new(moduli, e, mu).map(ContactLaw::HertzMindlin))
-        }),
-        "jkr" => read_elastic(section, particles, |moduli, e, mu| {
-            let energy = section.number("surface_energy")?;
-            Some(Jkr::new(moduli, energy, e, mu).map(ContactLaw::Jkr))
-        }),
-        _ => LawAndBody::default(),
+    let values = LawSection { section, other_body: particles, adhesion };
+    let law = ContactLaw::from_keys(name, &values)
+        .and_then(|law| law.map_err(|error| section.fail(error.parameter, error.to_string())).ok());
+    LawAndBody { law, body: Elasticity::from_keys(section) }
+}
+
+impl KeyValues for LawSection<'_> {
+    fn number(&self, key: &str) -> Option<f64> {
+        self.section.number(key)
+    }
+
+    fn word(&self, key: &str) -> Option<&str> {
+        self.section.word(key)
+    }
+
+    fn is_given(&self, key: &str) -> bool {
+        self.section.has(key)
     }
 }
 
-/// A law, or its error at the key that it is about.
-fn checked<T>(section: &Section<'_>, law: Result<T, InvalidContactLaw>) -> Option<T> {
-    law.map_err(|error| section.fail(error.parameter, error.to_string())).ok()
-}
-
-fn read_linear_spring_dashpot(section: &Section<'_>, cohesive: bool) -> Option<ContactLaw> {
-    match cohesive {
-        true => section.require("friction_cap"),
-        false => section.note_default("friction_cap"),
+impl ContactLawValues for LawSection<'_> {
+    fn require(&self, key: &'static str) {
+        self.section.require(key);
     }
-    let normal = section.number("normal_stiffness")?;
-    let tangential = match section.given(&["tangential_stiffness", "poisson_ratio"])? {
-        "poisson_ratio" => {
-            let ratio = section.number("poisson_ratio")?;
-            LinearSpringDashpot::tangential_stiffness_of(normal, ratio)
-        }
-        key => section.number(key)?,
-    };
-    let cap = section
-        .choice("friction_cap", &[("contact", FrictionCap::Contact), ("net", FrictionCap::Net)])?;
-    let (restitution, friction) = (section.number("restitution")?, section.number("friction")?);
-    let law = LinearSpringDashpot::new(normal, tangential, restitution, friction, cap);
-    checked(section, law).map(ContactLaw::LinearSpringDashpot)
-}
 
-/// Stiffnesses, restitution and friction of a hysteretic law.
-fn read_hysteretic(section: &Section<'_>) -> Option<HystereticParameters> {
-    let unloading = section.number("unloading_stiffness")?;
-    let loading = match section.given(&["loading_stiffness", "plasticity_index"])? {
-        "plasticity_index" => (1.0 - section.number("plasticity_index")?) * unloading,
-        key => section.number(key)?,
-    };
-    if loading > unloading {
-        section
-            .fail("loading_stiffness", format!("must be at most unloading_stiffness, {unloading}"));
+    fn note_default(&self, key: &'static str) {
+        self.section.note_default(key);
     }
-    let tangential = match section.has("tangential_stiffness") {
-        true => section.number("tangential_stiffness")?,
-        false => 2.0 / 7.0 * loading,
-    };
-    Some(HystereticParameters {
-        loading_stiffness: loading,
-        unloading_stiffness: unloading,
-        tangential_stiffness: tangential,
-        restitution: section.number("restitution")?,
-        friction: section.number("friction")?,
-    })
-}
 
-fn read_linear_hysteretic(section: &Section<'_>) -> Option<ContactLaw> {
-    let law =
-        LinearHysteretic::new(read_hysteretic(section)?, section.number("adhesion_stiffness")?);
-    checked(section, law).map(ContactLaw::LinearHysteretic)
-}
-
-/// F0 = Bo m g at the reference diameter.
-fn read_adhesive_elastic_plastic(
-    section: &Section<'_>,
-    context: ReadContext<'_>,
-) -> Option<ContactLaw> {
-    /// Diameter of the primary particles of Liu et al., m.
-    const PRIMARY_DIAMETER: f64 = 20.0e-9;
-    let parameters = read_hysteretic(section);
-    let key = section.given(&["adhesion", "bond_number"]);
-    let given = key.and_then(|key| section.number(key));
-    let adhesion = match key {
-        Some("bond_number") if given != Some(0.0) => {
-            let gravity = positive_gravity(section, "bond_number", "adhesion", context.gravity);
-            let mass = context.scales.mass();
-            let weight = mass.zip(gravity);
-            given.zip(weight).map(|(bond, (mass, g))| attraction_of_bond_number(bond, mass, g))
-        }
-        _ => given,
-    };
-    let has_default = context.units == Some(Units::Si);
-    match has_default {
-        true => section.note_default("primary_diameter"),
-        false => section.require("primary_diameter"),
+    fn fail(&self, key: &'static str, message: String) {
+        self.section.fail(key, message);
     }
-    let primary = match section.has("primary_diameter") {
-        true => section.number("primary_diameter"),
-        false => has_default.then_some(PRIMARY_DIAMETER),
-    };
-    let law = AdhesiveElasticPlastic::new(parameters?, adhesion?, primary?);
-    checked(section, law).map(ContactLaw::AdhesiveElasticPlastic)
-}
 
-/// Modulus, Poisson's ratio, restitution and friction of an elastic law.
-fn read_elastic(
-    section: &Section<'_>,
-    particles: Option<Elasticity>,
-    law: impl FnOnce(ContactModuli, f64, f64) -> Option<Result<ContactLaw, InvalidContactLaw>>,
-) -> LawAndBody {
-    let moduli = section.number("young_modulus").zip(section.number("poisson_ratio"));
-    let Some((young_modulus, poisson_ratio)) = moduli else { return LawAndBody::default() };
-    let body = Elasticity { young_modulus, poisson_ratio };
-    let read = || {
-        let (restitution, friction) = (section.number("restitution")?, section.number("friction")?);
-        let moduli = checked(section, ContactModuli::between(particles.unwrap_or(body), body))?;
-        checked(section, law(moduli, restitution, friction)?)
-    };
-    LawAndBody { law: read(), body: Some(body) }
+    fn is_cohesive(&self) -> bool {
+        self.adhesion.cohesive
+    }
+
+    fn is_si(&self) -> bool {
+        self.adhesion.read.units == Some(Units::Si)
+    }
+
+    fn other_body(&self) -> Option<Elasticity> {
+        self.other_body
+    }
+
+    fn attraction_of_bond_number(
+        &self,
+        bond_number: f64,
+        key: &'static str,
+        instead: &'static str,
+    ) -> Option<f64> {
+        let context = self.adhesion.read;
+        let gravity = positive_gravity(self.section, key, instead, context.gravity);
+        let (mass, gravity) = context.scales.mass().zip(gravity)?;
+        Some(attraction_of_bond_number(bond_number, mass, gravity))
+    }
 }

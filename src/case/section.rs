@@ -5,7 +5,7 @@ use super::errors::{CaseError, Problems};
 use super::suggestion::nearest;
 use super::tree::{Node, Value};
 use super::wall_time;
-use crate::schema::{self, ActiveKeys, Key, Kind, Required};
+use crate::schema::{self, ActiveKeys, Key, KeyValues, Kind, Required};
 use std::time::Duration;
 
 /// An open section. What is wrong with it has been reported: whatever is missing or wrong reads as `None`.
@@ -323,5 +323,19 @@ impl<'a> Section<'a> {
         let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
         let open = |item| Self::open(item, key.kind.keys(), self.problems);
         node.items().iter().filter_map(open).collect()
+    }
+}
+
+impl KeyValues for Section<'_> {
+    fn number(&self, key: &str) -> Option<f64> {
+        Section::number(self, key)
+    }
+
+    fn word(&self, key: &str) -> Option<&str> {
+        Section::word(self, key)
+    }
+
+    fn is_given(&self, key: &str) -> bool {
+        self.has(key)
     }
 }

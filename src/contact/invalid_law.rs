@@ -1,5 +1,6 @@
 //! The error of a parameter that has no physical meaning, for all contact laws.
 
+use crate::schema::{Key, Kind};
 use thiserror::Error;
 
 /// A parameter of a contact law has no physical meaning.
@@ -11,7 +12,7 @@ pub struct InvalidContactLaw {
     /// Its value.
     pub value: f64,
     /// The allowed range.
-    pub allowed: &'static str,
+    pub allowed: String,
 }
 
 /// Returns an error unless a parameter has a meaning.
@@ -21,5 +22,18 @@ pub(super) fn require(
     value: f64,
     allowed: &'static str,
 ) -> Result<(), InvalidContactLaw> {
-    if is_valid { Ok(()) } else { Err(InvalidContactLaw { parameter, value, allowed }) }
+    if is_valid {
+        return Ok(());
+    }
+    Err(InvalidContactLaw { parameter, value, allowed: allowed.to_owned() })
+}
+
+/// Returns an error unless a parameter is in the range of its key.
+pub(super) fn require_in_range(key: &Key, value: f64) -> Result<(), InvalidContactLaw> {
+    match key.kind {
+        Kind::Number(allowed) if !allowed.contains(value) => {
+            Err(InvalidContactLaw { parameter: key.name, value, allowed: allowed.to_string() })
+        }
+        _ => Ok(()),
+    }
 }

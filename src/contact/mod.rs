@@ -21,6 +21,6 @@ pub use law::{Contact, ContactForce, ContactForceLaw};
 pub use laws::*;
 pub use model::ContactModel;
 pub(crate) use pair_loop::add_pair_forces;
-pub use rolling::{RollingFriction, RollingKind};
+pub use rolling::{ROLLING, RollingFriction, RollingKind};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
 pub(crate) use walls::add_wall_forces;

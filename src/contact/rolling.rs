@@ -3,8 +3,32 @@
 //! Reference: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, "Assessment of rolling resistance models in discrete element
 //! simulations", Powder Technol. 206 (2011) 269-282, <https://doi.org/10.1016/j.powtec.2010.09.030>
 
-use super::{Contact, InvalidContactLaw};
+use super::Contact;
+use super::invalid_law::{InvalidContactLaw, require_in_range};
+use crate::schema::{Allowed, Key, Word};
 use nalgebra::Vector3;
+
+const ROLLING_FRICTION: Key = Key::number(
+    "rolling_friction",
+    Allowed::NOT_NEGATIVE,
+    "Coefficient mu_r: the torque is at most mu_r R* times the force that limits sliding at mu = 1",
+);
+const ROLLING_DAMPING: Key = Key::number(
+    "rolling_damping",
+    Allowed::between(0.0, 1.0),
+    "Fraction eta_r of the critical damping in the rolling dashpot",
+);
+
+/// The words of `contact.rolling`, each with its keys.
+pub const ROLLING: &[Word] = &[
+    Word::new("none", ""),
+    Word::with("constant_torque", "a constant torque against rolling", &[ROLLING_FRICTION]),
+    Word::with(
+        "elastic_plastic",
+        "a spring that yields, with a dashpot (EPSD)",
+        &[ROLLING_FRICTION, ROLLING_DAMPING],
+    ),
+];
 
 /// How a contact resists rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,16 +70,10 @@ impl RollingFriction {
     /// # Errors
     /// If mu_r or eta_r is negative, or eta_r above 1.
     pub fn new(kind: RollingKind, coefficient: f64) -> Result<Self, InvalidContactLaw> {
-        let wrong =
-            |parameter, value, allowed| Err(InvalidContactLaw { parameter, value, allowed });
-        if let RollingKind::ElasticPlastic { damping } = kind
-            && !(0.0..=1.0).contains(&damping)
-        {
-            return wrong("rolling_damping", damping, "between 0 and 1");
+        if let RollingKind::ElasticPlastic { damping } = kind {
+            require_in_range(&ROLLING_DAMPING, damping)?;
         }
-        if coefficient.is_nan() || coefficient < 0.0 {
-            return wrong("rolling_friction", coefficient, "zero or positive");
-        }
+        require_in_range(&ROLLING_FRICTION, coefficient)?;
         Ok(Self { kind, coefficient })
     }
 }

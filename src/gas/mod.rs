@@ -22,8 +22,8 @@ pub mod volume_averaged;
 
 pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, WeightBalance};
 pub use drag::{
-    Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, ExampleDragLaw,
-    Gidaspow, ParticleDrag, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,
+    Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow,
+    ParticleDrag, RegisteredDragLaw, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,
 };
 pub use error::{GasError, GasForceOutOfRange, NavierStokesError};
 pub use model::GasModel;

@@ -58,14 +58,19 @@ impl Allowed {
         Self::of(lowest, true, highest, true)
     }
 
+    /// Whether a number is in the range.
+    pub fn contains(self, number: f64) -> bool {
+        let above = number > self.lowest || (self.lowest_itself && number == self.lowest);
+        let below = number < self.highest || (self.highest_itself && number == self.highest);
+        above && below
+    }
+
     /// Whether a number is allowed.
     ///
     /// # Errors
     /// What the number must be.
     pub fn check(self, number: f64) -> Result<(), String> {
-        let above = number > self.lowest || (self.lowest_itself && number == self.lowest);
-        let below = number < self.highest || (self.highest_itself && number == self.highest);
-        if !(above && below) {
+        if !self.contains(number) {
             return Err(self.to_string());
         }
         let magnitude = number.abs();

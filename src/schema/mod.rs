@@ -7,10 +7,12 @@
 mod allowed;
 mod schedule;
 mod table;
+mod values;
 
 pub use allowed::Allowed;
 pub use schedule::{NOT_NEGATIVE_SCHEDULE, SIGNED_SCHEDULE};
 pub use table::{ActiveKeys, displaced_by, every_key};
+pub use values::KeyValues;
 
 use std::fmt;
 

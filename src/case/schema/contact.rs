@@ -1,40 +1,10 @@
 //! `[contact]` and `[contact.wall]`: the keys of every law.
 
-use super::contact_laws::LAWS;
 use super::{Chapter, merged};
-use crate::schema::{Allowed, Key, Value, Word};
+use crate::contact::{ContactLaw, FRICTION, RESTITUTION, ROLLING};
+use crate::schema::{Key, Value};
 
-const ROLLING_FRICTION: Key = Key::number(
-    "rolling_friction",
-    Allowed::NOT_NEGATIVE,
-    "Coefficient mu_r: the torque is at most mu_r R* times the force that limits sliding at mu = 1",
-);
-
-const ROLLING: &[Word] = &[
-    Word::new("none", ""),
-    Word::with("constant_torque", "a constant torque against rolling", &[ROLLING_FRICTION]),
-    Word::with(
-        "elastic_plastic",
-        "a spring that yields, with a dashpot (EPSD)",
-        &[
-            ROLLING_FRICTION,
-            Key::number(
-                "rolling_damping",
-                Allowed::between(0.0, 1.0),
-                "Fraction eta_r of the critical damping in the rolling dashpot",
-            ),
-        ],
-    ),
-];
-
-const LAW: Key = Key::word("law", LAWS, "Contact law");
-const RESTITUTION: Key = Key::number(
-    "restitution",
-    Allowed::FRACTION,
-    "Coefficient of restitution e of the dashpots; plasticity and adhesion dissipate more",
-);
-const FRICTION: Key =
-    Key::number("friction", Allowed::NOT_NEGATIVE, "Coefficient mu of sliding friction");
+const LAW: Key = Key::word("law", ContactLaw::WORDS, "Contact law");
 const ROLLING_KIND: Key =
     Key::word("rolling", ROLLING, "Rolling friction").default(Value::Word("none"));
 

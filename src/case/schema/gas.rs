@@ -1,7 +1,7 @@
 //! `[gas]`: the keys of every gas, and those of each kind.
 
 use super::Chapter;
-use super::drag_laws::LAWS;
+use crate::gas::DragLaw;
 use crate::schema::{Allowed, Key, Kind, SIGNED_SCHEDULE, Value, Word};
 
 const KINDS: &[Word] = &[
@@ -25,7 +25,7 @@ pub(in crate::case) const GAS: &[Key] = &[
         "St = rho_s g^1/2 d^3/2 / mu_g at the reference diameter",
     )
     .or(&["viscosity"]),
-    Key::word("drag", LAWS, "Drag law"),
+    Key::word("drag", DragLaw::WORDS, "Drag law"),
     Key::number("drag_factor", Allowed::POSITIVE, "xi, the drag over that of the law")
         .default(Value::Number(1.0)),
 ];

@@ -2,8 +2,6 @@
 
 mod boxes;
 mod contact;
-mod contact_laws;
-mod drag_laws;
 mod forces;
 mod gas;
 mod particles;

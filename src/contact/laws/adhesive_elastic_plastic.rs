@@ -7,10 +7,36 @@
 //!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
 use super::parts::{Hysteresis, HystereticParameters};
-use super::{ExampleContactLaw, ExampleScales};
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
+use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
+use crate::schema::{Allowed, Key, Value};
+
+const ADHESION: Key = Key::number(
+    "adhesion",
+    Allowed::NOT_NEGATIVE,
+    "Adhesion F0 in contact, for particles of all sizes",
+)
+.unit("force")
+.or(&["bond_number"]);
+const BOND_NUMBER: Key = Key::number(
+    "bond_number",
+    Allowed::NOT_NEGATIVE,
+    "F0 over the weight at the reference diameter",
+)
+.or(&["adhesion"]);
+const PRIMARY_DIAMETER: Key = Key::number(
+    "primary_diameter",
+    Allowed::NOT_NEGATIVE,
+    "Diameter d_NP of the primary particles; up to F0 / k_unload (0, for example) adhesion has no limit",
+)
+.unit("length")
+.printed(Value::Derived("20 nm"), "")
+.required_when("units are dimensionless");
+
+/// Diameter of the primary particles of Liu et al., m.
+const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 
 /// A hysteretic spring shifted by a constant attraction F0, which acts while the spheres overlap:
 ///
@@ -85,10 +111,9 @@ impl AdhesiveElasticPlastic {
         attraction: f64,
         primary_diameter: f64,
     ) -> Result<Self, InvalidContactLaw> {
-        require(attraction >= 0.0, "adhesion", attraction, "zero or positive")?;
-        let d = primary_diameter;
-        require(d >= 0.0, "primary_diameter", d, "zero or positive")?;
-        let room = d - attraction / parameters.unloading_stiffness;
+        require_in_range(&ADHESION, attraction)?;
+        require_in_range(&PRIMARY_DIAMETER, primary_diameter)?;
+        let room = primary_diameter - attraction / parameters.unloading_stiffness;
         let adhesion_stiffness = if attraction == 0.0 {
             0.0
         } else if room > 0.0 {
@@ -130,7 +155,36 @@ impl ContactForceLaw for AdhesiveElasticPlastic {
     }
 }
 
-impl ExampleContactLaw for AdhesiveElasticPlastic {
+impl RegisteredContactLaw for AdhesiveElasticPlastic {
+    const MEANING: &'static str = "hysteretic springs with a constant adhesion (Liu 2016)";
+    const KEYS: &'static [Key] = &{
+        let [unloading, loading, plasticity, tangential] = HystereticParameters::KEYS;
+        [unloading, loading, plasticity, tangential, ADHESION, BOND_NUMBER, PRIMARY_DIAMETER]
+    };
+    const ADHESION: Adhesion =
+        Adhesion { keys: &[ADHESION.name, BOND_NUMBER.name], replaces_cohesion: true };
+
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
+        let parameters = HystereticParameters::from_keys(values);
+        let key = values.given(&["adhesion", "bond_number"]);
+        let given = key.and_then(|key| values.number(key));
+        let attraction = match (key, given) {
+            (Some("bond_number"), Some(bond)) if bond != 0.0 => {
+                values.attraction_of_bond_number(bond, "bond_number", "adhesion")
+            }
+            _ => given,
+        };
+        match values.is_si() {
+            true => values.note_default(PRIMARY_DIAMETER.name),
+            false => values.require(PRIMARY_DIAMETER.name),
+        }
+        let primary = match values.is_given("primary_diameter") {
+            true => values.number("primary_diameter"),
+            false => values.is_si().then_some(LIU_PRIMARY_DIAMETER),
+        };
+        Some(Self::new(parameters?, attraction?, primary?))
+    }
+
     /// With the limit of adhesion, and without it.
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let parameters = HystereticParameters::example(scales);

@@ -11,10 +11,11 @@
 //! * D. Antypov, J. A. Elliott, "On an analytical solution for the damped Hertzian spring", Europhys. Lett. 94 (2011)
 //!   50004, <https://doi.org/10.1209/0295-5075/94/50004>
 
-use super::parts::{ContactModuli, Elastic, Slider, loading_factor};
-use super::{ExampleContactLaw, ExampleScales};
+use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
+use super::{ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
 use crate::particles::ContactHistory;
+use crate::schema::Key;
 
 /// Law of Hertz and Mindlin.
 ///
@@ -107,7 +108,15 @@ impl ContactForceLaw for HertzMindlin {
     }
 }
 
-impl ExampleContactLaw for HertzMindlin {
+impl RegisteredContactLaw for HertzMindlin {
+    const MEANING: &'static str = "elastic spheres";
+    const KEYS: &'static [Key] = &Elasticity::KEYS;
+
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
+        let parameters = ElasticParameters::from_keys(values)?;
+        Some(parameters.and_then(|of| Self::new(of.moduli, of.restitution, of.friction)))
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let law = Self::new(ContactModuli::example(scales), scales.restitution, 0.4);
         law.into_iter().collect()

@@ -8,13 +8,21 @@
 //! * C. Thornton, "Interparticle sliding in the presence of adhesion", J. Phys. D: Appl. Phys. 24 (1991) 1942-1946,
 //!   <https://doi.org/10.1088/0022-3727/24/11/007>
 
-use super::parts::{ContactModuli, Elastic, Slider, loading_factor};
-use super::{ExampleContactLaw, ExampleScales};
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
+use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
+use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::numbers::power;
 use crate::particles::ContactHistory;
+use crate::schema::{Allowed, Key};
 use std::f64::consts::PI;
+
+const SURFACE_ENERGY: Key = Key::number(
+    "surface_energy",
+    Allowed::POSITIVE,
+    "Surface energy gamma of each body, half the work of adhesion: the pull-off force is F_c = 3 pi gamma R*",
+)
+.unit("energy/area");
 
 /// Law of Johnson, Kendall and Roberts.
 ///
@@ -91,7 +99,7 @@ impl Jkr {
         restitution: f64,
         friction: f64,
     ) -> Result<Self, InvalidContactLaw> {
-        require(surface_energy > 0.0, "surface_energy", surface_energy, "positive")?;
+        require_in_range(&SURFACE_ENERGY, surface_energy)?;
         let elastic = Elastic::new(moduli, restitution, friction)?;
         let root = (PI * surface_energy / moduli.normal).sqrt();
         Ok(Self { elastic, surface_energy, root })
@@ -171,7 +179,20 @@ impl ContactForceLaw for Jkr {
     }
 }
 
-impl ExampleContactLaw for Jkr {
+impl RegisteredContactLaw for Jkr {
+    const MEANING: &'static str = "elastic spheres with surface energy";
+    const KEYS: &'static [Key] = &{
+        let [young_modulus, poisson_ratio] = Elasticity::KEYS;
+        [young_modulus, poisson_ratio, SURFACE_ENERGY]
+    };
+    const ADHESION: Adhesion = Adhesion { keys: &[SURFACE_ENERGY.name], replaces_cohesion: true };
+
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
+        let parameters = ElasticParameters::from_keys(values)?;
+        let energy = values.number("surface_energy")?;
+        Some(parameters.and_then(|of| Self::new(of.moduli, energy, of.restitution, of.friction)))
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let surface_energy = 0.05 * scales.stiffness * scales.overlap;
         let moduli = ContactModuli::example(scales);

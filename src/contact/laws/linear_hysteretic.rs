@@ -7,10 +7,15 @@
 //!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
 use super::parts::{Hysteresis, HystereticParameters};
-use super::{ExampleContactLaw, ExampleScales};
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
+use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
+use crate::schema::{Allowed, Key};
+
+const ADHESION_STIFFNESS: Key =
+    Key::number("adhesion_stiffness", Allowed::NOT_NEGATIVE, "Stiffness k_c of adhesion")
+        .unit("force/length");
 
 /// Linear hysteretic law with adhesion.
 ///
@@ -49,9 +54,8 @@ impl LinearHysteretic {
         parameters: HystereticParameters,
         adhesion_stiffness: f64,
     ) -> Result<Self, InvalidContactLaw> {
-        let kc = adhesion_stiffness;
-        require(kc >= 0.0 && kc.is_finite(), "adhesion_stiffness", kc, "zero or positive")?;
-        Ok(Self { hysteresis: Hysteresis::new(&parameters, kc)? })
+        require_in_range(&ADHESION_STIFFNESS, adhesion_stiffness)?;
+        Ok(Self { hysteresis: Hysteresis::new(&parameters, adhesion_stiffness)? })
     }
 }
 
@@ -76,7 +80,21 @@ impl ContactForceLaw for LinearHysteretic {
     }
 }
 
-impl ExampleContactLaw for LinearHysteretic {
+impl RegisteredContactLaw for LinearHysteretic {
+    const MEANING: &'static str =
+        "hysteretic springs whose adhesion grows with the overlap (Luding 2008)";
+    const KEYS: &'static [Key] = &{
+        let [unloading, loading, plasticity, tangential] = HystereticParameters::KEYS;
+        [unloading, loading, plasticity, tangential, ADHESION_STIFFNESS]
+    };
+    const ADHESION: Adhesion =
+        Adhesion { keys: &[ADHESION_STIFFNESS.name], replaces_cohesion: false };
+
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
+        let parameters = HystereticParameters::from_keys(values)?;
+        Some(Self::new(parameters, values.number("adhesion_stiffness")?))
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let law = Self::new(HystereticParameters::example(scales), 0.7 * scales.stiffness);
         law.into_iter().collect()

@@ -6,11 +6,36 @@
 //! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
 //!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (1)-(3)
 
-use super::{ExampleContactLaw, ExampleScales};
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use super::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw};
+use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
+use crate::schema::{Allowed, Key, Value, Word};
 use std::f64::consts::PI;
+
+const NORMAL_STIFFNESS: Key =
+    Key::number("normal_stiffness", Allowed::POSITIVE, "Stiffness k_n of the normal spring")
+        .unit("force/length");
+const TANGENTIAL_STIFFNESS: Key = Key::number(
+    "tangential_stiffness",
+    Allowed::NOT_NEGATIVE,
+    "Stiffness k_t of the tangential spring",
+)
+.unit("force/length")
+.or(&["poisson_ratio"]);
+const POISSON_RATIO: Key = Key::number(
+    "poisson_ratio",
+    Allowed::between(0.0, 0.5),
+    "Poisson's ratio nu, which gives k_t = 2 k_n (1 - nu) / (2 - nu)",
+)
+.or(&["tangential_stiffness"]);
+const FRICTION_CAP: Key = Key::word("friction_cap", CAPS, "Normal force that limits friction")
+    .printed(Value::Word("contact"), "without cohesion the same as \"net\"")
+    .required_when("[cohesion] is on");
+const CAPS: &[Word] = &[
+    Word::new("contact", "that of spring and dashpot"),
+    Word::new("net", "that of spring and dashpot, less cohesion"),
+];
 
 /// Which normal force limits friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,13 +102,11 @@ impl LinearSpringDashpot {
         friction: f64,
         friction_cap: FrictionCap,
     ) -> Result<Self, InvalidContactLaw> {
-        require(normal_stiffness > 0.0, "normal_stiffness", normal_stiffness, "positive")?;
-        let kt = tangential_stiffness;
-        require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
-        let e = restitution;
-        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
-        require(friction >= 0.0, "friction", friction, "zero or positive")?;
-        let log = libm::log(e);
+        require_in_range(&NORMAL_STIFFNESS, normal_stiffness)?;
+        require_in_range(&TANGENTIAL_STIFFNESS, tangential_stiffness)?;
+        require_in_range(&RESTITUTION, restitution)?;
+        require_in_range(&FRICTION, friction)?;
+        let log = libm::log(restitution);
         let damping_factor =
             2.0 * normal_stiffness.sqrt() * log.abs() / (PI * PI + log * log).sqrt();
         Ok(Self { normal_stiffness, tangential_stiffness, friction, friction_cap, damping_factor })
@@ -138,7 +161,31 @@ impl ContactForceLaw for LinearSpringDashpot {
     }
 }
 
-impl ExampleContactLaw for LinearSpringDashpot {
+impl RegisteredContactLaw for LinearSpringDashpot {
+    const MEANING: &'static str = "linear springs and dashpots (Moon 2006)";
+    const KEYS: &'static [Key] =
+        &[NORMAL_STIFFNESS, TANGENTIAL_STIFFNESS, POISSON_RATIO, FRICTION_CAP];
+
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
+        match values.is_cohesive() {
+            true => values.require(FRICTION_CAP.name),
+            false => values.note_default(FRICTION_CAP.name),
+        }
+        let normal = values.number("normal_stiffness")?;
+        let tangential = match values.given(&["tangential_stiffness", "poisson_ratio"])? {
+            "poisson_ratio" => {
+                Self::tangential_stiffness_of(normal, values.number("poisson_ratio")?)
+            }
+            key => values.number(key)?,
+        };
+        let cap = match values.word("friction_cap")? {
+            "net" => FrictionCap::Net,
+            _ => FrictionCap::Contact,
+        };
+        let (restitution, friction) = (values.number("restitution")?, values.number("friction")?);
+        Some(Self::new(normal, tangential, restitution, friction, cap))
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let k = scales.stiffness;
         let law = Self::new(k, 0.8 * k, scales.restitution, 0.4, FrictionCap::Contact);

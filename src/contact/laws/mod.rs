@@ -1,8 +1,8 @@
 //! The contact laws: one file each, its `mod` line, and its line in the registry.
 
 mod custom;
-mod example;
 mod parts;
+mod registered;
 #[macro_use]
 mod registry;
 
@@ -13,9 +13,11 @@ mod linear_hysteretic;
 mod linear_spring_dashpot;
 
 pub use custom::CustomContactLaw;
-pub use example::{ExampleContactLaw, ExampleScales};
 pub use linear_spring_dashpot::FrictionCap;
 pub use parts::{ContactModuli, Elasticity, HystereticParameters};
+pub use registered::{
+    Adhesion, ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw,
+};
 
 // The name of the file is the name of the law in a case. From these lines follow the enum `ContactLaw`, its dispatch in
 // and outside the loop over pairs, the names that a case can choose from, the laws that the tests run over, and the table

@@ -28,6 +28,40 @@ macro_rules! contact_laws {
             /// The laws that a case can choose from, by name.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($file)),*];
 
+            /// The words of `contact.law`, each with the keys of its law.
+            pub const WORDS: &'static [$crate::schema::Word] = &[$(
+                $crate::schema::Word::with(
+                    stringify!($file),
+                    <$Law as $crate::contact::RegisteredContactLaw>::MEANING,
+                    <$Law as $crate::contact::RegisteredContactLaw>::KEYS,
+                )
+            ),*];
+
+            /// The law of a name and of the values of its keys; `None` if there is none of this name, or a value is missing
+            /// or wrong.
+            pub fn from_keys(
+                name: &str,
+                values: &dyn $crate::contact::ContactLawValues,
+            ) -> Option<Result<Self, $crate::contact::InvalidContactLaw>> {
+                $(
+                    if name == stringify!($file) {
+                        let law = <$Law as $crate::contact::RegisteredContactLaw>::from_keys(values);
+                        return law.map(|law| law.map(Self::from));
+                    }
+                )*
+                None
+            }
+
+            /// The adhesion of the law of a name; `None` if there is none of this name.
+            pub fn adhesion_of(name: &str) -> Option<$crate::contact::Adhesion> {
+                $(
+                    if name == stringify!($file) {
+                        return Some(<$Law as $crate::contact::RegisteredContactLaw>::ADHESION);
+                    }
+                )*
+                None
+            }
+
             /// What the case file calls the law; of a law from outside the crate, the name that it was given.
             pub fn name(&self) -> &str {
                 match self {
@@ -40,7 +74,7 @@ macro_rules! contact_laws {
             pub fn examples(scales: $crate::contact::ExampleScales) -> Vec<Self> {
                 let mut examples = Vec::new();
                 $(
-                    let laws = <$Law as $crate::contact::ExampleContactLaw>::examples(scales);
+                    let laws = <$Law as $crate::contact::RegisteredContactLaw>::examples(scales);
                     examples.extend(laws.into_iter().map(Self::from));
                 )*
                 examples

@@ -4,8 +4,10 @@
 //! * R. Beetstra, M. A. van der Hoef, J. A. M. Kuipers, "Drag force of intermediate Reynolds number flow past mono- and
 //!   bidisperse arrays of spheres", AIChE J. 53 (2007) 489-501, <https://doi.org/10.1002/aic.11065>
 
-use super::{DragCorrelation, ExampleDragLaw};
+use super::law::DENSITY;
+use super::{DragCorrelation, RegisteredDragLaw};
 use crate::numbers::power;
+use crate::schema::{Key, KeyValues};
 
 /// Beetstra, van der Hoef & Kuipers (2007), from lattice-Boltzmann simulations of arrays of spheres up to
 /// Re = 1000: F = 10 phi / eps^2 + eps^2 (1 + 1.5 phi^(1/2)) + (0.413 Re / (24 eps^2))
@@ -29,7 +31,14 @@ impl DragCorrelation for Beetstra {
     }
 }
 
-impl ExampleDragLaw for Beetstra {
+impl RegisteredDragLaw for Beetstra {
+    const MEANING: &'static str = "Beetstra, van der Hoef and Kuipers";
+    const KEYS: &'static [Key] = &[DENSITY];
+
+    fn from_keys(_: &dyn KeyValues) -> Option<Self> {
+        Some(Self)
+    }
+
     fn examples() -> Vec<Self> {
         vec![Self]
     }

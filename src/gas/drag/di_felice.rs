@@ -7,9 +7,16 @@
 //! * L. Schiller, A. Naumann, "Über die grundlegenden Berechnungen bei der Schwerkraftaufbereitung", Z. Ver. Dtsch. Ing.
 //!   77 (1933) 318-320
 
+use super::law::DENSITY;
 use super::wen_yu::schiller_naumann;
-use super::{DragCorrelation, ExampleDragLaw};
+use super::{DragCorrelation, RegisteredDragLaw};
 use crate::numbers::power;
+use crate::schema::{Key, KeyValues, Word};
+
+const SINGLE_SPHERE: Key =
+    Key::word("single_sphere", SPHERES, "Drag coefficient of a single sphere");
+const SPHERES: &[Word] =
+    &[Word::new("dallavalle", "4 % below Stokes at small Re"), Word::new("schiller_naumann", "")];
 
 /// Di Felice (1994): F = (C_D Re / 24) eps^-chi, chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2 / 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +50,18 @@ impl DragCorrelation for DiFelice {
     }
 }
 
-impl ExampleDragLaw for DiFelice {
+impl RegisteredDragLaw for DiFelice {
+    const MEANING: &'static str = "Di Felice";
+    const KEYS: &'static [Key] = &[SINGLE_SPHERE, DENSITY];
+
+    fn from_keys(values: &dyn KeyValues) -> Option<Self> {
+        let single_sphere = match values.word("single_sphere")? {
+            "schiller_naumann" => SingleSphere::SchillerNaumann,
+            _ => SingleSphere::Dallavalle,
+        };
+        Some(Self { single_sphere })
+    }
+
     fn examples() -> Vec<Self> {
         [SingleSphere::Dallavalle, SingleSphere::SchillerNaumann]
             .map(|single_sphere| Self { single_sphere })

@@ -3,7 +3,9 @@
 //! References:
 //! * S. Ergun, "Fluid flow through packed columns", Chem. Eng. Prog. 48 (1952) 89-94
 
-use super::{DragCorrelation, ExampleDragLaw};
+use super::law::DENSITY;
+use super::{DragCorrelation, RegisteredDragLaw};
+use crate::schema::{Key, KeyValues};
 
 /// Ergun (1952), the pressure drop of a packed bed: F = 150 phi / (18 eps^2) + 1.75 Re / (18 eps^2).
 ///
@@ -19,7 +21,14 @@ impl DragCorrelation for Ergun {
     }
 }
 
-impl ExampleDragLaw for Ergun {
+impl RegisteredDragLaw for Ergun {
+    const MEANING: &'static str = "Ergun";
+    const KEYS: &'static [Key] = &[DENSITY];
+
+    fn from_keys(_: &dyn KeyValues) -> Option<Self> {
+        Some(Self)
+    }
+
     fn examples() -> Vec<Self> {
         vec![Self]
     }

@@ -6,8 +6,15 @@
 //! * L. Huilin, D. Gidaspow, "Hydrodynamics of binary fluidization in a riser: CFD simulation using two granular
 //!   temperatures", Chem. Eng. Sci. 58 (2003) 3777-3792
 
-use super::{DragCorrelation, Ergun, ExampleDragLaw, WenYu};
+use super::law::DENSITY;
+use super::{DragCorrelation, Ergun, RegisteredDragLaw, WenYu};
+use crate::schema::{Key, KeyValues, Word};
 use std::f64::consts::PI;
+
+const DRAG_SWITCH: Key =
+    Key::word("drag_switch", SWITCHES, "From Ergun to Wen and Yu at a solids fraction of 0.2");
+const SWITCHES: &[Word] =
+    &[Word::new("sharp", "with a jump"), Word::new("smooth", "by an arctangent")];
 
 /// Gidaspow (1994): Ergun where the voidage is below 0.8, Wen & Yu (n = 1.65) above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +51,18 @@ impl DragCorrelation for Gidaspow {
     }
 }
 
-impl ExampleDragLaw for Gidaspow {
+impl RegisteredDragLaw for Gidaspow {
+    const MEANING: &'static str = "Ergun in dense regions, Wen and Yu in dilute ones";
+    const KEYS: &'static [Key] = &[DRAG_SWITCH, DENSITY];
+
+    fn from_keys(values: &dyn KeyValues) -> Option<Self> {
+        let switch = match values.word("drag_switch")? {
+            "smooth" => Switch::Smooth,
+            _ => Switch::Sharp,
+        };
+        Some(Self { switch })
+    }
+
     fn examples() -> Vec<Self> {
         [Switch::Sharp, Switch::Smooth].map(|switch| Self { switch }).to_vec()
     }

@@ -1,5 +1,7 @@
 //! What a drag law is given, what it returns, and what it must answer.
 
+use crate::schema::{Allowed, Key, KeyValues};
+
 /// Drag of a suspension over the Stokes drag of a single sphere:
 /// F = F_d / (3 pi mu d eps |u_g - v|), eps = 1 - phi, Re = eps rho_g d |u_g - v| / mu.
 ///
@@ -33,9 +35,22 @@ pub trait DragCorrelation {
     }
 }
 
-/// A drag law that gives examples of itself. Every law of the registry does: the tests of finite, monotone drag and of
-/// equal values one by one and many at once run over these.
-pub trait ExampleDragLaw: DragCorrelation + Sized {
+/// `density`, a key of every law that depends on the Reynolds number.
+pub(super) const DENSITY: Key =
+    Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume");
+
+/// A law of the registry. The tests of finite, monotone drag and of equal values one by one and many at once run over its
+/// examples.
+pub trait RegisteredDragLaw: DragCorrelation + Sized {
+    /// What the law is, for the manual.
+    const MEANING: &'static str;
+
+    /// Its keys in the case file.
+    const KEYS: &'static [Key];
+
+    /// The law of these values; `None` if one is missing or wrong.
+    fn from_keys(values: &dyn KeyValues) -> Option<Self>;
+
     /// At least one law; one for each choice that the law offers.
     fn examples() -> Vec<Self>;
 }

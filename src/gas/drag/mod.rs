@@ -17,7 +17,7 @@ mod wen_yu;
 pub use custom::{BlockDrag, CustomDragLaw};
 pub use di_felice::SingleSphere;
 pub use gidaspow::Switch;
-pub use law::{DragCorrelation, ExampleDragLaw};
+pub use law::{DragCorrelation, RegisteredDragLaw};
 pub use particle_drag::ParticleDrag;
 
 // From these lines follow the enum `DragLaw`, its dispatch, the names that a case can choose from, the laws that the tests

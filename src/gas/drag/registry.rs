@@ -28,6 +28,20 @@ macro_rules! drag_laws {
             /// The laws that a case can choose from, by name.
             pub const NAMES: &'static [&'static str] = &[$($name),*];
 
+            /// The words of `gas.drag`, each with the keys of its law.
+            pub const WORDS: &'static [$crate::schema::Word] = &[$(
+                $crate::schema::Word::with($name, $Law::MEANING, $Law::KEYS)
+            ),*];
+
+            /// The law of a name and of the values of its keys; `None` if there is none of this name, or a value is missing
+            /// or wrong.
+            pub fn from_keys(name: &str, values: &dyn $crate::schema::KeyValues) -> Option<Self> {
+                match name {
+                    $($name => $Law::from_keys(values).map(Self::from),)*
+                    _ => None,
+                }
+            }
+
             /// What the case file calls the law; of a law from outside the crate, the name that it was given.
             pub fn name(&self) -> &str {
                 match self {

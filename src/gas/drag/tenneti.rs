@@ -5,8 +5,10 @@
 //!   numerical simulation of flow past fixed assemblies of spheres", Int. J. Multiphase Flow 37 (2011) 1072-1092,
 //!   <https://doi.org/10.1016/j.ijmultiphaseflow.2011.05.010>
 
-use super::{DragCorrelation, ExampleDragLaw};
+use super::law::DENSITY;
+use super::{DragCorrelation, RegisteredDragLaw};
 use crate::numbers::power;
+use crate::schema::{Key, KeyValues};
 
 /// Tenneti, Garg & Subramaniam (2011), from particle-resolved simulations of fixed arrays, phi from 0.1 to 0.5
 /// and Re up to 300: F = (1 + 0.15 Re^0.687) / eps^3 + 5.81 phi / eps^3 + 0.48 phi^(1/3) / eps^4
@@ -28,7 +30,14 @@ impl DragCorrelation for Tenneti {
     }
 }
 
-impl ExampleDragLaw for Tenneti {
+impl RegisteredDragLaw for Tenneti {
+    const MEANING: &'static str = "Tenneti, Garg and Subramaniam";
+    const KEYS: &'static [Key] = &[DENSITY];
+
+    fn from_keys(_: &dyn KeyValues) -> Option<Self> {
+        Some(Self)
+    }
+
     fn examples() -> Vec<Self> {
         vec![Self]
     }

@@ -7,8 +7,17 @@
 //! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
 //!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (13)-(16)
 
-use super::{DragCorrelation, ExampleDragLaw};
+use super::law::DENSITY;
+use super::{DragCorrelation, RegisteredDragLaw};
 use crate::numbers::{power, powers};
+use crate::schema::{Allowed, Key, KeyValues, Value};
+
+const VOIDAGE_EXPONENT: Key = Key::number(
+    "voidage_exponent",
+    Allowed::between(0.0, 10.0),
+    "n in beta = (3/4) C_D rho_g abs(u_g - v) phi / d eps^-n; Liu 2016 prints 2.7",
+)
+.default(Value::Number(1.65));
 
 /// Reynolds number above which a sphere's drag coefficient stays at 0.44.
 pub(super) const INERTIAL: f64 = 1000.0;
@@ -105,13 +114,27 @@ fn crowding<const N: usize>(solids_fraction: &[f64; N], exponent: f64) -> [f64; 
     powers(voidage, -(exponent + 1.0))
 }
 
-impl ExampleDragLaw for WenYu {
+impl RegisteredDragLaw for WenYu {
+    const MEANING: &'static str = "Wen and Yu";
+    const KEYS: &'static [Key] = &[VOIDAGE_EXPONENT, DENSITY];
+
+    fn from_keys(values: &dyn KeyValues) -> Option<Self> {
+        Some(Self { exponent: values.number("voidage_exponent")? })
+    }
+
     fn examples() -> Vec<Self> {
         vec![Self::USUAL, Self { exponent: 2.7 }]
     }
 }
 
-impl ExampleDragLaw for WenYuCreeping {
+impl RegisteredDragLaw for WenYuCreeping {
+    const MEANING: &'static str = "Wen and Yu for Re << 1";
+    const KEYS: &'static [Key] = &[VOIDAGE_EXPONENT];
+
+    fn from_keys(values: &dyn KeyValues) -> Option<Self> {
+        Some(Self { exponent: values.number("voidage_exponent")? })
+    }
+
     fn examples() -> Vec<Self> {
         vec![Self::USUAL]
     }

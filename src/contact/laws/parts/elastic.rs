@@ -2,8 +2,21 @@
 //! and Roberts have in common.
 
 use super::slider::damping_ratio;
-use crate::contact::ExampleScales;
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
+use crate::contact::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION};
+use crate::schema::{Allowed, Key, KeyValues};
+
+const YOUNG_MODULUS: Key = Key::number(
+    "young_modulus",
+    Allowed::POSITIVE,
+    "Young's modulus E; at a wall that of the wall, 1e30 for a rigid one",
+)
+.unit("stress");
+const POISSON_RATIO: Key = Key::number(
+    "poisson_ratio",
+    Allowed::between(0.0, 0.5),
+    "Poisson's ratio nu; at a wall that of the wall",
+);
 
 /// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is reported.
 const REPORTED_OVERLAP: f64 = 0.01;
@@ -15,6 +28,20 @@ pub struct Elasticity {
     pub young_modulus: f64,
     /// Poisson's ratio nu.
     pub poisson_ratio: f64,
+}
+
+impl Elasticity {
+    /// Keys of the case file.
+    pub(crate) const KEYS: [Key; 2] = [YOUNG_MODULUS, POISSON_RATIO];
+
+    /// The constants of these values; `None` if one is missing or wrong, or the law has none.
+    pub fn from_keys(values: &(impl KeyValues + ?Sized)) -> Option<Self> {
+        if !values.is_given("young_modulus") {
+            return None;
+        }
+        let young_modulus = values.number("young_modulus")?;
+        Some(Self { young_modulus, poisson_ratio: values.number("poisson_ratio")? })
+    }
 }
 
 /// Moduli of a contact: 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 and 1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2
@@ -35,6 +62,25 @@ pub struct ContactModuli {
     pub normal: f64,
     /// Effective shear modulus G*.
     pub shear: f64,
+}
+
+/// Parameters of an elastic law.
+pub(crate) struct ElasticParameters {
+    pub(crate) moduli: ContactModuli,
+    pub(crate) restitution: f64,
+    pub(crate) friction: f64,
+}
+
+impl ElasticParameters {
+    /// The parameters of these values; `None` if one is missing or wrong.
+    pub(crate) fn from_keys(
+        values: &dyn ContactLawValues,
+    ) -> Option<Result<Self, InvalidContactLaw>> {
+        let body = Elasticity::from_keys(values)?;
+        let (restitution, friction) = (values.number("restitution")?, values.number("friction")?);
+        let moduli = ContactModuli::between(values.other_body().unwrap_or(body), body);
+        Some(moduli.map(|moduli| Self { moduli, restitution, friction }))
+    }
 }
 
 impl ContactModuli {
@@ -82,12 +128,11 @@ impl Elastic {
         restitution: f64,
         friction: f64,
     ) -> Result<Self, InvalidContactLaw> {
-        let e = restitution;
         require(moduli.normal > 0.0, "young_modulus", moduli.normal, "positive")?;
         require(moduli.shear > 0.0, "young_modulus", moduli.shear, "positive")?;
-        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
-        require(friction >= 0.0, "friction", friction, "zero or positive")?;
-        let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(e);
+        require_in_range(&RESTITUTION, restitution)?;
+        require_in_range(&FRICTION, friction)?;
+        let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(restitution);
         Ok(Self { moduli, friction, damping })
     }
 

@@ -1,11 +1,36 @@
 //! Loading, unloading and adhesion along straight lines: what the hysteretic laws have in common.
 
 use super::slider::{Slider, damping_ratio};
-use crate::contact::ExampleScales;
-use crate::contact::invalid_law::{InvalidContactLaw, require};
+use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
 use crate::contact::{Contact, ContactForce};
+use crate::contact::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION};
 use crate::particles::ContactHistory;
+use crate::schema::{Allowed, Key, Value};
 use std::f64::consts::PI;
+
+const UNLOADING_STIFFNESS: Key =
+    Key::number("unloading_stiffness", Allowed::POSITIVE, "Stiffness k_unload (k_2) of unloading")
+        .unit("force/length");
+const LOADING_STIFFNESS: Key = Key::number(
+    "loading_stiffness",
+    Allowed::POSITIVE,
+    "Stiffness k_load (k_1) of first loading, at most `unloading_stiffness`",
+)
+.unit("force/length")
+.or(&["plasticity_index"]);
+const PLASTICITY_INDEX: Key = Key::number(
+    "plasticity_index",
+    Allowed::from_to_below(0.0, 1.0),
+    "Plasticity index psi_p = 1 - k_load / k_unload",
+)
+.or(&["loading_stiffness"]);
+const TANGENTIAL_STIFFNESS: Key = Key::number(
+    "tangential_stiffness",
+    Allowed::NOT_NEGATIVE,
+    "Stiffness k_t of the tangential spring",
+)
+.unit("force/length")
+.printed(Value::Derived("2/7 of the loading stiffness"), "");
 
 /// Parameters of every hysteretic law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +48,35 @@ pub struct HystereticParameters {
 }
 
 impl HystereticParameters {
+    /// Keys of the case file.
+    pub(crate) const KEYS: [Key; 4] =
+        [UNLOADING_STIFFNESS, LOADING_STIFFNESS, PLASTICITY_INDEX, TANGENTIAL_STIFFNESS];
+
+    /// The parameters of these values; `None` if one is missing or wrong.
+    pub(crate) fn from_keys(values: &dyn ContactLawValues) -> Option<Self> {
+        let unloading = values.number("unloading_stiffness")?;
+        let loading = match values.given(&["loading_stiffness", "plasticity_index"])? {
+            "plasticity_index" => (1.0 - values.number("plasticity_index")?) * unloading,
+            key => values.number(key)?,
+        };
+        if loading > unloading {
+            let message = format!("must be at most unloading_stiffness, {unloading}");
+            values.fail(LOADING_STIFFNESS.name, message);
+            return None;
+        }
+        let tangential = match values.is_given("tangential_stiffness") {
+            true => values.number("tangential_stiffness")?,
+            false => 2.0 / 7.0 * loading,
+        };
+        Some(Self {
+            loading_stiffness: loading,
+            unloading_stiffness: unloading,
+            tangential_stiffness: tangential,
+            restitution: values.number("restitution")?,
+            friction: values.number("friction")?,
+        })
+    }
+
     /// Plasticity index psi_p = 1 - k_load / k_unload.
     pub fn plasticity(&self) -> f64 {
         1.0 - self.loading_stiffness / self.unloading_stiffness
@@ -41,14 +95,12 @@ impl HystereticParameters {
 
     fn check(&self) -> Result<(), InvalidContactLaw> {
         let Self { loading_stiffness: loading, unloading_stiffness: unloading, .. } = *self;
-        require(loading > 0.0, "loading_stiffness", loading, "positive")?;
+        require_in_range(&LOADING_STIFFNESS, loading)?;
         let stiffer = "at least the loading stiffness";
         require(unloading >= loading, "unloading_stiffness", unloading, stiffer)?;
-        let kt = self.tangential_stiffness;
-        require(kt >= 0.0, "tangential_stiffness", kt, "zero or positive")?;
-        let e = self.restitution;
-        require(e > 0.0 && e <= 1.0, "restitution", e, "above 0 and at most 1")?;
-        require(self.friction >= 0.0, "friction", self.friction, "zero or positive")
+        require_in_range(&TANGENTIAL_STIFFNESS, self.tangential_stiffness)?;
+        require_in_range(&RESTITUTION, self.restitution)?;
+        require_in_range(&FRICTION, self.friction)
     }
 }
 

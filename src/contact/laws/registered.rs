@@ -1,0 +1,85 @@
+//! What a law of the registry says about itself: its keys in the case file, and examples for tests.
+
+use crate::contact::{ContactForceLaw, Elasticity, InvalidContactLaw};
+use crate::schema::{Allowed, Key, KeyValues};
+
+/// `restitution`, a key of every law.
+pub const RESTITUTION: Key = Key::number(
+    "restitution",
+    Allowed::FRACTION,
+    "Coefficient of restitution e of the dashpots; plasticity and adhesion dissipate more",
+);
+
+/// `friction`, a key of every law.
+pub const FRICTION: Key =
+    Key::number("friction", Allowed::NOT_NEGATIVE, "Coefficient mu of sliding friction");
+
+/// A law of the registry. The tests of oddness, of energy over closed loops, and of equal bits on any ranks run over its
+/// examples.
+pub trait RegisteredContactLaw: ContactForceLaw + Sized {
+    /// What the law is, for the manual.
+    const MEANING: &'static str;
+
+    /// Its keys in the case file, besides [`RESTITUTION`] and [`FRICTION`].
+    const KEYS: &'static [Key];
+
+    /// Its adhesion.
+    const ADHESION: Adhesion = Adhesion { keys: &[], replaces_cohesion: false };
+
+    /// The law of these values; `None` if one is missing or wrong.
+    fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>>;
+
+    /// At least one law of these scales, with friction of about 0.4; more than one if the law has regimes that differ,
+    /// such as adhesion with and without a limit.
+    fn examples(scales: ExampleScales) -> Vec<Self>;
+}
+
+/// The adhesion that a law includes.
+#[derive(Clone, Copy, Debug)]
+pub struct Adhesion {
+    /// The keys of its strength, of which walls do not inherit the values of particles; none without adhesion.
+    pub keys: &'static [&'static str],
+    /// Whether it excludes van der Waals cohesion.
+    pub replaces_cohesion: bool,
+}
+
+/// The values of a law's keys, and what the rest of the case says.
+pub trait ContactLawValues: KeyValues {
+    /// Reports that a key is missing unless it is given: for keys that are required under a condition.
+    fn require(&self, key: &'static str);
+
+    /// Prints the default of a key that is not given.
+    fn note_default(&self, key: &'static str);
+
+    /// Reports an error of a key.
+    fn fail(&self, key: &'static str, message: String);
+
+    /// Whether there is van der Waals cohesion.
+    fn is_cohesive(&self) -> bool;
+
+    /// Whether units are SI.
+    fn is_si(&self) -> bool;
+
+    /// Elastic constants of the other body, if it is of another material.
+    fn other_body(&self) -> Option<Elasticity>;
+
+    /// The attraction of this Bond number at the reference diameter. Without gravity an error is reported at `key`, which
+    /// proposes the key `instead`.
+    fn attraction_of_bond_number(
+        &self,
+        bond_number: f64,
+        key: &'static str,
+        instead: &'static str,
+    ) -> Option<f64>;
+}
+
+/// The scales of a test, in its units.
+#[derive(Clone, Copy, Debug)]
+pub struct ExampleScales {
+    /// Normal stiffness, force per overlap, about.
+    pub stiffness: f64,
+    /// Overlap of a strong contact. Adhesive forces are about a third of `stiffness` times it.
+    pub overlap: f64,
+    /// Restitution coefficient of the dashpots; 1 for none.
+    pub restitution: f64,
+}
