@@ -1,14 +1,60 @@
-//! What is read off a state: never changes it, knows no files.
+//! What is read off a state, and what follows from series, profiles, fields and contacts: never changes a state, knows no
+//! files.
+//!
+//! * Of a state, while it runs: [`measure`], [`BedProfile`], [`Digest`].
+//! * Of series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
+//!   [`bed_height`], [`bubbles`], [`residence`], [`statistics`]. Plain slices in, plain structs out, or a [`NoValue`] that
+//!   says why there is none. Arithmetic is done in a fixed order and elementary functions are those of `libm`: the same
+//!   input gives the same bits on any machine.
+//! * Of particles and contacts spread over ranks: [`components`], [`agglomerates`], [`PersistentContacts`], [`breakage`],
+//!   [`PopulationFit`] and [`MassRadius`] (fractal dimension), [`mixing`], [`Coordination`], [`stress`], [`EnergyLedger`].
+//!   The same bits for any distribution over ranks, if positions are multiples of the quantum of positions.
+//!
+//! Quantities have the units of the input.
 
 mod bed_profile;
+mod coordination;
 mod digest;
+mod energy_ledger;
+mod exact_sums;
+mod fixed_point;
+mod fractal_dimension;
+mod line_fit;
 mod measures;
 mod momentum;
+mod no_value;
 mod observation;
+mod pair;
+mod periodicity;
+mod persistent_contacts;
+mod rendezvous;
 mod sums;
 
+pub mod agglomerates;
+pub mod bed_height;
+pub mod breakage;
+pub mod bubbles;
+pub mod components;
+pub mod minimum_fluidisation;
+pub mod mixing;
+pub mod numerics;
+pub mod phase_average;
+pub mod residence;
+pub mod spectrum;
+pub mod statistics;
+pub mod stress;
+pub mod waves;
+
 pub use bed_profile::BedProfile;
+pub use coordination::{Coordination, InRegion, coordination};
 pub use digest::{Digest, StateRecords};
+pub use energy_ledger::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy};
+pub use fractal_dimension::{MassRadius, PopulationFit};
+pub use line_fit::LineFit;
 pub use measures::{Column, Measures, Quantity, measure};
 pub use momentum::MomentumProbe;
+pub use no_value::{Estimate, NoValue};
 pub use observation::RunView;
+pub use pair::Pair;
+pub use periodicity::{Image, Periodicity};
+pub use persistent_contacts::{Persistence, PersistentContacts};

@@ -8,5 +8,6 @@ mod contact_laws;
 mod energy;
 mod gas_column;
 mod integrator_order;
+mod measures_never_panic;
 mod minimum_fluidisation;
 mod single_particle;

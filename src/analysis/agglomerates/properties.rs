@@ -1,0 +1,218 @@
+//! Mass, place, motion, size and coordination of agglomerates.
+
+use super::ParticleSample;
+use crate::analysis::components::Membership;
+use crate::analysis::exact_sums::{Keyed, totals_by_key};
+use crate::analysis::periodicity::Periodicity;
+use crate::analysis::rendezvous::ask;
+use crate::parallel::Communicator;
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Vector3;
+use std::f64::consts::{PI, TAU};
+
+/// What one agglomerate is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Agglomerate {
+    /// The smallest id of its members.
+    pub label: u64,
+    /// n, number of members.
+    pub members: u64,
+    /// m_agg, their mass.
+    pub mass: f64,
+    /// Their volume, sum of 4/3 pi r^3.
+    pub volume: f64,
+    /// Centre of mass, inside of the box. Along an axis along which the agglomerate winds around a periodic box, the
+    /// mean angle on a circle (Bai & Breen 2008, doi:10.1080/2151237X.2008.10129266).
+    pub centre: Vector3<f64>,
+    /// Velocity of the centre of mass.
+    pub velocity: Vector3<f64>,
+    /// R_agg, the radius of gyration: m_agg R_agg^2 = sum m_a l_a^2, l_a the distance of a member's centre from the
+    /// centre of mass. A particle alone has none.
+    pub radius_of_gyration: f64,
+    /// Whether it winds around the box, by axis: 1 or 0. Its size along such an axis is that of the box.
+    pub winds: [u64; 3],
+    /// Sum over members of their kept contacts: twice their number.
+    pub bonds: u64,
+    /// Sum over members of the members that they touch.
+    pub contacts_within: u64,
+    /// Sum over members of the particles that they touch.
+    pub contacts: u64,
+}
+
+impl Agglomerate {
+    /// d_agg = 2 R_agg.
+    pub fn diameter(&self) -> f64 {
+        2.0 * self.radius_of_gyration
+    }
+
+    /// C_N: mean number of touching neighbours of the members, members or not.
+    pub fn coordination_number(&self) -> f64 {
+        self.contacts as f64 / self.members as f64
+    }
+
+    /// The same, of neighbours that are members.
+    pub fn coordination_within(&self) -> f64 {
+        self.contacts_within as f64 / self.members as f64
+    }
+
+    /// The same, of contacts that have been kept since t_0.
+    pub fn bonds_per_member(&self) -> f64 {
+        self.bonds as f64 / self.members as f64
+    }
+
+    /// p = sum of the particles' volume / (4/3 pi R_agg^3).
+    ///
+    /// The paper says "the agglomerate's volume"; that this is the sphere of R_agg is our reading. That sphere is
+    /// smaller than the agglomerate: a compact ball of radius B has R_agg = sqrt(3/5) B.
+    pub fn packing_fraction(&self) -> f64 {
+        self.volume / (4.0 / 3.0 * PI * self.radius_of_gyration.powi(3))
+    }
+
+    /// Volume of the particles over that of the homogeneous ball with the same radius of gyration, of radius
+    /// sqrt(5/3) R_agg: that of the material for a ball, 0.465 times [`Agglomerate::packing_fraction`] always.
+    pub fn packing_fraction_of_ball(&self) -> f64 {
+        self.volume / (4.0 / 3.0 * PI * (self.radius_of_gyration * (5.0_f64 / 3.0).sqrt()).powi(3))
+    }
+
+    /// r_a, the radius of the sphere of the members' mean volume.
+    pub fn member_radius(&self) -> f64 {
+        libm::cbrt(self.volume / (4.0 / 3.0 * PI * self.members as f64))
+    }
+
+    /// D_f = ln n / ln(R_agg / r_a), from n = (R_agg / r_a)^D_f: the paper's value for a single agglomerate, with a
+    /// prefactor of 1. None if R_agg is not above r_a.
+    pub fn fractal_dimension(&self) -> Option<f64> {
+        let ratio = self.radius_of_gyration / self.member_radius();
+        (ratio > 1.0).then(|| libm::log(self.members as f64) / libm::log(ratio))
+    }
+}
+
+/// A member of an agglomerate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    label: u64,
+    mass: f64,
+    volume: f64,
+    velocity: Vector3<f64>,
+    /// In the frame of the particle whose id is the label; inside of the box along axes that are wound around.
+    pub(super) position: Vector3<f64>,
+    winds: [bool; 3],
+}
+
+impl Body {
+    pub(super) fn new(
+        particle: &ParticleSample,
+        set: &Membership,
+        periodicity: &Periodicity,
+    ) -> Self {
+        let wrapped = periodicity.wrapped(particle.position);
+        Self {
+            label: set.label,
+            mass: particle.mass,
+            volume: 4.0 / 3.0 * PI * particle.radius.powi(3),
+            velocity: particle.velocity,
+            position: periodicity.shifted(wrapped, set.image),
+            winds: set.winds,
+        }
+    }
+
+    /// Mass times (cos, sin) of the angle on the circle that a periodic axis is; nothing along other axes.
+    fn on_circle(&self, axis: usize, periodicity: &Periodicity) -> [f64; 2] {
+        match periodicity.lengths[axis] {
+            Some(length) if self.winds[axis] => {
+                let angle = TAU * self.position[axis] / length;
+                [self.mass * libm::cos(angle), self.mass * libm::sin(angle)]
+            }
+            _ => [0.0; 2],
+        }
+    }
+
+    /// [count, mass, volume, m x (3), m v (3), m cos (3), m sin (3), winds (3)].
+    fn moments(&self, periodicity: &Periodicity) -> [f64; 18] {
+        let (x, v) = (self.mass * self.position, self.mass * self.velocity);
+        let [a, b, c] = [0, 1, 2].map(|axis| self.on_circle(axis, periodicity));
+        let winds = self.winds.map(f64::from);
+        let [cosines, sines] = [0, 1].map(|part| [a[part], b[part], c[part]]);
+        let mut moments = [0.0; 18];
+        moments[..3].copy_from_slice(&[1.0, self.mass, self.volume]);
+        for axis in 0..3 {
+            moments[3 + axis] = x[axis];
+            moments[6 + axis] = v[axis];
+            moments[9 + axis] = cosines[axis];
+            moments[12 + axis] = sines[axis];
+            moments[15 + axis] = winds[axis];
+        }
+        moments
+    }
+}
+
+/// Centre of mass in the frame of the label's particle.
+fn centre_of_moments(moments: &[f64; 18], periodicity: &Periodicity) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| match periodicity.lengths[axis] {
+        Some(length) if moments[15 + axis] > 0.0 => {
+            let angle = libm::atan2(moments[12 + axis], moments[9 + axis]);
+            angle / TAU * length
+        }
+        _ => moments[3 + axis] / moments[1],
+    })
+}
+
+/// Properties of the agglomerates of all ranks' bodies, contacts left out, on the rendezvous ranks of their labels by
+/// ascending label. Collective.
+pub(super) fn of_bodies(
+    bodies: &[Body],
+    periodicity: &Periodicity,
+    ranks: &dyn Communicator,
+) -> Vec<Agglomerate> {
+    let moments =
+        bodies.iter().map(|body| Keyed { key: body.label, values: body.moments(periodicity) });
+    let moments = totals_by_key(moments.collect(), ranks);
+    let centre = |label: u64| {
+        let place = moments.binary_search_by_key(&label, |sums| sums.key).ok();
+        place.map_or_else(Vector3::zeros, |place| {
+            centre_of_moments(&moments[place].values, periodicity)
+        })
+    };
+    let centres = ask(bodies.iter().map(|body| body.label), centre, ranks);
+    let second = bodies.iter().map(|body| {
+        let centre = centres.get(body.label).unwrap_or_default();
+        let mut displacement = body.position - centre;
+        let nearest = periodicity.displacement(&centre, &body.position);
+        (0..3).filter(|&axis| body.winds[axis]).for_each(|axis| displacement[axis] = nearest[axis]);
+        Keyed { key: body.label, values: [body.mass * displacement.norm_squared()] }
+    });
+    let second = totals_by_key(second.collect(), ranks);
+    moments
+        .iter()
+        .zip(&second)
+        .map(|(sums, second)| agglomerate(sums, second, periodicity))
+        .collect()
+}
+
+fn agglomerate(sums: &Keyed<18>, second: &Keyed<1>, periodicity: &Periodicity) -> Agglomerate {
+    let [count, mass, volume] = [sums.values[0], sums.values[1], sums.values[2]];
+    Agglomerate {
+        label: sums.key,
+        members: count as u64,
+        mass,
+        volume,
+        centre: periodicity.wrapped(centre_of_moments(&sums.values, periodicity)),
+        velocity: Vector3::from_fn(|axis, _| sums.values[6 + axis] / mass),
+        radius_of_gyration: (second.values[0] / mass).sqrt(),
+        winds: [0, 1, 2].map(|axis| u64::from(sums.values[15 + axis] > 0.0)),
+        ..Agglomerate::default()
+    }
+}
+
+/// Adds what was counted on the same ranks.
+pub(super) fn add_contacts(found: &mut [Agglomerate], contacts: &[Keyed<3>]) {
+    for agglomerate in found {
+        if let Ok(place) = contacts.binary_search_by_key(&agglomerate.label, |count| count.key) {
+            let [bonds, within, all] = contacts[place].values.map(|count| count as u64);
+            agglomerate.bonds = bonds;
+            agglomerate.contacts_within = within;
+            agglomerate.contacts = all;
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Breakage and growth of agglomerates between two looks.
+//!
+//! Two looks label every particle with its agglomerate, or with none. What an agglomerate X of the first look and an
+//! agglomerate Y of the second share is the number of particles that belong to both.
+//!
+//! * The **successor** of X is the Y that shares most particles with X; the **origin** of Y is the X that shares most
+//!   with it; of equal ones that of the smaller label.
+//! * X **survives** if it is the origin of its successor and has at least half of its members there.
+//! * X **breaks** if at least `threshold` of its members are not in the successor; it **grows** if its successor has
+//!   at least `threshold` other members. It may do both: an exchange.
+//!
+//! Tables of this kind (size before, sizes after, per time) and the size at which growth and breakage are equal: Zhou
+//! et al., Chin. J. Chem. Eng. 26 (2018) 914, doi:10.1016/j.cjche.2017.05.018. The rules above are our own.
+
+mod rates;
+mod survival;
+#[cfg(test)]
+mod tests;
+
+pub use rates::{Crossing, Rate, RateCounts, RatesOfSize, crossing};
+pub use survival::{AtLag, CriticalTimes};
+
+use super::rendezvous::{ask, distinct, send_to_rendezvous};
+use crate::parallel::Communicator;
+use bytemuck::{Pod, Zeroable};
+
+/// Stands for no agglomerate where labels travel.
+const NONE: u64 = u64::MAX;
+
+/// The agglomerates of all particles at one look, on the rendezvous ranks of the particles.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// [id, label], ascending ids.
+    labels: Vec<[u64; 2]>,
+}
+
+impl Look {
+    /// Takes the labels of the particles that this rank owns, in the order of `ids`. Collective.
+    pub fn take(ids: &[u64], labels: &[Option<u64>], ranks: &dyn Communicator) -> Self {
+        let records = ids.iter().zip(labels).map(|(&id, label)| [id, label.unwrap_or(NONE)]);
+        let mut labels = send_to_rendezvous(records, |record| record[0], ranks);
+        labels.sort_unstable();
+        labels.dedup_by_key(|record| record[0]);
+        Self { labels }
+    }
+
+    /// What must be stored to go on later, as ids and labels; [`Look::take`] reads it on whatever ranks.
+    pub fn stored(&self) -> (Vec<u64>, Vec<Option<u64>>) {
+        let label = |record: &[u64; 2]| (record[1] != NONE).then_some(record[1]);
+        (
+            self.labels.iter().map(|record| record[0]).collect(),
+            self.labels.iter().map(label).collect(),
+        )
+    }
+
+    fn label(&self, id: u64) -> u64 {
+        let place = self.labels.binary_search_by_key(&id, |record| record[0]);
+        place.map_or(NONE, |place| self.labels[place][1])
+    }
+}
+
+/// A number of particles that went from one agglomerate to another, or stayed in one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(C)]
+struct Share {
+    before: u64,
+    after: u64,
+    /// Number of particles that belong to both.
+    particles: u64,
+}
+
+impl Share {
+    /// The agglomerate of the second look; none for particles that are in none, or have left.
+    fn after(&self) -> Option<u64> {
+        (self.after != NONE).then_some(self.after)
+    }
+}
+
+/// What became of one agglomerate of the first look.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fate {
+    /// Its label at the first look.
+    pub label: u64,
+    /// Number of its members then.
+    pub size: u64,
+    /// The agglomerates of the second look that hold members of it, by ascending label.
+    pub fragments: Vec<Fragment>,
+    /// Members that are in no agglomerate now.
+    pub released: u64,
+    /// The fragment that shares most with it, by place in `fragments`; none if all members were released.
+    pub successor: Option<usize>,
+}
+
+/// An agglomerate of the second look that holds members of one of the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fragment {
+    /// Its label at the second look.
+    pub label: u64,
+    /// Members that both share.
+    pub shared: u64,
+    /// Number of its members.
+    pub size: u64,
+    /// Number of agglomerates of the first look that it has members of.
+    pub sources: u64,
+    /// The one of the first look that it shares most with.
+    pub origin: u64,
+}
+
+impl Fate {
+    /// The agglomerate that shares most with this one.
+    pub fn successor(&self) -> Option<&Fragment> {
+        self.fragments.get(self.successor?)
+    }
+
+    /// Members that are not in the successor.
+    pub fn lost(&self) -> u64 {
+        self.size - self.successor().map_or(0, |successor| successor.shared)
+    }
+
+    /// Members of the successor that were not in this one.
+    pub fn gained(&self) -> u64 {
+        self.successor().map_or(0, |successor| successor.size - successor.shared)
+    }
+
+    /// Whether it is the origin of its successor, with half of its members at least.
+    pub fn survives(&self) -> bool {
+        let is_it = |next: &Fragment| next.origin == self.label && 2 * next.shared >= self.size;
+        self.successor().is_some_and(is_it)
+    }
+}
+
+/// What all ranks know of an agglomerate of the second look.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct After {
+    label: u64,
+    size: u64,
+    sources: u64,
+    origin: u64,
+}
+
+/// Events between two looks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// What became of the agglomerates of the first look whose label meets on this rank, by ascending label.
+    pub fates: Vec<Fate>,
+    /// Agglomerates of the second look on this rank that have no member of one of the first: [label, size].
+    pub new: Vec<[u64; 2]>,
+}
+
+impl Changes {
+    /// Compares two looks. Collective.
+    pub fn between(before: &Look, after: &Look, ranks: &dyn Communicator) -> Self {
+        let shares = shares(before, after);
+        let to_after = shares.iter().copied().filter(|share| share.after != NONE);
+        let at_after = merged(send_to_rendezvous(to_after, |share| share.after, ranks), |s| {
+            (s.after, s.before)
+        });
+        let of_after: Vec<After> =
+            at_after.chunk_by(|a, b| a.after == b.after).map(summary).collect();
+        let from_before = shares.iter().copied().filter(|share| share.before != NONE);
+        let at_before = merged(send_to_rendezvous(from_before, |share| share.before, ranks), |s| {
+            (s.before, s.after)
+        });
+        let answer = |label: u64| {
+            let place = of_after.binary_search_by_key(&label, |after| after.label);
+            place.map_or_else(|_| After::zeroed(), |place| of_after[place])
+        };
+        let known = ask(at_before.iter().filter_map(Share::after), answer, ranks);
+        let groups = at_before.chunk_by(|a, b| a.before == b.before);
+        let fates = groups.map(|group| fate(group, |label| known.get(label))).collect();
+        let new = of_after.iter().filter(|after| after.sources == 0);
+        Self { fates, new: new.map(|after| [after.label, after.size]).collect() }
+    }
+}
+
+/// How many of the particles that meet here went from where to where. A particle that has left is in none.
+fn shares(before: &Look, after: &Look) -> Vec<Share> {
+    let ids = before.labels.iter().chain(&after.labels).map(|record| record[0]);
+    let ids = distinct(ids);
+    let share = |id| Share { before: before.label(id), after: after.label(id), particles: 1 };
+    merged(ids.into_iter().map(share).collect(), |share| (share.before, share.after))
+}
+
+/// One share for each pair of agglomerates, ascending by `key`.
+fn merged(mut shares: Vec<Share>, key: impl Fn(&Share) -> (u64, u64)) -> Vec<Share> {
+    shares.sort_unstable_by_key(&key);
+    let of_pair = shares.chunk_by(|a, b| key(a) == key(b));
+    let sum = |group: &[Share]| group.iter().map(|share| share.particles).sum();
+    of_pair.map(|group| Share { particles: sum(group), ..group[0] }).collect()
+}
+
+/// Of the shares of one agglomerate of the second look.
+fn summary(shares: &[Share]) -> After {
+    let sources = || shares.iter().filter(|share| share.before != NONE);
+    After {
+        label: shares[0].after,
+        size: shares.iter().map(|share| share.particles).sum(),
+        sources: sources().count() as u64,
+        origin: largest(sources().map(|share| (share.before, share.particles)))
+            .map_or(NONE, |x| x.0),
+    }
+}
+
+/// Of the shares of one agglomerate of the first look.
+fn fate(shares: &[Share], known: impl Fn(u64) -> Option<After>) -> Fate {
+    let fragment = |share: &Share| {
+        let After { label, size, sources, origin } = known(share.after()?)?;
+        Some(Fragment { label, shared: share.particles, size, sources, origin })
+    };
+    let fragments: Vec<Fragment> = shares.iter().filter_map(fragment).collect();
+    let largest = largest(fragments.iter().map(|fragment| (fragment.label, fragment.shared)));
+    let successor = |(label, _)| fragments.iter().position(|fragment| fragment.label == label);
+    Fate {
+        label: shares[0].before,
+        size: shares.iter().map(|share| share.particles).sum(),
+        released: shares.iter().filter(|s| s.after == NONE).map(|s| s.particles).sum(),
+        successor: largest.and_then(successor),
+        fragments,
+    }
+}
+
+/// The label with the largest number; of equal ones the smallest label.
+fn largest(labels: impl Iterator<Item = (u64, u64)>) -> Option<(u64, u64)> {
+    labels.max_by_key(|&(label, number)| (number, std::cmp::Reverse(label)))
+}

@@ -1,0 +1,227 @@
+//! Where energy comes from and where it goes, by mechanism.
+
+use crate::numbers::ExactSum;
+use crate::parallel::Communicator;
+
+/// What does work on the particles, other than the springs whose energy is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mechanism {
+    /// Normal and tangential dashpots.
+    Dashpot,
+    /// Sliding friction.
+    Friction,
+    /// Plastic deformation: the loops of hysteretic springs.
+    Plasticity,
+    /// Cohesion, if its energy is not counted as stored.
+    Cohesion,
+    /// The gas: drag and pressure gradient.
+    Gas,
+    /// Walls that move.
+    Walls,
+    /// Weight, if its energy is not counted as stored.
+    Gravity,
+}
+
+impl Mechanism {
+    /// All, in the order of the ledger.
+    pub const ALL: [Self; 7] = [
+        Self::Dashpot,
+        Self::Friction,
+        Self::Plasticity,
+        Self::Cohesion,
+        Self::Gas,
+        Self::Walls,
+        Self::Gravity,
+    ];
+
+    /// The name of a column.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dashpot => "dashpot",
+            Self::Friction => "friction",
+            Self::Plasticity => "plasticity",
+            Self::Cohesion => "cohesion",
+            Self::Gas => "gas",
+            Self::Walls => "walls",
+            Self::Gravity => "gravity",
+        }
+    }
+}
+
+/// The energy of the particles at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StoredEnergy {
+    /// Of translation and rotation.
+    pub kinetic: f64,
+    /// Of the weight, of attraction: whatever has a potential.
+    pub potential: f64,
+    /// Of springs.
+    pub elastic: f64,
+}
+
+impl StoredEnergy {
+    /// All of it.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential + self.elastic
+    }
+}
+
+/// Work done on the particles of this rank, summed exactly: the same totals on any number of ranks.
+#[derive(Clone, Debug, Default)]
+pub struct EnergyLedger {
+    work: [ExactSum; Mechanism::ALL.len()],
+}
+
+/// The totals of a ledger, and what they leave unexplained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyBalance {
+    /// Work by mechanism, in the order of [`Mechanism::ALL`]. Negative where energy is lost.
+    pub work: [f64; Mechanism::ALL.len()],
+    /// Change of the stored energy.
+    pub change: f64,
+    /// Change of the stored energy less the sum of the work: zero but for the error of the integrator and of
+    /// rounding, or a mechanism is missing.
+    pub closure_error: f64,
+}
+
+impl EnergyLedger {
+    /// Adds work done on particles: force times displacement; negative if energy is lost.
+    pub fn add(&mut self, mechanism: Mechanism, work: f64) {
+        self.work[mechanism as usize].add(work);
+    }
+
+    /// This rank's sums as integers, to be stored.
+    pub fn stored(&self) -> Vec<i64> {
+        self.work.iter().flat_map(ExactSum::to_integers).collect()
+    }
+
+    /// A ledger from the sum, integer by integer, of what ranks have stored. Sums that are missing are zero.
+    pub fn restore(stored: &[i64]) -> Self {
+        let mut sums = stored.chunks_exact(ExactSum::INTEGERS).map(ExactSum::from_integers);
+        Self { work: [(); Mechanism::ALL.len()].map(|()| sums.next().unwrap_or_default()) }
+    }
+
+    /// The totals over ranks against the change of what all ranks' particles store. Collective.
+    pub fn balance(
+        &self,
+        before: &StoredEnergy,
+        after: &StoredEnergy,
+        ranks: &dyn Communicator,
+    ) -> EnergyBalance {
+        let mut integers = self.stored();
+        ranks.sum_integers(&mut integers);
+        let work = Self::restore(&integers).work.map(|sum| sum.value());
+        let change = after.total() - before.total();
+        // In the exact sum as well: large gains and losses cancel here.
+        let mut error = ExactSum::default();
+        work.iter().for_each(|&work| error.add(-work));
+        let stored = [after.kinetic, after.potential, after.elastic];
+        let at_start = [before.kinetic, before.potential, before.elastic];
+        stored.iter().for_each(|&energy| error.add(energy));
+        at_start.iter().for_each(|&energy| error.add(-energy));
+        EnergyBalance { work, change, closure_error: error.value() }
+    }
+}
+
+impl EnergyBalance {
+    /// Work of one mechanism.
+    pub fn of(&self, mechanism: Mechanism) -> f64 {
+        self.work[mechanism as usize]
+    }
+
+    /// The closure error over the sum of the magnitudes of all work; zero without work and error.
+    pub fn relative_error(&self) -> f64 {
+        let magnitude: f64 = self.work.iter().map(|work| work.abs()).sum();
+        let error = self.closure_error.abs();
+        if error > 0.0 { error / magnitude } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::run_on_threads;
+
+    /// A ball on a spring with a dashpot, dropped: [position, velocity] and the ledger after some velocity Verlet
+    /// steps.
+    fn bounce(step: f64, dashpot_in_ledger: bool) -> (StoredEnergy, StoredEnergy, EnergyLedger) {
+        let (stiffness, damping) = (400.0, 1.5);
+        let energy = |x: f64, v: f64| StoredEnergy {
+            kinetic: 0.5 * v * v,
+            potential: 9.81 * x,
+            elastic: 0.5 * stiffness * x.min(0.0).powi(2),
+        };
+        let spring = |x: f64| -stiffness * x.min(0.0) - 9.81;
+        let dashpot = |x: f64, v: f64| if x < 0.0 { -damping * v } else { 0.0 };
+        let (mut x, mut v) = (0.2, 0.0);
+        let before = energy(x, v);
+        let mut ledger = EnergyLedger::default();
+        for _ in 0..(1.0 / step) as usize {
+            let half = v + 0.5 * step * (spring(x) + dashpot(x, v));
+            let displacement = step * half;
+            if dashpot_in_ledger {
+                let middle = x + 0.5 * displacement;
+                ledger.add(Mechanism::Dashpot, dashpot(middle, half) * displacement);
+            }
+            x += displacement;
+            // The dashpot at the new velocity: implicit in v.
+            let damping = if x < 0.0 { damping } else { 0.0 };
+            v = (half + 0.5 * step * spring(x)) / (1.0 + 0.5 * step * damping);
+        }
+        (before, energy(x, v), ledger)
+    }
+
+    #[test]
+    fn a_ledger_closes_to_the_order_of_the_integrator() {
+        let balance = |step: f64, complete: bool| {
+            let (before, after, ledger) = bounce(step, complete);
+            run_on_threads(1, |ranks| ledger.balance(&before, &after, ranks))[0]
+        };
+        let coarse = balance(1e-3, true);
+        let fine = balance(1e-4, true);
+        assert!(coarse.of(Mechanism::Dashpot) < -0.5, "{coarse:?}");
+        // The dashpot's force jumps where the contact begins, which makes the integrator one of first order there.
+        assert!(coarse.relative_error() < 1e-2, "{coarse:?}");
+        assert!(fine.relative_error() < 1e-3, "{fine:?}");
+        // The control: without the dashpot all of its work is unexplained.
+        let incomplete = balance(1e-4, false);
+        assert!((incomplete.closure_error / fine.of(Mechanism::Dashpot) - 1.0).abs() < 1e-3);
+        assert_eq!(incomplete.relative_error(), f64::INFINITY);
+    }
+
+    #[test]
+    fn totals_have_the_same_bits_on_any_ranks_and_through_a_restart() {
+        let work = |k: usize| (k as f64 * 0.7).sin() * 10.0_f64.powi((k % 19) as i32 - 9);
+        let on = |n: usize| {
+            let made = run_on_threads(n, |ranks| {
+                let mut ledger = EnergyLedger::default();
+                for k in (0..5000).filter(|k| k * k % 13 % n == ranks.rank()) {
+                    if k == 2000 {
+                        ledger = EnergyLedger::restore(&ledger.stored());
+                    }
+                    ledger.add(Mechanism::ALL[k % 7], work(k));
+                }
+                let after = StoredEnergy { kinetic: 1e9, ..StoredEnergy::default() };
+                ledger.balance(&StoredEnergy::default(), &after, ranks)
+            });
+            assert!(made.iter().all(|balance| *balance == made[0]));
+            made[0]
+        };
+        let expected = on(1);
+        let plain: f64 = (0..5000).filter(|k| k % 7 == 4).map(work).sum();
+        assert!((expected.of(Mechanism::Gas) / plain - 1.0).abs() < 1e-12);
+        assert_eq!(expected.change, 1e9);
+        (2..=4).for_each(|n| assert_eq!(on(n), expected));
+    }
+
+    #[test]
+    fn every_mechanism_has_its_own_place_and_name() {
+        for (place, mechanism) in Mechanism::ALL.into_iter().enumerate() {
+            assert_eq!(mechanism as usize, place);
+        }
+        let mut names = Mechanism::ALL.map(Mechanism::name).to_vec();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), 7);
+    }
+}

@@ -1,0 +1,5 @@
+//! Numerical building blocks of the measures: Fourier transform, distribution functions, peaks.
+
+pub mod distributions;
+pub mod fourier;
+pub mod interpolation;

@@ -1,0 +1,38 @@
+//! Pairs of particles.
+
+use super::rendezvous::send_to_rendezvous;
+use crate::parallel::Communicator;
+use bytemuck::{Pod, Zeroable};
+
+/// Two particles, by their ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(C)]
+pub struct Pair {
+    /// The lower id.
+    pub lower: u64,
+    /// The higher id.
+    pub higher: u64,
+}
+
+impl Pair {
+    /// The pair of two particles, in whatever order they are named.
+    pub fn of(a: u64, b: u64) -> Self {
+        Self { lower: a.min(b), higher: a.max(b) }
+    }
+
+    /// Both ids.
+    pub fn ends(&self) -> [u64; 2] {
+        [self.lower, self.higher]
+    }
+}
+
+/// All ranks' pairs, each once however many ranks know it, on the rendezvous rank of the lower id and in ascending
+/// order. A pair of a particle with its own image is left out. Collective.
+pub(crate) fn at_rendezvous(pairs: &[Pair], ranks: &dyn Communicator) -> Vec<Pair> {
+    let ordered = pairs.iter().map(|pair| Pair::of(pair.lower, pair.higher));
+    let two = ordered.filter(|pair| pair.lower != pair.higher);
+    let mut pairs = send_to_rendezvous(two, |pair| pair.lower, ranks);
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}

@@ -1,0 +1,125 @@
+//! Records that meet on a rank which all can compute from a key: its rendezvous rank.
+//!
+//! Nobody needs to know which rank owns a particle. Keys are spread over the ranks by a hash, so that about equally
+//! many meet on each rank, and what a rank finds out about its keys does not depend on who sent it the records.
+
+use crate::parallel::{Communicator, Message, records_of_bytes};
+use bytemuck::Pod;
+
+/// A well-mixed number, another one for each key (the finaliser of SplitMix64: Steele, Lea & Flood, OOPSLA 2014,
+/// doi:10.1145/2660193.2660195).
+pub(crate) fn mixed(key: u64) -> u64 {
+    let mut x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// The rank on which records of this key meet.
+pub(crate) fn rendezvous_rank(key: u64, ranks: &dyn Communicator) -> usize {
+    (mixed(key) % ranks.size() as u64) as usize
+}
+
+/// Sends each record to the rendezvous rank of its key; returns those that meet here, in no order that may be relied
+/// on. Collective.
+pub(crate) fn send_to_rendezvous<T: Pod>(
+    records: impl IntoIterator<Item = T>,
+    key_of: impl Fn(&T) -> u64,
+    ranks: &dyn Communicator,
+) -> Vec<T> {
+    let mut outgoing = vec![Vec::new(); ranks.size()];
+    for record in records {
+        outgoing[rendezvous_rank(key_of(&record), ranks)].push(record);
+    }
+    let incoming = ranks.sparse_exchange(&messages(&outgoing));
+    incoming.iter().flat_map(|message| records_of_bytes(&message.bytes)).collect()
+}
+
+fn messages<T: Pod>(by_rank: &[Vec<T>]) -> Vec<Message> {
+    let filled = by_rank.iter().enumerate().filter(|(_, records)| !records.is_empty());
+    filled.map(|(rank, records)| Message::of(rank, records)).collect()
+}
+
+/// What the rendezvous ranks of some keys answered.
+#[derive(Clone, Debug)]
+pub(crate) struct Answers<A> {
+    keys: Vec<u64>,
+    values: Vec<A>,
+}
+
+impl<A: Copy> Answers<A> {
+    /// The answer about a key that was asked for.
+    pub(crate) fn get(&self, key: u64) -> Option<A> {
+        let place = self.keys.binary_search(&key).ok()?;
+        self.values.get(place).copied()
+    }
+}
+
+/// Asks the rendezvous ranks of some keys, each key once; `answer` is what this rank says of a key that meets here.
+/// Collective.
+pub(crate) fn ask<A: Pod>(
+    keys: impl IntoIterator<Item = u64>,
+    answer: impl Fn(u64) -> A,
+    ranks: &dyn Communicator,
+) -> Answers<A> {
+    let keys = distinct(keys);
+    let mut outgoing = vec![Vec::new(); ranks.size()];
+    keys.iter().for_each(|&key| outgoing[rendezvous_rank(key, ranks)].push(key));
+    let questions = ranks.sparse_exchange(&messages(&outgoing));
+    let replies = questions.iter().map(|question| {
+        let answers: Vec<A> = records_of_bytes(&question.bytes).map(&answer).collect();
+        Message::of(question.rank, &answers)
+    });
+    let replies = ranks.sparse_exchange(&replies.collect::<Vec<_>>());
+    // Each rank answers in the order in which it was asked.
+    let mut by_rank_of_key: Vec<std::vec::IntoIter<A>> = vec![Vec::new().into_iter(); ranks.size()];
+    for reply in &replies {
+        by_rank_of_key[reply.rank] = records_of_bytes(&reply.bytes).collect::<Vec<A>>().into_iter();
+    }
+    let next =
+        |&key: &u64| by_rank_of_key[rendezvous_rank(key, ranks)].next().unwrap_or_else(A::zeroed);
+    let values = keys.iter().map(next).collect();
+    Answers { keys, values }
+}
+
+/// The keys in ascending order, each once.
+pub(crate) fn distinct(keys: impl IntoIterator<Item = u64>) -> Vec<u64> {
+    let mut keys: Vec<u64> = keys.into_iter().collect();
+    keys.sort_unstable();
+    keys.dedup();
+    keys
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::run_on_threads;
+
+    #[test]
+    fn ranks_answer_about_what_was_sent_to_them() {
+        for n in 1..=4 {
+            run_on_threads(n, |ranks| {
+                let mine = (0..100_u64).filter(|k| k % n as u64 == ranks.rank() as u64);
+                let mut here = send_to_rendezvous(mine.map(|k| [k, k * k]), |pair| pair[0], ranks);
+                here.sort_unstable();
+                let square = |key: u64| {
+                    here.binary_search_by_key(&key, |pair| pair[0]).map_or(0, |i| here[i][1])
+                };
+                let answers = ask([99, 3, 3, 500], square, ranks);
+                assert_eq!(answers.get(3), Some(9));
+                assert_eq!(answers.get(99), Some(99 * 99));
+                assert_eq!(answers.get(500), Some(0)); // nobody sent it
+                assert_eq!(answers.get(4), None); // nobody asked
+            });
+        }
+    }
+
+    #[test]
+    fn keys_spread_evenly() {
+        let made = run_on_threads(4, |ranks| {
+            (0..4000).filter(|&key| rendezvous_rank(key, ranks) == ranks.rank()).count()
+        });
+        // Four standard deviations of a binomial distribution.
+        assert!(made.iter().all(|&count| count.abs_diff(1000) < 110), "{made:?}");
+    }
+}
