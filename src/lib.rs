@@ -78,7 +78,7 @@
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
 //! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`command_line`].
+//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`study`], [`command_line`].
 //!
 //! # References
 //!
@@ -121,5 +121,6 @@ pub mod schema;
 pub mod setup;
 pub mod simulation;
 pub mod state;
+pub mod study;
 pub mod time_step;
 pub mod timers;

@@ -122,6 +122,22 @@ impl Case {
         }
     }
 
+    /// The text of a case with overrides applied. Its values are not checked.
+    ///
+    /// # Errors
+    /// If the text is not TOML, or an override leads nowhere.
+    pub fn text_with(
+        text: &str,
+        file_name: &str,
+        overrides: &[String],
+    ) -> Result<String, CaseErrors> {
+        let problems = Problems::default();
+        match overrides::apply(text, overrides, &problems) {
+            Some((text, _)) if problems.is_empty() => Ok(text),
+            _ => Err(problems.into_errors(file_name)),
+        }
+    }
+
     /// When the run ends.
     pub fn end_time(&self) -> f64 {
         self.stages.last().map_or(0.0, |stage| stage.end)

@@ -12,6 +12,7 @@ mod signals;
 
 use crate::domain::RankGrid;
 use crate::parallel::{Communicator, MpiRanks};
+use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,6 +29,17 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[command(flatten)]
+    OnRanks(RankCommand),
+    /// Run many cases that a study file describes, or say how far they are; not under mpirun.
+    Study(StudyOptions),
+    /// Print a table of means of runs.
+    Summary(SummaryOptions),
+}
+
+/// What all ranks of MPI do together.
+#[derive(Debug, Subcommand)]
+enum RankCommand {
     /// Read and validate a case, and describe what would run.
     Check {
         /// The case file.
@@ -102,6 +114,28 @@ const USAGE: u8 = 2;
 /// Runs the program on this rank. Every error is one message on standard error, from rank 0, and a
 /// non-zero exit code on all ranks.
 pub fn main() -> ExitCode {
+    match CommandLine::try_parse().map(|line| line.command) {
+        // A study starts runs as processes of their own, which a process of MPI may not do.
+        Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
+        Ok(Command::Summary(options)) => {
+            alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
+        }
+        Ok(Command::OnRanks(command)) => on_ranks(Ok(command)),
+        Err(usage) => on_ranks(Err(usage)),
+    }
+}
+
+/// Does what needs no ranks.
+fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
+    start_log("info");
+    work().unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+/// Does a command on the ranks of MPI, or prints how commands are written.
+fn on_ranks(parsed: Result<RankCommand, clap::Error>) -> ExitCode {
     let ranks = match MpiRanks::start() {
         Ok(ranks) => ranks,
         Err(error) => {
@@ -109,9 +143,10 @@ pub fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    start_log(&ranks);
-    let command = match CommandLine::try_parse() {
-        Ok(line) => line.command,
+    // The other ranks speak only where RUST_LOG asks for it.
+    start_log(if ranks.is_root() { "info" } else { "off" });
+    let command = match parsed {
+        Ok(command) => command,
         Err(usage) => {
             if ranks.is_root() {
                 // Nothing is left to say if standard output is closed.
@@ -132,22 +167,21 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The log of rank 0; the others speak only where RUST_LOG asks for it.
-fn start_log(ranks: &dyn Communicator) {
-    let default = if ranks.is_root() { "info" } else { "off" };
-    let environment = env_logger::Env::default().default_filter_or(default);
+/// The log of this process, down to a level if RUST_LOG does not say which.
+fn start_log(level: &str) {
+    let environment = env_logger::Env::default().default_filter_or(level);
     env_logger::Builder::from_env(environment).format_timestamp(None).format_target(false).init();
 }
 
-fn dispatch(command: Command, ranks: &dyn Communicator) -> anyhow::Result<()> {
+fn dispatch(command: RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
     match command {
-        Command::Check { case, changes } => check::check(&case, &changes, ranks),
-        Command::Run { case, options, force, resume } => {
+        RankCommand::Check { case, changes } => check::check(&case, &changes, ranks),
+        RankCommand::Run { case, options, force, resume } => {
             run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
         }
-        Command::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
-        Command::Contact(options) => contact::contact(&options, ranks),
-        Command::Keys(options) => keys::keys(&options, ranks),
-        Command::Info { file } => info::info(&file, ranks),
+        RankCommand::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
+        RankCommand::Contact(options) => contact::contact(&options, ranks),
+        RankCommand::Keys(options) => keys::keys(&options, ranks),
+        RankCommand::Info { file } => info::info(&file, ranks),
     }
 }

@@ -77,6 +77,11 @@ pub(crate) fn smoke(name: &str) -> String {
     in_repository(&format!("cases/smoke/{name}.toml")).display().to_string()
 }
 
+/// Waits for the turn to start `mpirun`; for programs that do so by themselves.
+pub(crate) fn turn_of_mpirun() -> MutexGuard<'static, ()> {
+    ONE_MPIRUN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Starts the program: by itself for no ranks, else under `mpirun`.
 pub(crate) fn start(ranks: usize, arguments: &[&str]) -> Running {
     start_program(Path::new(env!("CARGO_BIN_EXE_talcum")), ranks, arguments)
@@ -84,7 +89,7 @@ pub(crate) fn start(ranks: usize, arguments: &[&str]) -> Running {
 
 /// Starts a program: by itself for no ranks, else under `mpirun`.
 pub(crate) fn start_program(program: &Path, ranks: usize, arguments: &[&str]) -> Running {
-    let turn = (ranks > 0).then(|| ONE_MPIRUN.lock().unwrap_or_else(PoisonError::into_inner));
+    let turn = (ranks > 0).then(turn_of_mpirun);
     let mut command = Command::new(if ranks > 0 { Path::new("mpirun") } else { program });
     if ranks > 0 {
         command.args(["-n", &ranks.to_string()]).arg(program);

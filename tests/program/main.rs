@@ -15,3 +15,4 @@ mod interruption;
 mod mpirun;
 mod restart;
 mod snapshots;
+mod study;

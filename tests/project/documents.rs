@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const DOCUMENTS: [&str; 11] = [
+const DOCUMENTS: [&str; 12] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -13,6 +13,7 @@ const DOCUMENTS: [&str; 11] = [
     "docs/input.md",
     "docs/laws.md",
     "docs/performance.md",
+    "docs/study.md",
     "docs/verification.md",
     "cases/benchmark/README.md",
 ];

@@ -1,0 +1,80 @@
+//! Reads the cases of runs, and refuses them before anything runs.
+
+use crate::case::Case;
+use crate::study::case_text::EffectiveCase;
+use crate::study::problem::CaseProblem;
+use crate::study::setting::Setting;
+use std::path::{Path, PathBuf};
+
+/// The case file of a run and what is set in it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CaseRequest {
+    /// The case file.
+    pub(crate) case: PathBuf,
+    /// What is set.
+    pub(crate) settings: Vec<Setting>,
+}
+
+/// Reads cases, and says what is wrong with them.
+pub(crate) trait CaseChecker {
+    /// The case with its settings.
+    ///
+    /// # Errors
+    /// If it cannot be read, or if a setting leads nowhere.
+    fn effective(&self, case: &Path, settings: &[Setting]) -> Result<EffectiveCase, CaseProblem> {
+        let name = case.display().to_string();
+        let of_file = |message: String| CaseProblem::of_file(format!("{name}: {message}"));
+        let text = std::fs::read_to_string(case);
+        let text = text.map_err(|error| of_file(format!("cannot be read: {error}")))?;
+        let text = Case::text_with(&text, &name, &overrides(settings)).map_err(|errors| {
+            let first = CaseProblem::all_of(errors).into_iter().next();
+            first.unwrap_or_else(|| of_file("cannot be read".to_owned()))
+        })?;
+        EffectiveCase::parse(&text).map_err(of_file)
+    }
+
+    /// Validates a case in full. The state with which the run starts may not be there yet.
+    ///
+    /// # Errors
+    /// All that is wrong with it.
+    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>>;
+}
+
+/// Validates cases as `talcum run` does when it reads them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CaseReader;
+
+impl CaseChecker for CaseReader {
+    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>> {
+        let case = Case::read(&request.case, &overrides(&request.settings));
+        case.map(drop).map_err(CaseProblem::all_of)
+    }
+}
+
+fn overrides(settings: &[Setting]) -> Vec<String> {
+    settings.iter().map(Setting::argument).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::setting::Value;
+
+    fn checked(key: &str, value: f64) -> Result<(), Vec<CaseProblem>> {
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/study/bed.toml");
+        let value = Value::from_number(value);
+        let settings = vec![Setting { key: key.to_owned(), value, line: 7 }];
+        CaseReader.check(&CaseRequest { case, settings })
+    }
+
+    #[test]
+    fn errors_find_their_setting() {
+        assert_eq!(checked("contact.friction", 0.2), Ok(()));
+        let found = checked("contact.friction", -1.0).unwrap_err();
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].setting.as_deref(), Some("contact.friction=-1.0"));
+        assert!(found[0].message.starts_with("contact.friction = -1.0: must be"), "{found:?}");
+        let found = checked("stage.9.duration", 1.0).unwrap_err();
+        assert!(found[0].message.starts_with("stage.9.duration=1.0: stage has no member"));
+    }
+}

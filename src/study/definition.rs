@@ -1,0 +1,124 @@
+//! What a study file defines.
+
+use crate::study::bisection::Bisection;
+use crate::study::measure::NamedMeasure;
+use crate::study::setting::{Setting, Value};
+use std::path::PathBuf;
+
+/// A study as its file describes it.
+#[derive(Debug)]
+pub(crate) struct Study {
+    /// The study file as the user named it.
+    pub(crate) file: PathBuf,
+    /// What the user calls the study.
+    pub(crate) title: String,
+    /// The case that all runs share.
+    pub(crate) case: PathBuf,
+    /// Values of keys that all runs share.
+    pub(crate) common: Vec<Setting>,
+    /// The axes of the grid; the last one varies fastest.
+    pub(crate) axes: Vec<Axis>,
+    /// What is varied to measure scatter, usually the seed.
+    pub(crate) replicates: Option<Axis>,
+    /// Whether runs start with the last state of the one before.
+    pub(crate) continuation: Option<Continuation>,
+    /// The search for a critical value.
+    pub(crate) bisection: Option<Bisection>,
+    /// What is measured on every run.
+    pub(crate) measures: Vec<NamedMeasure>,
+    /// Confidence level of the intervals, for example 0.95.
+    pub(crate) confidence: f64,
+    /// Ranks and programs.
+    pub(crate) resources: Resources,
+}
+
+/// One axis of the grid: keys that move together, and the values that they take.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Axis {
+    /// What the study calls it: the given name, or its first key.
+    pub(crate) name: String,
+    /// Keys of the case.
+    pub(crate) keys: Vec<String>,
+    /// One value for each key, for each position on the axis.
+    pub(crate) values: Vec<Vec<Value>>,
+    /// The line of the study file, from 1.
+    pub(crate) line: usize,
+}
+
+impl Axis {
+    /// The settings at a position on the axis.
+    pub(crate) fn settings(&self, position: usize) -> Vec<Setting> {
+        let values = self.values.get(position).map(Vec::as_slice).unwrap_or_default();
+        let pairs = self.keys.iter().zip(values);
+        let setting = |(key, value): (&String, &Value)| Setting {
+            key: key.clone(),
+            value: value.clone(),
+            line: self.line,
+        };
+        pairs.map(setting).collect()
+    }
+
+    /// Whether two positions on the axis have the same values.
+    pub(crate) fn repeats(&self) -> bool {
+        let same = |one: &[Value], two: &[Value]| one.iter().zip(two).all(|(a, b)| a.same_as(b));
+        let values = &self.values;
+        (1..values.len()).any(|later| values[..later].iter().any(|old| same(old, &values[later])))
+    }
+}
+
+/// Each run starts with the last state of the one before along an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Continuation {
+    /// Position of the axis in [`Study::axes`].
+    pub(crate) axis: usize,
+    /// The stage with which continued runs begin; the stages before it are left out of them.
+    pub(crate) from_stage: Option<String>,
+    /// Values that only continued runs take.
+    pub(crate) settings: Vec<Setting>,
+}
+
+/// How runs are started.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Resources {
+    /// Ranks of each run.
+    pub(crate) ranks: u64,
+    /// How many runs go on at the same time.
+    pub(crate) at_a_time: u64,
+    /// The command that starts a program on several ranks; `{ranks}` stands for their number.
+    pub(crate) launcher: Vec<String>,
+}
+
+impl Default for Resources {
+    fn default() -> Self {
+        let launcher = ["mpirun", "-n", "{ranks}"].map(str::to_owned).to_vec();
+        Self { ranks: 1, at_a_time: 1, launcher }
+    }
+}
+
+/// The key of the case that seeds all random numbers.
+pub(crate) const SEED: &str = "particles.seed";
+
+impl Study {
+    /// All keys of the case that the study varies, in the order of its axes; seeds come last.
+    pub(crate) fn varied_keys(&self) -> Vec<String> {
+        let of_axes = self.axes.iter().flat_map(|axis| axis.keys.iter().cloned());
+        let searched = self.bisection.iter().map(|bisection| bisection.key.clone());
+        let replicated = self.replicates.iter().flat_map(|axis| axis.keys.iter().cloned());
+        of_axes.chain(searched).chain(replicated).collect()
+    }
+
+    /// Everything that the study sets anywhere.
+    pub(crate) fn all_settings(&self) -> Vec<Setting> {
+        let of_axis = |axis: &Axis| {
+            (0..axis.values.len()).flat_map(|position| axis.settings(position)).collect::<Vec<_>>()
+        };
+        let axes = self.axes.iter().chain(&self.replicates).flat_map(of_axis);
+        let continued = self.continuation.iter().flat_map(|c| c.settings.iter().cloned());
+        self.common.iter().cloned().chain(axes).chain(continued).collect()
+    }
+
+    /// How many replicates of each point there are.
+    pub(crate) fn replicate_count(&self) -> usize {
+        self.replicates.as_ref().map_or(1, |axis| axis.values.len())
+    }
+}

@@ -1,0 +1,174 @@
+//! The study file, read strictly: unknown keys are errors, and all errors are reported together.
+
+mod axes;
+mod search;
+
+use crate::study::definition::{Axis, Continuation, Resources, Study};
+use crate::study::measure::{NamedMeasure, Registry};
+use crate::study::problem::{Problem, Problems, Refusal};
+use crate::study::section::{Entry, Section, Source};
+use crate::study::setting::Setting;
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+
+/// Reads a study file.
+///
+/// # Errors
+/// All that is wrong with the file, not only the first error.
+pub(crate) fn read(path: &Path, measures: &Registry) -> Result<Study, Refusal> {
+    let problems = Problems::default();
+    let text = std::fs::read_to_string(path);
+    let text = text.map_err(|error| problems.add_whole(format!("cannot be read: {error}"))).ok();
+    let study = text.and_then(|text| from_text(&text, path, measures, &problems));
+    problems.result(&path.display().to_string(), study)
+}
+
+fn from_text(text: &str, path: &Path, measures: &Registry, problems: &Problems) -> Option<Study> {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    for error in &errors {
+        let line = error
+            .span()
+            .map(|span| text.bytes().take(span.start).filter(|&byte| byte == b'\n').count() + 1);
+        let message = format!("not valid TOML: {}", error.message());
+        problems.add(Problem { line, key: String::new(), value: None, message });
+    }
+    if !errors.is_empty() {
+        return None;
+    }
+    let section = Section::root(root.get_ref(), Source { text, problems });
+    let study = study(&section, path, measures);
+    section.finish();
+    study
+}
+
+fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> {
+    let title = root.required("title", "a text: what you call the study");
+    let case = root.required("case", "the path of a case file, relative to the study file");
+    let common = root.optional("set").map(|entry| settings(&entry)).unwrap_or_default();
+    let axes = axes::axes(root);
+    let replicates = axes::replicates(root, &axes);
+    let grid: Vec<Axis> = axes.into_iter().filter(|axis| !axis.replicate).map(|a| a.axis).collect();
+    let measures = measures(root, registry);
+    let bisection = root.optional("bisection").map(|entry| search::bisection(&entry, &grid));
+    let continuation = root.optional("continuation").map(|entry| continuation(&entry, &grid));
+    let confidence = confidence(root);
+    let resources = resources(root);
+    let study = Study {
+        file: path.to_owned(),
+        title: title?.text()?,
+        case: path.parent().unwrap_or(Path::new("")).join(case?.text()?),
+        common,
+        axes: grid,
+        replicates,
+        continuation: unless_wrong(continuation)?,
+        bisection: unless_wrong(bisection)?,
+        measures,
+        confidence,
+        resources: resources?,
+    };
+    search::check(&study, root);
+    axes::check_keys(&study, root);
+    Some(study)
+}
+
+/// What is left out is no error; what was given and could not be read is.
+fn unless_wrong<T>(given: Option<Option<T>>) -> Option<Option<T>> {
+    match given {
+        Some(None) => None,
+        Some(value) => Some(value),
+        None => Some(None),
+    }
+}
+
+/// Keys of the case and their values. Sections and dotted keys are paths, inline tables are values.
+fn settings(entry: &Entry<'_>) -> Vec<Setting> {
+    let Some(section) = entry.section() else { return Vec::new() };
+    let mut all = Vec::new();
+    for (name, entry) in section.entries() {
+        collect_settings(&name, &entry, &mut all);
+    }
+    all
+}
+
+fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
+    // The text of an inline table begins with its brace; that of a section is elsewhere.
+    let is_section = matches!(entry.value, DeValue::Table(_)) && !entry.written.starts_with('{');
+    match entry.section_if(is_section) {
+        Some(section) => {
+            for (name, inner) in section.entries() {
+                collect_settings(&format!("{path}.{name}"), &inner, all);
+            }
+        }
+        None => {
+            let (key, value, line) = (path.to_owned(), axes::value(entry), entry.line);
+            all.push(Setting { key, value, line });
+        }
+    }
+}
+
+fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
+    let allowed = "one section [measure.NAME] or more: what is measured on every run";
+    let Some(entry) = root.required("measure", allowed) else { return Vec::new() };
+    let Some(section) = entry.section() else { return Vec::new() };
+    let mut measures = Vec::new();
+    for (name, entry) in section.entries() {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if !name.chars().all(plain) {
+            entry.fail("a measure is named with letters, digits, _ and -");
+        }
+        if let Some(measure) = entry.section().and_then(|keys| registry.prepare(&keys)) {
+            measures.push(NamedMeasure { name, measure, line: entry.line });
+        }
+    }
+    if section.entries().is_empty() {
+        entry.fail("must hold at least one measure, [measure.NAME]");
+    }
+    measures
+}
+
+fn continuation(entry: &Entry<'_>, axes: &[Axis]) -> Option<Continuation> {
+    let section = entry.section()?;
+    let axis = section.required("axis", "the name of an axis, or its first key");
+    let from_stage = section.optional("from_stage").map(|entry| entry.text());
+    let settings = section.optional("set").map(|entry| settings(&entry)).unwrap_or_default();
+    section.finish();
+    let axis = axes::find(&axis?, axes)?;
+    Some(Continuation { axis, from_stage: unless_wrong(from_stage)?, settings })
+}
+
+/// The usual confidence level.
+const CONFIDENCE: f64 = 0.95;
+
+fn confidence(root: &Section<'_>) -> f64 {
+    let Some(entry) = root.optional("confidence") else { return CONFIDENCE };
+    let Some(level) = entry.number() else { return CONFIDENCE };
+    if !(0.5..=0.999).contains(&level) {
+        entry.fail("must be from 0.5 to 0.999");
+    }
+    level
+}
+
+/// More ranks or runs than these are a slip of the keyboard.
+const MOST: u64 = 65_536;
+
+fn resources(root: &Section<'_>) -> Option<Resources> {
+    let mut resources = Resources::default();
+    let Some(entry) = root.optional("run") else { return Some(resources) };
+    let section = entry.section()?;
+    if let Some(entry) = section.optional("ranks") {
+        resources.ranks = entry.count(1, MOST)?;
+    }
+    if let Some(entry) = section.optional("at_a_time") {
+        resources.at_a_time = entry.count(1, MOST)?;
+    }
+    if let Some(entry) = section.optional("launcher") {
+        resources.launcher = launcher(&entry.text()?);
+    }
+    section.finish();
+    Some(resources)
+}
+
+/// The words of a command that starts a program on several ranks.
+pub(crate) fn launcher(text: &str) -> Vec<String> {
+    text.split_whitespace().map(str::to_owned).collect()
+}

@@ -1,0 +1,207 @@
+//! The folder of a study: a folder for each run, and what can be read off it.
+//!
+//! Nothing else keeps the state of a study. A run is complete if Talcum says so in its folder and the case
+//! that was run is the one that the study asks for.
+
+use crate::study::case_text::EffectiveCase;
+use crate::study::lock::{Sharing, try_lock};
+use crate::study::measure::{NamedMeasure, SeriesTable};
+use crate::study::member::Member;
+use crate::study::task::{Records, RunState};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Written by Talcum at the end of a run; holds the digest.
+pub(crate) const COMPLETE: &str = "complete";
+/// Why a run failed.
+pub(crate) const FAILED: &str = "failed";
+/// Held for as long as a run goes on.
+const RUN_LOCK: &str = "lock";
+
+/// The folder of a study.
+#[derive(Debug)]
+pub(crate) struct StudyFolder {
+    root: PathBuf,
+    /// Folders of runs by the marks at the ends of their names.
+    by_mark: HashMap<String, String>,
+    /// Digests of runs that were found complete.
+    complete: RefCell<HashMap<String, String>>,
+}
+
+impl StudyFolder {
+    /// The folder at a path, with the runs that are in it. Nothing is written.
+    pub(crate) fn at(root: &Path) -> Self {
+        let entries = std::fs::read_dir(root.join("runs")).into_iter().flatten().flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let by_mark = names.filter_map(|name| Some((name.rsplit_once("__")?.1.to_owned(), name)));
+        Self { root: root.to_owned(), by_mark: by_mark.collect(), complete: RefCell::default() }
+    }
+
+    /// Where it is.
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The case of continued runs.
+    pub(crate) fn continued_case(&self) -> PathBuf {
+        self.root.join("continued.toml")
+    }
+
+    /// The name of the folder of a run: that of the same run in an earlier form of the study, if there is one.
+    pub(crate) fn name_of<'a>(&'a self, member: &'a Member) -> &'a str {
+        self.by_mark.get(member.mark()).unwrap_or(&member.name)
+    }
+
+    /// The folder of a run.
+    pub(crate) fn run(&self, member: &Member) -> PathBuf {
+        self.root.join("runs").join(self.name_of(member))
+    }
+
+    /// The last checkpoint of a run, relative to the folder of the study.
+    pub(crate) fn last_checkpoint(&self, member: &Member) -> Option<PathBuf> {
+        let newest = newest_checkpoint(&self.run(member))?;
+        Some(Path::new("runs").join(self.name_of(member)).join(newest))
+    }
+
+    /// Takes the lock of a run; `None` if it goes on elsewhere. Its folder is made.
+    ///
+    /// # Errors
+    /// If the folder cannot be written.
+    pub(crate) fn lock_run(&self, member: &Member) -> Result<Option<File>, String> {
+        let folder = self.run(member);
+        make_folder(&folder)?;
+        try_lock(&folder.join(RUN_LOCK), Sharing::Exclusive)
+    }
+
+    /// Whether a run goes on at present, here or in another process.
+    pub(crate) fn is_running(&self, member: &Member) -> bool {
+        let lock = self.run(member).join(RUN_LOCK);
+        lock.exists() && matches!(try_lock(&lock, Sharing::Exclusive), Ok(None))
+    }
+
+    /// Notes that a run failed.
+    ///
+    /// # Errors
+    /// If that cannot be written.
+    pub(crate) fn note_failure(&self, member: &Member, reason: &str) -> Result<(), String> {
+        write_whole(&self.run(member).join(FAILED), reason)
+    }
+
+    /// Forgets that a run failed, so that it is tried again.
+    ///
+    /// # Errors
+    /// If the note cannot be removed.
+    pub(crate) fn forget_failure(&self, member: &Member) -> Result<(), String> {
+        let path = self.run(member).join(FAILED);
+        match std::fs::remove_file(&path) {
+            Err(error) if path.exists() => {
+                Err(format!("{} cannot be removed: {error}", path.display()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// How far a run has come, from its folder.
+    pub(crate) fn state(&self, member: &Member) -> RunState {
+        if let Some(digest) = self.complete.borrow().get(&member.identity) {
+            return RunState::Done(digest.clone());
+        }
+        let folder = self.run(member);
+        let state = read_state(&folder, member);
+        if let RunState::Done(digest) = &state {
+            self.complete.borrow_mut().insert(member.identity.clone(), digest.clone());
+        }
+        state
+    }
+
+    /// The time of the last row of a run's series.
+    pub(crate) fn time_reached(&self, member: &Member) -> Option<f64> {
+        // The last line may be half written.
+        let text = std::fs::read_to_string(self.run(member).join("series.csv")).ok()?;
+        let whole = text.rsplit_once('\n')?.0;
+        whole.rsplit('\n').next()?.split(',').next()?.parse().ok()
+    }
+
+    /// A line of provenance of a run, for example `commit`.
+    pub(crate) fn provenance(&self, member: &Member, name: &str) -> Option<String> {
+        let series = SeriesTable::read(&self.run(member).join("series.csv")).ok()?;
+        series.entry(name).map(str::to_owned)
+    }
+}
+
+fn read_state(folder: &Path, member: &Member) -> RunState {
+    let case = match std::fs::read_to_string(folder.join("case.toml")) {
+        Ok(case) => case,
+        Err(_) => match std::fs::read_to_string(folder.join(FAILED)) {
+            Ok(reason) => return RunState::Failed(reason),
+            Err(_) => return RunState::Waiting,
+        },
+    };
+    let before = member.predecessor.as_deref().map(|before| before.identity.as_str());
+    let identity = EffectiveCase::parse(&case).map(|case| case.identity(before));
+    if identity.as_ref() != Ok(&member.identity) {
+        return RunState::Failed(format!(
+            "{} holds the results of another case: has the case been changed while the study ran? \
+             Remove the folder to run it again",
+            folder.display()
+        ));
+    }
+    let complete = std::fs::read_to_string(folder.join(COMPLETE));
+    if let Some(digest) = complete.ok().and_then(|text| digest_of(&text)) {
+        return RunState::Done(digest);
+    }
+    match std::fs::read_to_string(folder.join(FAILED)) {
+        Ok(reason) => RunState::Failed(reason),
+        Err(_) => RunState::Begun,
+    }
+}
+
+/// The digest in a file `complete`: `digest HEX`.
+pub(crate) fn digest_of(text: &str) -> Option<String> {
+    text.lines().find_map(|line| line.strip_prefix("digest ")).map(|hex| hex.trim().to_owned())
+}
+
+/// The name of the newest checkpoint in a folder: names end in the number of the step, with leading zeros.
+pub(crate) fn newest_checkpoint(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with("checkpoint-") && name.ends_with(".h5")).max()
+}
+
+/// Makes a folder with all above it.
+pub(crate) fn make_folder(path: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(path)
+        .map_err(|error| format!("{} cannot be made: {error}", path.display()))
+}
+
+/// Writes a file that is there as a whole, or not at all.
+pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), String> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(format!(".partial-{}", std::process::id()));
+    let written = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|error| format!("{} cannot be written: {error}", path.display()))
+}
+
+/// What is known about the runs of a study, from its folder.
+#[derive(Debug)]
+pub(crate) struct Results<'a> {
+    /// The folder.
+    pub(crate) folder: &'a StudyFolder,
+    /// What is measured.
+    pub(crate) measures: &'a [NamedMeasure],
+}
+
+impl Records for Results<'_> {
+    fn state(&self, member: &Member) -> RunState {
+        self.folder.state(member)
+    }
+
+    fn measure(&self, member: &Member, name: &str) -> Result<f64, String> {
+        let measure = self.measures.iter().find(|measure| measure.name == name);
+        let measure = measure.ok_or_else(|| format!("there is no measure {name}"))?;
+        let measured = measure.measure.value(&self.folder.run(member));
+        measured.map(|measured| measured.value).map_err(|error| format!("{name}: {error}"))
+    }
+}

@@ -1,0 +1,50 @@
+//! Starts runs and waits for their end.
+
+mod process;
+
+pub(crate) use process::TalcumRunner;
+
+use crate::study::checker::CaseRequest;
+use std::fs::File;
+use std::path::PathBuf;
+
+/// A run that is to be started.
+#[derive(Debug)]
+pub(crate) struct Job {
+    /// Its case and all that is set in it.
+    pub(crate) request: CaseRequest,
+    /// The folder of its results.
+    pub(crate) folder: PathBuf,
+    /// The lock of the folder, which the run holds until its end.
+    pub(crate) lock: File,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Exit {
+    /// Whether it reported no error.
+    pub(crate) success: bool,
+    /// The exit code or signal, and the last lines of the error output.
+    pub(crate) description: String,
+}
+
+/// Starts runs.
+pub(crate) trait Runner {
+    /// Starts a run, or goes on with it.
+    ///
+    /// # Errors
+    /// If it cannot be started.
+    fn start(&self, job: Job) -> Result<Box<dyn Running>, String>;
+}
+
+/// A run that goes on.
+pub(crate) trait Running {
+    /// How it ended, if it has.
+    fn poll(&mut self) -> Option<Exit>;
+
+    /// Asks it to write a checkpoint and to end.
+    fn ask_to_stop(&mut self);
+
+    /// Ends it at once.
+    fn kill(&mut self);
+}

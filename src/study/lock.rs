@@ -1,0 +1,93 @@
+//! Locks on files: held by a process, and gone with it however it ends.
+
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
+use std::fs::File;
+use std::io::{Read, Seek, Write};
+use std::path::Path;
+
+/// Who may hold a lock beside us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sharing {
+    /// Nobody.
+    Exclusive,
+    /// Others who share it.
+    Shared,
+}
+
+/// Takes a lock if it is free; `None` if somebody else holds it.
+///
+/// A child process that is given the file keeps the lock for as long as it lives.
+///
+/// # Errors
+/// If the file cannot be made, or the file system has no locks.
+pub(crate) fn try_lock(path: &Path, sharing: Sharing) -> Result<Option<File>, String> {
+    let operation = match sharing {
+        Sharing::Exclusive => FlockOperation::NonBlockingLockExclusive,
+        Sharing::Shared => FlockOperation::NonBlockingLockShared,
+    };
+    let file = open(path)?;
+    match flock(&file, operation) {
+        Ok(()) => Ok(Some(file)),
+        Err(Errno::WOULDBLOCK) => Ok(None),
+        Err(error) => Err(format!("{} cannot be locked: {error}", path.display())),
+    }
+}
+
+/// Waits until a lock is free and takes it.
+///
+/// # Errors
+/// If the file cannot be made, or the file system has no locks.
+pub(crate) fn wait_for_lock(path: &Path) -> Result<File, String> {
+    let file = open(path)?;
+    loop {
+        match flock(&file, FlockOperation::LockExclusive) {
+            Ok(()) => return Ok(file),
+            Err(Errno::INTR) => {}
+            Err(error) => return Err(format!("{} cannot be locked: {error}", path.display())),
+        }
+    }
+}
+
+fn open(path: &Path) -> Result<File, String> {
+    let file = File::options().read(true).write(true).create(true).truncate(false).open(path);
+    file.map_err(|error| format!("{} cannot be opened: {error}", path.display()))
+}
+
+/// Writes into a locked file who holds it.
+pub(crate) fn sign(mut file: &File) {
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let text = format!("process {} on {}\n", std::process::id(), host.trim());
+    // Only a message to others depends on it.
+    let _ =
+        file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text.as_bytes()));
+}
+
+/// Who signed a locked file.
+pub(crate) fn holder(path: &Path) -> String {
+    let mut text = String::new();
+    let read = File::open(path).and_then(|mut file| file.read_to_string(&mut text));
+    match read {
+        Ok(_) if !text.trim().is_empty() => text.trim().to_owned(),
+        _ => "another process".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_excludes_others_until_its_file_is_closed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lock");
+        let held = try_lock(&path, Sharing::Exclusive).unwrap().unwrap();
+        sign(&held);
+        assert!(try_lock(&path, Sharing::Shared).unwrap().is_none());
+        assert!(holder(&path).contains(&std::process::id().to_string()));
+        drop(held);
+        let one = try_lock(&path, Sharing::Shared).unwrap();
+        assert!(one.is_some() && try_lock(&path, Sharing::Shared).unwrap().is_some());
+        assert!(try_lock(&path, Sharing::Exclusive).unwrap().is_none());
+    }
+}

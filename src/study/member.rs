@@ -1,0 +1,208 @@
+//! One run of a study: what is set in its case, what it begins with, and its name.
+
+use crate::study::case_text::belongs_to_a_new_bed;
+use crate::study::checker::{CaseChecker, CaseRequest};
+use crate::study::definition::Study;
+use crate::study::problem::CaseProblem;
+use crate::study::setting::{Setting, Value};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Member {
+    /// Number of its point, from 0.
+    pub(crate) point: usize,
+    /// Which replicate of the point it is, from 0.
+    pub(crate) replicate: usize,
+    /// Values of the keys that the study varies, seeds included.
+    pub(crate) settings: Vec<Setting>,
+    /// The run whose last state it begins with.
+    pub(crate) predecessor: Option<Arc<Member>>,
+    /// Hash of what decides its results.
+    pub(crate) identity: String,
+    /// Its folder: what differs from the other runs, and the first digits of the identity.
+    pub(crate) name: String,
+    /// When it ends, if the case says so.
+    pub(crate) end_time: Option<f64>,
+}
+
+impl Member {
+    /// The end of its name, by which a folder is found again when other keys are varied.
+    pub(crate) fn mark(&self) -> &str {
+        mark_of(&self.identity)
+    }
+
+    /// The value that the study gives to a key here.
+    pub(crate) fn setting(&self, key: &str) -> Option<&Setting> {
+        self.settings.iter().find(|setting| setting.key == key)
+    }
+}
+
+/// Digits of the identity in a name: 48 bits, so that a million runs are told apart all but surely.
+const MARK_LENGTH: usize = 12;
+/// Longest part of a name before the mark; file systems take names of 255 bytes.
+const LONGEST_NAME: usize = 180;
+/// Longest text of a value in a name.
+const LONGEST_VALUE: usize = 40;
+
+fn mark_of(identity: &str) -> &str {
+    identity.get(..MARK_LENGTH).unwrap_or(identity)
+}
+
+/// Makes the members of a study.
+pub(crate) struct MemberFactory<'a> {
+    study: &'a Study,
+    checker: &'a dyn CaseChecker,
+    /// The case of continued runs.
+    continued_case: PathBuf,
+    /// Keys that differ between runs, with their short names.
+    labels: Vec<(String, String)>,
+}
+
+impl<'a> MemberFactory<'a> {
+    /// A factory; `continued_case` is where the case of continued runs lies.
+    pub(crate) fn new(
+        study: &'a Study,
+        checker: &'a dyn CaseChecker,
+        continued_case: PathBuf,
+    ) -> Self {
+        let varied = study.axes.iter().chain(&study.replicates);
+        let differing = varied.filter(|axis| axis.values.len() > 1);
+        let mut keys: Vec<String> = differing.flat_map(|axis| axis.keys.iter().cloned()).collect();
+        keys.extend(study.bisection.iter().map(|search| search.key.clone()));
+        // Seeds come last in a name, after the key that is searched.
+        let replicated =
+            |key: &String| study.replicates.as_ref().is_some_and(|axis| axis.keys.contains(key));
+        keys.sort_by_key(replicated);
+        let labels = keys.iter().map(|key| (key.clone(), short_name(key, &keys))).collect();
+        Self { study, checker, continued_case, labels }
+    }
+
+    /// A run.
+    ///
+    /// # Errors
+    /// If the case cannot be read.
+    pub(crate) fn member(
+        &self,
+        point: usize,
+        replicate: usize,
+        settings: Vec<Setting>,
+        predecessor: Option<Arc<Member>>,
+    ) -> Result<Member, CaseProblem> {
+        let before = predecessor.as_deref();
+        let request = self.request(&settings, before, None);
+        let case = self.checker.effective(&request.case, &request.settings)?;
+        let identity = case.identity(before.map(|member| member.identity.as_str()));
+        let name = self.name(&settings, &identity);
+        let end_time = case.end_time();
+        Ok(Member { point, replicate, settings, predecessor, identity, name, end_time })
+    }
+
+    /// The case of a run and all that is set in it; `start` is the state that a continued run begins with.
+    pub(crate) fn request(
+        &self,
+        settings: &[Setting],
+        predecessor: Option<&Member>,
+        start: Option<&Path>,
+    ) -> CaseRequest {
+        let all = self.study.common.iter().chain(settings).cloned();
+        let Some(predecessor) = predecessor else {
+            let case = self.study.case.clone();
+            return CaseRequest { case, settings: all.collect() };
+        };
+        let of_continued = self.study.continuation.iter().flat_map(|c| c.settings.iter().cloned());
+        let mut settings: Vec<Setting> = all.chain(of_continued).collect();
+        settings.retain(|setting| !belongs_to_a_new_bed(&setting.key));
+        // Relative to the case of continued runs, so that a study folder may be moved.
+        let pending = Path::new("runs").join(&predecessor.name).join("checkpoint");
+        let path = start.unwrap_or(&pending).display().to_string();
+        let value = Value::new(&format!("{path:?}"), None);
+        settings.push(Setting { key: "particles.start.path".to_owned(), value, line: 0 });
+        CaseRequest { case: self.continued_case.clone(), settings }
+    }
+
+    /// A title that says what differs from the case, and where the run begins.
+    pub(crate) fn title(&self, member: &Member, origin: Option<String>) -> Option<Setting> {
+        let case = self.checker.effective(&self.study.case, &[]).ok()?;
+        let differs = self.labels.iter().filter_map(|(key, label)| {
+            Some(format!("{label} = {}", member.setting(key)?.value.plain()))
+        });
+        let parts: Vec<String> = differs.chain(origin).collect();
+        if parts.is_empty() {
+            return None;
+        }
+        let title = format!("{}: {}", case.title().unwrap_or("run"), parts.join(", "));
+        let value = Value::new(&toml_edit::Value::from(title).to_string(), None);
+        Some(Setting { key: "title".to_owned(), value, line: 0 })
+    }
+
+    /// The name of a search: what all its runs set.
+    pub(crate) fn search_name(&self, settings: &[Setting]) -> String {
+        let identity: Vec<String> =
+            self.study.common.iter().chain(settings).map(Setting::argument).collect();
+        let hash = blake3::hash(identity.join("\n").as_bytes()).to_hex();
+        self.name(settings, &hash)
+    }
+
+    fn name(&self, settings: &[Setting], identity: &str) -> String {
+        let part = |(key, label): &(String, String)| {
+            let setting = settings.iter().find(|setting| setting.key == *key)?;
+            Some(format!("{label}={}", as_file_name(&setting.value.plain())))
+        };
+        let mut name = self.labels.iter().filter_map(part).collect::<Vec<_>>().join("__");
+        name.truncate(LONGEST_NAME); // as_file_name leaves ASCII only
+        if name.is_empty() {
+            name = "run".to_owned();
+        }
+        format!("{name}__{}", mark_of(identity))
+    }
+}
+
+/// The shortest end of a path of keys that no other key shares.
+pub(crate) fn short_name(key: &str, keys: &[String]) -> String {
+    let parts: Vec<&str> = key.split('.').collect();
+    let end = |count: usize| parts[parts.len() - count..].join(".");
+    let is_unique = |end: &String| {
+        let dotted = format!(".{end}");
+        !keys.iter().any(|other| other != key && (other == end || other.ends_with(&dotted)))
+    };
+    let name = (1..=parts.len()).map(end).find(is_unique).unwrap_or_else(|| key.to_owned());
+    as_file_name(&name)
+}
+
+/// A text with characters that every shell and file system takes.
+fn as_file_name(text: &str) -> String {
+    let mut name = String::new();
+    for c in text.chars() {
+        let plain = c.is_ascii_alphanumeric() || "._+-".contains(c);
+        match plain {
+            true => name.push(c),
+            false if name.ends_with('-') || name.is_empty() => {}
+            false => name.push('-'),
+        }
+    }
+    name.truncate(LONGEST_VALUE);
+    name.trim_end_matches('-').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_shortened_while_they_stay_apart() {
+        let keys = ["cohesion.bond_number", "contact.bond_number", "gas.spacing", "spacing"]
+            .map(str::to_owned);
+        assert_eq!(short_name(&keys[0], &keys), "cohesion.bond_number");
+        assert_eq!(short_name(&keys[2], &keys), "gas.spacing");
+        assert_eq!(short_name("stage.2.gas.viscosity", &keys), "viscosity");
+    }
+
+    #[test]
+    fn any_value_becomes_a_file_name() {
+        assert_eq!(as_file_name("{ from = 0.0, to = 8.0 }"), "from-0.0-to-8.0");
+        assert_eq!(as_file_name("../a b/ü"), "..-a-b");
+        assert_eq!(as_file_name("1e-5"), "1e-5");
+    }
+}

@@ -1,0 +1,123 @@
+//! A study that was read, expanded and found to be right.
+
+use crate::study::case_text::continued;
+use crate::study::checker::CaseChecker;
+use crate::study::definition::Study;
+use crate::study::folder::{Results, StudyFolder, make_folder, write_whole};
+use crate::study::member::{Member, MemberFactory};
+use crate::study::plan::Plan;
+use crate::study::problem::{Problem, Problems, Refusal};
+use crate::study::setting::{Setting, Value};
+use crate::study::task::{Records, RunState, Task, TaskKind};
+
+/// A study with its folder and its runs.
+pub(crate) struct Session<'a> {
+    /// What the file defines.
+    pub(crate) study: &'a Study,
+    /// Its folder.
+    pub(crate) folder: &'a StudyFolder,
+    /// Makes its runs.
+    pub(crate) factory: MemberFactory<'a>,
+    /// Its points and tasks.
+    pub(crate) plan: Plan,
+    checker: &'a dyn CaseChecker,
+}
+
+impl<'a> Session<'a> {
+    /// Expands a study. Nothing but the case of continued runs is written.
+    ///
+    /// # Errors
+    /// If the study has no meaning, or the folder cannot be written.
+    pub(crate) fn new(
+        study: &'a Study,
+        folder: &'a StudyFolder,
+        checker: &'a dyn CaseChecker,
+    ) -> Result<Self, Refusal> {
+        write_continued_case(study, folder)?;
+        let factory = MemberFactory::new(study, checker, folder.continued_case());
+        let plan = Plan::new(study, &factory, checker)?;
+        Ok(Self { study, folder, factory, plan, checker })
+    }
+
+    /// What is known about the runs.
+    pub(crate) fn results(&self) -> Results<'a> {
+        Results { folder: self.folder, measures: &self.study.measures }
+    }
+
+    /// Checks the case of every run of some tasks that has not begun, before anything runs.
+    ///
+    /// # Errors
+    /// All that is wrong, with the lines of the study file.
+    pub(crate) fn check(&self, tasks: &[Task]) -> Result<(), Refusal> {
+        let problems = Problems::default();
+        let members = self.members_to_check(tasks).map_err(|message| problems.add_whole(message));
+        let members = members.unwrap_or_default();
+        if !members.is_empty() {
+            log::info!("checking {}", count_of(members.len(), "case"));
+        }
+        for member in &members {
+            self.check_member(member, &problems);
+        }
+        problems.result(&self.study.file.display().to_string(), Some(()))
+    }
+
+    /// All runs that are known now and have not begun; of a search the ends of its bracket and its middle.
+    fn members_to_check(&self, tasks: &[Task]) -> Result<Vec<Member>, String> {
+        let mut members = Vec::new();
+        for task in tasks {
+            members.extend(task.planned().iter().map(|member| (**member).clone()));
+            let (Some(search), TaskKind::Search { settings, bracket: [lower, upper] }) =
+                (&self.study.bisection, &task.kind)
+            else {
+                continue;
+            };
+            for number in [*lower, *upper, search.middle(*lower, *upper)] {
+                let (key, value) = (search.key.clone(), Value::from_number(number));
+                let setting = Setting { key, value, line: search.line };
+                let settings = settings.iter().cloned().chain([setting]).collect();
+                members.push(self.factory.member(task.point, task.replicate, settings, None)?);
+            }
+        }
+        members.retain(|member| self.results().state(member) == RunState::Waiting);
+        Ok(members)
+    }
+
+    fn check_member(&self, member: &Member, problems: &Problems) {
+        for measure in &self.study.measures {
+            let wrong = member.end_time.and_then(|end| measure.measure.check(end).err());
+            if let Some(message) = wrong {
+                let (line, key) = (Some(measure.line), format!("measure.{}", measure.name));
+                problems.add(Problem { line, key, value: None, message });
+            }
+        }
+        let request = self.factory.request(&member.settings, member.predecessor.as_deref(), None);
+        for problem in self.checker.check(&request).err().unwrap_or_default() {
+            problems.add(problem.place(&request.settings));
+        }
+    }
+}
+
+/// Writes the case of continued runs, if the study has any.
+fn write_continued_case(study: &Study, folder: &StudyFolder) -> Result<(), Refusal> {
+    let Some(continuation) = &study.continuation else { return Ok(()) };
+    let problems = Problems::default();
+    let text = std::fs::read_to_string(&study.case).map_err(|error| error.to_string());
+    let written = text.and_then(|text| continued(&text, continuation)).and_then(|text| {
+        let path = folder.continued_case();
+        // Left alone where it is as it should be: other processes may read it.
+        if std::fs::read_to_string(&path).is_ok_and(|old| old == text) {
+            return Ok(());
+        }
+        make_folder(folder.root())?;
+        write_whole(&path, &text)
+    });
+    if let Err(message) = written {
+        problems.add_whole(format!("{}: {message}", study.case.display()));
+    }
+    problems.result(&study.file.display().to_string(), Some(()))
+}
+
+/// A count with its noun: `1 run`, `2 runs`.
+pub(crate) fn count_of(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}

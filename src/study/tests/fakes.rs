@@ -1,0 +1,223 @@
+//! Runs without a program: their results are made up from their cases.
+
+use crate::study::checker::{CaseChecker, CaseRequest};
+use crate::study::definition::Study;
+use crate::study::folder::StudyFolder;
+use crate::study::job::{Exit, Job, Runner, Running};
+use crate::study::measure::Registry;
+use crate::study::problem::{CaseProblem, Refusal};
+use crate::study::scheduler::{Outcome, Scheduler, StopRequest};
+use crate::study::session::Session;
+use crate::study::table::{collect, csv};
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::Duration;
+
+pub(super) const CASE: &str = "title = \"bed\"\n[particles]\ncount = 10\nseed = 1\n[particles.start]\nkind = \"lattice\"\n[cohesion]\nbond_number = 1.0\n[gas]\nsuperficial_velocity = 0.1\n[time]\nend = 4.0\n";
+
+/// Refuses negative numbers, and keys that the case does not have.
+pub(super) struct FakeChecker;
+
+impl CaseChecker for FakeChecker {
+    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>> {
+        let plain = self.effective(&request.case, &[]).unwrap().flat();
+        let settings = request.settings.iter();
+        let problems = settings.filter_map(|setting| {
+            let reason = match setting.value.number() {
+                _ if !plain.contains_key(&setting.key) => "unknown key",
+                Some(number) if number < 0.0 => "must be at least 0",
+                _ => return None,
+            };
+            let message = format!("{} = {}: {reason}", setting.key, setting.value);
+            Some(CaseProblem { setting: Some(setting.argument()), message })
+        });
+        let problems: Vec<CaseProblem> = problems.collect();
+        if problems.is_empty() { Ok(()) } else { Err(problems) }
+    }
+}
+
+/// What a made-up run gives: a number, or an error.
+pub(super) type Physics = fn(&BTreeMap<String, String>) -> Result<f64, String>;
+
+/// Makes runs up; each lasts some polls and can be stopped.
+pub(super) struct FakeRunner {
+    pub(super) physics: Physics,
+    pub(super) polls: usize,
+    /// Folders of runs in the order in which they were started, again after a stop.
+    pub(super) started: RefCell<Vec<String>>,
+    pub(super) most_active: Cell<usize>,
+    active: Rc<Cell<usize>>,
+}
+
+impl FakeRunner {
+    pub(super) fn new(physics: Physics) -> Self {
+        Self {
+            physics,
+            polls: 2,
+            started: RefCell::default(),
+            most_active: Cell::new(0),
+            active: Rc::default(),
+        }
+    }
+}
+
+struct FakeRun {
+    folder: PathBuf,
+    result: Result<f64, String>,
+    polls_left: usize,
+    stopped: bool,
+    active: Rc<Cell<usize>>,
+    _lock: File,
+}
+
+impl Runner for FakeRunner {
+    fn start(&self, job: Job) -> Result<Box<dyn Running>, String> {
+        let case = FakeChecker.effective(&job.request.case, &job.request.settings)?;
+        std::fs::write(job.folder.join("case.toml"), case.text()).unwrap();
+        let name = job.folder.file_name().unwrap().to_string_lossy().into_owned();
+        self.started.borrow_mut().push(name);
+        self.active.set(self.active.get() + 1);
+        self.most_active.set(self.most_active.get().max(self.active.get()));
+        Ok(Box::new(FakeRun {
+            result: (self.physics)(&case.flat()),
+            folder: job.folder,
+            polls_left: self.polls,
+            stopped: false,
+            active: Rc::clone(&self.active),
+            _lock: job.lock,
+        }))
+    }
+}
+
+impl FakeRun {
+    fn finish(&self) -> Exit {
+        std::fs::write(self.folder.join("checkpoint-000000000001.h5"), "").unwrap();
+        if self.stopped {
+            return Exit { success: true, description: String::new() };
+        }
+        match &self.result {
+            Ok(value) => {
+                let rows = format!("time [s],bed_top [d]\n0,0\n4,{value}\n");
+                let text = format!("# talcum_version: 9\n# commit: abc\n{rows}");
+                std::fs::write(self.folder.join("series.csv"), text).unwrap();
+                std::fs::write(self.folder.join("complete"), "digest 0123\n").unwrap();
+                Exit { success: true, description: String::new() }
+            }
+            Err(reason) => Exit { success: false, description: reason.clone() },
+        }
+    }
+}
+
+impl Running for FakeRun {
+    fn poll(&mut self) -> Option<Exit> {
+        if self.polls_left > 0 && !self.stopped {
+            self.polls_left -= 1;
+            return None;
+        }
+        self.active.set(self.active.get() - 1);
+        Some(self.finish())
+    }
+
+    fn ask_to_stop(&mut self) {
+        self.stopped = true;
+    }
+
+    fn kill(&mut self) {
+        self.stopped = true;
+    }
+}
+
+/// A folder with a case and a study in it.
+pub(super) struct Desk {
+    pub(super) folder: tempfile::TempDir,
+}
+
+impl Desk {
+    pub(super) fn new(study: &str) -> Self {
+        let desk = Self { folder: tempfile::tempdir().unwrap() };
+        std::fs::write(desk.path("bed.toml"), CASE).unwrap();
+        desk.write(study);
+        desk
+    }
+
+    pub(super) fn write(&self, study: &str) {
+        let head = "title = \"t\"\ncase = \"bed.toml\"\n";
+        let measure = "\n[measure.top]\ncolumn = \"bed_top\"\nstatistic = \"last\"\n";
+        std::fs::write(self.path("study.toml"), format!("{head}{study}{measure}")).unwrap();
+    }
+
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(super) fn read(&self) -> Result<Study, Refusal> {
+        crate::study::file::read(&self.path("study.toml"), &Registry::default())
+    }
+
+    /// What is wrong with the study, with its cases checked.
+    pub(super) fn refusal(&self) -> String {
+        let study = match self.read() {
+            Ok(study) => study,
+            Err(refusal) => return short(&refusal, self.folder.path()),
+        };
+        let folder = StudyFolder::at(&self.path("out"));
+        let refused = match Session::new(&study, &folder, &FakeChecker) {
+            Ok(session) => session.check(&session.plan.tasks),
+            Err(refusal) => Err(refusal),
+        };
+        refused.map_or_else(|refusal| short(&refusal, self.folder.path()), |()| String::new())
+    }
+
+    /// Works on the study; asked to stop gently at the given look.
+    pub(super) fn work(&self, runner: &FakeRunner, stop_at: Option<usize>) -> Outcome {
+        self.with_session(|session| {
+            session.check(&session.plan.tasks).unwrap();
+            let looks = Cell::new(0);
+            let stop = || {
+                looks.set(looks.get() + 1);
+                match stop_at {
+                    Some(at) if looks.get() >= at => StopRequest::Gentle,
+                    _ => StopRequest::None,
+                }
+            };
+            let scheduler = Scheduler {
+                factory: &session.factory,
+                search: session.study.bisection.as_ref(),
+                results: session.results(),
+                runner,
+                at_a_time: usize::try_from(session.study.resources.at_a_time).unwrap(),
+                stop: &stop,
+                pause: Duration::from_micros(100),
+            };
+            scheduler.run(&session.plan.tasks).unwrap()
+        })
+    }
+
+    /// All tables, one after another.
+    pub(super) fn tables(&self) -> String {
+        self.with_session(|session| {
+            let collected = collect(session).unwrap();
+            assert_eq!(collected.failures, Vec::<String>::new());
+            collected.tables.iter().map(csv::text).collect()
+        })
+    }
+
+    pub(super) fn with_session<T>(&self, function: impl FnOnce(&Session<'_>) -> T) -> T {
+        let study = self.read().unwrap();
+        let folder = StudyFolder::at(&self.path("out"));
+        let session = Session::new(&study, &folder, &FakeChecker).unwrap();
+        function(&session)
+    }
+}
+
+fn short(refusal: &Refusal, folder: &Path) -> String {
+    refusal.to_string().replace(&format!("{}/", folder.display()), "")
+}
+
+/// A number of a case.
+pub(super) fn number(keys: &BTreeMap<String, String>, key: &str) -> f64 {
+    keys[key].parse().unwrap()
+}

@@ -1,0 +1,6 @@
+//! Studies as a whole, with runs that are made up.
+
+mod expansion;
+mod fakes;
+mod refusals;
+mod work;

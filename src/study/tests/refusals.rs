@@ -1,0 +1,164 @@
+//! Bad studies are refused with file, line, key, value and what is allowed.
+
+use super::fakes::{CASE, Desk};
+
+const AXIS: &str = "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [2, 4]\n";
+
+/// Studies and what they are refused with; their lines 1 and 2 are the title and the case.
+const REFUSED: &[(&str, &str)] = &[
+    ("seed = 5\n", "study.toml:3: seed = 5: unknown key: did you mean seeds?"),
+    ("seeds = 0\n", "study.toml:3: seeds = 0: must be a whole number from 1 to 10000"),
+    ("seeds = []\n", "study.toml:3: seeds = []: must not be empty"),
+    ("seeds = [4, 4]\n", "study.toml:3: particles.seed: has the same values twice"),
+    ("confidence = 95\n", "study.toml:3: confidence = 95: must be from 0.5 to 0.999"),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = []\n",
+        "study.toml:5: axis.1.values = []: must not be empty",
+    ),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [4, 4.0]\n",
+        "study.toml:3: cohesion.bond_number: has the same values twice",
+    ),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_number\"\n",
+        "study.toml:3: axis.1.values: missing: give values or range",
+    ),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_number\"\nrange = { from = 0, to = 1, step = -1 }\n",
+        "axis.1.range.step = -1: must lead from 0 to 1",
+    ),
+    (
+        "[[axis]]\nkeys = [\"a.b\", \"c.d\"]\nvalues = [[1, 2], [3]]\n",
+        "axis.1.values.2 = [3]: must have 2 values, one for each of keys",
+    ),
+    (
+        "[set]\ncohesion.bond_number = 3\n[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [2, 4]\n",
+        "study.toml:5: cohesion.bond_number: is already set at line 4",
+    ),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_numbr\"\nvalues = [2, 4]\n",
+        "study.toml:3: cohesion.bond_numbr = 2: unknown key",
+    ),
+    (
+        "[[axis]]\nkey = \"cohesion.bond_number\"\nvalues = [2, -4]\n",
+        "study.toml:3: cohesion.bond_number = -4: must be at least 0",
+    ),
+    (
+        "[measure.x]\ncolumn = \"bed_tip\"\nstatistic = \"mean\"\n",
+        "study.toml:4: measure.x.column = \"bed_tip\": no such column: did you mean bed_top?",
+    ),
+    (
+        "[measure.x]\nsource = \"analyse\"\n",
+        "measure.x.source = \"analyse\": no such source of measures: known here are series",
+    ),
+    (
+        "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"median\"\n",
+        "measure.x.statistic = \"median\": must be one of mean, last, max, min, deviation",
+    ),
+    (
+        "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\nwindow = { from = 50 }\n",
+        "study.toml:3: measure.x: the window begins at 50, but the run ends at 4",
+    ),
+    ("[run]\nranks = 0\n", "study.toml:4: run.ranks = 0: must be a whole number from 1 to 65536"),
+    ("[continuation]\naxis = \"x\"\n", "study.toml:4: continuation.axis = \"x\": there is no axis"),
+    (
+        "[[axis]]\nkey = \"stage.pour.duration\"\nvalues = [2, 4]\n[set]\ntitle.x = 1\n",
+        "study.toml:7: title.x=1: title is not a section",
+    ),
+    ("seeds = 2\nseeds = 3\n", "study.toml:4: not valid TOML"),
+];
+
+const SEARCH: &str = "[bisection]\nkey = \"cohesion.bond_number\"\nbracket = [1, 9]\ntolerance = 0.5\nmeasure = \"top\"\nthreshold = 5\ndirection = \"falls\"\n";
+
+#[track_caller]
+fn assert_refused(study: &str, expected: &str) {
+    let refusal = Desk::new(study).refusal();
+    assert!(refusal.contains(expected), "{study}\n{refusal}\nexpected {expected}");
+}
+
+#[test]
+fn bad_studies_are_refused_with_line_key_value_and_what_is_allowed() {
+    for (study, expected) in REFUSED {
+        assert_refused(study, expected);
+    }
+}
+
+#[test]
+fn bad_searches_and_continuations_are_refused() {
+    let search = SEARCH;
+    for (study, expected) in [
+        (
+            format!(
+                "{AXIS}[continuation]\naxis = \"cohesion.bond_number\"\nfrom_stage = \"pour\"\n"
+            ),
+            "bed.toml: it has no stages",
+        ),
+        (
+            search.replace("\"top\"", "\"tip\""),
+            "study.toml:3: bisection.measure = \"tip\": no such measure: known here are top",
+        ),
+        (
+            search.replace("0.5", "9"),
+            "study.toml:6: bisection.tolerance = 9: must be above 0 and below 8",
+        ),
+        (
+            search.replace("[1, 9]", "[9, 1]"),
+            "study.toml:5: bisection.bracket = [9, 1]: must be two numbers, the smaller first",
+        ),
+        (
+            search.replace("\"falls\"", "\"down\""),
+            "bisection.direction = \"down\": must be \"rises\" or \"falls\"",
+        ),
+        (
+            search.replace("[1, 9]", "[-1, 9]"),
+            "study.toml:3: cohesion.bond_number = -1.0: must be at least 0",
+        ),
+    ] {
+        assert_refused(&study, expected);
+    }
+    let both = format!("{AXIS}[continuation]\naxis = \"cohesion.bond_number\"\n")
+        + &search.replace("cohesion.bond_number", "gas.superficial_velocity");
+    assert_refused(&both, "bisection.key: cannot be combined with [continuation]");
+}
+
+#[test]
+fn all_errors_are_reported_together_and_good_studies_pass() {
+    let refusal = Desk::new("seeds = 0\nseed = 1\n[run]\nranks = 0\n").refusal();
+    assert_eq!(refusal.lines().count(), 3, "{refusal}");
+    assert_eq!(Desk::new(&format!("seeds = 2\n{AXIS}")).refusal(), "");
+}
+
+#[test]
+fn a_study_that_is_missing_or_measures_nothing_is_refused() {
+    let desk = Desk::new("");
+    std::fs::write(desk.path("study.toml"), "title = \"t\"\ncase = \"bed.toml\"\n").unwrap();
+    assert!(desk.refusal().contains("measure: missing"), "{}", desk.refusal());
+    std::fs::remove_file(desk.path("study.toml")).unwrap();
+    assert!(desk.refusal().contains("cannot be read"), "{}", desk.refusal());
+    let desk = Desk::new("");
+    std::fs::remove_file(desk.path("bed.toml")).unwrap();
+    assert!(desk.refusal().contains("bed.toml: cannot be read"), "{}", desk.refusal());
+}
+
+#[test]
+fn two_names_for_one_run_are_refused() {
+    // Both axes set the same key: stage 1 is the one named "a".
+    let desk = Desk::new(
+        "[[axis]]\nkey = \"stage.1.duration\"\nvalues = [1, 2]\n[[axis]]\nkey = \"stage.a.duration\"\nvalues = [1, 2]\n",
+    );
+    let case = format!("{CASE}[[stage]]\nname = \"a\"\nduration = 1\n");
+    std::fs::write(desk.path("bed.toml"), case).unwrap();
+    assert!(desk.refusal().contains("are the same run"), "{}", desk.refusal());
+}
+
+#[test]
+fn seeds_are_refused_where_no_random_numbers_are_drawn() {
+    let desk = Desk::new("seeds = 2\n");
+    let case = CASE.replace("kind = \"lattice\"", "kind = \"run\"\npath = \"x.h5\"");
+    std::fs::write(desk.path("bed.toml"), case).unwrap();
+    assert!(desk.refusal().contains("study.toml:3: particles.seed: the seed changes nothing"));
+    desk.write(
+        "[[axis]]\nreplicate = true\nkeys = [\"particles.seed\", \"particles.start.path\"]\nvalues = [[1, \"x.h5\"], [2, \"y.h5\"]]\n",
+    );
+    assert_eq!(desk.refusal(), "");
+}
