@@ -1,3 +1,5 @@
+//! Rods, discs, balls and clusters of known dimension; a wrong dimension is told apart.
+
 use super::*;
 use crate::analysis::mixing::Estimate;
 use crate::numbers::{normal, random_of, uniform};

@@ -1,3 +1,5 @@
+//! Agglomerates glued and parted by hand, across periodic faces and borders of ranks.
+
 use super::*;
 use crate::numbers::{Quantum, normal, random_of, uniform};
 use crate::parallel::run_on_threads;

@@ -1,3 +1,5 @@
+//! What becomes of agglomerates between two looks, on made sets whose fate is known.
+
 use super::*;
 use crate::analysis::rendezvous::mixed;
 use crate::numbers::{random_of, uniform};

@@ -1,3 +1,5 @@
+//! Connected sets against a search on one rank, chains across ranks, sets that wind around a periodic box.
+
 use super::*;
 use crate::numbers::{random_of, uniform};
 use crate::parallel::run_on_threads;

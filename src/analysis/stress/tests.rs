@@ -1,3 +1,5 @@
+//! A column of spheres carries the weight above; the divergence of the stress balances forces; the same bits on any ranks.
+
 use super::*;
 use crate::numbers::{Quantum, normal, random_of, uniform};
 use crate::parallel::run_on_threads;

@@ -114,7 +114,7 @@ fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
     for (name, entry) in section.entries() {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         if !name.chars().all(plain) {
-            entry.fail("a measure is named with letters, digits, _ and -");
+            entry.fail("a measure is named with characters, digits, _ and -");
         }
         if let Some(measure) = entry.section().and_then(|keys| registry.prepare(&keys)) {
             measures.push(NamedMeasure { name, measure, line: entry.line });

@@ -101,7 +101,9 @@ fn a_chain_is_one_task_for_each_point_of_the_other_axes() {
         assert_eq!(chain[1].predecessor.as_ref(), Some(&chain[0]));
         let request = session.factory.request(&chain[1].settings, Some(&chain[0]), None);
         assert_eq!(request.case, session.folder.continued_case());
-        assert!(request.pending_start.unwrap().contains(&chain[0].name));
+        let start = request.settings.last().unwrap();
+        assert_eq!(start.key, "particles.start.path");
+        assert!(start.value.plain().contains(&chain[0].name));
     });
 }
 
