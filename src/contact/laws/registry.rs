@@ -103,21 +103,30 @@ macro_rules! contact_laws {
         }
 
         impl $crate::contact::ContactForceLaw for ContactLaw {
+            // By type: contacts with walls are evaluated one by one, at every step.
+            #[inline(always)]
             fn force(
                 &self,
                 contact: &$crate::contact::Contact,
                 history: &mut $crate::particles::ContactHistory,
                 dt: f64,
             ) -> $crate::contact::ContactForce {
-                self.as_law().force(contact, history, dt)
+                match self {
+                    $(Self::$Law(law) => law.force(contact, history, dt),)*
+                    Self::Custom(law) => law.as_law().force(contact, history, dt),
+                }
             }
 
+            #[inline(always)]
             fn touches(
                 &self,
                 contact: &$crate::contact::Contact,
                 history: &$crate::particles::ContactHistory,
             ) -> bool {
-                self.as_law().touches(contact, history)
+                match self {
+                    $(Self::$Law(law) => law.touches(contact, history),)*
+                    Self::Custom(law) => law.as_law().touches(contact, history),
+                }
             }
 
             fn contact_range(&self, reduced_radius: f64) -> f64 {
