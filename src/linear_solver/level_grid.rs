@@ -83,11 +83,11 @@ impl LevelGrid {
 
     /// The cells that a rank holds: those of its subdomain, or all cells of a replicated level.
     pub(super) fn local_cells(&self, subdomain: Subdomain) -> LocalCells {
-        let block = subdomain.decomposition.grid().coordinates_of(subdomain.rank);
-        // A replicated level consists of one block.
-        let block = [0, 1, 2].map(|axis| block[axis].min(self.starts[axis].len() - 2));
-        let start = [0, 1, 2].map(|axis| self.starts[axis][block[axis]]);
-        let count = [0, 1, 2].map(|axis| self.starts[axis][block[axis] + 1] - start[axis]);
+        let coordinates = subdomain.decomposition.grid().coordinates_of(subdomain.rank);
+        // On a replicated level there is one entry along each axis.
+        let at = [0, 1, 2].map(|axis| coordinates[axis].min(self.starts[axis].len() - 2));
+        let start = [0, 1, 2].map(|axis| self.starts[axis][at[axis]]);
+        let count = [0, 1, 2].map(|axis| self.starts[axis][at[axis] + 1] - start[axis]);
         LocalCells { counts: self.counts, start, count }
     }
 }

@@ -34,8 +34,8 @@ pub struct ParticleHalo {
 impl ParticleHalo {
     /// Chooses the ghosts: every particle within `width` of this rank's subdomain. This call is collective.
     ///
-    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts stand
-    /// behind the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
+    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts
+    /// follow the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
     pub fn rebuild(
         &mut self,
         particles: &mut Particles,

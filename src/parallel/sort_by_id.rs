@@ -163,19 +163,19 @@ mod tests {
         let mut sorted = ids.clone();
         sorted.sort_unstable();
         for n in 1..=4 {
-            let blocks = run_on_threads(n, |ranks| {
+            let by_rank = run_on_threads(n, |ranks| {
                 // Rank 0 has no rows if there are other ranks.
                 let mine = |k: usize| if n == 1 { true } else { k % (n - 1) + 1 == ranks.rank() };
                 let here: Vec<u64> = (0..100).filter(|&k| mine(k)).map(|k: usize| ids[k]).collect();
                 sort_by_id(&here, |&id| [id, 0], ranks)
             });
             let mut table = Vec::new();
-            for block in &blocks {
-                assert_eq!((block.offset, block.total), (table.len() as u64, 100));
-                table.extend_from_slice(&block.rows);
+            for sorted in &by_rank {
+                assert_eq!((sorted.offset, sorted.total), (table.len() as u64, 100));
+                table.extend_from_slice(&sorted.rows);
             }
             assert_eq!(table, sorted);
-            assert!(blocks.iter().all(|block| block.rows.len() <= 100 / n + 2));
+            assert!(by_rank.iter().all(|rows| rows.rows.len() <= 100 / n + 2));
         }
     }
 
@@ -186,19 +186,19 @@ mod tests {
         expected.sort_unstable();
         for n in 1..=3 {
             for chunks in [1, 2, 7] {
-                let blocks = run_on_threads(n, |ranks| {
+                let by_rank = run_on_threads(n, |ranks| {
                     let mine = pairs.iter().skip(ranks.rank()).step_by(n).copied();
-                    let mut blocks = Vec::new();
+                    let mut of_chunks = Vec::new();
                     let here: Vec<[u64; 2]> = mine.collect();
-                    sort_in_chunks(&here, |&ids| ids, chunks, ranks, |block| blocks.push(block));
-                    blocks
+                    sort_in_chunks(&here, |&ids| ids, chunks, ranks, |rows| of_chunks.push(rows));
+                    of_chunks
                 });
                 let mut table = Vec::new();
                 for chunk in 0..chunks {
-                    for block in blocks.iter().map(|blocks| &blocks[chunk]) {
-                        assert_eq!((block.offset, block.total), (table.len() as u64, 300));
-                        assert!(block.rows.len() <= 300 / (n * chunks) + 6);
-                        table.extend_from_slice(&block.rows);
+                    for rows in by_rank.iter().map(|of_chunks| &of_chunks[chunk]) {
+                        assert_eq!((rows.offset, rows.total), (table.len() as u64, 300));
+                        assert!(rows.rows.len() <= 300 / (n * chunks) + 6);
+                        table.extend_from_slice(&rows.rows);
                     }
                 }
                 assert_eq!(table, expected);
@@ -209,16 +209,16 @@ mod tests {
     #[test]
     fn extreme_ids_and_empty_tables_are_sorted() {
         for n in 1..=3 {
-            let blocks = run_on_threads(n, |ranks| {
+            let by_rank = run_on_threads(n, |ranks| {
                 let here = if ranks.is_root() { vec![u64::MAX, 3, 0] } else { vec![] };
                 (
                     sort_by_id(&here, |&id| [id, 0], ranks),
                     sort_by_id::<u64>(&[], |&id| [id, 0], ranks),
                 )
             });
-            let table: Vec<u64> = blocks.iter().flat_map(|(block, _)| block.rows.clone()).collect();
+            let table: Vec<u64> = by_rank.iter().flat_map(|(rows, _)| rows.rows.clone()).collect();
             assert_eq!(table, [0, 3, u64::MAX]);
-            assert!(blocks.iter().all(|(_, empty)| empty.total == 0 && empty.rows.is_empty()));
+            assert!(by_rank.iter().all(|(_, empty)| empty.total == 0 && empty.rows.is_empty()));
         }
     }
 }

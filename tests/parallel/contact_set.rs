@@ -135,7 +135,7 @@ fn forces_are_those_of_all_pairs_in_reach_through_rebuild_and_migration() {
         println!("ranks {grid:?}: largest difference of a force {worst:.1e}");
         assert!(apart > 600 * 50, "pairs attract without touching: {apart}");
         // Overlap is a difference of numbers near 7, stiffness 2e4: 2e4 x 1e-15; then a rounding of forces (limit
-        // about 3e3: lattice 1e-10) for each of a dozen pairs.
+        // about 3e3: quantum 1e-10) for each of a dozen pairs.
         assert!(worst < 2.0e-9, "{worst:.1e}");
     }
     // Negative control: without the pairs that do not touch.
@@ -162,7 +162,7 @@ fn an_attractive_pair_that_does_not_touch_survives_borders() {
                 let separation = displacement.norm() - 1.0;
                 assert!((0.05..0.15).contains(&separation), "{separation}");
                 let pull = displacement.normalize() * 1.0e-3 * (0.05 / separation).powi(2);
-                // Forces lie on a lattice of spacing 64 k 0.2 / 2^51 = 1e-9 here.
+                // Forces are rounded to a quantum of about 1e-9 here.
                 let force = Vector3::from(state.particles[0].force);
                 assert!((force - pull).amax() < 2.0e-9, "{force} {pull}");
                 assert!(pull.norm() > 1.0e-4 && state.pairs.is_empty());
@@ -174,7 +174,7 @@ fn an_attractive_pair_that_does_not_touch_survives_borders() {
     assert!(ends.iter().all(|end| end.bits() == ends[0].bits()));
 }
 
-/// Sum over all ranks' particles; every force lies on a lattice, so the sum has no rounding.
+/// Sum over all ranks' particles; forces are multiples of one quantum, so the sum is exact.
 fn total_force(run: &Run) -> Vector3<f64> {
     let particles = &run.state.particles;
     let here: Vec<[f64; 3]> =
