@@ -29,10 +29,13 @@
 //!
 //! Each particle i, a sphere of radius r, mass m, volume V and inertia I = (2/5) m r^2, moves by
 //!
-//! ```text
-//! m dv/dt     = sum of contact forces + cohesion + walls + gas - m g_eff(t) e_z
-//! I domega/dt = sum of r n x F_t over its contacts
-//! g_eff(t)    = g [1 + Gamma sin(2 pi f (t - t0))]              in the frame of a vibrated plate
+//! ```math
+//! \begin{aligned}
+//! m \frac{d\mathbf{v}}{dt} &= \sum \mathbf{F}_\text{contact} + \mathbf{F}_\text{cohesion} + \mathbf{F}_\text{wall}
+//!   + \mathbf{F}_\text{gas} - m\, g_\text{eff}(t)\, \mathbf{e}_z \\
+//! I \frac{d\boldsymbol{\omega}}{dt} &= \sum r\, \mathbf{n} \times \mathbf{F}_t \\
+//! g_\text{eff}(t) &= g \left[ 1 + \Gamma \sin 2 \pi f (t - t_0) \right] \quad \text{in the frame of a vibrated plate}
+//! \end{aligned}
 //! ```
 //!
 //! * Contact \[Moon2006 (1)-(3); Cundall1979\]: F_n = k_n delta - gamma_n v_n, and a tangential spring k_t
@@ -45,9 +48,11 @@
 //! * Gas \[Moon2006 (6)-(12)\], one-dimensional and without inertia, from continuity of the mixture and
 //!   Darcy's law; it acts vertically ([`gas::ColumnSolver`]):
 //!
-//! ```text
-//! (1 - phi) u_g + phi u_s = U_s,    -(1 - phi) dp/dz = beta (u_g - u_s)
-//! force on a particle, upwards: (V / phi) beta [(u_s - v) - (u_s - U_s) / (1 - phi)^2]
+//! ```math
+//! \begin{aligned}
+//! (1 - \phi)\, u_g + \phi\, u_s &= U_s, \qquad -(1 - \phi) \frac{dp}{dz} = \beta (u_g - u_s) \\
+//! F_\text{gas} &= \frac{V}{\phi}\, \beta \left[ (u_s - v) - \frac{u_s - U_s}{(1 - \phi)^2} \right]
+//! \end{aligned}
 //! ```
 //!
 //! * Gas in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid

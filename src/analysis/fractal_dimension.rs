@@ -51,8 +51,8 @@ impl PopulationFit {
 /// Fitted is Q(r) = integral of M from 0 to r = mean over members i of sum_j max(r - |x_j - x_i|, 0), which grows as
 /// r^(D + 1) and in which the shells of neighbours are smoothed:
 ///
-/// ```text
-/// ln Q = c + (D + 1) ln r - b r / R
+/// ```math
+/// \ln Q = c + (D + 1) \ln r - b\, \frac{r}{R}
 /// ```
 ///
 /// by least squares over radii from 5 r_a to 0.9 R in steps of a factor of 1.25, R the radius of gyration. The last

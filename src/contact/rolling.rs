@@ -48,9 +48,12 @@ pub enum RollingKind {
 /// omega the relative spin in the tangent plane (spin about the normal is not resisted), the torque on the
 /// second body is
 ///
-/// ```text
-/// constant torque    -mu_r R* F omega/|omega|, at most what stops omega within the step
-/// elastic-plastic    -k_r theta - eta_r 2 sqrt(I_r k_r) omega, at most mu_r R* F
+/// ```math
+/// \begin{aligned}
+/// \text{constant torque} \quad & -\mu_r R^* F\, \frac{\boldsymbol{\omega}}{|\boldsymbol{\omega}|}
+///   \text{, at most what stops } \boldsymbol{\omega} \text{ within the step} \\
+/// \text{elastic-plastic} \quad & -k_r \boldsymbol{\theta} - 2 \eta_r \sqrt{I_r k_r}\, \boldsymbol{\omega} \text{, at most } \mu_r R^* F
+/// \end{aligned}
 /// ```
 ///
 /// with theta the angle rolled; the spring yields at |k_r theta| = mu_r R* F. (Ai et al. switch the dashpot off only

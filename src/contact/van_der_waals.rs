@@ -20,7 +20,11 @@ pub enum CohesionExpression {
 /// Van der Waals attraction. Below the separation `cut_off`, contact included, the force is that at `cut_off`; beyond
 /// the separation `range` there is none.
 ///
-/// Walls have their own constant: A_w r / (6 s^2).
+/// ```math
+/// F = \frac{A\, \bar{r}}{12\, s^2} \quad \text{between particles}, \qquad F = \frac{A_w\, r}{6\, s^2} \quad \text{on a wall}
+/// ```
+///
+/// near contact, with the harmonic mean of the radii 2 r_1 r_2 / (r_1 + r_2); walls have their own constant A_w.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VanDerWaals {
     /// Hamaker constant A of two particles, energy.
@@ -157,8 +161,11 @@ impl VanDerWaalsNow {
     }
 }
 
-/// Force over Hamaker constant: (1/3) 2 r_1 r_2 (s + r_1 + r_2) / p^2 [p / (p + 4 r_1 r_2) - 1]^2 with
-/// p = s (s + 2 r_1 + 2 r_2) (Moon 2006 eq. (4)).
+/// Force over Hamaker constant (Moon 2006 eq. (4)):
+///
+/// ```math
+/// \frac{2 r_1 r_2 (s + r_1 + r_2)}{3 p^2} \left[ \frac{p}{p + 4 r_1 r_2} - 1 \right]^2, \qquad p = s (s + 2 r_1 + 2 r_2)
+/// ```
 #[inline(always)]
 fn hamaker_full(radius_1: f64, radius_2: f64, s: f64) -> f64 {
     let product = radius_1 * radius_2;

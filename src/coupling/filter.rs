@@ -75,8 +75,8 @@ impl Filter {
 fn copy_outwards(field: &mut Field, axis: usize, side: usize) {
     let last = field.count()[axis] as isize - 1;
     let (inside, outside) = [(0, -1), (last, last + 1)][side];
-    let sources = field.slab(axis, (inside, inside + 1));
-    for (source, target) in sources.zip(field.slab(axis, (outside, outside + 1))) {
+    let sources = field.slab(axis, inside..inside + 1);
+    for (source, target) in sources.zip(field.slab(axis, outside..outside + 1)) {
         field.values_mut().copy_within(source, target.start);
     }
 }

@@ -97,29 +97,30 @@ impl Field {
         }
     }
 
-    /// Ranges of indices of the rows in the layers `from..to` along `axis`. They include the halo along the axes before
+    /// Ranges of indices of the rows in `layers` along `axis`. They include the halo along the axes before
     /// `axis` but not along those after it, so that a halo is filled axis by axis.
     pub fn slab(
         &self,
         axis: usize,
-        (from, to): (isize, isize),
+        layers: Range<isize>,
     ) -> impl Iterator<Item = Range<usize>> + use<> {
         self.rows_within(std::array::from_fn(|other| match other.cmp(&axis) {
             Ordering::Less => self.with_halo(other),
-            Ordering::Equal => (from, to),
+            Ordering::Equal => (layers.start, layers.end),
             Ordering::Greater => (0, self.count[other] as isize),
         }))
     }
 
-    /// Ranges of indices of the rows in the layers `from..to` along `axis`, with the halo along the other axes.
+    /// Ranges of indices of the rows in `layers` along `axis`, with the halo along the other axes.
     pub fn layers(
         &self,
         axis: usize,
-        (from, to): (isize, isize),
+        layers: Range<isize>,
     ) -> impl Iterator<Item = Range<usize>> + use<> {
-        self.rows_within(
-            [0, 1, 2].map(|other| if other == axis { (from, to) } else { self.with_halo(other) }),
-        )
+        self.rows_within([0, 1, 2].map(|other| match other == axis {
+            true => (layers.start, layers.end),
+            false => self.with_halo(other),
+        }))
     }
 
     fn with_halo(&self, axis: usize) -> (isize, isize) {
@@ -163,9 +164,9 @@ mod tests {
     #[test]
     fn slabs_include_the_halo_of_the_axes_before_their_own() {
         let field = Field::new(&local_cells(), 1);
-        let cells = |axis| -> usize { field.slab(axis, (0, 1)).map(|row| row.len()).sum() };
+        let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
         assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
-        let cells = |axis| -> usize { field.layers(axis, (0, 1)).map(|row| row.len()).sum() };
+        let cells = |axis| -> usize { field.layers(axis, 0..1).map(|row| row.len()).sum() };
         assert_eq!([0, 1, 2].map(cells), [5 * 4, 6 * 4, 6 * 5]);
     }
 }

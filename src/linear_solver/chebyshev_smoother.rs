@@ -127,7 +127,7 @@ impl VectorWork for First<'_> {
         for [row, first, right] in
             rows([&*next, &system.coefficients.diagonal, system.right_hand_side])
         {
-            let stencil = StencilRow::new((system.coefficients, first), (solution, row), length);
+            let stencil = StencilRow::new(system.coefficients, first, solution, row, length);
             let right = &system.right_hand_side.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];
             let x = stencil.centre();
@@ -156,7 +156,7 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
         for [row, first, right] in
             rows([&*last, &system.coefficients.diagonal, system.right_hand_side])
         {
-            let stencil = StencilRow::new((system.coefficients, first), (present, row), length);
+            let stencil = StencilRow::new(system.coefficients, first, present, row, length);
             let right = &system.right_hand_side.values()[right..][..length];
             let inverse = &system.inverse_diagonal.values()[row..][..length];
             let x = stencil.centre();

@@ -1,12 +1,14 @@
 //! The coefficients of the coarse grid, along one axis:
 //!
-//! ```text
-//! along the axis:  1 / (R + 1/a + R') + sum over faces f across the axis of a_f (t_c - t_c')^2 / 2
-//! across it:       sum over faces f of the mean weight of their two cells times a_f
+//! ```math
+//! \begin{aligned}
+//! \text{along the axis:} \quad & \frac{1}{R + 1/a + R'} + \sum_{f} \tfrac{1}{2} a_f (t_c - t_{c'})^2 \\
+//! \text{across it:} \quad & \sum_{f} \bar{w}_f\, a_f
+//! \end{aligned}
 //! ```
 //!
-//! R and t are those of [`Interpolation`]; the weight of a cell is 1 - t in its own pair and t in the next. The sum in
-//! the first row accounts for the flow between cells side by side with different weights. Without it the coarse-grid
+//! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is 1 - t
+//! in its own pair and t in the next, and w_f the mean weight of the two cells of a face. The sum in the first row accounts for the flow between cells side by side with different weights. Without it the coarse-grid
 //! correction would be too large where coefficients jump.
 
 use super::interpolation::Interpolation;

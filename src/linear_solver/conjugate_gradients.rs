@@ -1,9 +1,11 @@
 //! Conjugate gradients with a multigrid preconditioner M (Saad, "Iterative methods for sparse linear systems",
 //! 2nd edition 2003, algorithm 9.1):
 //!
-//! ```text
-//! z = M r,   beta = (r . z) / (r . z)_last,   p <- z + beta p,
-//! q = A p,   alpha = (r . z) / (p . q),       x <- x + alpha p,   r <- r - alpha q.
+//! ```math
+//! \begin{aligned}
+//! z &= M r, & \beta &= \frac{r \cdot z}{(r \cdot z)_\text{last}}, & p &\leftarrow z + \beta p, \\
+//! q &= A p, & \alpha &= \frac{r \cdot z}{p \cdot q}, & x &\leftarrow x + \alpha p, & r &\leftarrow r - \alpha q
+//! \end{aligned}
 //! ```
 
 use super::convergence::LinearSolverError;

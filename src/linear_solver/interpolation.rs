@@ -6,8 +6,8 @@
 //! series between M and N: half of the resistance inside each pair, and that of the face between them. The cell lies
 //! between the first two:
 //!
-//! ```text
-//! p_c = (1 - t) p_M + t p_N,   t = R / (R + 1/a + R'),   R = 1 / (2 a_inside)
+//! ```math
+//! p_c = (1 - t)\, p_M + t\, p_N, \qquad t = \frac{R}{R + 1/a + R'}, \qquad R = \frac{1}{2 a_\text{inside}}
 //! ```
 //!
 //! t = 1/4 if all coefficients are equal.
@@ -50,7 +50,7 @@ impl Interpolation {
         if last % 2 == 0 && pairs.fine.at_ends(pairs.axis)[1] {
             // The last cell is single: it is the middle of its pair.
             let layer = pairs.fine.count[pairs.axis] as isize - 1;
-            let rows: Vec<_> = half_resistance.slab(pairs.axis, (layer, layer + 1)).collect();
+            let rows: Vec<_> = half_resistance.slab(pairs.axis, layer..layer + 1).collect();
             rows.into_iter().for_each(|row| half_resistance.values_mut()[row].fill(0.0));
         }
     }

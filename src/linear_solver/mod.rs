@@ -1,8 +1,8 @@
 //! The pressure equation on the cells of the box, solved by all ranks together. The result has the same bits for any
 //! decomposition.
 //!
-//! ```text
-//! (A p)_c = sum over the faces f of cell c of a_f (p_c - p_nb) + d_c p_c = b_c
+//! ```math
+//! (A p)_c = \sum_{f \in c} a_f (p_c - p_\text{nb}) + d_c p_c = b_c
 //! ```
 //!
 //! a_f >= 0 couples the two cells of a face; d_c >= 0 couples a cell to zero (an outlet, a time derivative). Areas and

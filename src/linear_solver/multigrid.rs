@@ -248,7 +248,7 @@ mod tests {
             let number = |cell: usize| 10.0_f64.powf(-6.0 * drawn(0.1 * axis as f64, cell));
             face.set_owned((0..).map(number));
             if axis != 1 {
-                let rows: Vec<_> = face.slab(axis, (0, 1)).collect();
+                let rows: Vec<_> = face.slab(axis, 0..1).collect();
                 rows.into_iter().for_each(|row| face.values_mut()[row].fill(0.0));
             }
         }

@@ -1,7 +1,7 @@
 //! The operator A on the cells of a rank, row by row:
 //!
-//! ```text
-//! (A p)_c = sum over the faces f of cell c of a_f (p_c - p_nb) + d_c p_c
+//! ```math
+//! (A p)_c = \sum_{f \in c} a_f (p_c - p_\text{nb}) + d_c p_c
 //! ```
 
 use super::dot_product::RunningDot;
@@ -84,11 +84,13 @@ pub(super) struct StencilRow<'a> {
 }
 
 impl<'a> StencilRow<'a> {
-    /// `length` cells, from an index into the coefficients and one into the values.
+    /// `length` cells, from the index `first` into the coefficients and the index `row` into the values.
     #[inline(always)]
     pub(super) fn new(
-        (coefficients, first): (&'a Coefficients, usize),
-        (values, row): (&'a Field, usize),
+        coefficients: &'a Coefficients,
+        first: usize,
+        values: &'a Field,
+        row: usize,
         length: usize,
     ) -> Self {
         let faces = coefficients.faces.each_ref().map(Field::values);
@@ -151,7 +153,7 @@ impl VectorWork for Apply<'_> {
         let Self { coefficients, p, q, mut dot } = self;
         let length = p.count()[0];
         for [first, row] in rows([&coefficients.diagonal, p]) {
-            let stencil = StencilRow::new((coefficients, first), (p, row), length);
+            let stencil = StencilRow::new(coefficients, first, p, row, length);
             let result = &mut q.values_mut()[row..][..length];
             for (i, value) in result.iter_mut().enumerate() {
                 *value = stencil.apply(i);
@@ -183,7 +185,7 @@ impl VectorWork for Residual<'_> {
         let Self { coefficients, x, b, r } = self;
         let length = x.count()[0];
         for [first, row, row_of_b, row_of_r] in rows([&coefficients.diagonal, x, b, r]) {
-            let stencil = StencilRow::new((coefficients, first), (x, row), length);
+            let stencil = StencilRow::new(coefficients, first, x, row, length);
             let b = &b.values()[row_of_b..][..length];
             for (i, value) in r.values_mut()[row_of_r..][..length].iter_mut().enumerate() {
                 *value = b[i] - stencil.apply(i);

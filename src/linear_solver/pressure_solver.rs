@@ -118,7 +118,7 @@ impl PressureSolver {
         let closed = !self.periodic[axis] || self.cells.counts[axis] == 1;
         if closed && self.cells.start[axis] == 0 {
             let field = &mut self.coefficients.faces[axis];
-            let rows: Vec<_> = field.slab(axis, (0, 1)).collect();
+            let rows: Vec<_> = field.slab(axis, 0..1).collect();
             rows.into_iter().for_each(|row| field.values_mut()[row].fill(0.0));
         }
     }

@@ -19,17 +19,14 @@ pub(crate) struct FieldHalo {
 
 /// Layers of cells along an axis, at the lower and the upper end.
 struct Slabs {
-    inner: [(isize, isize); 2],
-    halo: [(isize, isize); 2],
+    inner: [Range<isize>; 2],
+    halo: [Range<isize>; 2],
 }
 
 impl Slabs {
     fn of(field: &Field, axis: usize) -> Self {
         let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
-        Self {
-            inner: [(0, halo), (count - halo, count)],
-            halo: [(-halo, 0), (count, count + halo)],
-        }
+        Self { inner: [0..halo, count - halo..count], halo: [-halo..0, count..count + halo] }
     }
 }
 
@@ -57,9 +54,9 @@ impl FieldHalo {
                 fields.iter_mut().for_each(|field| copy_images(field, axis));
                 continue;
             }
-            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+            let rows = |layers: fn(Slabs) -> [Range<isize>; 2]| {
                 move |field: &Field, side: usize| {
-                    field.layers(axis, layers(Slabs::of(field, axis))[side])
+                    field.layers(axis, layers(Slabs::of(field, axis))[side].clone())
                 }
             };
             self.send(axis, fields, ranks, rows(|slabs| slabs.inner));
@@ -76,9 +73,9 @@ impl FieldHalo {
                 fields.iter_mut().for_each(|field| fold_images(field, axis));
                 continue;
             }
-            let rows = |layers: fn(Slabs) -> [(isize, isize); 2]| {
+            let rows = |layers: fn(Slabs) -> [Range<isize>; 2]| {
                 move |field: &Field, side: usize| {
-                    field.slab(axis, layers(Slabs::of(field, axis))[side])
+                    field.slab(axis, layers(Slabs::of(field, axis))[side].clone())
                 }
             };
             self.send(axis, fields, ranks, rows(|slabs| slabs.halo));
@@ -147,8 +144,8 @@ fn image_layers(field: &Field, axis: usize) -> impl Iterator<Item = (isize, isiz
 
 fn copy_images(field: &mut Field, axis: usize) {
     for (image, original) in image_layers(field, axis) {
-        let sources = field.layers(axis, (original, original + 1));
-        for (source, target) in sources.zip(field.layers(axis, (image, image + 1))) {
+        let sources = field.layers(axis, original..original + 1);
+        for (source, target) in sources.zip(field.layers(axis, image..image + 1)) {
             field.values_mut().copy_within(source, target.start);
         }
     }
@@ -156,8 +153,8 @@ fn copy_images(field: &mut Field, axis: usize) {
 
 fn fold_images(field: &mut Field, axis: usize) {
     for (image, original) in image_layers(field, axis) {
-        let targets = field.slab(axis, (original, original + 1));
-        for (target, source) in targets.zip(field.slab(axis, (image, image + 1))) {
+        let targets = field.slab(axis, original..original + 1);
+        for (target, source) in targets.zip(field.slab(axis, image..image + 1)) {
             for (target, source) in target.zip(source) {
                 let amount = std::mem::take(&mut field.values_mut()[source]);
                 field.values_mut()[target] += amount;

@@ -5,7 +5,7 @@
 
 use super::{AxisNeighbours, Communicator, GhostMotion, NewGhost, records_of_bytes};
 use crate::domain::Subdomain;
-use crate::particles::Particles;
+use crate::particles::{Body, Particles};
 use nalgebra::Vector3;
 
 /// The particles that are sent to one neighbour, and their shift along the axis if that is beyond a periodic face.
@@ -137,8 +137,8 @@ impl ParticleHalo {
                 let index = particles.count();
                 let motion = &ghost.motion;
                 let (position, velocity) = (motion.position.into(), motion.velocity.into());
-                let size = (ghost.radius, ghost.mass);
-                particles.push_ghost(ghost.id, position, velocity, size, image_of);
+                let body = Body::new(position, velocity, ghost.radius, ghost.mass);
+                particles.push_ghost(ghost.id, body, image_of);
                 set_motion(particles, index, motion);
             }
         }

@@ -91,17 +91,10 @@ impl Particles {
     }
 
     /// Adds a ghost: the image of a particle of this rank, or a copy of another rank's.
-    pub fn push_ghost(
-        &mut self,
-        id: u64,
-        position: Vector3<f64>,
-        velocity: Vector3<f64>,
-        (radius, mass): (f64, f64),
-        image_of: Option<usize>,
-    ) {
+    pub(crate) fn push_ghost(&mut self, id: u64, body: Body, image_of: Option<usize>) {
         let original = image_of.and_then(|index| self.owned_original(index));
         self.image_of.push(original.map_or(REMOTE, |index| index as u32));
-        self.push_body(id, Body::new(position, velocity, radius, mass));
+        self.push_body(id, body);
     }
 
     fn push_body(&mut self, id: u64, body: Body) {

@@ -12,8 +12,8 @@ pub fn courant_rate(velocity: [f64; 3], cell_size: [f64; 3]) -> f64 {
 /// Rate whose product with the gas step is the viscous number V: a bound on the rate at which viscosity damps any velocity
 /// on the grid,
 ///
-/// ```text
-/// (16 / 3) (mu / rho) (1 / 2 + r / 2) sum of 1 / h^2 over the axes along which velocities vary
+/// ```math
+/// \frac{16}{3}\, \frac{\mu}{\rho}\, \frac{1 + r}{2} \sum_a \frac{1}{h_a^2}
 /// ```
 ///
 /// 16 / 3 = 4 (4 / 3) comes from the shortest wave and the normal stresses; r >= 1 is the largest ratio of the voidages of

@@ -80,7 +80,8 @@ fn no_retired_word_is_used() {
         if ON_PURPOSE.contains(&name) || STILL_OPEN.iter().any(|open| name.starts_with(open)) {
             continue;
         }
-        let text = fs::read_to_string(root.join(&path)).unwrap();
+        // A space in a formula of LaTeX is no word.
+        let text = fs::read_to_string(root.join(&path)).unwrap().replace("\\quad", "");
         let uses = uses(&text, &phrases).into_iter();
         found.extend(uses.map(|(line, phrase)| format!("{name}:{line}: {phrase:?}")));
     }

@@ -2,8 +2,8 @@
 //!
 //! Pressure is positive. With V the volume of a cell,
 //!
-//! ```text
-//! sigma = (1/V) [ sum_i m_i v~_i (x) v~_i  -  sum_c w_c f_c (x) l_c ]
+//! ```math
+//! \boldsymbol{\sigma} = \frac{1}{V} \left[ \sum_i m_i \tilde{\mathbf{v}}_i \otimes \tilde{\mathbf{v}}_i - \sum_c w_c\, \mathbf{f}_c \otimes \mathbf{l}_c \right]
 //! ```
 //!
 //! where v~ is the velocity about the mean velocity of the particles of the cell, f_c the force of a contact on the
@@ -18,8 +18,8 @@
 //! With it momentum closes exactly: with L the hat function that is 1 on the face between the bins k and k + 1 and 0
 //! on their outer faces, A the cross-section and K the kinetic part with whole instead of fluctuating velocities,
 //!
-//! ```text
-//! d/dt sum_i m_i v_i L(z_i) = sum_i b_i L(z_i) - A [(sigma_c + K)_{k+1} - (sigma_c + K)_k] . e_z
+//! ```math
+//! \frac{d}{dt} \sum_i m_i \mathbf{v}_i L(z_i) = \sum_i \mathbf{b}_i L(z_i) - A \left[ (\boldsymbol{\sigma}_c + \mathbf{K})_{k+1} - (\boldsymbol{\sigma}_c + \mathbf{K})_k \right] \cdot \mathbf{e}_z
 //! ```
 //!
 //! with b the body forces: the difference of the stress of two neighbouring bins is the net force on what lies about

@@ -40,18 +40,20 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 
 /// A hysteretic spring shifted by a constant attraction F0, which acts while the spheres overlap:
 ///
-/// ```text
-/// first loading       F = k_load delta - F0
-/// un- and reloading   F = k_unload (delta - delta_p) - F0,   delta_p = psi_p delta_max
-/// but not below       f_ad = -(delta_p / d_NP + 1) F0
+/// ```math
+/// \begin{aligned}
+/// \text{first loading} \quad & F = k_\text{load}\, \delta - F_0 \\
+/// \text{un- and reloading} \quad & F = k_\text{unload} (\delta - \delta_p) - F_0, \quad \delta_p = \psi_p\, \delta_\text{max} \\
+/// \text{but not below} \quad & f_\text{ad} = -\left( \frac{\delta_p}{d_{NP}} + 1 \right) F_0
+/// \end{aligned}
 /// ```
 ///
 /// where delta_max is the largest overlap since the contact began, psi_p = 1 - k_load / k_unload the plasticity
 /// index and d_NP the diameter of the primary particles over which the contact is flattened. On separation from f_ad
 /// the force follows a straight line to -F0 at delta = 0. That line is the same for every delta_max,
 ///
-/// ```text
-/// F = -F0 - k_c delta,   k_c = F0 / (d_NP - F0 / k_unload),
+/// ```math
+/// F = -F_0 - k_c\, \delta, \qquad k_c = \frac{F_0}{d_{NP} - F_0 / k_\text{unload}},
 /// ```
 ///
 /// so the force of a contact is the larger of the unloading line and this one. A contact that is loaded again from it

@@ -19,10 +19,14 @@ use crate::schema::Key;
 
 /// Law of Hertz and Mindlin.
 ///
-/// F_n = (4/3) E* sqrt(R*) delta^(3/2) - eta_n v_n; F_t = -S_t s - eta_t v_t, at most mu |F_n|.
+/// ```math
+/// \begin{aligned}
+/// F_n &= \tfrac{4}{3} E^* \sqrt{R^*}\, \delta^{3/2} - \eta_n v_n, & F_t &= -S_t s - \eta_t v_t, \quad |F_t| \le \mu |F_n| \\
+/// \eta &= 2 \sqrt{\tfrac{5}{6}}\, \frac{|\ln e|}{\sqrt{\pi^2 + \ln^2 e}} \sqrt{S m^*}, & S_n &= 2 E^* a, \quad S_t = 8 G^* a
+/// \end{aligned}
+/// ```
 ///
-/// With a = sqrt(R* delta) the radius of contact, S_n = 2 E* a and S_t = 8 G* a; eta = 2 sqrt(5/6) |ln e| /
-/// sqrt(pi^2 + ln^2 e) sqrt(S m*) with S_n or S_t. While a contact is loaded, the tangential force of its spring
+/// with a = sqrt(R* delta) the radius of contact, s the tangential displacement, and S the stiffness S_n or S_t. While a contact is loaded, the tangential force of its spring
 /// is kept; while it is unloaded, that force falls with S_t: no cycle creates energy.
 ///
 /// ```

@@ -29,14 +29,14 @@ const SURFACE_ENERGY: Key = Key::number(
 /// With a the radius of contact and gamma the surface energy of each sphere (half the work of adhesion w of equal
 /// bodies: w = 2 gamma),
 ///
-/// ```text
-/// delta = a^2 / R* - 2 sqrt(pi gamma a / E*),   F = 4 E* a^3 / (3 R*) - 4 sqrt(pi gamma E* a^3)
+/// ```math
+/// \delta = \frac{a^2}{R^*} - 2 \sqrt{\frac{\pi \gamma a}{E^*}}, \qquad F = \frac{4 E^* a^3}{3 R^*} - 4 \sqrt{\pi \gamma E^* a^3}
 /// ```
 ///
 /// or, on one curve for all spheres, with c^3 = 2 R* sqrt(pi gamma / E*) and a = c^2 s^2,
 ///
-/// ```text
-/// delta = (c^4 / R*) (s^4 - s),   F = 8 pi gamma R* (2/3 s^6 - s^3)
+/// ```math
+/// \delta = \frac{c^4}{R^*} (s^4 - s), \qquad F = 8 \pi \gamma R^* \left( \tfrac{2}{3} s^6 - s^3 \right)
 /// ```
 ///
 /// A contact forms at an overlap above 0, where it pulls with 8/9 of the pull-off force F_c = 3 pi gamma R* at once

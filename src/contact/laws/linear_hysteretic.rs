@@ -19,13 +19,24 @@ const ADHESION_STIFFNESS: Key =
 
 /// Linear hysteretic law with adhesion.
 ///
-/// F = k_1 delta while loaded for the first time, k_2 (delta - delta_0) after, delta_0 = (1 - k_1 / k_2) delta_max,
-/// but not below -k_c delta; there delta_max is lowered, so that a contact that is loaded again follows k_2.
+/// ```math
+/// \begin{aligned}
+/// \text{first loading} \quad & F = k_1\, \delta \\
+/// \text{un- and reloading} \quad & F = k_2 (\delta - \delta_0), \quad \delta_0 = (1 - k_1 / k_2)\, \delta_\text{max} \\
+/// \text{but not below} \quad & -k_c\, \delta
+/// \end{aligned}
+/// ```
 ///
-/// k_1 is the loading stiffness, k_2 the unloading one, k_c the stiffness of adhesion. Dashpots as in
+/// On the last line delta_max is lowered, so that a contact that is loaded again follows k_2. k_1 is the loading stiffness, k_2 the unloading one, k_c the stiffness of adhesion. Dashpots as in
 /// [`AdhesiveElasticPlastic`](super::AdhesiveElasticPlastic); friction is at most mu |F_n + k_c delta|.
 ///
-/// Without dashpot, e^2 = k_1/k_2 - k_c (k_2 - k_1)^2 / (k_1 k_2 (k_2 + k_c)); spheres stick where that is negative.
+/// Without dashpot,
+///
+/// ```math
+/// e^2 = \frac{k_1}{k_2} - \frac{k_c (k_2 - k_1)^2}{k_1 k_2 (k_2 + k_c)};
+/// ```
+///
+/// spheres stick where that is negative.
 ///
 /// ```
 /// use talcum::contact::{ContactForceLaw, HystereticParameters, LinearHysteretic};

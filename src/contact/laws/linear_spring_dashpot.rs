@@ -48,10 +48,13 @@ pub enum FrictionCap {
 
 /// Linear spring and dashpot.
 ///
-/// F_n = k_n delta - gamma_n v_n along the normal, v_n > 0 if the bodies separate, with
-/// gamma_n = 2 sqrt(k_n m*) |ln e| / sqrt(pi^2 + ln^2 e);
-/// |F_s| = min(k_t |delta_s|, mu |F_n|) against the tangential displacement delta_s since the contact
-/// began.
+/// ```math
+/// F_n = k_n \delta - \gamma_n v_n, \qquad \gamma_n = 2 \sqrt{k_n m^*} \frac{|\ln e|}{\sqrt{\pi^2 + \ln^2 e}}, \qquad
+/// |F_s| = \min(k_t |\delta_s|, \mu |F_n|)
+/// ```
+///
+/// F_n acts along the normal, delta is the overlap, v_n > 0 if the bodies separate, m* the reduced mass and e the
+/// restitution; F_s acts against the tangential displacement delta_s since the contact began.
 ///
 /// The spring is projected onto the tangent plane; where it slides, it is shortened to the length that gives exactly
 /// the limit. The dashpot may pull just before separation: if it were clipped, the restitution would not be the one

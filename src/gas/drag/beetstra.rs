@@ -10,8 +10,12 @@ use crate::numbers::power;
 use crate::schema::{Key, KeyValues};
 
 /// Beetstra, van der Hoef & Kuipers (2007), from lattice-Boltzmann simulations of arrays of spheres up to
-/// Re = 1000: F = 10 phi / eps^2 + eps^2 (1 + 1.5 phi^(1/2)) + (0.413 Re / (24 eps^2))
-/// [1/eps + 3 eps phi + 8.4 Re^-0.343] / [1 + 10^(3 phi) Re^-(1/2 + 2 phi)].
+/// Re = 1000.
+///
+/// ```math
+/// F = \frac{10 \phi}{\varepsilon^2} + \varepsilon^2 (1 + 1.5 \sqrt{\phi}) + \frac{0.413\, Re}{24\, \varepsilon^2}\,
+///     \frac{\varepsilon^{-1} + 3 \varepsilon \phi + 8.4\, Re^{-0.343}}{1 + 10^{3 \phi}\, Re^{-(1/2 + 2 \phi)}}
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beetstra;
 

@@ -18,7 +18,11 @@ const SINGLE_SPHERE: Key =
 const SPHERES: &[Word] =
     &[Word::new("dallavalle", "4 % below Stokes at small Re"), Word::new("schiller_naumann", "")];
 
-/// Di Felice (1994): F = (C_D Re / 24) eps^-chi, chi = 3.7 - 0.65 exp(-(1.5 - log10 Re)^2 / 2).
+/// Di Felice (1994), between a single sphere and a packed bed.
+///
+/// ```math
+/// F = \frac{C_D\, Re}{24}\, \varepsilon^{-\chi}, \qquad \chi = 3.7 - 0.65 \exp \left[ -\tfrac{1}{2} (1.5 - \log_{10} Re)^2 \right]
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiFelice {
     /// C_D; programs differ in it.

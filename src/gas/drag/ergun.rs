@@ -1,16 +1,20 @@
 //! Drag by Ergun, of packed beds.
 //!
 //! References:
-//! * S. Ergun, "Fluid flow through packed columns", Chem. Eng. Prog. 48 (1952) 89-94
+//! * S. Ergun, "Fluid flow through packed columns", Chem. Eng. Prog. 48 (1952) 89-94 (without DOI)
 
 use super::law::DENSITY;
 use super::{DragCorrelation, RegisteredDragLaw};
 use crate::schema::{Key, KeyValues};
 
-/// Ergun (1952), the pressure drop of a packed bed: F = 150 phi / (18 eps^2) + 1.75 Re / (18 eps^2).
+/// Ergun (1952), the pressure drop of a packed bed.
 ///
-/// dp/L = 150 mu phi^2 U / (eps^3 d^2) + 1.75 rho_g phi U^2 / (eps^3 d), U the superficial velocity. Without
-/// meaning in dilute suspensions, where it goes to zero with phi and Re.
+/// ```math
+/// F = \frac{150\, \phi + 1.75\, Re}{18\, \varepsilon^2}, \qquad
+/// \frac{\Delta p}{L} = \frac{150\, \mu\, \phi^2 U}{\varepsilon^3 d^2} + \frac{1.75\, \rho_g\, \phi\, U^2}{\varepsilon^3 d}
+/// ```
+///
+/// U is the superficial velocity. Without meaning in dilute suspensions, where it goes to zero with phi and Re.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ergun;
 

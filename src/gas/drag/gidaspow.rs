@@ -2,9 +2,9 @@
 //!
 //! References:
 //! * D. Gidaspow, "Multiphase flow and fluidization: continuum and kinetic theory descriptions", Academic Press, Boston
-//!   (1994)
+//!   (1994), ISBN 0-12-282470-9
 //! * L. Huilin, D. Gidaspow, "Hydrodynamics of binary fluidization in a riser: CFD simulation using two granular
-//!   temperatures", Chem. Eng. Sci. 58 (2003) 3777-3792
+//!   temperatures", Chem. Eng. Sci. 58 (2003) 3777-3792, <https://doi.org/10.1016/S0009-2509(03)00238-0>
 
 use super::law::DENSITY;
 use super::{DragCorrelation, Ergun, RegisteredDragLaw, WenYu};
@@ -17,6 +17,12 @@ const SWITCHES: &[Word] =
     &[Word::new("sharp", "with a jump"), Word::new("smooth", "by an arctangent")];
 
 /// Gidaspow (1994): Ergun where the voidage is below 0.8, Wen & Yu (n = 1.65) above.
+///
+/// ```math
+/// F = w\, F_\text{Wen Yu} + (1 - w)\, F_\text{Ergun}, \qquad
+/// w = \begin{cases} 1, & \phi < 0.2 \\ 0 \end{cases} \quad \text{or} \quad
+/// w = \tfrac{1}{2} + \tfrac{1}{\pi} \arctan \left[ 150 \cdot 1.75\, (0.2 - \phi) \right]
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gidaspow {
     /// How one law becomes the other.

@@ -11,8 +11,12 @@ use crate::numbers::power;
 use crate::schema::{Key, KeyValues};
 
 /// Tenneti, Garg & Subramaniam (2011), from particle-resolved simulations of fixed arrays, phi from 0.1 to 0.5
-/// and Re up to 300: F = (1 + 0.15 Re^0.687) / eps^3 + 5.81 phi / eps^3 + 0.48 phi^(1/3) / eps^4
-/// + phi^3 Re (0.95 + 0.61 phi^3 / eps^2).
+/// and Re up to 300.
+///
+/// ```math
+/// F = \frac{1 + 0.15\, Re^{0.687}}{\varepsilon^3} + \frac{5.81\, \phi}{\varepsilon^3} + \frac{0.48\, \phi^{1/3}}{\varepsilon^4}
+///   + \phi^3 Re \left( 0.95 + \frac{0.61\, \phi^3}{\varepsilon^2} \right)
+/// ```
 ///
 /// Other programs print phi^(1/3) in the last term, or leave 1 undivided: 29 % apart at phi = 0.6, Re = 100.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 //!
 //! References:
 //! * C. Y. Wen, Y. H. Yu, "Mechanics of fluidization", Chem. Eng. Prog. Symp. Ser. 62 (1966) 100-111
+//!   (without DOI)
 //! * L. Schiller, A. Naumann, "Über die grundlegenden Berechnungen bei der Schwerkraftaufbereitung", Z. Ver. Dtsch. Ing.
 //!   77 (1933) 318-320
 //! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
@@ -28,8 +29,12 @@ pub(super) fn schiller_naumann(reynolds: f64) -> f64 {
     if reynolds < INERTIAL { 1.0 + 0.15 * power(reynolds, 0.687) } else { 0.44 * reynolds / 24.0 }
 }
 
-/// Wen & Yu (1966) with Schiller & Naumann's C_D (Moon 2006 eqs (13)-(15)):
-/// beta = (3/4) C_D rho_g |u_g - v| phi / d eps^-n, that is eps F = (C_D Re / 24) eps^-(n + 1).
+/// Wen & Yu (1966) with Schiller & Naumann's C_D (Moon 2006 eqs (13)-(15)).
+///
+/// ```math
+/// \beta = \frac{3}{4}\, C_D\, \frac{\rho_g |u_g - v|\, \phi}{d}\, \varepsilon^{-n}, \qquad
+/// \varepsilon F = \frac{C_D\, Re}{24}\, \varepsilon^{-(n + 1)}
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WenYu {
     /// n: 1.65 as usual, so that F = (C_D Re / 24) eps^-3.65; Liu 2016 prints 2.7.
@@ -75,8 +80,11 @@ impl DragCorrelation for WenYu {
     }
 }
 
-/// Wen & Yu's limit Re << 1 (Moon 2006 eq. (16)): eps F = eps^-(n + 1), so that with n = 1.65
-/// beta = 18 (mu / d^2) phi eps^-2.65.
+/// Wen & Yu's limit Re << 1 (Moon 2006 eq. (16)); n = 1.65.
+///
+/// ```math
+/// \varepsilon F = \varepsilon^{-(n + 1)}, \qquad \beta = \frac{18\, \mu}{d^2}\, \phi\, \varepsilon^{-2.65}
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WenYuCreeping {
     /// n.

@@ -3,8 +3,8 @@
 //! For component a, over the cell around a face (half of the cell below, half of the one above), with the volume
 //! flux G = eps u through its faces, the mean of those of the two cells:
 //!
-//! ```text
-//! -rho [ div(G u_a) - u_a div G ]
+//! ```math
+//! -\rho \left[ \nabla \cdot (\mathbf{G} u_a) - u_a \nabla \cdot \mathbf{G} \right]
 //! ```
 //!
 //! Discrete continuity is d(eps)/dt + div G = 0 in cells, and so in the mean of two: the bracket is what it makes
@@ -17,8 +17,8 @@
 //! Koren, "A robust upwind discretization method for advection, diffusion and source terms", in Vreugdenhil &
 //! Koren (eds), Numerical Methods for Advection-Diffusion Problems, Vieweg (1993) 117-138.
 
-use super::VolumeAveragedGas;
 use super::faces::{Region, moved};
+use super::model::LocalGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use nalgebra::Vector3;
@@ -51,9 +51,10 @@ pub(super) fn set_fluxes(
 /// Adds the momentum that each free face of component `axis` gains per volume and time.
 pub(super) fn add_advection(
     rate: &mut Field,
-    (velocity, axis): (&Field, usize),
+    axis: usize,
+    velocity: &Field,
     flux: &[Field; 3],
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    LocalGas { part, gas }: LocalGas,
     spacing: Vector3<f64>,
 ) {
     for direction in 0..3 {

@@ -7,6 +7,7 @@
 use super::VolumeAveragedGas;
 use super::boundary::{FaceConditions, NormalVelocity, TangentialVelocity, across};
 use super::faces::Region;
+use super::model::LocalGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 
@@ -101,7 +102,7 @@ pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &V
 pub(super) fn set_boundary_faces(
     velocity: &mut [Field; 3],
     voidage: &Field,
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    LocalGas { part, gas }: LocalGas,
     time: f64,
 ) {
     for face in LocalFace::of(part, gas) {
@@ -109,7 +110,7 @@ pub(super) fn set_boundary_faces(
         let component = &mut velocity[face.axis];
         for cell in face.layer(part, component.halo() as isize, face.face) {
             *component.at_mut(cell) = inlet.map_or(0.0, |inlet| {
-                let inflow = gas.inflow(inlet, time, part, (face.axis, cell));
+                let inflow = gas.inflow(inlet, time, part, face.axis, cell);
                 let inwards = -face.outwards as f64;
                 inwards * inflow / voidage_in_face(voidage, cell, face.axis)
             });
@@ -124,7 +125,7 @@ pub(super) fn set_boundary_faces(
 /// at this time, or no gradient.
 pub(super) fn continue_velocity(
     velocity: &mut [Field; 3],
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    LocalGas { part, gas }: LocalGas,
     time: f64,
 ) {
     for face in LocalFace::of(part, gas) {

@@ -1,10 +1,14 @@
 //! The volume-averaged gas, which flows in three dimensions between the particles: volume-averaged Navier-Stokes equations of model A,
 //! constant density.
 //!
-//! ```text
-//! d(eps)/dt + div(eps u) = 0
-//! rho [d(eps u)/dt + div(eps u u)] = -eps grad p + div(eps tau) - beta u + (beta v) + eps (rho g + f)
-//! tau = mu [grad u + (grad u)^T - (2/3) div u]
+//! ```math
+//! \begin{aligned}
+//! \frac{\partial \varepsilon}{\partial t} + \nabla \cdot (\varepsilon \mathbf{u}) &= 0 \\
+//! \rho \left[ \frac{\partial (\varepsilon \mathbf{u})}{\partial t} + \nabla \cdot (\varepsilon \mathbf{u} \mathbf{u}) \right]
+//!   &= -\varepsilon \nabla p + \nabla \cdot (\varepsilon \boldsymbol{\tau}) - \beta \mathbf{u} + (\beta \mathbf{v})
+//!   + \varepsilon (\rho \mathbf{g} + \mathbf{f}) \\
+//! \boldsymbol{\tau} &= \mu \left[ \nabla \mathbf{u} + (\nabla \mathbf{u})^T - \tfrac{2}{3} (\nabla \cdot \mathbf{u}) \mathbf{I} \right]
+//! \end{aligned}
 //! ```
 //!
 //! eps voidage, u velocity of the gas between the particles, p pressure, rho density, mu viscosity, beta drag

@@ -160,6 +160,13 @@ impl VolumeAveragedGas {
 /// Boundaries on both sides of a cell would act on one face at once.
 const LEAST_CELLS: usize = 3;
 
+/// The model on this rank's part of the grid.
+#[derive(Clone, Copy)]
+pub(super) struct LocalGas<'a> {
+    pub(super) part: &'a LocalCells,
+    pub(super) gas: &'a VolumeAveragedGas,
+}
+
 impl VolumeAveragedGas {
     /// Superficial velocity into the box at a time, in a cell of the face normal to `axis`; `cell` counts from
     /// the part's first one and may lie in its halo.
@@ -168,7 +175,8 @@ impl VolumeAveragedGas {
         inlet: &Inlet,
         time: f64,
         part: &LocalCells,
-        (axis, cell): (usize, [isize; 3]),
+        axis: usize,
+        cell: [isize; 3],
     ) -> f64 {
         let [first, second] = across(axis);
         let place = |axis: usize| {

@@ -2,8 +2,8 @@
 //!
 //! On each free face, eps, beta and (beta v) being the means of the two cells:
 //!
-//! ```text
-//! u = [ (eps rho/dt) u_old + R + eps (f - grad p) + (beta v) + S ] / (eps rho/dt + beta)
+//! ```math
+//! u = \frac{(\varepsilon \rho / \Delta t)\, u_\text{old} + R + \varepsilon (f - \nabla p) + (\beta v) + S}{\varepsilon \rho / \Delta t + \beta}
 //! ```
 //!
 //! R advection and viscous force, f the driving force per volume of gas, S another force per volume. With

@@ -4,6 +4,7 @@ use super::advection::{add_advection, courant_rate, larger, set_fluxes};
 use super::boundaries::{
     continue_correction, continue_pressure, continue_velocity, mirror, set_boundary_faces,
 };
+use super::model::LocalGas;
 use super::momentum::{Forces, Momentum};
 use super::viscosity::{ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation};
 use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
@@ -51,14 +52,14 @@ impl ExplicitForces {
         &mut self,
         velocity: &[Field; 3],
         voidage: &Field,
-        place: (&LocalCells, &VolumeAveragedGas),
+        local: LocalGas,
         spacing: Vector3<f64>,
     ) {
-        set_dilatation(&mut self.dilatation, velocity, place.0, spacing);
+        set_dilatation(&mut self.dilatation, velocity, local.part, spacing);
         let fields = ViscousFields { velocity, dilatation: &self.dilatation, voidage };
         for (axis, rate) in self.rate.iter_mut().enumerate() {
-            add_advection(rate, (&velocity[axis], axis), &self.flux, place, spacing);
-            add_viscous_force(rate, axis, fields, place, spacing);
+            add_advection(rate, axis, &velocity[axis], &self.flux, local, spacing);
+            add_viscous_force(rate, axis, fields, local, spacing);
         }
     }
 
@@ -130,7 +131,8 @@ impl NavierStokesSolver {
     ) {
         self.halo.refresh(&mut [&mut state.voidage], ranks);
         mirror(&mut [&mut state.voidage], &self.part, gas);
-        set_boundary_faces(&mut state.velocity, &state.voidage, (&self.part, gas), time);
+        let local = LocalGas { part: &self.part, gas };
+        set_boundary_faces(&mut state.velocity, &state.voidage, local, time);
         self.fill_halos(gas, state, ranks);
     }
 
@@ -172,17 +174,17 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) -> Result<NavierStokesReport, NavierStokesError> {
         self.complete_bed(gas, bed, ranks);
-        let place = (&self.part.clone(), gas);
-        continue_velocity(&mut state.velocity, place, step.time);
-        self.explicit.set_fluxes(&state.velocity, &state.voidage, place.0);
+        let local = LocalGas { part: &self.part.clone(), gas };
+        continue_velocity(&mut state.velocity, local, step.time);
+        self.explicit.set_fluxes(&state.velocity, &state.voidage, local.part);
         let (courant, viscous) = self.limits(gas, bed, step.dt, ranks)?;
         self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
-        self.explicit.add(&state.velocity, &state.voidage, place, self.spacing);
-        let (dt, spacing, part) = (step.dt, self.spacing, place.0);
+        self.explicit.add(&state.velocity, &state.voidage, local, self.spacing);
+        let (dt, spacing, part) = (step.dt, self.spacing, local.part);
         let momentum = Momentum { gas, part, spacing, bed, dt };
         self.predict(&momentum, state, step, ranks);
         self.explicit.set_fluxes(&self.predicted, &bed.voidage, part);
-        self.explicit.add(&self.predicted, &bed.voidage, place, spacing);
+        self.explicit.add(&self.predicted, &bed.voidage, local, spacing);
         self.explicit.halve();
         self.predict(&momentum, state, step, ranks);
         let convergence = self.solve_pressure(&momentum, &state.voidage, ranks)?;
@@ -213,7 +215,8 @@ impl NavierStokesSolver {
         let largest = bed.voidage.owned().fold(0.0, |largest, eps| larger(eps, largest));
         let least = -bed.voidage.owned().fold(-1.0, |largest, eps| larger(-eps, largest));
         let courant = courant_rate(&self.explicit.flux, &bed.voidage, &self.part, self.spacing);
-        let viscous = largest_viscous_rate(&bed.voidage, (&self.part, gas), self.spacing);
+        let viscous =
+            largest_viscous_rate(&bed.voidage, LocalGas { part: &self.part, gas }, self.spacing);
         let mut numbers = [largest, -least, courant, viscous];
         ranks.maximum(&mut numbers);
         let [largest, least, courant, viscous] = numbers;
@@ -251,11 +254,11 @@ impl NavierStokesSolver {
             };
             momentum.predict(axis, &state.velocity[axis], forces, &mut self.predicted[axis]);
         }
-        let place = (&self.part, momentum.gas);
+        let local = LocalGas { part: &self.part, gas: momentum.gas };
         let end = step.time + step.dt;
-        set_boundary_faces(&mut self.predicted, &momentum.bed.voidage, place, end);
+        set_boundary_faces(&mut self.predicted, &momentum.bed.voidage, local, end);
         self.halo.refresh(&mut self.predicted.each_mut(), ranks);
-        continue_velocity(&mut self.predicted, place, end);
+        continue_velocity(&mut self.predicted, local, end);
     }
 
     /// The change of pressure that the predicted velocity needs for continuity, halo included.

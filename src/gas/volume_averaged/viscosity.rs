@@ -3,9 +3,9 @@
 //! Normal stresses live in cells, shear stresses on the edges between faces, where the voidage is the mean of the
 //! four cells around.
 
-use super::VolumeAveragedGas;
 use super::advection::larger;
 use super::faces::{Region, moved};
+use super::model::LocalGas;
 use crate::grid::{Field, LocalCells};
 use crate::rules::viscous_rate;
 use nalgebra::Vector3;
@@ -42,13 +42,14 @@ pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
     fields: ViscousFields,
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    local: LocalGas,
     spacing: Vector3<f64>,
 ) {
+    let LocalGas { part, gas } = local;
     if gas.viscosity == 0.0 {
         return;
     }
-    add_normal_stress(rate, axis, fields, (part, gas), spacing[axis]);
+    add_normal_stress(rate, axis, fields, local, spacing[axis]);
     for direction in (0..3).filter(|&direction| direction != axis) {
         let strides = rate.strides();
         let shear = Shear {
@@ -70,7 +71,7 @@ fn add_normal_stress(
     rate: &mut Field,
     axis: usize,
     fields: ViscousFields,
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    LocalGas { part, gas }: LocalGas,
     spacing: f64,
 ) {
     let step = rate.strides()[axis] as isize;
@@ -137,7 +138,7 @@ impl Shear {
 /// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells.
 pub(super) fn largest_viscous_rate(
     voidage: &Field,
-    (part, gas): (&LocalCells, &VolumeAveragedGas),
+    LocalGas { part, gas }: LocalGas,
     spacing: Vector3<f64>,
 ) -> f64 {
     let strides = voidage.strides().map(|stride| stride as isize);

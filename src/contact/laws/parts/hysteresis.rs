@@ -106,11 +106,15 @@ impl HystereticParameters {
 
 /// The force without constant attraction, with delta_p = psi_p delta_max:
 ///
-/// ```text
-/// loading      (delta = delta_max)   k_load delta
-/// unloading    (delta < delta_max)   k_unload (delta - delta_p)
-/// adhesion     not below             -k_c delta;  there delta_max falls, so that the unloading line meets it
+/// ```math
+/// \begin{aligned}
+/// \text{loading} \quad & \delta = \delta_\text{max}: & & k_\text{load}\, \delta \\
+/// \text{unloading} \quad & \delta < \delta_\text{max}: & & k_\text{unload} (\delta - \delta_p) \\
+/// \text{adhesion} \quad & \text{not below} & & -k_c\, \delta
+/// \end{aligned}
 /// ```
+///
+/// On the adhesion line delta_max falls, so that the unloading line meets it at the present overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hysteresis {
     unloading_stiffness: f64,
