@@ -4,7 +4,7 @@ mod gas;
 mod particles;
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use talcum::output::{Head, Provenance};
 
@@ -18,6 +18,16 @@ fn time(step: usize) -> f64 {
     0.1 * step as f64
 }
 
+/// The Python that has VTK: that of `scripts/install`, else the one on the path.
+fn python() -> PathBuf {
+    let installed = concat!(env!("CARGO_MANIFEST_DIR"), "/.venv/bin/python");
+    match std::env::var_os("TALCUM_PYTHON") {
+        Some(named) => PathBuf::from(named),
+        None if Path::new(installed).exists() => PathBuf::from(installed),
+        None => PathBuf::from("python3"),
+    }
+}
+
 /// Compares a file with the rows that were written, each with its time ahead, by VTK's reader; says so if this machine
 /// does not have it. `summary` is what the reader says of the file.
 fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str) {
@@ -29,9 +39,9 @@ fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str
     let expected_path = path.with_extension("csv");
     std::fs::write(&expected_path, expected).unwrap();
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/snapshots/read_vtkhdf.py");
-    let output = Command::new("python3").arg(script).arg(path).arg(expected_path).output();
+    let output = Command::new(python()).arg(script).arg(path).arg(expected_path).output();
     let missing = match &output {
-        Err(error) => Some(format!("python3 cannot be started: {error}")),
+        Err(error) => Some(format!("Python cannot be started: {error}")),
         Ok(output) if output.status.code() == Some(77) => {
             Some(String::from_utf8_lossy(&output.stdout).into_owned())
         }
