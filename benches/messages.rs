@@ -106,8 +106,8 @@ impl Communicator for Counting<'_> {
         self.inner.broadcast_from_root(bytes);
     }
 
-    fn file_access(&self) -> FileAccess {
-        self.inner.file_access()
+    fn file_access(&self, path: &std::path::Path) -> FileAccess {
+        self.inner.file_access(path)
     }
 }
 

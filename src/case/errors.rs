@@ -64,6 +64,17 @@ impl fmt::Display for CaseErrors {
     }
 }
 
+/// The longest value or message that is printed, in characters.
+const LONGEST: usize = 400;
+
+/// A text, or its beginning if it is long.
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} ... ({} bytes in all)", &text[..end], text.len()),
+        None => text.to_owned(),
+    }
+}
+
 /// Collects errors, and notes on values that the file leaves to a default.
 #[derive(Debug, Default)]
 pub(super) struct Problems {
@@ -73,7 +84,9 @@ pub(super) struct Problems {
 
 impl Problems {
     /// Adds an error, once: stages repeat what they take over from the base.
-    pub(super) fn add(&self, error: CaseError) {
+    pub(super) fn add(&self, mut error: CaseError) {
+        error.value = error.value.map(|value| shortened(&value));
+        error.message = shortened(&error.message);
         let mut errors = self.errors.borrow_mut();
         if !errors.contains(&error) {
             errors.push(error);

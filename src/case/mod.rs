@@ -6,6 +6,7 @@
 mod allowed_values;
 mod bed;
 mod boxes;
+mod changes;
 mod column;
 mod contact;
 mod contact_laws;
@@ -34,6 +35,8 @@ mod wall_time;
 mod walls;
 
 pub use bed::{BedError, BedPart, InitialBed};
+pub(crate) use changes::for_each_value;
+pub use changes::{Change, changes};
 pub use errors::{CaseError, CaseErrors, SourcePlace};
 pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};

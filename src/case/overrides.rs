@@ -7,6 +7,9 @@ use super::tree::Node;
 use crate::schema::{Key, displaced_by, every_key};
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
+/// More keys than any path of the schema has.
+const DEEPEST: usize = 16;
+
 /// The text with overrides applied, and its tree: places are lines of the text as it was, or overrides.
 pub(super) fn apply(
     text: &str,
@@ -63,6 +66,12 @@ fn set(document: &mut DocumentMut, given: &str) -> Result<String, String> {
     let (path, value) =
         given.split_once('=').ok_or("an override must look like key.path=value".to_owned())?;
     let keys: Vec<&str> = path.trim().split('.').map(str::trim).collect();
+    if keys.len() > DEEPEST {
+        return Err(format!(
+            "the path has {} keys: no key of a case has more than {DEEPEST}",
+            keys.len()
+        ));
+    }
     let plain = |key: &str| {
         !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "_- ".contains(c))
     };

@@ -279,7 +279,12 @@ impl<'a> Section<'a> {
 
     /// A text.
     pub(super) fn text(&self, name: &str) -> Option<String> {
-        self.right(name)?.as_text().map(str::to_owned)
+        let text = self.right(name)?.as_text()?;
+        if text.chars().any(char::is_control) {
+            self.fail(name, "must not contain control characters".to_owned());
+            return None;
+        }
+        Some(text.to_owned())
     }
 
     /// A span of wall-clock time.

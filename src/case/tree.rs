@@ -44,6 +44,26 @@ pub(super) fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (line, column)
 }
 
+/// The line, from 1, in which most brackets are open or most dots join a key.
+fn most_nested_line(text: &str) -> usize {
+    let mut open = 0_usize;
+    let depths = text.lines().map(|line| {
+        let mut deepest = open.max(line.matches('.').count());
+        for byte in line.bytes() {
+            match byte {
+                b'[' | b'{' => open += 1,
+                b']' | b'}' => open = open.saturating_sub(1),
+                _ => {}
+            }
+            deepest = deepest.max(open);
+        }
+        deepest
+    });
+    let depths: Vec<usize> = depths.collect();
+    let most = depths.iter().copied().max().unwrap_or(0);
+    1 + depths.iter().position(|&depth| depth == most).unwrap_or(0)
+}
+
 impl Node {
     /// The tree of a text; errors of syntax go to `problems`, all of them.
     pub(super) fn parse(text: &str, problems: &Problems) -> Option<Self> {
@@ -54,7 +74,8 @@ impl Node {
                     let (line, column) = line_and_column(text, span.start);
                     SourcePlace::Column(line, column)
                 }
-                None => SourcePlace::File,
+                // Only the limit of nesting is reported without a place.
+                None => SourcePlace::Line(most_nested_line(text)),
             };
             problems.add_at(place, format!("not valid TOML: {}", error.message()));
         }

@@ -30,9 +30,18 @@ pub(super) fn read_volume_averaged(
         return None;
     }
     let (law, factor) = (read_drag(section)?, section.number("drag_factor")?);
+    let longest = context.domain?.bounds.lengths().max();
+    let filter_width = section.number("filter_width")?;
+    if filter_width > longest {
+        section.fail(
+            "filter_width",
+            format!("must be at most {longest}, the longest edge of the box: the work grows with its square"),
+        );
+        return None;
+    }
     let coupling = CouplingModel {
         drag: ParticleDrag { law, factor, viscosity, density },
-        filter_width: section.number("filter_width")?,
+        filter_width,
         least_voidage: section.number("least_voidage")?,
     };
     let driving = section.vector("driving").map(Vector3::from).unwrap_or_default();

@@ -11,9 +11,11 @@ mod run;
 mod signals;
 
 use crate::domain::RankGrid;
+use crate::output::write_failed;
 use crate::parallel::{Communicator, MpiRanks};
 use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, Parser, Subcommand};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -108,6 +110,8 @@ fn rank_grid(text: &str) -> Result<RankGrid, String> {
     }
 }
 
+/// Exit code after any other error.
+const FAILURE: i32 = 1;
 /// Exit code for a command line that cannot be understood.
 const USAGE: u8 = 2;
 
@@ -129,7 +133,7 @@ pub fn main() -> ExitCode {
 fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     start_log("info");
     work().unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        complain(&error);
         ExitCode::FAILURE
     })
 }
@@ -139,7 +143,7 @@ fn on_ranks(parsed: Result<RankCommand, clap::Error>) -> ExitCode {
     let ranks = match MpiRanks::start() {
         Ok(ranks) => ranks,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&error.into());
             return ExitCode::FAILURE;
         }
     };
@@ -160,11 +164,19 @@ fn on_ranks(parsed: Result<RankCommand, clap::Error>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if ranks.is_root() {
-                eprintln!("error: {error:#}");
+                complain(&error);
+            }
+            if write_failed() {
+                ranks.abort(FAILURE);
             }
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints an error; nothing is left to do if standard error is closed.
+fn complain(error: &anyhow::Error) {
+    let _ = writeln!(std::io::stderr(), "error: {error:#}");
 }
 
 /// The log of this process, down to a level if RUST_LOG does not say which.

@@ -2,7 +2,7 @@
 
 use crate::simulation::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{IsTerminal, stderr};
+use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};
 
 /// Time between lines where there is no terminal.
@@ -46,7 +46,8 @@ impl ProgressReport {
             }
             None => {
                 let percent = 100.0 * done as f64 / (done + left).max(1) as f64;
-                eprintln!("{percent:5.1} %  {message}");
+                // Nobody reads it if standard error is closed or full; the run is worth more.
+                let _ = writeln!(stderr(), "{percent:5.1} %  {message}");
             }
         }
     }
@@ -62,20 +63,24 @@ fn message(progress: &Progress) -> String {
     let Progress { time, end, steps: (done, left), particles, elapsed } = *progress;
     let seconds = elapsed.as_secs_f64().max(1.0e-9);
     let rate = done as f64 * particles as f64 / seconds * 1.0e-6;
-    let remaining = Duration::from_secs_f64(seconds * left as f64 / done.max(1) as f64);
     format!(
         "time {time:.6} of {end:.6}, {rate:.2} million particle-steps/s, {} left",
-        readable(remaining)
+        readable(seconds * left as f64 / done.max(1) as f64)
     )
 }
 
-/// A duration as people say it: 45 s, 12 min, 3 h 20 min.
-pub(super) fn readable(duration: Duration) -> String {
-    let seconds = duration.as_secs();
-    match seconds {
-        0..=99 => format!("{seconds} s"),
-        100..=5999 => format!("{} min", (seconds + 30) / 60),
-        _ => format!("{} h {} min", seconds / 3600, seconds % 3600 / 60),
+/// A duration in seconds as people say it: 45 s, 12 min, 3 h 20 min, 4 days.
+pub(super) fn readable(seconds: f64) -> String {
+    // Beyond what a counter holds, the number itself says enough.
+    if seconds >= 1.0e15 {
+        return format!("{:.1e} years", seconds / (365.25 * 86_400.0));
+    }
+    let whole = seconds as u64;
+    match whole {
+        0..=99 => format!("{whole} s"),
+        100..=5999 => format!("{} min", (whole + 30) / 60),
+        6000..=345_599 => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+        _ => format!("{} days", whole / 86_400),
     }
 }
 
@@ -85,7 +90,7 @@ mod tests {
 
     #[test]
     fn durations_read_well() {
-        let message = [45, 750, 12_000].map(|seconds| readable(Duration::from_secs(seconds)));
-        assert_eq!(message, ["45 s", "13 min", "3 h 20 min"]);
+        let message = [45.0, 750.0, 12_000.0, 400_000.0, 1.0e25].map(readable);
+        assert_eq!(message, ["45 s", "13 min", "3 h 20 min", "4 days", "3.2e17 years"]);
     }
 }

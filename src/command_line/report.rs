@@ -36,7 +36,7 @@ pub(super) fn table(outcome: &Outcome, ranks: usize) -> String {
     let mut message = format!(
         "{} steps in {}: {rate:.2} million particle-steps/s, {:.2} per rank\n",
         outcome.steps,
-        readable(outcome.elapsed),
+        readable(outcome.elapsed.as_secs_f64()),
         rate / ranks as f64
     );
     let total: f64 = outcome.phases.iter().map(|phase| phase.mean).sum();

@@ -3,7 +3,7 @@
 use super::progress::ProgressReport;
 use super::reading::read_case;
 use super::{RunArguments, report, signals};
-use crate::case::Case;
+use crate::case::{Case, changes};
 use crate::output::checkpoint;
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
@@ -46,6 +46,7 @@ pub(super) fn run(
         path: options.output.clone().unwrap_or_else(|| Path::new("results").join(name)),
         case_folder: path.parent().map(absolute).unwrap_or_default(),
     };
+    let _lock = folder.lock(ranks)?;
     prepare_folder(&folder, earlier, ranks)?;
     let initial = match earlier {
         Earlier::Continue => resume(&case, &folder, options, ranks)?,
@@ -72,11 +73,13 @@ pub(super) fn restart(
     let case_folder = PathBuf::from(&checkpoint.case_folder);
     let text = &checkpoint.case_text;
     let case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
+    say_changes(&checkpoint.case_text, &case, ranks);
     let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
     let folder = OutputFolder { path: output, case_folder };
     // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
     let continues = same_folder(&folder.path, &own_folder);
+    let _lock = folder.lock(ranks)?;
     if !continues {
         prepare_folder(&folder, Earlier::Keep, ranks)?;
     }
@@ -84,6 +87,13 @@ pub(super) fn restart(
     let initial = start_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
     let resume = |checkpoint: &Path| format!("talcum restart {}", checkpoint.display());
     run_to_end(&case, initial, folder, options, &resume, ranks)
+}
+
+/// Says what is different from the case that a checkpoint was written with.
+fn say_changes(before: &str, case: &Case, ranks: &dyn Communicator) {
+    for change in changes(before, &case.text) {
+        say(ranks, &format!("changed since the checkpoint: {change}"));
+    }
 }
 
 /// The newest good checkpoint of the folder, or the start of the case if there is none.
@@ -94,10 +104,6 @@ fn resume(
     ranks: &dyn Communicator,
 ) -> anyhow::Result<InitialState> {
     let grid = options.changes.ranks;
-    let exists = ranks.any(ranks.is_root() && folder.path.is_dir());
-    if !exists {
-        return Ok(start_from_case(case, grid, ranks)?);
-    }
     let search = checkpoint::newest_good(&folder.path, ranks)?;
     for refused in &search.refused {
         log::warn!("passed over: {refused}");
@@ -106,21 +112,22 @@ fn resume(
         Some((path, checkpoint, _, digest)) => {
             let time = checkpoint.clock.time();
             say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
-            if checkpoint.case_text != case.text {
-                log::warn!(
-                    "the case has changed since that checkpoint; it goes on with the new one"
-                );
-            }
+            say_changes(&checkpoint.case_text, case, ranks);
             Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
             say(ranks, "no checkpoint to resume from: starting anew");
             Ok(start_from_case(case, grid, ranks)?)
         }
-        None => bail!(
-            "{}: no checkpoint is good; start anew with --force, which removes them",
-            folder.path.display()
-        ),
+        None => {
+            let refused: String =
+                search.refused.iter().map(|error| format!("\n  {error}")).collect();
+            bail!(
+                "{}: no checkpoint can be used:{refused}\nstart anew in another folder with --output, or here with \
+                 --force, which removes them",
+                folder.path.display()
+            )
+        }
     }
 }
 

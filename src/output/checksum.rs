@@ -109,12 +109,14 @@ pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputE
 }
 
 fn read_trailer(path: &Path) -> MessageResult<Trailer> {
-    let mut file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    let unopened = |error: std::io::Error| format!("cannot be opened: {error}");
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
-    let metadata = file.metadata().map_err(unreadable)?;
+    // Before it is opened: opening a pipe waits for its other end.
+    let metadata = std::fs::metadata(path).map_err(unopened)?;
     if !metadata.is_file() {
         return Err("this is not a file".to_owned());
     }
+    let mut file = File::open(path).map_err(unopened)?;
     let length = metadata.len();
     if length == 0 {
         return Err("the file is empty".to_owned());

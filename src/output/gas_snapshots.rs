@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 
 use super::hdf5_file::SerialFile;
-use super::output_file::continue_or_create;
+use super::output_file::{Obstacle, continue_or_create, rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{
     ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
@@ -82,12 +82,8 @@ impl GasSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            let is_continued = continue_or_create(
-                path,
-                || cut_after(path, time).map(|()| true),
-                || create(path, grid, head).map(|()| false),
-            )?;
-            if is_continued { metadata_copy::commit(path, &tables()) } else { Ok(()) }
+            let kept = continue_or_create(path, || cut_after(path, time), || Ok(0))?;
+            if kept > 0 { metadata_copy::commit(path, &tables()) } else { create(path, grid, head) }
         })?;
         Ok(Self { path: path.to_owned() })
     }
@@ -206,17 +202,30 @@ fn append(path: &Path, time: f64, cells: &[CellSample]) -> MessageResult<()> {
 }
 
 /// Drops the snapshots after a time.
-fn cut_after(path: &Path, time: f64) -> MessageResult<()> {
-    let found_length = metadata_copy::restore(path)?;
-    let file = SerialFile::open_to_change(path)?;
+fn cut_after(path: &Path, time: f64) -> Result<u64, Obstacle> {
+    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+    let steps = steps_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
+    if steps > 0 {
+        cut(path, steps).map_err(Obstacle::Failed)?;
+    }
+    Ok(steps)
+}
+
+fn steps_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<u64> {
+    let file = SerialFile::open(path)?;
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-    let times = times.iter().take(listed.max(0) as usize);
-    let steps = times.take_while(|&&step_time| step_time <= time).count() as u64;
-    let tables = tables();
+    let listed = times.len().min(listed.max(0) as usize);
+    let steps = rows_up_to(&times[..listed], time) as u64;
     let require = |name: &String| metadata_copy::require_rows(&file, name, steps, found_length);
-    tables.iter().try_for_each(require)?;
-    tables.iter().try_for_each(|name| file.cut(name, steps))?;
+    tables().iter().try_for_each(require)?;
+    file.close()?;
+    Ok(steps)
+}
+
+fn cut(path: &Path, steps: u64) -> MessageResult<()> {
+    let file = SerialFile::open_to_change(path)?;
+    tables().iter().try_for_each(|name| file.cut(name, steps))?;
     file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
     file.close()
 }

@@ -10,6 +10,7 @@ pub mod checkpoint;
 mod checksum;
 mod gas_snapshots;
 mod hdf5_file;
+pub(crate) mod lock;
 mod metadata_copy;
 mod output_file;
 mod particle_snapshots;
@@ -20,6 +21,7 @@ mod table;
 mod units;
 
 pub use gas_snapshots::GasSnapshots;
+pub(crate) use hdf5_file::write_failed;
 pub use output_file::{Head, OpenedOutput, Opening, Output, OutputKind, Sample};
 pub use particle_snapshots::ParticleSnapshots;
 pub use profiles::{ProfileRow, Profiles};
@@ -73,11 +75,15 @@ fn sync_folder(path: &Path) -> MessageResult<()> {
     opened.and_then(|folder| folder.sync_all()).map_err(|error| error.to_string())
 }
 
-/// Moves a file that cannot be continued out of the way: `name.unreadable-1`, or the next free number.
+/// The first name that is free for a damaged file: `name.unreadable-1`, and so on.
+fn free_name(path: &Path) -> PathBuf {
+    let names = (1_u64..).map(|number| with_suffix(path, &format!(".unreadable-{number}")));
+    names.into_iter().find(|name| !name.exists()).expect("there are more numbers than files")
+}
+
+/// Moves a file that cannot be continued out of the way.
 fn set_aside(path: &Path, reason: &str) -> MessageResult<()> {
-    let free = (1..).map(|number| with_suffix(path, &format!(".unreadable-{number}")));
-    let aside = free.into_iter().find(|aside| !aside.exists());
-    let aside = aside.expect("there are more numbers than files");
+    let aside = free_name(path);
     std::fs::rename(path, &aside).map_err(|error| format!("cannot be renamed: {error}"))?;
     let [path, aside] = [path.display(), aside.display()];
     log::warn!("{path} cannot be continued ({reason}); it is kept as {aside}, and a new one begun");

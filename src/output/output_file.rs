@@ -1,5 +1,6 @@
 //! What every file of results can do: begin or go on, write an instant, and be safe against a kill.
 
+use std::fs::OpenOptions;
 use std::path::Path;
 
 use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
@@ -81,17 +82,64 @@ pub struct OutputKind {
     pub open: fn(&Path, &Opening<'_>, &dyn Communicator) -> OpenedOutput,
 }
 
-/// Continues a file if there is one; a file that cannot be continued is set aside with a warning, and a new one begun.
-pub(super) fn continue_or_create<T>(
-    path: &Path,
-    go_on: impl FnOnce() -> MessageResult<T>,
-    create: impl FnOnce() -> MessageResult<T>,
-) -> MessageResult<T> {
-    if path.exists() {
-        match go_on() {
-            Ok(opened) => return Ok(opened),
-            Err(reason) => set_aside(path, &reason)?,
+/// Why an earlier file is not continued.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Obstacle {
+    /// It is damaged, or another file than the one that is wanted.
+    Unusable(String),
+    /// It could not be read or changed now; nothing is wrong with it as far as is known.
+    Failed(String),
+}
+
+impl Obstacle {
+    /// Of an operation of the system: content that is no text is damage, all else may pass.
+    pub(super) fn of_io(error: &std::io::Error) -> Self {
+        match error.kind() {
+            std::io::ErrorKind::InvalidData | std::io::ErrorKind::UnexpectedEof => {
+                Self::Unusable(error.to_string())
+            }
+            _ => Self::Failed(error.to_string()),
         }
     }
+}
+
+/// Continues a file if there is one. A file that is unusable is set aside with a warning, and a new one begun; one that
+/// cannot be read or written is left as it is.
+///
+/// # Errors
+/// If the file cannot be read or changed, or a new one not be made.
+pub(super) fn continue_or_create<T>(
+    path: &Path,
+    go_on: impl FnOnce() -> Result<T, Obstacle>,
+    create: impl FnOnce() -> MessageResult<T>,
+) -> MessageResult<T> {
+    match require_access(path) {
+        Ok(true) => match go_on() {
+            Ok(opened) => return Ok(opened),
+            Err(Obstacle::Unusable(reason)) => set_aside(path, &reason)?,
+            Err(Obstacle::Failed(reason)) => return Err(reason),
+        },
+        Ok(false) => {
+            log::warn!("{} is not there: it begins at the time of the checkpoint", path.display());
+        }
+        Err(error) => return Err(error.to_string()),
+    }
     create()
+}
+
+/// Whether a file is there; an error if it cannot be read throughout, or not be written. HDF5 would call that damage.
+fn require_access(path: &Path) -> std::io::Result<bool> {
+    let mut file = match OpenOptions::new().read(true).write(true).open(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
+        opened => opened?,
+    };
+    std::io::copy(&mut file, &mut std::io::sink())?;
+    Ok(true)
+}
+
+/// How many rows a run has written up to and including a time, from the times that stand in its file. Times ascend; where
+/// they do not, the rest is what an interrupted shortening has left.
+pub(super) fn rows_up_to(times: &[f64], time: f64) -> usize {
+    let ascending = 1 + times.windows(2).take_while(|pair| pair[0] < pair[1]).count();
+    times.iter().take(ascending).take_while(|&&row_time| row_time <= time).count()
 }

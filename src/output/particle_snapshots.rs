@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::{SerialFile, SharedFile};
-use super::output_file::continue_or_create;
+use super::output_file::{Obstacle, continue_or_create, rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{
     ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
@@ -77,15 +77,12 @@ impl ParticleSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let found = on_root(path, ranks, || {
-            let found = continue_or_create(
-                path,
-                || cut_after(path, time).map(Some),
-                || create(path, head).map(|()| None),
-            )?;
-            if found.is_some() {
-                metadata_copy::commit(path, &tables())?;
+            let kept = continue_or_create(path, || cut_after(path, time), || Ok([0, 0]))?;
+            match kept {
+                [0, _] => create(path, head)?,
+                _ => metadata_copy::commit(path, &tables())?,
             }
-            Ok(found.unwrap_or_default())
+            Ok(kept)
         })?;
         // Rank 0 alone has counted: the sum is known to all ranks.
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
@@ -256,25 +253,46 @@ fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> Messa
 }
 
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
-fn cut_after(path: &Path, time: f64) -> MessageResult<[u64; 2]> {
-    let found_length = metadata_copy::restore(path)?;
-    let file = SerialFile::open_to_change(path)?;
+fn cut_after(path: &Path, time: f64) -> Result<[u64; 2], Obstacle> {
+    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+    let kept = rows_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
+    if kept[0] > 0 {
+        cut(path, kept).map_err(Obstacle::Failed)?;
+    }
+    Ok(kept)
+}
+
+fn rows_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<[u64; 2]> {
+    let file = SerialFile::open(path)?;
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
     let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
-    let times = times.iter().take(listed.max(0) as usize);
-    let steps = times.take_while(|&&step_time| step_time <= time).count();
+    let listed = times.len().min(listed.max(0) as usize);
+    let steps = rows_up_to(&times[..listed], time);
     let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
     let points = points.ok_or("its numbers of particles are damaged")?;
-    let of_points = point_tables();
-    let rows_of =
-        |name: &String| if of_points.contains(name) { points as u64 } else { steps as u64 };
-    let tables = tables();
-    let require =
-        |name: &String| metadata_copy::require_rows(&file, name, rows_of(name), found_length);
-    tables.iter().try_for_each(require)?;
-    tables.iter().try_for_each(|name| file.cut(name, rows_of(name)))?;
-    file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
+    let kept = [steps as u64, points as u64];
+    for (name, rows) in rows_of_tables(kept) {
+        metadata_copy::require_rows(&file, &name, rows, found_length)?;
+    }
     file.close()?;
-    Ok([steps as u64, points as u64])
+    Ok(kept)
+}
+
+/// Every table with its rows, for so many snapshots and particles in them.
+fn rows_of_tables([steps, points]: [u64; 2]) -> impl Iterator<Item = (String, u64)> {
+    let of_points = point_tables();
+    tables().into_iter().map(move |name| {
+        let rows = if of_points.contains(&name) { points } else { steps };
+        (name, rows)
+    })
+}
+
+fn cut(path: &Path, kept: [u64; 2]) -> MessageResult<()> {
+    let file = SerialFile::open_to_change(path)?;
+    for (name, rows) in rows_of_tables(kept) {
+        file.cut(&name, rows)?;
+    }
+    file.set_number("/VTKHDF/Steps", "NSteps", kept[0] as i64)?;
+    file.close()
 }

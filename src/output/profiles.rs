@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
-use super::output_file::continue_or_create;
+use super::output_file::{Obstacle, continue_or_create, rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{
     Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
@@ -81,12 +81,12 @@ impl Profiles {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            let is_continued = continue_or_create(
-                path,
-                || cut_after(path, time, heights).map(|()| true),
-                || create(path, heights, head).map(|()| false),
-            )?;
-            if is_continued { metadata_copy::commit(path, &tables()) } else { Ok(()) }
+            let kept = continue_or_create(path, || cut_after(path, time, heights), || Ok(0))?;
+            if kept > 0 {
+                metadata_copy::commit(path, &tables())
+            } else {
+                create(path, heights, head)
+            }
         })?;
         Ok(Self { path: path.to_owned(), nodes: heights.len() })
     }
@@ -165,20 +165,34 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
     file.close()
 }
 
-/// Drops the rows after a time.
-fn cut_after(path: &Path, time: f64, heights: &[f64]) -> MessageResult<()> {
-    let found_length = metadata_copy::restore(path)?;
-    let file = SerialFile::open_to_change(path)?;
+/// Drops the rows after a time; returns how many are left. If none are, the file is as it was: a new one takes its place.
+fn cut_after(path: &Path, time: f64, heights: &[f64]) -> Result<u64, Obstacle> {
+    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+    let rows = rows_to_keep(path, time, heights, found_length).map_err(Obstacle::Unusable)?;
+    if rows > 0 {
+        cut(path, rows).map_err(Obstacle::Failed)?;
+    }
+    Ok(rows)
+}
+
+fn rows_to_keep(path: &Path, time: f64, heights: &[f64], found_length: u64) -> MessageResult<u64> {
+    let file = SerialFile::open(path)?;
     let same_bits = |a: &f64, b: &f64| a.to_bits() == b.to_bits();
     let stored: Vec<f64> = file.read("/height")?;
     if stored.len() != heights.len() || !stored.iter().zip(heights).all(|(a, b)| same_bits(a, b)) {
         return Err("its heights are others".to_owned());
     }
     let times: Vec<f64> = file.read("/time")?;
-    let rows = times.iter().take_while(|&&row_time| row_time <= time).count();
-    let require = |name| metadata_copy::require_rows(&file, name, rows as u64, found_length);
+    let rows = rows_up_to(&times, time) as u64;
+    let require = |name| metadata_copy::require_rows(&file, name, rows, found_length);
     GROWING.into_iter().try_for_each(require)?;
-    GROWING.into_iter().try_for_each(|name| file.cut(name, rows as u64))?;
+    file.close()?;
+    Ok(rows)
+}
+
+fn cut(path: &Path, rows: u64) -> MessageResult<()> {
+    let file = SerialFile::open_to_change(path)?;
+    GROWING.into_iter().try_for_each(|name| file.cut(name, rows))?;
     file.close()
 }
 
@@ -186,7 +200,7 @@ fn cut_after(path: &Path, time: f64, heights: &[f64]) -> MessageResult<()> {
 mod tests {
     use super::*;
     use crate::output::Provenance;
-    use crate::parallel::run_on_threads;
+    use crate::parallel::{OneRank, run_on_threads};
 
     fn head(provenance: &Provenance) -> Head<'_> {
         Head { case_text: "title = 1", provenance }
@@ -207,6 +221,28 @@ mod tests {
     fn contents(path: &Path) -> Vec<Vec<f64>> {
         let file = SerialFile::open(path).unwrap();
         GROWING.iter().map(|name| file.read(name).unwrap()).collect()
+    }
+
+    #[test]
+    fn a_resume_that_was_itself_killed_leaves_no_false_rows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("profiles.h5");
+        let heights = [0.5, 1.5, 2.5];
+        let provenance = Provenance::here_and_now("A bed", "si", &OneRank);
+        let profiles = Profiles::create(&path, &heights, head(&provenance), &OneRank).unwrap();
+        (0..200).for_each(|step| append(&profiles, step, &OneRank));
+        profiles.commit(&OneRank).unwrap();
+        // Cut within a piece, and over several, without the commit that would have followed.
+        for kept in [190_u32, 100, 41] {
+            let time = 0.1 * f64::from(kept - 1);
+            cut_after(&path, time, &heights).unwrap();
+            assert!(metadata_copy::restore(&path).is_ok());
+            Profiles::resume(&path, time, &heights, head(&provenance), &OneRank).unwrap();
+            let times = contents(&path).swap_remove(0);
+            let expected: Vec<f64> = (0..kept).map(|step| 0.1 * f64::from(step)).collect();
+            assert_eq!(times, expected);
+        }
+        assert!(!folder.path().join("profiles.h5.unreadable-1").exists());
     }
 
     #[test]

@@ -70,7 +70,7 @@ fn machine() -> String {
 }
 
 /// A moment as `2026-11-21 05:06:03 UTC`.
-fn date(moment: SystemTime) -> String {
+pub(super) fn date(moment: SystemTime) -> String {
     let seconds = moment.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil_date(seconds / 86_400);
     let [hour, minute, second] = [seconds / 3600 % 24, seconds / 60 % 60, seconds % 60];

@@ -4,10 +4,10 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::output_file::continue_or_create;
+use super::output_file::{Obstacle, continue_or_create};
 use super::{
     ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
-    Sample, on_root, sync_folder, with_suffix,
+    Sample, free_name, on_root, sync_folder, with_suffix,
 };
 use crate::analysis::Measures;
 use crate::parallel::Communicator;
@@ -58,11 +58,8 @@ impl Series {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let file = on_root(path, ranks, || {
-            let rows = continue_or_create(
-                path,
-                || rows_up_to(path, time, &head.units()).map(Some),
-                || Ok(None),
-            )?;
+            let go_on = || rows_up_to(path, time, &head.units()).map(Some);
+            let rows = continue_or_create(path, go_on, || Ok(None))?;
             rows.map_or_else(|| create(path, head), |text| replace(path, &text))
         })?;
         Ok(Self { path: path.to_owned(), file })
@@ -142,31 +139,53 @@ fn replace(path: &Path, text: &str) -> MessageResult<File> {
     OpenOptions::new().append(true).open(path).map_err(|error| error.to_string())
 }
 
-/// The text of a table up to and including a time.
-fn rows_up_to(path: &Path, time: f64, units: &ColumnUnits) -> MessageResult<String> {
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+/// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
+/// was is kept; a last row that a kill has cut short is not damage.
+fn rows_up_to(path: &Path, time: f64, units: &ColumnUnits) -> Result<String, Obstacle> {
+    let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
     let mut kept = String::new();
+    let mut damaged = Vec::new();
     let mut columns = None;
-    for line in text.split_inclusive('\n') {
+    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
         if line.starts_with('#') {
             kept += line;
         } else if columns.is_none() {
             if line.trim_end() != header(units) {
-                return Err("it has other columns".to_owned());
+                return Err(Obstacle::Unusable("it has other columns".to_owned()));
             }
             columns = Some(line.split(',').count());
             kept += line;
-        } else {
-            // The last line may have been cut short by a kill.
-            let whole = line.ends_with('\n') && Some(line.split(',').count()) == columns;
-            let first = line.split(',').next().and_then(|first| first.parse::<f64>().ok());
-            match first {
-                Some(row_time) if whole && row_time <= time => kept += line,
-                _ => break,
-            }
+        } else if !line.ends_with('\n') {
+            break;
+        } else if Some(line.split(',').count()) != columns || !is_row(line) {
+            damaged.push(number.to_string());
+        } else if line.split(',').next().and_then(|first| first.parse().ok()) <= Some(time) {
+            kept += line;
         }
     }
-    if columns.is_none() { Err("it has no header".to_owned()) } else { Ok(kept) }
+    if columns.is_none() {
+        return Err(Obstacle::Unusable("it has no header".to_owned()));
+    }
+    if !damaged.is_empty() {
+        keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
+    }
+    Ok(kept)
+}
+
+/// Whether all columns are numbers.
+fn is_row(line: &str) -> bool {
+    line.trim_end().split(',').all(|number| number.parse::<f64>().is_ok())
+}
+
+/// Keeps a copy of a table whose damaged rows are left out.
+fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
+    let copy = free_name(path);
+    std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
+    let [path, copy] = [path.display(), copy.display()];
+    log::warn!(
+        "{path}: rows that are damaged are left out (line {lines}); as it was it is kept as {copy}"
+    );
+    Ok(())
 }
 
 #[cfg(test)]

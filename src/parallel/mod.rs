@@ -38,6 +38,7 @@
 
 use bytemuck::Pod;
 use std::fmt;
+use std::path::Path;
 
 mod balance;
 mod cell_migration;
@@ -141,8 +142,8 @@ pub trait Communicator {
     /// Replaces the bytes on all ranks by those of rank 0.
     fn broadcast_from_root(&self, bytes: &mut Vec<u8>);
 
-    /// How all ranks write a file together.
-    fn file_access(&self) -> FileAccess;
+    /// How all ranks open this file together.
+    fn file_access(&self, path: &Path) -> FileAccess;
 
     /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.
     fn is_root(&self) -> bool {

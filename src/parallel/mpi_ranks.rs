@@ -1,9 +1,11 @@
 //! Ranks as MPI processes. Only this module uses the `mpi` crate.
 
+mod file_errors;
 mod sparse_exchange;
 
 use std::cell::{Cell, RefCell};
 use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use mpi::Tag;
@@ -76,6 +78,7 @@ impl MpiRanks {
         let world = universe.world().duplicate();
         RUNNING.store(true, Ordering::SeqCst);
         end_all_ranks_on_panic();
+        file_errors::end_all_ranks_on_file_errors();
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
@@ -243,7 +246,8 @@ impl Communicator for MpiRanks {
         bytes.chunks_mut(self.longest_message).for_each(|piece| root.broadcast_into(piece));
     }
 
-    fn file_access(&self) -> FileAccess {
+    fn file_access(&self, path: &Path) -> FileAccess {
+        file_errors::set_file(path);
         FileAccess::Collective(self.world.as_raw())
     }
 }

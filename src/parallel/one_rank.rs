@@ -1,6 +1,7 @@
 //! A single rank without MPI.
 
 use super::{AxisNeighbours, Communicator, FileAccess, Message};
+use std::path::Path;
 
 /// The only rank, for unit tests and for tools that read files.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,7 +52,7 @@ impl Communicator for OneRank {
 
     fn broadcast_from_root(&self, _bytes: &mut Vec<u8>) {}
 
-    fn file_access(&self) -> FileAccess {
+    fn file_access(&self, _path: &Path) -> FileAccess {
         FileAccess::Root
     }
 }

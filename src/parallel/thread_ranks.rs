@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::panic::resume_unwind;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::{AxisNeighbours, Communicator, FileAccess, Message, records_of_bytes};
@@ -169,7 +170,7 @@ impl Communicator for ThreadRank {
         }
     }
 
-    fn file_access(&self) -> FileAccess {
+    fn file_access(&self, _path: &Path) -> FileAccess {
         FileAccess::Root
     }
 }

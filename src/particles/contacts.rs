@@ -16,7 +16,8 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
 
-/// A touching pair that the new neighbour list does not hold: a fault of the program, never of the case.
+/// A pair within the interaction range that the new neighbour list does not hold: a fault of the program, never of the
+/// case.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
 pub struct LostContact(u64, String);
@@ -177,13 +178,15 @@ impl Contacts {
         self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
     }
 
-    /// Gives the pairs of a new list their histories back.
+    /// Gives the pairs of a new list their histories back. A pair that has parted since the last step, by more than the
+    /// list reaches, has no slot, and no contact any more: its history ends, as it would at the next force.
     ///
     /// # Errors
-    /// If a touching pair with an owned particle has no slot.
+    /// If a pair within the interaction range has no slot.
     pub(crate) fn restore(
         &mut self,
         particles: &Particles,
+        interaction_range: f64,
         histories: &ContactHistories,
     ) -> Result<(), LostContact> {
         let ContactHistories { pairs, walls } = histories;
@@ -201,7 +204,9 @@ impl Contacts {
                     |&slot: &u32| particles.id[self.partner[slot as usize] as usize] == there;
                 found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, number as u32)));
             }
-            if found.len() == known {
+            if found.len() == known
+                && is_within(particles, [pair.lower, pair.higher], interaction_range)
+            {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
@@ -212,27 +217,39 @@ impl Contacts {
             let here = particles.id[row as usize];
             self.inner.restore(pair, pairs[number as usize].seen_from(here));
         }
-        self.restore_walls(&index_of, walls)
+        self.restore_walls(&index_of, walls);
+        Ok(())
     }
 
-    fn restore_walls(
-        &mut self,
-        index_of: &FxHashMap<u64, usize>,
-        walls: &[WallHistory],
-    ) -> Result<(), LostContact> {
+    /// The same with walls: a particle that has no pair with the wall is away from it.
+    fn restore_walls(&mut self, index_of: &FxHashMap<u64, usize>, walls: &[WallHistory]) {
         for contact in walls {
-            let lost = || LostContact(contact.particle, format!("wall {}", contact.wall));
-            let &index = index_of.get(&contact.particle).ok_or_else(lost)?;
-            let slot = self
-                .wall_pairs
-                .binary_search_by_key(&(index as u32, contact.wall), |pair| {
-                    (pair.particle, pair.wall)
-                })
-                .map_err(|_| lost())?;
+            let Some(&index) = index_of.get(&contact.particle) else { continue };
+            let key = (index as u32, contact.wall);
+            let found =
+                self.wall_pairs.binary_search_by_key(&key, |pair| (pair.particle, pair.wall));
+            let Ok(slot) = found else { continue };
             self.wall_history[slot] = contact.history;
             self.wall_rolling_angle[slot] = contact.rolling_angle;
             self.wall_touching[slot] = true;
         }
-        Ok(())
     }
+}
+
+/// Whether an owned particle of one of two ids is within the interaction range of a particle of the other that is known
+/// here: ghosts lie at least so far beyond the subdomain.
+fn is_within(particles: &Particles, [lower, higher]: [u64; 2], interaction_range: f64) -> bool {
+    let of_id = |id: u64, count: usize| {
+        let bodies = particles.id[..count].iter().zip(&particles.body);
+        bodies.filter(move |&(&other, _)| other == id).map(|(_, body)| body)
+    };
+    let (owned, all) = (particles.owned_count(), particles.count());
+    [[lower, higher], [higher, lower]].into_iter().any(|[here, there]| {
+        of_id(here, owned).any(|one| {
+            of_id(there, all).any(|other| {
+                let distance = (one.position - other.position).norm();
+                distance - one.radius - other.radius <= interaction_range
+            })
+        })
+    })
 }

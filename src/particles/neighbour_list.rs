@@ -81,7 +81,7 @@ impl NeighbourList {
         self.cells.fill(&particles.body, range.ghost_width(2.0 * largest));
         self.find_pairs(particles, contacts, range);
         contacts.find_wall_pairs(particles, walls, range);
-        contacts.restore(particles, histories)
+        contacts.restore(particles, range.interaction, histories)
     }
 
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, range: ListRange) {

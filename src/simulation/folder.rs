@@ -2,8 +2,12 @@
 
 use super::outputs::LISTED;
 use crate::analysis::Digest;
+use crate::output::checkpoint::is_checkpoint;
+use crate::output::lock::{self, Sharing, try_lock};
 use crate::output::{OutputError, on_root};
 use crate::parallel::Communicator;
+use std::fs::File;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// Where results go, and where relative paths in the case refer to.
@@ -17,8 +21,42 @@ pub struct OutputFolder {
 
 /// The mark of a run that came to its end: holds the digest.
 const COMPLETE: &str = "complete";
+/// Locked while a run goes on; says who runs.
+const RUNNING: &str = "running";
+
+/// Keeps other runs out of a folder of results for as long as it lives. On rank 0; the file system forgets the lock of
+/// a process that has died, on whatever machine.
+#[derive(Debug)]
+pub struct FolderLock {
+    /// Removed at the end.
+    path: PathBuf,
+    /// `None` on other ranks, and where the file system has no locks.
+    file: Option<File>,
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        if self.file.is_some() {
+            // Only a message to others depends on it: without the file they lock a new one.
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
 
 impl OutputFolder {
+    /// Makes the folder and keeps other runs out of it. Collective.
+    ///
+    /// # Errors
+    /// If another run has the folder, or it cannot be made.
+    pub fn lock(&self, ranks: &dyn Communicator) -> Result<FolderLock, OutputError> {
+        let path = self.path.join(RUNNING);
+        let taken = on_root(&self.path, ranks, || {
+            std::fs::create_dir_all(&self.path).map_err(|error| error.to_string())?;
+            take_lock(&path)
+        })?;
+        Ok(FolderLock { path, file: taken.flatten() })
+    }
+
     /// Whether an earlier run has left results here.
     pub fn holds_results(&self) -> bool {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return false };
@@ -45,12 +83,37 @@ impl OutputFolder {
     }
 }
 
+/// The lock of a folder; `None`, with a warning, where the file system has none.
+fn take_lock(path: &Path) -> Result<Option<File>, String> {
+    loop {
+        let file = match try_lock(path, Sharing::Exclusive) {
+            Ok(Some(file)) => file,
+            Ok(None) => {
+                return Err(format!("another run is writing here: {}", lock::holder(path)));
+            }
+            Err(reason) => {
+                log::warn!("{reason}: nothing keeps a second run out of this folder");
+                return Ok(None);
+            }
+        };
+        // The run that held the lock may have removed the file after we had opened it.
+        let same = |held: std::fs::Metadata| {
+            std::fs::metadata(path).is_ok_and(|named| named.ino() == held.ino())
+        };
+        if file.metadata().is_ok_and(same) {
+            lock::sign(&file);
+            return Ok(Some(file));
+        }
+    }
+}
+
 fn is_result(name: &str) -> bool {
-    let checkpoint = name.starts_with("checkpoint-");
     let is_listed = |file: &str| LISTED.iter().any(|listed| listed.kind.file_name == file);
     let of_listed = |suffix| name.strip_suffix(suffix).is_some_and(is_listed);
     let fixed = ["case.toml", COMPLETE];
-    checkpoint || fixed.contains(&name) || ["", ".metadata", ".partial"].into_iter().any(of_listed)
+    is_checkpoint(name)
+        || fixed.contains(&name)
+        || ["", ".metadata", ".partial"].into_iter().any(of_listed)
 }
 
 /// Makes the folder, with the case in effect; a run that goes on is no longer complete.

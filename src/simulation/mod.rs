@@ -9,7 +9,7 @@ mod outputs;
 mod running;
 mod start;
 
-pub use folder::OutputFolder;
+pub use folder::{FolderLock, OutputFolder};
 pub use layout::lay_out;
 pub use start::{InitialState, Origin, StartError, start_from_case, start_from_checkpoint};
 

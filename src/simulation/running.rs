@@ -116,7 +116,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn step_at(&self, time: f64) -> u64 {
         let clock = self.state.clock();
         let steps = ((time - clock.origin_time) / clock.time_step).round().max(0.0) as u64;
-        (clock.origin_step + steps).max(clock.step)
+        clock.origin_step.saturating_add(steps).max(clock.step)
     }
 
     /// Particles in the box. Collective.

@@ -1,14 +1,17 @@
 //! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
 use super::layout::{lay_out, layout_of};
-use crate::case::{BedPart, BedStart, Case};
-use crate::domain::{Decomposition, RankGrid};
+use crate::case::{BedPart, BedStart, Case, Change, changes};
+use crate::domain::{Decomposition, RankGrid, Wall};
 use crate::output::checkpoint::{self, Checkpoint};
-use crate::parallel::{CollectiveError, Communicator, ParticleRecord, RankLoad, agree};
+use crate::parallel::{
+    CollectiveError, Communicator, ParticleRecord, RankLoad, WallContactRecord, agree,
+};
 use crate::particles::ContactHistories;
 use crate::setup::{DistributedState, Layout, LayoutError, Snapshot};
 use crate::state::{SizeRange, State, Workspace};
 use nalgebra::Vector3;
+use std::path::Path;
 use thiserror::Error;
 
 /// Why a run cannot start. The same on all ranks.
@@ -23,6 +26,14 @@ pub enum StartError {
     /// A checkpoint cannot be read.
     #[error(transparent)]
     Checkpoint(#[from] crate::output::OutputError),
+    /// The case says something else than the one that the checkpoint was written with, which cannot be.
+    #[error("{change}: {reason}")]
+    Changed {
+        /// What is different.
+        change: Change,
+        /// Why it cannot be.
+        reason: &'static str,
+    },
     /// The particles do not fit the case.
     #[error("{key}: {message}")]
     Sizes {
@@ -96,10 +107,61 @@ pub fn start_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
     let Checkpoint { clock, departed, sizes, particles, cells, gas_report, .. } = checkpoint;
-    let (pairs, walls) = (checkpoint.contacts, checkpoint.wall_contacts);
+    let before =
+        Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
+    let over = before.as_ref().map_or(0, |before| before.stage_number_at(clock.time()));
+    require_changes_that_can_be(&changes(&checkpoint.case_text, &case.text), over)?;
+    let (pairs, mut walls) = (checkpoint.contacts, checkpoint.wall_contacts);
+    if let Ok(before) = &before {
+        number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);
+    }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
     let end = Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report };
     distribute(case, end, origin, grid, ranks)
+}
+
+/// Sections that describe a new bed: a checkpoint has its own.
+const OF_A_NEW_BED: [&str; 3] = ["units", "box.lengths", "particles"];
+
+/// Refuses what cannot change when a run goes on; `over` counts the stages that are over.
+fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), StartError> {
+    for change in changes {
+        let is_below = |section: &&str| {
+            change
+                .key
+                .strip_prefix(section)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let refused = |reason| Err(StartError::Changed { change: change.clone(), reason });
+        if OF_A_NEW_BED.iter().any(|section| is_below(section)) {
+            return refused("cannot change when a run goes on: the bed is that of the checkpoint");
+        }
+        if change.key.ends_with("gas.cells") && change.before.is_some() && change.after.is_some() {
+            return refused("cannot change when a run goes on: the gas is that of the checkpoint");
+        }
+        let stage =
+            change.key.strip_prefix("stage.").and_then(|rest| rest.split('.').next()?.parse().ok());
+        if stage.is_some_and(|number: usize| number <= over) {
+            return refused("this stage is over at the time of the checkpoint");
+        }
+    }
+    Ok(())
+}
+
+/// Contacts with walls go by the numbers of the walls, and these by the order in the case: they are found again by their
+/// names. A contact with a wall that is gone ends.
+fn number_walls_anew(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
+    let new_number = |old: u64| {
+        let name = &before.get(old as usize)?.name;
+        now.iter().position(|wall| wall.name == *name).map(|number| number as u64)
+    };
+    contacts.retain_mut(|contact| match new_number(contact.wall) {
+        Some(number) => {
+            contact.wall = number;
+            true
+        }
+        None => false,
+    });
 }
 
 fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {

@@ -1,5 +1,6 @@
 //! The text of a case: what identifies the run that it describes, and the case of a continued run.
 
+use crate::case::for_each_value;
 use crate::study::definition::Continuation;
 use crate::study::setting::shortest;
 use std::collections::BTreeMap;
@@ -47,10 +48,16 @@ impl EffectiveCase {
     /// All keys that decide the results, by their paths, with their values as texts.
     pub(crate) fn flat(&self) -> BTreeMap<String, String> {
         let mut all = BTreeMap::new();
-        for (key, value) in self.0.iter().filter(|(key, _)| !WITHOUT_EFFECT.contains(&key.as_str()))
-        {
-            flatten(key, value, &mut all);
-        }
+        let mut table = self.0.clone();
+        WITHOUT_EFFECT.iter().for_each(|&key| drop(table.remove(key)));
+        for_each_value(&table, &mut |key, value| {
+            let text = match value {
+                Value::String(text) => text.clone(),
+                Value::Float(number) => shortest(*number),
+                other => other.to_string(),
+            };
+            all.insert(key.to_owned(), text);
+        });
         all
     }
 
@@ -72,30 +79,6 @@ impl EffectiveCase {
     /// The kind of the start of the particles, for example `lattice`.
     pub(crate) fn start_kind(&self) -> Option<&str> {
         self.0.get("particles")?.get("start")?.get("kind")?.as_str()
-    }
-}
-
-fn flatten(path: &str, value: &Value, all: &mut BTreeMap<String, String>) {
-    match value {
-        Value::Table(table) => {
-            for (key, inner) in table {
-                flatten(&format!("{path}.{key}"), inner, all);
-            }
-        }
-        Value::Array(members) if members.iter().any(Value::is_table) => {
-            for (index, inner) in members.iter().enumerate() {
-                flatten(&format!("{path}.{}", index + 1), inner, all);
-            }
-        }
-        Value::String(text) => {
-            all.insert(path.to_owned(), text.clone());
-        }
-        Value::Float(number) => {
-            all.insert(path.to_owned(), shortest(*number));
-        }
-        other => {
-            all.insert(path.to_owned(), other.to_string());
-        }
     }
 }
 

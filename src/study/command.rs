@@ -1,11 +1,11 @@
 //! `talcum study`: what the user types, and what the study answers.
 
+use crate::output::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
 use crate::study::checker::CaseReader;
 use crate::study::definition::Study;
 use crate::study::file::{self, launcher};
 use crate::study::folder::{StudyFolder, make_folder};
 use crate::study::job::TalcumRunner;
-use crate::study::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
 use crate::study::measure::Registry;
 use crate::study::scheduler::{Outcome, PAUSE, Scheduler};
 use crate::study::session::{Session, count_of};

@@ -3,8 +3,8 @@
 //! Nothing else keeps the state of a study. A run is complete if Talcum says so in its folder and the case
 //! that was run is the one that the study asks for.
 
+use crate::output::lock::{Sharing, try_lock};
 use crate::study::case_text::EffectiveCase;
-use crate::study::lock::{Sharing, try_lock};
 use crate::study::measure::{NamedMeasure, SeriesTable};
 use crate::study::member::Member;
 use crate::study::task::{Records, RunState};

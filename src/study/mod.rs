@@ -16,7 +16,6 @@ mod definition;
 mod file;
 mod folder;
 mod job;
-mod lock;
 mod measure;
 mod member;
 mod plan;

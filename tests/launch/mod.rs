@@ -84,7 +84,24 @@ pub(crate) fn turn_of_mpirun() -> MutexGuard<'static, ()> {
 
 /// Starts the program: by itself for no ranks, else under `mpirun`.
 pub(crate) fn start(ranks: usize, arguments: &[&str]) -> Running {
-    start_program(Path::new(env!("CARGO_BIN_EXE_talcum")), ranks, arguments)
+    start_with(&[], ranks, arguments)
+}
+
+/// The same, with variables that are set for the program alone.
+pub(crate) fn start_with(
+    environment: &[(&str, String)],
+    ranks: usize,
+    arguments: &[&str],
+) -> Running {
+    let program = Path::new(env!("CARGO_BIN_EXE_talcum"));
+    if environment.is_empty() {
+        return start_program(program, ranks, arguments);
+    }
+    let settings = environment.iter().map(|(name, value)| format!("{name}={value}"));
+    let through: Vec<String> = settings.chain([program.display().to_string()]).collect();
+    let all: Vec<&str> =
+        through.iter().map(String::as_str).chain(arguments.iter().copied()).collect();
+    start_program(Path::new("/usr/bin/env"), ranks, &all)
 }
 
 /// Starts a program: by itself for no ranks, else under `mpirun`.

@@ -9,6 +9,7 @@ mod case_meaning;
 mod case_schema;
 mod checkpoint_files;
 mod failures;
+mod faults;
 mod golden;
 mod initial_beds;
 mod interruption;

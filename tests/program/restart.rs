@@ -189,7 +189,11 @@ fn later_checkpoints_are_superseded_by_a_restart() {
     );
     let goes_on = run("branched", &["--resume", "--until", "0.5"]);
     assert!(goes_on.output.contains("at time 0.25, state "), "{}", goes_on.output);
-    assert!(goes_on.errors.contains("the case has changed"), "{}", goes_on.errors);
+    assert!(
+        goes_on.output.contains("changed since the checkpoint: contact.friction: "),
+        "{}",
+        goes_on.output
+    );
     assert_ne!(goes_on.digest(), digest);
 }
 
@@ -219,4 +223,133 @@ fn earlier_results_are_kept_continued_or_replaced_as_asked() {
     assert_eq!(run(&["--force"]).digest(), digest);
     assert_eq!(checkpoints(folder.path()).len(), 1);
     assert_eq!(std::fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
+}
+
+/// A short run of a smoke case, and the arguments that restart it in a folder of its own.
+fn stopped_at(name: &str, until: &str, folder: &Path) -> String {
+    let output = text(&folder.join("start"));
+    talcum(0, &["run", &smoke(name), "--output", &output, "--until", until]).digest();
+    newest(&folder.join("start"))
+}
+
+#[test]
+fn a_restart_says_what_has_changed_and_refuses_what_cannot() {
+    let folder = tempfile::tempdir().unwrap();
+    let staged = stopped_at("staged", "0.01", folder.path());
+    let output = text(&folder.path().join("next"));
+    let restart = |change: &str| {
+        talcum(0, &["restart", &staged, "--output", &output, "--until", "0.02", "--set", change])
+    };
+    for (change, reason) in [
+        ("particles.count=17", "the bed is that of the checkpoint"),
+        ("box.lengths=[6.0, 6.0, 30.0]", "the bed is that of the checkpoint"),
+    ] {
+        let ended = restart(change);
+        assert_eq!(ended.code(), Some(1), "{change}: {}", ended.output);
+        let message = ended.error();
+        let key = change.split('=').next().unwrap();
+        assert!(message.contains(key) && message.contains(reason), "{message}");
+    }
+    // Negative control: what may change is said, and used.
+    let allowed = restart("contact.friction=0.77");
+    allowed.digest();
+    let said = "changed since the checkpoint: contact.friction: ";
+    assert!(
+        allowed.output.contains(said) && allowed.output.contains("-> 0.77"),
+        "{}",
+        allowed.output
+    );
+}
+
+#[test]
+fn cells_of_the_gas_cannot_change_on_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = crate::launch::in_repository("tests/cases/good/volume-averaged.toml");
+    let output = text(&folder.path().join("start"));
+    let alone = ["--output", &output, "--until", "0.002", "--ranks", "1,1,1"];
+    talcum(0, &[&["run", &text(&case)], &alone[..]].concat()).digest();
+    let start = newest(&folder.path().join("start"));
+    let next = text(&folder.path().join("next"));
+    let options = ["--output", &next, "--until", "0.003", "--ranks", "1,1,1"];
+    let other = ["--set", "gas.cells=[2, 2, 8]"];
+    let ended = talcum(0, &[&["restart", &start], &options[..], &other[..]].concat());
+    assert_eq!(ended.code(), Some(1), "{}", ended.output);
+    assert!(ended.error().contains("gas.cells: "), "{}", ended.errors);
+    // Negative control.
+    talcum(0, &[&["restart", &start], &options[..]].concat()).digest();
+}
+
+#[test]
+fn a_stage_that_is_over_cannot_change() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = std::fs::read_to_string(smoke("staged")).unwrap();
+    let duration: f64 = case
+        .lines()
+        .find_map(|line| line.strip_prefix("duration = ")?.trim().parse().ok())
+        .expect("the first stage has a duration");
+    let start = stopped_at("staged", &(duration + 0.01).to_string(), folder.path());
+    let next = text(&folder.path().join("next"));
+    let until = (duration + 0.02).to_string();
+    let restart = |change: &str| {
+        talcum(0, &["restart", &start, "--output", &next, "--until", &until, "--set", change])
+    };
+    let ended = restart(&format!("stage.1.duration={}", duration - 0.02));
+    assert_eq!(ended.code(), Some(1), "{}", ended.output);
+    assert!(ended.error().contains("this stage is over"), "{}", ended.errors);
+}
+
+#[test]
+fn walls_can_be_added_and_removed_between_a_stop_and_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = text(&folder.path().join("start"));
+    let case = std::fs::read_to_string(smoke("walls")).unwrap();
+    talcum(0, &["run", &smoke("walls"), "--output", &output, "--until", "2"]).digest();
+    let resume = |name: &str, until: &str, changed: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, changed).unwrap();
+        let ended =
+            talcum(0, &["run", &text(&path), "--resume", "--output", &output, "--until", until]);
+        ended.digest();
+        std::fs::remove_file(folder.path().join("start/complete")).ok();
+    };
+    let (before, rest) = case.split_once("[[wall]]").unwrap();
+    let (chute, after) = rest.split_once("[particles]").unwrap();
+    let another = "[[wall]]\nname = \"lid\"\npoint = [2.5, 2.5, 11.9]\nnormal = [0.0, 0.0, -1.0]\n";
+    resume("more.toml", "2.01", &format!("{before}{another}[[wall]]{chute}[particles]{after}"));
+    resume("fewer.toml", "2.02", &format!("{before}[particles]{after}"));
+}
+
+#[test]
+fn particles_that_part_by_more_than_the_skin_in_a_step_have_parted() {
+    let folder = tempfile::tempdir().unwrap();
+    let bed = "id,x,y,z,vx,vy,vz\n1,2.5,2.5,24.2,0,0,40\n2,2.5,2.5,25.8,0,0,-40\n";
+    std::fs::write(folder.path().join("bed.csv"), bed).unwrap();
+    let good = crate::launch::in_repository("tests/cases/good/csv-file.toml");
+    let case = std::fs::read_to_string(good).unwrap();
+    let case = case.replace("offset = [0.0, 0.0, 1.0]\n", "");
+    let case = case.replace("seed = 3", "seed = 3\ndiameter = 1.0");
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, case).unwrap();
+    let digest = |ranks, skin: &str| {
+        let output = text(&folder.path().join(format!("{ranks}-{skin}")));
+        let skin = format!("parallel.skin={skin}");
+        let options = ["--output", &output, "--until", "0.03", "--set", &skin];
+        talcum(ranks, &[&["run", &text(&path)], &options[..]].concat()).digest()
+    };
+    let expected = digest(0, "0.08");
+    for (ranks, skin) in [(0, "0.01"), (0, "0.001"), (2, "0.003")] {
+        assert_eq!(digest(ranks, skin), expected, "{skin} on {ranks}");
+    }
+}
+
+#[test]
+fn an_end_beyond_all_steps_is_not_reached_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = stopped_at("rank-equality", "0.05", folder.path());
+    let output = text(&folder.path().join("next"));
+    let options = ["--output", &output, "--until", "1e25", "--set", "time.end=1e28"];
+    let step = ["--set", "time.step=2.0e-4", "--set", "run.wall_clock=\"2s\""];
+    let ended = talcum(0, &[&["restart", &start], &options[..], &step[..]].concat());
+    ended.digest();
+    assert!(ended.output.contains("stopped at time "), "{}", ended.output);
 }

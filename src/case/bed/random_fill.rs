@@ -22,13 +22,15 @@ pub(super) fn fill(
     let bounds = &case.domain.bounds;
     let per_height = solids_fraction * case.domain.cross_section();
     let diameters = diameters(case, per_height, bottom)?;
+    let largest = diameters.iter().copied().fold(0.0, f64::max);
     let height = diameters.iter().map(|&diameter| volume_of(diameter)).sum::<f64>() / per_height;
+    // One or few particles in a wide box: their centres need room above the bottom.
+    let height = height.max(largest);
     let (top, reached) = (bounds.lengths().z, bottom + height);
     if reached > top * (1.0 + 1.0e-9) {
         let reason = format!("the bed would reach up to {reached:.6} in a box of {top}");
         return Err(BedError::NoRoom(reason));
     }
-    let largest = diameters.iter().copied().fold(0.0, f64::max);
     let thickness = height / (height / (LAYER * largest)).round().max(1.0);
     let mut cells = Cells::new(bounds, largest, diameters.len());
     let mut spheres: Vec<Sphere> = Vec::with_capacity(diameters.len());

@@ -44,7 +44,7 @@ pub(super) fn check(
     say(ranks, message.trim_end());
     let seconds = trial(&case, &mut initial, ranks)?;
     let steps = case.end_time() / case.stages[0].physics.time_step;
-    let total = readable(Duration::from_secs_f64(seconds * steps));
+    let total = readable(seconds * steps);
     let on_ranks = super::report::count_of(ranks.size(), "rank");
     say(
         ranks,

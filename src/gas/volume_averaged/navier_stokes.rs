@@ -11,7 +11,7 @@ use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
 use crate::domain::Subdomain;
 use crate::gas::NavierStokesError;
 use crate::grid::{BoxGrid, Field, LocalCells};
-use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver};
+use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::rules::{LARGEST_STEP_NUMBER, step_number};
 use nalgebra::Vector3;
@@ -30,6 +30,9 @@ pub struct NavierStokesSolver {
     residual: Field,
     change: Field,
 }
+
+/// Roundings in the sum of a cell's flows: six products and their additions.
+const ROUNDINGS: f64 = 8.0;
 
 /// Advection and viscous force, which are explicit in time.
 #[derive(Clone, Debug)]
@@ -187,7 +190,8 @@ impl NavierStokesSolver {
         self.explicit.add(&self.predicted, &bed.voidage, local, spacing);
         self.explicit.halve();
         self.predict(&momentum, state, step, ranks);
-        let convergence = self.solve_pressure(&momentum, &state.voidage, ranks)?;
+        let rounding = self.rounding_of_continuity(courant / dt);
+        let convergence = self.solve_pressure(&momentum, &state.voidage, rounding, ranks)?;
         self.finish(&momentum, state, ranks);
         Ok(NavierStokesReport { courant, viscous, convergence })
     }
@@ -261,11 +265,20 @@ impl NavierStokesSolver {
         continue_velocity(&mut self.predicted, local, end);
     }
 
+    /// Norm of the rounding errors in the right-hand side of the pressure equation, which are those of the flows through
+    /// the faces of each cell: a steady uniform flow has no other right-hand side, and no solver can reduce it. `rate` is
+    /// the largest sum over the axes of flow over cell size.
+    fn rounding_of_continuity(&self, rate: f64) -> f64 {
+        let cells = self.part.counts.iter().product::<usize>() as f64;
+        ROUNDINGS * f64::EPSILON * rate * cells.sqrt()
+    }
+
     /// The change of pressure that the predicted velocity needs for continuity, halo included.
     fn solve_pressure(
         &mut self,
         momentum: &Momentum,
         voidage_before: &Field,
+        rounding: f64,
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
         momentum.set_coefficients(&mut self.coefficients, &mut self.diagonal);
@@ -274,7 +287,8 @@ impl NavierStokesSolver {
         let [x, y, z] = &self.coefficients;
         solver.set_coefficients([x, y, z], Some(&self.diagonal), ranks)?;
         self.change.values_mut().fill(0.0);
-        let tolerance = momentum.gas.tolerance;
+        let Tolerance { relative, absolute } = momentum.gas.tolerance;
+        let tolerance = Tolerance { relative, absolute: absolute.max(rounding) };
         let convergence = solver.solve(&mut self.change, &self.residual, tolerance, ranks)?;
         self.halo.refresh(&mut [&mut self.change], ranks);
         continue_correction(&mut self.change, &self.part, momentum.gas);

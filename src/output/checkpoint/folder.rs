@@ -7,6 +7,9 @@ use crate::analysis::Digest;
 use crate::output::{MessageResult, OutputError, Provenance, on_root};
 use crate::parallel::Communicator;
 
+/// What is appended to the name of a checkpoint of another future.
+const SUPERSEDED: &str = ".superseded";
+
 /// What a search for checkpoints found.
 #[derive(Debug)]
 pub struct Search {
@@ -28,11 +31,29 @@ fn step_of(name: &str) -> Option<u64> {
     (file_name(step) == name).then_some(step)
 }
 
+/// Whether a file is a checkpoint of a run, complete or not, or was one until it was superseded.
+pub(crate) fn is_checkpoint(name: &str) -> bool {
+    let of_suffix = |suffix| name.strip_suffix(suffix).and_then(step_of).is_some();
+    ["", ".partial", SUPERSEDED].into_iter().any(of_suffix)
+}
+
+/// An error if a file cannot be read from its start to its end: then it may be good, and must not be passed over.
+fn require_readable(path: &Path) -> MessageResult<()> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    let mut file =
+        std::fs::File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    let read = std::io::copy(&mut file, &mut std::io::sink());
+    read.map(|_| ()).map_err(|error| format!("cannot be read: {error}"))
+}
+
 /// Reads the newest checkpoint of a folder that is whole, trying from the newest to the oldest.
 /// Collective.
 ///
 /// # Errors
-/// If the folder cannot be read. Damaged checkpoints are not an error; they are named in what is returned.
+/// If the folder, or a file in it, cannot be read. Damaged checkpoints are not an error; they are named in what is
+/// returned.
 pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, OutputError> {
     let steps = on_root(folder, ranks, || steps_in(folder))?.unwrap_or_default();
     let mut bytes: Vec<u8> = bytemuck::cast_slice(&steps).to_vec();
@@ -41,6 +62,7 @@ pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, Ou
     let mut refused = Vec::new();
     for &step in steps.iter().rev() {
         let path = folder.join(file_name(step));
+        on_root(&path, ranks, || require_readable(&path))?;
         match read(&path, ranks) {
             Ok((checkpoint, provenance, digest)) => {
                 let found = Some((path, checkpoint, provenance, digest));
@@ -82,7 +104,7 @@ pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(
     on_root(folder, ranks, || {
         for later in steps_in(folder)?.into_iter().filter(|&later| later > step) {
             let name = file_name(later);
-            let aside = format!("{name}.superseded");
+            let aside = name.clone() + SUPERSEDED;
             std::fs::rename(folder.join(&name), folder.join(&aside))
                 .map_err(|error| format!("{name} cannot be renamed: {error}"))?;
             log::warn!(

@@ -13,6 +13,7 @@ mod read;
 mod schema;
 mod write;
 
+pub(crate) use folder::is_checkpoint;
 pub use folder::{Search, file_name, newest_good, prune, supersede};
 pub use read::read;
 pub use write::write;

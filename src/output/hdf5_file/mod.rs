@@ -8,6 +8,7 @@ mod rows;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use bytemuck::Pod;
 use hdf5::dataset::{AllocTime, FillTime};
@@ -37,13 +38,31 @@ impl Element for i64 {}
 pub(super) struct SerialFile(File);
 
 fn described<T>(result: hdf5::Result<T>) -> MessageResult<T> {
-    result.map_err(|error| format!("HDF5 says: {error}"))
+    result.map_err(|error| format!("HDF5 says: {}", error.to_string().replace('\n', " ")))
+}
+
+/// Whether something could not be written.
+static WRITE_FAILED: AtomicBool = AtomicBool::new(false);
+
+/// Whether HDF5 was unable to write something. It then keeps what is left in its memory and crashes when it tries to
+/// write that once more as MPI is finalised: the program must end without.
+pub(crate) fn write_failed() -> bool {
+    WRITE_FAILED.load(Ordering::Relaxed)
+}
+
+fn note_failed_write() {
+    WRITE_FAILED.store(true, Ordering::Relaxed);
+}
+
+/// [`described`], for what writes.
+fn written<T>(result: hdf5::Result<T>) -> MessageResult<T> {
+    described(result.inspect_err(|_| note_failed_write()))
 }
 
 impl SerialFile {
     /// A new, empty file in the place of what was there.
     pub(super) fn create(path: &Path) -> MessageResult<Self> {
-        described(options().create(path)).map(Self)
+        written(options().create(path)).map(Self)
     }
 
     /// A file that is only read.
@@ -58,17 +77,17 @@ impl SerialFile {
 
     /// Brings everything to the file and closes it.
     pub(super) fn close(self) -> MessageResult<()> {
-        described(self.0.flush().and_then(|()| self.0.close()))
+        written(self.0.flush().and_then(|()| self.0.close()))
     }
 
     pub(super) fn make_group(&self, name: &str) -> MessageResult<()> {
-        described(self.0.create_group(name)).map(|_| ())
+        written(self.0.create_group(name)).map(|_| ())
     }
 
     /// A text attribute of the group `/...`.
     pub(super) fn set_text(&self, group: &str, name: &str, text: &str) -> MessageResult<()> {
         let group = described(self.0.group(group))?;
-        described(set_text(&group, name, text))
+        written(set_text(&group, name, text))
     }
 
     /// A text attribute of a fixed length, as the VTKHDF format asks for.
@@ -83,7 +102,7 @@ impl SerialFile {
             let group = self.0.group(group)?;
             group.new_attr::<FixedAscii<N>>().create(name)?.write_scalar(&text)
         };
-        described(set())
+        written(set())
     }
 
     /// A number attribute, new or changed.
@@ -100,7 +119,7 @@ impl SerialFile {
                 if exists { group.attr(name)? } else { group.new_attr::<T>().create(name)? };
             attribute.write_scalar(&to)
         };
-        described(set())
+        written(set())
     }
 
     /// An attribute of several numbers.
@@ -114,7 +133,7 @@ impl SerialFile {
             let group = self.0.group(group)?;
             group.new_attr::<T>().shape([to.len()]).create(name)?.write_raw(to)
         };
-        described(set())
+        written(set())
     }
 
     pub(super) fn text(&self, group: &str, name: &str) -> MessageResult<String> {
@@ -159,7 +178,7 @@ impl SerialFile {
             set_text(&dataset, "unit", head.unit)?;
             set_text(&dataset, "description", head.description)
         };
-        described(make())
+        written(make())
     }
 
     /// Rows of a dataset, and numbers in each.
@@ -183,7 +202,7 @@ impl SerialFile {
 
     /// Writes all rows of a dataset.
     pub(super) fn fill<T: Element>(&self, name: &str, values: &[T]) -> MessageResult<()> {
-        described(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
+        written(self.0.dataset(name).and_then(|dataset| write(&dataset, 0, values, false)))
     }
 
     /// Cuts a dataset to its first rows.
@@ -191,7 +210,7 @@ impl SerialFile {
         if self.shape(name)?.0 < rows {
             return Err(format!("{name} has fewer than {rows} rows"));
         }
-        described(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
+        written(self.0.dataset(name).and_then(|dataset| set_rows(&dataset, rows)))
     }
 
     /// Where the first rows of a growing dataset lie in the file, in bytes: whole pieces, those with any of
@@ -212,9 +231,11 @@ impl SerialFile {
         let append = || {
             let dataset = self.0.dataset(name)?;
             set_rows(&dataset, rows + added)?;
-            write(&dataset, rows, values, false)
+            write(&dataset, rows, values, false)?;
+            // While the dataset is open: what fails as it is closed is told to nobody.
+            self.0.flush()
         };
-        described(append())
+        written(append())
     }
 }
 
@@ -248,7 +269,7 @@ impl<'r> SharedFile<'r> {
     fn open(path: &Path, ranks: &'r dyn Communicator, write: bool) -> Result<Self, OutputError> {
         let mut options = options();
         let mut together = false;
-        if let FileAccess::Collective(communicator) = ranks.file_access() {
+        if let FileAccess::Collective(communicator) = ranks.file_access(path) {
             together = true;
             options.with_fapl(|properties| {
                 properties.mpio(communicator, None);
@@ -282,7 +303,7 @@ impl<'r> SharedFile<'r> {
 
     /// Lengthens a dataset to so many rows.
     pub(super) fn grow(&self, name: &str, rows: u64) -> Result<(), OutputError> {
-        self.with(name, |dataset| set_rows(dataset, rows))
+        self.with(name, |dataset| set_rows(dataset, rows).inspect_err(|_| note_failed_write()))
     }
 
     /// Opens a dataset to write to it in several turns.
@@ -323,7 +344,7 @@ impl<'r> SharedFile<'r> {
     /// Brings everything to the file and closes it.
     pub(super) fn close(self) -> Result<(), OutputError> {
         let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
-        agreed(&self.path, described(closed), self.ranks)
+        agreed(&self.path, written(closed), self.ranks)
     }
 }
 
@@ -351,8 +372,8 @@ impl SharedDataset<'_> {
         };
         let Some(dataset) = &self.dataset else { return Ok(()) };
         // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
-        let written = write(dataset, first_row, values, self.together && dataset.is_chunked());
-        described(written).map_err(|message| format!("{}: {message}", self.name))
+        let result = write(dataset, first_row, values, self.together && dataset.is_chunked());
+        written(result).map_err(|message| format!("{}: {message}", self.name))
     }
 }
 

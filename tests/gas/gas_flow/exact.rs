@@ -295,3 +295,41 @@ fn what_cannot_be_is_said() {
     let message = wrong([PERIODIC, PERIODIC, [inlet(1.0, Profile::Table(vec![1.0; 15])), OUTLET]]);
     assert!(message.contains("15 numbers for 16 cells"), "{message}");
 }
+
+#[test]
+fn a_uniform_flow_whose_continuity_is_rounding_alone_goes_on() {
+    // The pressure has nothing to correct: the right-hand side of its equation is the rounding of the flows. No solver
+    // takes fifteen digits off it, and none needs to.
+    for trial in 0..12 {
+        let push = 0.1 * f64::from(trial);
+        let mut problem = Problem::new([1.0, 1.3, 1.7], [4, 6, 10], [PERIODIC; 3]);
+        problem.gas.tolerance.relative = 1.0e-15;
+        problem.gas.viscosity = 0.1;
+        let mut flow = problem.start();
+        let velocity = [0.1, 0.2, 0.3 + push];
+        flow.set(
+            |_| velocity,
+            |_| 0.0,
+            |[x, y, z]| 0.61 + 4.0e-16 * (99.0 * x + 77.0 * y + 55.0 * z).sin(),
+        );
+        flow.bed.momentum_transfer =
+            flow.field(None, |[x, _, z]| 7.0 + 4.0e-15 * (31.0 * x * z).cos());
+        let driving = Vector3::new(0.3, 0.7, 1.0 + push);
+        let mut last = 0.0;
+        for _ in 0..400 {
+            last = flow.driven_step(1.0e-2, driving, None).unwrap().convergence.right_hand_side;
+        }
+        assert!(last > 0.0 && last < 1.0e-12, "{last:e}");
+        // u = eps f / beta to round-off of some hundred steps.
+        let [x, y, z]: [f64; 3] = (driving * (0.61 / 7.0)).into();
+        let error = flow.velocity_error(0, |_| x) + flow.velocity_error(1, |_| y);
+        assert!(error + flow.velocity_error(2, |_| z) < 1.0e-13);
+    }
+    // Control: where there is something to correct, it is corrected to the tolerance.
+    let mut flow = Problem::new([1.0; 3], [4, 4, 8], [PERIODIC; 3]).start();
+    let wave = |x: f64| (2.0 * std::f64::consts::PI * x).sin();
+    flow.set(|[_, _, z]| [0.0, 0.0, 0.1 * wave(z)], |_| 0.0, |_| 0.61);
+    let convergence = flow.step(1.0e-3).unwrap().convergence;
+    assert!(convergence.iterations > 0, "{convergence:?}");
+    assert!(convergence.residual <= 1.0e-10 * convergence.right_hand_side, "{convergence:?}");
+}

@@ -57,7 +57,8 @@ fn open(path: &Path) -> Result<File, String> {
 /// Writes into a locked file who holds it.
 pub(crate) fn sign(mut file: &File) {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let text = format!("process {} on {}\n", std::process::id(), host.trim());
+    let since = super::provenance::date(std::time::SystemTime::now());
+    let text = format!("process {} on {}, since {since}\n", std::process::id(), host.trim());
     // Only a message to others depends on it.
     let _ =
         file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text.as_bytes()));

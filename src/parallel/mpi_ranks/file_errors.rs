@@ -1,0 +1,77 @@
+//! A file operation of MPI that fails ends all ranks.
+//!
+//! Files are written and read by all ranks together, in the collective calls of the HDF5 library. If such a call fails
+//! on one rank (a full disk, a bad sector), that rank leaves it at once, and the others wait in it without end: nothing
+//! that the ranks agree on afterwards is ever reached. So the rank that sees the failure says so and ends all ranks.
+//! Checkpoints stand under their names only when they are complete, so the last one is not touched.
+
+#![allow(unsafe_code, reason = "the mpi crate has no handlers of file errors")]
+
+use super::flush_standard_streams;
+use mpi::ffi::{self, MPI_Errhandler, MPI_File};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::Communicator as _;
+use std::ffi::c_int;
+use std::io::Write;
+use std::mem::MaybeUninit;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
+
+/// Exit code of all ranks, that of any other error.
+const CODE: i32 = 1;
+/// How much longer each rank waits than the one before: where all ranks meet the failure, the first one to speak ends
+/// the others before they repeat it.
+const PAUSE: Duration = Duration::from_millis(100);
+/// The longest such pause.
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
+
+/// The file that was opened last; the error names it.
+static FILE: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Sets the file that errors name from now on.
+pub(super) fn set_file(path: &Path) {
+    if let Ok(mut file) = FILE.lock() {
+        *file = Some(path.to_owned());
+    }
+}
+
+/// Makes errors of all files that are opened from now on end all ranks. MPI must be initialised.
+pub(super) fn end_all_ranks_on_file_errors() {
+    let mut handler = MaybeUninit::<MPI_Errhandler>::uninit();
+    // SAFETY: MPI calls the function with a file, a pointer to the code, and arguments that depend on the
+    // implementation. They are passed after the two that the function has, so that it does not see them.
+    unsafe {
+        let function = std::mem::transmute::<
+            unsafe extern "C" fn(*mut MPI_File, *mut c_int),
+            unsafe extern "C" fn(*mut MPI_File, *mut c_int, ...),
+        >(end_all_ranks);
+        ffi::MPI_File_create_errhandler(Some(function), handler.as_mut_ptr());
+        // The handler of the null file is that of every file which is opened later.
+        ffi::MPI_File_set_errhandler(ffi::RSMPI_FILE_NULL, handler.assume_init());
+    }
+}
+
+/// Called by MPI in the place where the operation has failed.
+unsafe extern "C" fn end_all_ranks(_: *mut MPI_File, code: *mut c_int) {
+    let world = SimpleCommunicator::world();
+    let rank = u32::try_from(world.rank()).unwrap_or(u32::MAX);
+    std::thread::sleep(PAUSE.saturating_mul(rank).min(LONGEST_PAUSE));
+    // SAFETY: MPI gives a pointer to the code.
+    let reason = text_of(unsafe { *code });
+    let file = FILE.lock().ok().and_then(|file| file.clone()).unwrap_or_default();
+    // Nothing is left to do if standard error is closed.
+    let _ = writeln!(std::io::stderr(), "error: {}: rank {rank}: {reason}", file.display());
+    flush_standard_streams();
+    world.abort(CODE)
+}
+
+/// MPI's words for an error code.
+fn text_of(code: c_int) -> String {
+    let mut text = [0_u8; ffi::MPI_MAX_ERROR_STRING as usize];
+    let mut length = 0;
+    // SAFETY: there is room for the longest text.
+    unsafe { ffi::MPI_Error_string(code, text.as_mut_ptr().cast(), &raw mut length) };
+    let length = usize::try_from(length).unwrap_or(0).min(text.len());
+    String::from_utf8_lossy(&text[..length]).into_owned()
+}
