@@ -133,7 +133,7 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
                 .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
         let refused = |reason| Err(StartError::Changed { change: change.clone(), reason });
-        if OF_A_NEW_BED.iter().any(|section| is_below(section)) {
+        if OF_A_NEW_BED.iter().any(is_below) {
             return refused("cannot change when a run goes on: the bed is that of the checkpoint");
         }
         if change.key.ends_with("gas.cells") && change.before.is_some() && change.after.is_some() {

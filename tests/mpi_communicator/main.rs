@@ -173,7 +173,7 @@ fn methods(ranks: &MpiRanks) {
     assert_eq!(agree(result, ranks).unwrap_err().0, format!("rank {} failed", n - 1));
     assert_eq!(agree::<_, String>(Ok(me), ranks), Ok(me));
     assert_eq!(ranks.total(me), n * (n - 1) / 2);
-    assert!(matches!(ranks.file_access(), FileAccess::Collective(_)));
+    assert!(matches!(ranks.file_access(Path::new("a.h5")), FileAccess::Collective(_)));
     let ids = vec![3 * n - me, me];
     let sorted = sort_by_id(&ids, |&id| [id as u64, 0], ranks);
     assert!(sorted.rows.is_sorted() && sorted.total == 2 * n as u64);
@@ -280,7 +280,7 @@ fn read(ranks: &MpiRanks, folder: &Path) {
 fn open(ranks: &MpiRanks, folder: &Path) {
     let name = format!("open-by-{}.h5", ranks.size());
     let mut options = hdf5::File::with_options();
-    if let FileAccess::Collective(communicator) = ranks.file_access() {
+    if let FileAccess::Collective(communicator) = ranks.file_access(&folder.join(&name)) {
         options.with_fapl(|properties| properties.mpio(communicator, None));
     }
     let file = options.create(folder.join(&name)).unwrap();
