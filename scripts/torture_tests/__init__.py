@@ -1,0 +1,1 @@
+"""Hostile tests of Talcum; called by scripts/torture."""

@@ -1,0 +1,195 @@
+"""Starts Talcum, whole or maimed, and compares what it leaves."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+SMOKE = ROOT / "cases" / "smoke"
+# Nothing may take longer: a run of a smoke case takes a second.
+PATIENCE = 60.0
+# An error or a death on one rank must end all ranks within this time.
+END = 30.0
+OFTEN = ["--set", "output.series=0.005", "--set", "output.profiles=0.01", "--set", "output.particles=0.02",
+         "--set", "checkpoint.every_steps=60", "--set", "checkpoint.keep=2"]  # fmt: skip
+
+
+class Broken(Exception):
+    """What must not happen, with what is needed to see it again."""
+
+
+@dataclass
+class Context:
+    """What all attempts share."""
+
+    program: Path
+    library: Path
+    folder: Path
+    random: random.Random
+    references: dict[str, "Reference"] = field(default_factory=dict)
+
+    def new_folder(self) -> Path:
+        """An empty folder of its own for an attempt."""
+        path = self.folder / f"{self.random.getrandbits(48):012x}"
+        path.mkdir(parents=True)
+        return path
+
+
+@dataclass
+class Reference:
+    """What an uninterrupted run leaves."""
+
+    digest: str
+    tables: dict[str, object]
+
+
+@dataclass
+class Ended:
+    """How a start of the program ended; code None if it did not within its time."""
+
+    code: int | None
+    output: str
+    errors: str
+    seconds: float
+
+    @property
+    def digest(self) -> str:
+        """The digest in the last line, or nothing."""
+        last = self.output.strip().rsplit("\n", 1)[-1]
+        return last.removeprefix("digest ") if last.startswith("digest ") else ""
+
+
+def environment(more: dict[str, str]) -> dict[str, str]:
+    """Ranks that wait leave their core to others: there may be more ranks than cores."""
+    settings = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}  # fmt: skip
+    return {**os.environ, "RUST_LOG": "info", **settings, **more}
+
+
+def command(context: Context, ranks: int, arguments: list[str]) -> list[str]:
+    """Alone for no ranks, else under mpirun."""
+    launcher = ["mpirun", "--bind-to", "none", "-n", str(ranks)] if ranks else []
+    return [*launcher, str(context.program), *arguments]
+
+
+def start(context: Context, ranks: int, arguments: list[str], more: dict[str, str]) -> subprocess.Popen[bytes]:
+    """Starts a process in a group of its own, so that all of it can be ended."""
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    line = command(context, ranks, arguments)
+    if more:
+        # Set for the ranks alone: mpirun itself must stay whole.
+        at = len(line) - len(arguments) - 1
+        line = [*line[:at], "env", *(f"{name}={value}" for name, value in more.items()), *line[at:]]
+    return subprocess.Popen(line, env=environment({}), start_new_session=True, **pipes)
+
+
+def wait(process: subprocess.Popen[bytes], patience: float = PATIENCE) -> Ended:
+    """Waits for the end; ends it if it takes too long."""
+    began = time.monotonic()
+    try:
+        output, errors = process.communicate(timeout=patience)
+        code: int | None = process.returncode
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        output, errors = process.communicate()
+        code = None
+    text = [part.decode(errors="replace") for part in (output, errors)]
+    return Ended(code, *text, time.monotonic() - began)
+
+
+def run(context: Context, ranks: int, arguments: list[str], more: dict[str, str] | None = None) -> Ended:
+    """Starts and waits."""
+    return wait(start(context, ranks, arguments, more or {}))
+
+
+def children(process: int) -> list[int]:
+    """The processes that a process has started and those that these have started."""
+    found = []
+    for task in Path(f"/proc/{process}/task").glob("*/children"):
+        try:
+            for child in task.read_text().split():
+                found += [int(child), *children(int(child))]
+        except OSError:
+            pass
+    return found
+
+
+def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
+    """The processes of the program itself."""
+    def name(number: int) -> str:
+        try:
+            return Path(f"/proc/{number}/comm").read_text().strip()
+        except OSError:
+            return ""
+    return [number for number in [process.pid, *children(process.pid)] if name(number) == "talcum"]
+
+
+def case_arguments(case: str, folder: Path, until: float) -> list[str]:
+    """A run of a smoke case with all outputs."""
+    return ["run", str(SMOKE / f"{case}.toml"), "--output", str(folder), "--until", repr(until), *OFTEN]
+
+
+def tables(folder: Path) -> dict[str, object]:
+    """The rows of all results: text of the series, numbers of every dataset."""
+    lines = (folder / "series.csv").read_text().splitlines()
+    found: dict[str, object] = {"series.csv": [line for line in lines if not line.startswith("#")]}
+    for path in sorted(folder.glob("*.h5")) + sorted(folder.glob("*.vtkhdf")):
+        if path.name.startswith("checkpoint-"):
+            continue
+        with h5py.File(path, "r", locking=False) as file:
+            def visit(name: str, item: object, of: str = path.name) -> None:
+                if isinstance(item, h5py.Dataset):
+                    found[f"{of}/{name}"] = item[()]
+            file.visititems(visit)
+    return found
+
+
+def different(one: dict[str, object], other: dict[str, object]) -> list[str]:
+    """Names of tables that are not the same, bit by bit."""
+    def same(a: object, b: object) -> bool:
+        if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+            return a.shape == b.shape and a.tobytes() == b.tobytes()
+        return type(a) is type(b) and a == b
+    return [name for name in sorted(one.keys() | other.keys()) if not same(one.get(name), other.get(name))]
+
+
+def reference(context: Context, case: str, until: float) -> Reference:
+    """What a run without interruption leaves; made once."""
+    key = f"{case} {until}"
+    if key not in context.references:
+        folder = context.new_folder()
+        ended = run(context, 0, case_arguments(case, folder, until))
+        if ended.code != 0:
+            raise Broken(f"{case} does not run: {ended.errors}")
+        context.references[key] = Reference(ended.digest, tables(folder))
+        shutil.rmtree(folder)
+    return context.references[key]
+
+
+def require_the_same(context: Context, case: str, until: float, folder: Path, ended: Ended) -> None:
+    """Digest and all rows must be those of a run without interruption."""
+    expected = reference(context, case, until)
+    if ended.code != 0 or ended.digest != expected.digest:
+        raise Broken(f"{folder}: code {ended.code}, digest {ended.digest or 'none'} instead of {expected.digest}:"
+                     f" {ended.errors[-2000:]}")  # fmt: skip
+    wrong = different(tables(folder), expected.tables)
+    if wrong:
+        raise Broken(f"{folder}: other rows in {', '.join(wrong)}")
+
+
+def require_decent_end(ended: Ended, what: str) -> None:
+    """In time, with an exit code and no panic."""
+    if ended.code is None:
+        raise Broken(f"{what}: no end within {PATIENCE} s: {ended.errors[-2000:]}")
+    if "panicked" in ended.errors or ended.code in (101, 139, 134, -11, -6):
+        raise Broken(f"{what}: code {ended.code}: {ended.errors[-2000:]}")
