@@ -4,6 +4,7 @@ mod check;
 mod contact;
 mod info;
 mod keys;
+mod memory;
 mod progress;
 mod reading;
 mod report;
@@ -88,6 +89,9 @@ struct Changes {
     /// Ranks along x, y and z, instead of what the case says.
     #[arg(long, value_name = "PX,PY,PZ", value_parser = rank_grid)]
     ranks: Option<RankGrid>,
+    /// Go on although the case seems to need more memory than is free.
+    #[arg(long)]
+    any_memory: bool,
 }
 
 #[derive(Debug, Args)]

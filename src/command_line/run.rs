@@ -1,5 +1,6 @@
 //! `talcum run` and `talcum restart`.
 
+use super::memory;
 use super::progress::ProgressReport;
 use super::reading::read_case;
 use super::{RunArguments, report, signals};
@@ -41,6 +42,7 @@ pub(super) fn run(
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let case = read_case(path, &options.changes.set, ranks)?;
+    memory::require(&case, options.changes.any_memory, ranks)?;
     let name = path.file_stem().unwrap_or_default();
     let folder = OutputFolder {
         path: options.output.clone().unwrap_or_else(|| Path::new("results").join(name)),

@@ -55,6 +55,21 @@ fn all_errors_of_a_case_are_reported_in_one_message() {
 }
 
 #[test]
+fn a_case_that_needs_more_memory_than_there_is_is_refused_at_once() {
+    let huge =
+        ["--set", "box.lengths=[4000.0, 4000.0, 4000.0]", "--set", "particles.count=1000000000"];
+    for command in ["check", "run"] {
+        let ended = talcum(0, &[&[command, &smoke("walls")], &huge[..]].concat());
+        let message = failure(&ended);
+        // 600 bytes for each of 1e9 particles.
+        assert!(
+            message.contains("needs about 600") && message.contains("--any-memory"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn a_rank_grid_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let ended = run(4, "staged", folder.path(), &["--ranks", "4,1,1"]);

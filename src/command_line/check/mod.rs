@@ -3,6 +3,7 @@
 mod stage;
 
 use super::Changes;
+use super::memory;
 use super::progress::readable;
 use super::reading::read_case;
 use super::report::six_digits;
@@ -17,8 +18,6 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
-const BYTES_PER_PARTICLE: f64 = 600.0;
 /// How long the trial for the run's time may take.
 const TRIAL: Duration = Duration::from_secs(1);
 
@@ -29,6 +28,7 @@ pub(super) fn check(
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let case = read_case(path, &changes.set, ranks)?;
+    memory::require(&case, changes.any_memory, ranks)?;
     let mut initial = start_from_case(&case, changes.ranks, ranks)?;
     let particles = ranks.total(initial.state.particles.owned_count());
     let sizes = initial.state.sizes;
@@ -38,8 +38,8 @@ pub(super) fn check(
         stage::describe(&mut message, &case, stage, &sizes);
     }
     describe_ranks(&mut message, &initial, ranks);
-    let megabytes = particles as f64 * BYTES_PER_PARTICLE * 1.0e-6;
-    let _ = writeln!(message, "memory: about {megabytes:.0} MB in all, and 50 MB per rank");
+    let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks.size());
+    let _ = writeln!(message, "memory: about {megabytes:.0} MB in all");
     // Before the trial: what stands here helps where the trial fails.
     say(ranks, message.trim_end());
     let seconds = trial(&case, &mut initial, ranks)?;
