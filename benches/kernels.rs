@@ -86,7 +86,7 @@ fn within_steps(criterion: &mut Criterion) {
         time_phase(&mut group, "pair forces per contact", (&touching, Phase::Contacts), pairs);
         let mut custom = lattice_bed(edge, TOUCHING);
         let law = ContactLaw::custom("linear_spring_dashpot", custom.contact);
-        custom.interface = Some(ContactModel { law, rolling: None });
+        custom.interface = Some(ContactModel::from(law));
         let name = "pair forces per contact, custom law";
         time_phase(&mut group, name, (&custom, Phase::Contacts), pairs);
         time_phase(

@@ -5,7 +5,9 @@ use super::merging::merge;
 use super::schema::AT_WALL;
 use super::section::Section;
 use super::tree::{Node, Value};
-use crate::contact::{ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind};
+use crate::contact::{
+    ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind, Softening,
+};
 
 /// The contacts of a stage.
 pub(super) struct Contacts {
@@ -97,9 +99,25 @@ fn read_model(
     adhesion: &AdhesionContext<'_>,
 ) -> ModelAndBody {
     let LawAndBody { law, body } = read_law(section, particles, adhesion);
-    let rolling = read_rolling(section);
-    let model = law.zip(rolling).map(|(law, rolling)| ContactModel { law, rolling });
+    let (rolling, softening) = (read_rolling(section), read_softening(section));
+    let model = law.zip(rolling).zip(softening).map(|((law, rolling), softening)| {
+        let law = match softening {
+            Some(Softening { reduction, keeps_work: true }) => law.keeping_work(reduction),
+            _ => law,
+        };
+        ContactModel { law, rolling, softening }
+    });
     ModelAndBody { model, body }
+}
+
+/// What is stated of stiffer, real particles; `Some(None)`: nothing.
+fn read_softening(section: &Section<'_>) -> Option<Option<Softening>> {
+    let keeps_work = match section.word("softening")? {
+        "keeps_force" => false,
+        "keeps_work" => true,
+        _ => return Some(None),
+    };
+    Some(Some(Softening { reduction: section.number("stiffness_reduction")?, keeps_work }))
 }
 
 /// Rolling friction; `Some(None)`: none.

@@ -4,9 +4,10 @@ use super::context::ReadContext;
 use super::schedules::{read_schedule, start_of};
 use super::section::Section;
 use super::units::Units;
-use crate::contact::{CohesionExpression, VanDerWaals};
+use crate::contact::{CohesionExpression, ContactModel, VanDerWaals};
 use crate::domain::Vibration;
-use crate::rules::{ContactPartner, hamaker_constant_per_bond_number};
+use crate::numbers::Schedule;
+use crate::rules::{ContactPartner, attraction_of_bond_number, hamaker_constant_per_bond_number};
 use std::f64::consts::PI;
 
 /// `[cohesion]`; Bond numbers are those of the reference diameter.
@@ -14,12 +15,27 @@ pub(super) fn read_cohesion(
     section: &Section<'_>,
     context: ReadContext<'_>,
 ) -> Option<VanDerWaals> {
+    match section.word("expression")? {
+        "square" => read_square(section, context),
+        _ => read_van_der_waals(section, context),
+    }
+}
+
+/// `[cohesion]` by Hamaker's constants.
+fn read_van_der_waals(section: &Section<'_>, context: ReadContext<'_>) -> Option<VanDerWaals> {
     let (cut_off, range) = (section.number("cut_off"), section.number("range"));
     if let (Some(cut_off), Some(range)) = (cut_off, range)
         && range < cut_off
     {
         section.fail("range", format!("must be at least cut_off, {cut_off}"));
     }
+    let expression = match section.word("expression") {
+        Some("full") => CohesionExpression::Full,
+        Some("rough") => {
+            CohesionExpression::Rough { asperity_radius: section.number("asperity_radius")? }
+        }
+        _ => CohesionExpression::NearContact,
+    };
     let constant = |[bond_number, constant]: [&'static str; 2], partner: ContactPartner| {
         let key = section.given(&[bond_number, constant])?;
         let schedule = read_schedule(section, key, context.times);
@@ -29,19 +45,60 @@ pub(super) fn read_cohesion(
         let gravity = positive_gravity(section, key, constant, context.gravity)?;
         let (weight, diameter) = (context.scales.mass()? * gravity, context.scales.diameter?);
         let unit = hamaker_constant_per_bond_number(partner, cut_off?, diameter, weight);
-        Some(schedule?.scaled(unit))
+        // The Bond number is that of the rough particles.
+        let roughness = expression.roughness_factor(0.5 * diameter, cut_off?);
+        Some(schedule?.scaled(unit / roughness))
     };
     let particles = constant(["bond_number", "hamaker_constant"], ContactPartner::Particle);
     let walls = constant(["wall_bond_number", "wall_hamaker_constant"], ContactPartner::Wall);
-    let expressions =
-        [("near_contact", CohesionExpression::NearContact), ("full", CohesionExpression::Full)];
     Some(VanDerWaals {
         hamaker_constant: particles?,
         wall_hamaker_constant: walls?,
         cut_off: cut_off?,
         range: range?,
-        expression: section.choice("expression", &expressions)?,
+        expression,
     })
+}
+
+/// The square force of `[cohesion]`: its magnitude, or Bond number, and its range.
+fn read_square(section: &Section<'_>, context: ReadContext<'_>) -> Option<VanDerWaals> {
+    let magnitude = |[bond_number, force]: [&'static str; 2]| -> Option<Schedule> {
+        let key = section.given(&[bond_number, force])?;
+        let schedule = read_schedule(section, key, context.times);
+        if key == force {
+            return schedule;
+        }
+        let gravity = positive_gravity(section, key, force, context.gravity)?;
+        Some(schedule?.scaled(attraction_of_bond_number(1.0, context.scales.mass()?, gravity)))
+    };
+    let [particles, walls] =
+        [["bond_number", "force"], ["wall_bond_number", "wall_force"]].map(magnitude);
+    let radius = 0.5 * context.scales.diameter?;
+    Some(VanDerWaals::square(&particles?, &walls?, radius, section.number("range")?))
+}
+
+/// The attraction in a run of softened particles.
+pub(super) fn softened(
+    cohesion: VanDerWaals,
+    contact: &ContactModel,
+    section: &Section<'_>,
+    context: ReadContext<'_>,
+) -> Option<VanDerWaals> {
+    let factor = contact
+        .softening
+        .map_or(1.0, |softening| softening.adhesion_factor(contact.law.overlap_exponent()));
+    if factor == 1.0 {
+        return Some(cohesion);
+    }
+    let softened = cohesion.keeping_work(factor, 0.5 * context.scales.diameter?);
+    if softened.is_none() {
+        let message = format!(
+            "is too short for contact.softening = \"keeps_work\": with {factor:.3e} of the force no cut-off \
+             below it gives the work of parting of the real particles"
+        );
+        section.fail("range", message);
+    }
+    softened
 }
 
 /// g, unless it is 0 and a dimensionless number needs it.

@@ -149,7 +149,12 @@ impl<'a> Section<'a> {
             let given = self.keys.active.iter().filter(|key| self.has(key.name));
             given.flat_map(|key| key.partners).any(|other| *other == partner)
         };
-        let partners = key.partners.iter().copied().filter(|partner| !excluded(partner));
+        let has_no_use = |partner: &str| {
+            let mut inactive = self.keys.inactive.iter();
+            inactive.any(|(key, chosen)| key.name == partner && chosen.is_some())
+        };
+        let partners = key.partners.iter().copied();
+        let partners = partners.filter(|partner| !excluded(partner) && !has_no_use(partner));
         let choices: Vec<&str> = std::iter::once(name).chain(partners).collect();
         let reason = match key.required {
             Required::When(condition) => format!(", since {}", condition.replace('`', "")),

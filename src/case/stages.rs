@@ -3,12 +3,13 @@
 use super::contact::read_contact;
 use super::contact_laws::AdhesionContext;
 use super::context::{ReadContext, require_a_step};
-use super::forces::{read_cohesion, read_gravity, read_vibration};
+use super::forces::{read_cohesion, read_gravity, read_vibration, softened};
 use super::gas::read_gas;
 use super::merging::StageSection;
 use super::section::Section;
 use super::stage::Stage;
 use super::walls::contacts_of;
+use crate::contact::VanDerWaals;
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use crate::state::Physics;
@@ -102,7 +103,7 @@ fn read_physics(
     step: Option<f64>,
 ) -> Option<Physics> {
     let open = |name| StageSection::open(sections, name, root.problems);
-    let (gravity, contact, cohesion) = (open("gravity"), open("contact"), open("cohesion"));
+    let (gravity, contact, cohesion_section) = (open("gravity"), open("contact"), open("cohesion"));
     for (name, section) in [("gravity", &gravity), ("contact", &contact)] {
         if section.is_none() {
             root.require(name);
@@ -111,15 +112,19 @@ fn read_physics(
     let magnitude = gravity.and_then(|section| read_gravity(&section, context.units));
     let context = ReadContext { gravity: magnitude, ..context };
     let walls = context.domain.map(|domain| contacts_of(root.node, domain)).unwrap_or_default();
-    let adhesion = AdhesionContext { cohesive: cohesion.is_some(), read: context };
+    let adhesion = AdhesionContext { cohesive: cohesion_section.is_some(), read: context };
     let contact = contact.and_then(|section| read_contact(&section, &walls, &adhesion));
     let vibration = open("vibration").map(|section| read_vibration(&section, context));
-    let cohesion = cohesion.map(|section| read_cohesion(&section, context));
+    let cohesion = cohesion_section.as_ref().map(|section| read_cohesion(section, context));
     let gas = open("gas").map(|section| read_gas(&section, context));
     let magnitude = magnitude?;
     // A section that is there but wrong leaves no stage.
     let (vibration, cohesion) = (all_or_none(vibration)?, all_or_none(cohesion)?);
     let contact = contact?;
+    let softened = |(section, cohesion): (&Section<'_>, VanDerWaals)| {
+        softened(cohesion, &contact.particles, section, context)
+    };
+    let cohesion = all_or_none(cohesion_section.as_ref().zip(cohesion).map(softened))?;
     Some(Physics {
         contact: contact.particles,
         at_walls: contact.at_walls,

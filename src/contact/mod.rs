@@ -9,7 +9,9 @@ mod law;
 mod laws;
 mod model;
 mod pair_loop;
+mod parting;
 mod rolling;
+mod softening;
 mod van_der_waals;
 mod walls;
 
@@ -21,6 +23,8 @@ pub use law::{Contact, ContactForce, ContactForceLaw};
 pub use laws::*;
 pub use model::ContactModel;
 pub(crate) use pair_loop::add_pair_forces;
+pub use parting::{AttractionInContact, work_of_parting};
 pub use rolling::{ROLLING, RollingFriction, RollingKind};
+pub use softening::{SOFTENING, Softening};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
 pub(crate) use walls::add_wall_forces;

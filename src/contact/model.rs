@@ -1,6 +1,6 @@
 //! The contact model: a law, and resistance to rolling.
 
-use super::{ContactLaw, RollingFriction};
+use super::{ContactLaw, RollingFriction, Softening};
 
 /// How two kinds of bodies act on each other in contact: two particles, or a particle and a wall.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,11 +9,13 @@ pub struct ContactModel {
     pub law: ContactLaw,
     /// Resistance to rolling.
     pub rolling: Option<RollingFriction>,
+    /// How much softer the law is than the real particles, if that is stated. It acts on nothing: the law is what acts.
+    pub softening: Option<Softening>,
 }
 
 /// A law without resistance to rolling.
 impl<L: Into<ContactLaw>> From<L> for ContactModel {
     fn from(law: L) -> Self {
-        Self { law: law.into(), rolling: None }
+        Self { law: law.into(), rolling: None, softening: None }
     }
 }

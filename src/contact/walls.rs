@@ -81,7 +81,7 @@ fn evaluate(
     slot: usize,
     dt: f64,
 ) -> (ContactForce, Vector3<f64>) {
-    let ContactModel { law, rolling } = model;
+    let ContactModel { law, rolling, .. } = model;
     let history: &mut ContactHistory = &mut contacts.wall_history[slot];
     let angle = &mut contacts.wall_rolling_angle[slot];
     if !law.touches(contact, history) {

@@ -9,6 +9,7 @@ mod drag_response;
 mod gas_step;
 mod interaction_range;
 mod minimum_fluidisation;
+mod parting;
 mod speed_limit;
 mod stokes_number;
 
@@ -20,5 +21,6 @@ pub use drag_response::{LARGEST_DRAG_RESPONSE, drag_response};
 pub use gas_step::{LARGEST_STEP_NUMBER, courant_rate, step_number, viscous_rate};
 pub use interaction_range::interaction_range;
 pub use minimum_fluidisation::{gas_force_at_rest, minimum_fluidisation_velocity};
+pub use parting::{LARGEST_SPRING_PART, WorkOfParting, adhesion_factor};
 pub use speed_limit::speed_limit;
 pub use stokes_number::{stokes_number, viscosity_of_stokes_number};

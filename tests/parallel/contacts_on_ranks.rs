@@ -32,9 +32,9 @@ fn rolling(kind: RollingKind) -> Option<RollingFriction> {
 fn bed_between_walls(law: ContactLaw, kind: RollingKind) -> Bench {
     let wall = [PLATE[0]; 2];
     let mut bench = Bench::new([5.0, 5.0, 14.0], [wall, PERIODIC, PLATE]);
-    bench.interface = Some(ContactModel { law, rolling: rolling(kind) });
+    bench.interface = Some(ContactModel { rolling: rolling(kind), ..law.into() });
     let hertz = HertzMindlin::new(ContactModuli { normal: 1.0e5, shear: 3.0e4 }, 0.7, 0.5).unwrap();
-    let smooth = ContactModel { law: ContactLaw::HertzMindlin(hertz), rolling: None };
+    let smooth = ContactModel::from(hertz);
     bench.at_walls = vec![smooth.clone(), smooth];
     let amplitude = Vector3::new(0.0, 0.3, 0.0);
     bench.domain.walls[0].motion = WallMotion { amplitude, frequency: 1.5, ..WallMotion::REST };
@@ -56,7 +56,7 @@ fn bed_between_walls(law: ContactLaw, kind: RollingKind) -> Bench {
 fn bed_in_column(law: ContactLaw) -> Bench {
     let mut bench = Bench::new([7.0, 7.0, 14.0], [OPEN, OPEN, PLATE]);
     let kind = RollingKind::ElasticPlastic { damping: 0.3 };
-    bench.interface = Some(ContactModel { law, rolling: rolling(kind) });
+    bench.interface = Some(ContactModel { rolling: rolling(kind), ..law.into() });
     let mut column = Wall::cylinder("column", Vector3::new(3.5, 3.5, 0.0), 3.3);
     let amplitude = Vector3::new(0.1, 0.05, 0.2);
     column.motion = WallMotion { amplitude, frequency: 1.0, ..WallMotion::REST };

@@ -40,6 +40,53 @@ fn groups_become_quantities() {
 }
 
 #[test]
+fn rough_and_square_forces_have_the_bond_numbers_that_are_given() {
+    let attraction = |name: &str, overrides: &[&str]| {
+        let case = read(name, overrides).unwrap();
+        case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0)
+    };
+    let weight = PI / 6.0;
+    let square = attraction("square-force.toml", &[]);
+    for separation in [0.0, 0.0099] {
+        assert!(close(square.between_particles(0.5, 0.5, separation), 20.0 * weight));
+        assert!(close(square.to_wall(0.5, separation), 1.5));
+    }
+    assert_eq!(square.between_particles(0.5, 0.5, 0.0101), 0.0);
+    let unstated = ["contact.softening=unstated"];
+    let rough = attraction("rough-and-softened.toml", &unstated);
+    assert!(close(rough.between_particles(0.5, 0.5, 0.0), 20.0 * weight));
+    // Beyond the cut-off the asperity, which is smaller, falls faster than a sphere.
+    let smooth = attraction("cohesive-column.toml", &[]);
+    let at = |it: &talcum::contact::VanDerWaalsNow| it.between_particles(0.5, 0.5, 1.0e-3);
+    assert!(at(&rough) > 10.0 * at(&smooth), "the sphere behind the asperity counts there");
+}
+
+#[test]
+fn softened_particles_keep_the_force_or_the_work() {
+    let of = |overrides: &[&str]| {
+        let softening = ["contact.softening=keeps_work", "contact.stiffness_reduction=100"];
+        let all: Vec<&str> = softening.iter().chain(overrides).copied().collect();
+        let case = read("cohesive-column.toml", &all).unwrap();
+        case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0)
+    };
+    let (force, weight) =
+        (|it: &talcum::contact::VanDerWaalsNow| it.between_particles(0.5, 0.5, 0.0), PI / 6.0);
+    let work = |it: &talcum::contact::VanDerWaalsNow| -it.energy_of_particles(0.5, 0.5, 0.0);
+    let given = of(&["contact.softening=keeps_force"]);
+    assert!(close(force(&given), 20.0 * weight));
+    let scaled = of(&[]);
+    assert!(close(force(&scaled), 2.0 * weight), "{}", force(&scaled) / weight);
+    // The cut-off is found to rounding; energies are differences of numbers a thousand times as large.
+    assert!((work(&scaled) / work(&given) - 1.0).abs() < 1.0e-10);
+    let hertz = of(&[
+        "contact.law=hertz_mindlin",
+        "contact.young_modulus=1e7",
+        "contact.poisson_ratio=0.3",
+    ]);
+    assert!(close(force(&hertz), 20.0 * weight * 100.0_f64.powf(-0.4)));
+}
+
+#[test]
 fn groups_become_quantities_in_si_too() {
     let case = read("si.toml", &["cohesion.bond_number=20", "gas.stokes_number=55"]).unwrap();
     let (d, rho, g) = (5.0e-5_f64, 900.0, 9.81);

@@ -16,4 +16,5 @@ mod interruption;
 mod mpirun;
 mod restart;
 mod snapshots;
+mod softened_adhesion;
 mod study;

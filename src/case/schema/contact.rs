@@ -1,7 +1,7 @@
 //! `[contact]` and `[contact.wall]`: the keys of every law.
 
 use super::{Chapter, merged};
-use crate::contact::{ContactLaw, FRICTION, RESTITUTION, ROLLING};
+use crate::contact::{ContactLaw, FRICTION, RESTITUTION, ROLLING, SOFTENING};
 use crate::schema::{Key, Value};
 
 const LAW: Key = Key::word("law", ContactLaw::WORDS, "Contact law");
@@ -9,7 +9,7 @@ const ROLLING_KIND: Key =
     Key::word("rolling", ROLLING, "Rolling friction").default(Value::Word("none"));
 
 /// `[contact.wall]`, and `contact` of a `[[wall]]`.
-pub(in crate::case) const AT_WALL: &[Key] = &[LAW, RESTITUTION, FRICTION, ROLLING_KIND];
+pub(in crate::case) const AT_WALL: &[Key] = &[LAW, RESTITUTION, FRICTION, ROLLING_KIND, SOFTENING];
 
 /// `[contact]`.
 pub(in crate::case) const CONTACT: &[Key] = &[
@@ -17,6 +17,7 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     RESTITUTION,
     FRICTION,
     ROLLING_KIND,
+    SOFTENING,
     Key::new("wall", merged("contact.wall", AT_WALL), "What differs at walls").optional(),
 ];
 
@@ -32,7 +33,19 @@ Sliding friction is limited by mu times a normal force: in `linear_spring_dashpo
 
 `adhesive_elastic_plastic` and `jkr` bring their own adhesion and cannot stand beside `[cohesion]`. `check` prints the
 duration of a contact and the number of time steps in it: pi sqrt(m*/k_unload) for the hysteretic laws; for the elastic
-ones, whose contacts last longer the slower the impact is, that of an impact with an overlap of 1 % of the diameter.",
+ones, whose contacts last longer the slower the impact is, that of an impact with an overlap of 1 % of the diameter.
+
+**Softened particles.** Springs are mostly softer than the particles are, so that time steps can be longer. A soft spring
+stores energy under an adhesive force F0, which parting the particles takes on top of the work of the attraction: F0^2 / (2
+k_n) on top of 2 F0 `cut_off` in `linear_spring_dashpot` with `[cohesion]`. `check` prints this part, and warns above 0.1 of
+the rest. `softening` states how much stiffer the real particles are (`stiffness_reduction`, Lambda). With `keeps_force` the
+adhesion is the one given, and `check` compares the work of parting with that of the real particles. With `keeps_work` the
+given adhesion is that of the real particles, and the run scales it so that the work stays: forces (F0, the attraction of
+`[cohesion]`, the surface energy) by Lambda^(-1/2), in `hertz_mindlin` and `jkr` by Lambda^(-2/5); lengths over which they
+act by the inverse, `cut_off` so that the work within `range` stays. Impacts of two particles then end as those of the real
+ones do, at the same speed; but the largest force, and with it the Bond number, is smaller. A bed at rest feels the force,
+an impact the work: no softened particle keeps both. Adhesion that is given as a stiffness (`adhesion_stiffness`) stays as
+it is: it is that of the softened contact. `[cohesion]` follows the softening of `[contact]`, at walls too.",
 };
 
 pub(super) const AT_WALL_CHAPTER: Chapter = Chapter {

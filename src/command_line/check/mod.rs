@@ -1,5 +1,6 @@
 //! `talcum check`: what would run, in numbers.
 
+mod adhesion;
 mod stage;
 
 use super::Changes;

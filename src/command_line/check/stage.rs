@@ -1,7 +1,8 @@
 //! What acts in a stage, in numbers that a user knows.
 
+use super::adhesion::describe_adhesion;
 use crate::case::{Case, Stage};
-use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
+use crate::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::gas::{ColumnGas, Drive, GasModel, ParticleDrag};
 use crate::rules::{
@@ -43,10 +44,10 @@ impl ReferenceParticle {
 }
 
 /// Lines of a name and a value each.
-struct Lines<'a>(&'a mut String);
+pub(super) struct Lines<'a>(&'a mut String);
 
 impl Lines<'_> {
-    fn add(&mut self, name: &str, value: &str) {
+    pub(super) fn add(&mut self, name: &str, value: &str) {
         let _ = writeln!(self.0, "  {name:<34}{value}");
     }
 }
@@ -71,6 +72,7 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
         }
     }
     describe_contacts(lines, case, stage, sizes);
+    describe_adhesion(lines, case, stage);
 }
 
 fn describe_forces_over_weight(lines: &mut Lines, stage: &Stage, particle: &ReferenceParticle) {
@@ -94,7 +96,8 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
     ]
     .map(|(partner, constant)| {
         let unit = hamaker_constant_per_bond_number(partner, cohesion.cut_off, diameter, weight);
-        constant.largest() / unit
+        let roughness = cohesion.expression.roughness_factor(0.5 * diameter, cohesion.cut_off);
+        constant.largest() * roughness / unit
     })
 }
 
@@ -102,18 +105,17 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
     let mass = case.particles.mass_of(sizes.smallest_diameter);
     let radius = 0.5 * sizes.smallest_diameter;
-    let mut tell = |name: &str, contact: &ContactModel, bodies: ReducedBody| {
-        let duration = contact.law.contact_duration(bodies.mass, bodies.radius);
+    let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
+        let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;
-        let law = contact.law.name();
-        lines.add(name, &format!("{duration:.4e}, {steps:.1} time steps ({law})"));
+        lines.add(name, &format!("{duration:.4e}, {steps:.1} time steps ({})", law.name()));
     };
     let pair = ReducedBody::of_equal_spheres(mass, radius);
-    tell("duration of a contact", &stage.physics.contact, pair);
+    tell("duration of a contact", &stage.physics.contact.law, pair);
     for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
         if *contact != stage.physics.contact {
             let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
-            tell(&format!("with wall \"{}\"", wall.name), contact, bodies);
+            tell(&format!("with wall \"{}\"", wall.name), &contact.law, bodies);
         }
     }
     if case.shortest_contact(stage, sizes) / stage.physics.time_step < LEAST_STEPS_PER_CONTACT {

@@ -11,6 +11,7 @@ use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
+use crate::rules::adhesion_factor;
 use crate::schema::{Allowed, Key, Value};
 
 const ADHESION: Key = Key::number(
@@ -101,6 +102,17 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 pub struct AdhesiveElasticPlastic {
     hysteresis: Hysteresis,
     attraction: f64,
+    primary_diameter: f64,
+}
+
+/// k_c = F0 / (d_NP - F0 / k_unload); infinite if the limit of adhesion is never reached, 0 without adhesion.
+fn adhesion_stiffness(attraction: f64, primary_diameter: f64, unloading_stiffness: f64) -> f64 {
+    let room = primary_diameter - attraction / unloading_stiffness;
+    match attraction {
+        0.0 => 0.0,
+        _ if room > 0.0 => attraction / room,
+        _ => f64::INFINITY,
+    }
 }
 
 impl AdhesiveElasticPlastic {
@@ -115,16 +127,9 @@ impl AdhesiveElasticPlastic {
     ) -> Result<Self, InvalidContactLaw> {
         require_in_range(&ADHESION, attraction)?;
         require_in_range(&PRIMARY_DIAMETER, primary_diameter)?;
-        let room = primary_diameter - attraction / parameters.unloading_stiffness;
-        let adhesion_stiffness = if attraction == 0.0 {
-            0.0
-        } else if room > 0.0 {
-            attraction / room
-        } else {
-            f64::INFINITY
-        };
-        let hysteresis = Hysteresis::new(&parameters, adhesion_stiffness)?;
-        Ok(Self { hysteresis, attraction })
+        let unloading = parameters.unloading_stiffness;
+        let limit = adhesion_stiffness(attraction, primary_diameter, unloading);
+        Ok(Self { hysteresis: Hysteresis::new(&parameters, limit)?, attraction, primary_diameter })
     }
 
     /// Constant attraction F0.
@@ -188,6 +193,24 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
     }
 
     /// With the limit of adhesion, and without it.
+    /// The part that is flattened, d_NP, stays with the adhesion.
+    fn stiffened(&self, factor: f64) -> Self {
+        let unloading = factor * self.hysteresis.unloading_stiffness();
+        let limit = adhesion_stiffness(self.attraction, self.primary_diameter, unloading);
+        Self { hysteresis: self.hysteresis.stiffened(factor, limit), ..*self }
+    }
+
+    /// F0 falls by the factor, and d_NP, a length over which it acts, grows by its inverse.
+    fn keeping_work(&self, reduction: f64) -> Self {
+        let factor = adhesion_factor(reduction, Self::OVERLAP_EXPONENT);
+        let (attraction, primary_diameter) =
+            (factor * self.attraction, self.primary_diameter / factor);
+        let unloading = self.hysteresis.unloading_stiffness();
+        let limit = adhesion_stiffness(attraction, primary_diameter, unloading);
+        let hysteresis = self.hysteresis.stiffened(1.0, limit);
+        Self { hysteresis, attraction, primary_diameter }
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let parameters = HystereticParameters::example(scales);
         let attraction = 0.3 * scales.stiffness * scales.overlap;

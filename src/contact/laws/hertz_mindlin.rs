@@ -121,6 +121,16 @@ impl RegisteredContactLaw for HertzMindlin {
         Some(parameters.and_then(|of| Self::new(of.moduli, of.restitution, of.friction)))
     }
 
+    const OVERLAP_EXPONENT: f64 = 1.5;
+
+    fn stiffened(&self, factor: f64) -> Self {
+        Self { elastic: self.elastic.stiffened(factor) }
+    }
+
+    fn keeping_work(&self, _reduction: f64) -> Self {
+        *self
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let law = Self::new(ContactModuli::example(scales), scales.restitution, 0.4);
         law.into_iter().collect()

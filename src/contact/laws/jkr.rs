@@ -14,6 +14,7 @@ use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::numbers::power;
 use crate::particles::ContactHistory;
+use crate::rules::adhesion_factor;
 use crate::schema::{Allowed, Key};
 use std::f64::consts::PI;
 
@@ -101,8 +102,12 @@ impl Jkr {
     ) -> Result<Self, InvalidContactLaw> {
         require_in_range(&SURFACE_ENERGY, surface_energy)?;
         let elastic = Elastic::new(moduli, restitution, friction)?;
-        let root = (PI * surface_energy / moduli.normal).sqrt();
-        Ok(Self { elastic, surface_energy, root })
+        Ok(Self::of(elastic, surface_energy))
+    }
+
+    fn of(elastic: Elastic, surface_energy: f64) -> Self {
+        let root = (PI * surface_energy / elastic.moduli.normal).sqrt();
+        Self { elastic, surface_energy, root }
     }
 
     /// Pull-off force F_c = 3 pi gamma R*.
@@ -191,6 +196,17 @@ impl RegisteredContactLaw for Jkr {
         let parameters = ElasticParameters::from_keys(values)?;
         let energy = values.number("surface_energy")?;
         Some(parameters.and_then(|of| Self::new(of.moduli, energy, of.restitution, of.friction)))
+    }
+
+    const OVERLAP_EXPONENT: f64 = 1.5;
+
+    fn stiffened(&self, factor: f64) -> Self {
+        Self::of(self.elastic.stiffened(factor), self.surface_energy)
+    }
+
+    fn keeping_work(&self, reduction: f64) -> Self {
+        let factor = adhesion_factor(reduction, Self::OVERLAP_EXPONENT);
+        Self::of(self.elastic, factor * self.surface_energy)
     }
 
     fn examples(scales: ExampleScales) -> Vec<Self> {

@@ -106,6 +106,15 @@ impl RegisteredContactLaw for LinearHysteretic {
         Some(Self::new(parameters, values.number("adhesion_stiffness")?))
     }
 
+    fn stiffened(&self, factor: f64) -> Self {
+        let adhesion_stiffness = factor * self.hysteresis.adhesion_stiffness();
+        Self { hysteresis: self.hysteresis.stiffened(factor, adhesion_stiffness) }
+    }
+
+    fn keeping_work(&self, _reduction: f64) -> Self {
+        *self
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let law = Self::new(HystereticParameters::example(scales), 0.7 * scales.stiffness);
         law.into_iter().collect()

@@ -189,6 +189,19 @@ impl RegisteredContactLaw for LinearSpringDashpot {
         Some(Self::new(normal, tangential, restitution, friction, cap))
     }
 
+    fn stiffened(&self, factor: f64) -> Self {
+        Self {
+            normal_stiffness: factor * self.normal_stiffness,
+            tangential_stiffness: factor * self.tangential_stiffness,
+            damping_factor: factor.sqrt() * self.damping_factor,
+            ..*self
+        }
+    }
+
+    fn keeping_work(&self, _reduction: f64) -> Self {
+        *self
+    }
+
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let k = scales.stiffness;
         let law = Self::new(k, 0.8 * k, scales.restitution, 0.4, FrictionCap::Contact);

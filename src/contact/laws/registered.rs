@@ -26,6 +26,19 @@ pub trait RegisteredContactLaw: ContactForceLaw + Sized {
     /// Its adhesion.
     const ADHESION: Adhesion = Adhesion { keys: &[], replaces_cohesion: false };
 
+    /// Power n of the overlap that the normal force of first loading is proportional to.
+    const OVERLAP_EXPONENT: f64 = 1.0;
+
+    /// The law of bodies whose stiffnesses are larger by a factor; adhesion and restitution stay.
+    #[must_use]
+    fn stiffened(&self, factor: f64) -> Self;
+
+    /// The law with its own adhesion so that the work of parting is the one of [`stiffened`](Self::stiffened) bodies
+    /// ([`adhesion_factor`](crate::rules::adhesion_factor)). The same law if it has no adhesion, or one that is a
+    /// stiffness.
+    #[must_use]
+    fn keeping_work(&self, reduction: f64) -> Self;
+
     /// The law of these values; `None` if one is missing or wrong.
     fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>>;
 

@@ -70,6 +70,36 @@ macro_rules! contact_laws {
                 }
             }
 
+            /// Power n of the overlap that the normal force of first loading is proportional to; 1 for a law from outside the
+            /// crate, which does not tell it.
+            pub fn overlap_exponent(&self) -> f64 {
+                match self {
+                    $(Self::$Law(_) => <$Law as $crate::contact::RegisteredContactLaw>::OVERLAP_EXPONENT,)*
+                    Self::Custom(_) => 1.0,
+                }
+            }
+
+            /// The law of bodies whose stiffnesses are larger by a factor, with the same adhesion; `None` of a law from
+            /// outside the crate.
+            pub fn stiffened(&self, factor: f64) -> Option<Self> {
+                use $crate::contact::RegisteredContactLaw;
+                match self {
+                    $(Self::$Law(law) => Some(law.stiffened(factor).into()),)*
+                    Self::Custom(_) => None,
+                }
+            }
+
+            /// The law with its own adhesion so that the work of parting is that of bodies `reduction` times as stiff. A law
+            /// from outside the crate stays as it is.
+            #[must_use]
+            pub fn keeping_work(&self, reduction: f64) -> Self {
+                use $crate::contact::RegisteredContactLaw;
+                match self {
+                    $(Self::$Law(law) => law.keeping_work(reduction).into(),)*
+                    Self::Custom(_) => self.clone(),
+                }
+            }
+
             /// Examples of every law of the registry, without rolling friction, for tests.
             pub fn examples(scales: $crate::contact::ExampleScales) -> Vec<Self> {
                 let mut examples = Vec::new();

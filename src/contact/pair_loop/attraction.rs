@@ -1,7 +1,7 @@
 //! Attraction of the pairs of a block.
 
 use crate::contact::lanes::{ContactBlock, Lanes, Sizes};
-use crate::contact::van_der_waals::{Attraction, Full, NearContact};
+use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::particles::LANES;
 
@@ -16,6 +16,10 @@ pub(super) fn attract<S: Sizes>(
     match cohesion.expression() {
         CohesionExpression::NearContact => attract_by(NearContact(cohesion), block, sizes),
         CohesionExpression::Full => attract_by(Full(cohesion), block, sizes),
+        CohesionExpression::Rough { asperity_radius } => {
+            let smooth = NearContact(cohesion);
+            attract_by(Rough { smooth, asperity_radius }, block, sizes);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
 use crate::contact::lanes::{
     Lanes, ManySizes, OneSize, Sizes, load_vectors, overlap_and_normal, store_vectors, vector,
 };
-use crate::contact::van_der_waals::{Attraction, Full, NearContact};
+use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
 use crate::particles::{Candidates, ForceTorque, InnerList, LANES, Pair, Particles};
@@ -27,6 +27,10 @@ impl SimdKernel for SeparatedLoop<'_> {
         match cohesion.expression() {
             CohesionExpression::NearContact => self.with_sizes::<Q, _>(NearContact(cohesion)),
             CohesionExpression::Full => self.with_sizes::<Q, _>(Full(cohesion)),
+            CohesionExpression::Rough { asperity_radius } => {
+                let smooth = NearContact(cohesion);
+                self.with_sizes::<Q, _>(Rough { smooth, asperity_radius })
+            }
         }
     }
 }

@@ -49,7 +49,7 @@ fn bed(law: ContactLaw, rolling: bool, diameters: &[f64]) -> Bench {
     let mut bench = Bench::new([4.0, 4.0, 12.0], [PERIODIC, PERIODIC, PLATE]);
     let springs = RollingKind::ElasticPlastic { damping: 0.3 };
     let rolling = rolling.then(|| RollingFriction::new(springs, 0.2).unwrap());
-    bench.interface = Some(ContactModel { law, rolling });
+    bench.interface = Some(ContactModel { rolling, ..law.into() });
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
     bench.skin = 0.05;

@@ -14,12 +14,12 @@ use talcum::parallel::ParticleRecord;
 
 /// A law without rolling friction.
 fn smooth(law: ContactLaw) -> ContactModel {
-    ContactModel { law, rolling: None }
+    ContactModel::from(law)
 }
 
 /// A law with rolling friction.
 fn rough(law: ContactLaw, rolling: RollingFriction) -> ContactModel {
-    ContactModel { law, rolling: Some(rolling) }
+    ContactModel { rolling: Some(rolling), ..law.into() }
 }
 
 /// Two equal spheres that meet head on, without anything else.

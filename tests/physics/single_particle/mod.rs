@@ -6,6 +6,7 @@ mod drag;
 mod falling;
 mod impact;
 mod rolling;
+mod softened;
 mod stacked;
 
 /// |b| of the damped oscillator: gamma_n / (2 sqrt(k m*)) for a restitution coefficient.

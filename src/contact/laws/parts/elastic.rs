@@ -136,6 +136,12 @@ impl Elastic {
         Ok(Self { moduli, friction, damping })
     }
 
+    /// With moduli that are larger by a factor.
+    pub(crate) fn stiffened(&self, factor: f64) -> Self {
+        let ContactModuli { normal, shear } = self.moduli;
+        Self { moduli: ContactModuli { normal: factor * normal, shear: factor * shear }, ..*self }
+    }
+
     /// S_n = 2 E* a.
     #[inline(always)]
     pub(crate) fn normal_stiffness(&self, radius: f64) -> f64 {

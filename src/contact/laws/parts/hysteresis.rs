@@ -151,6 +151,20 @@ impl Hysteresis {
         })
     }
 
+    /// With stiffnesses that are larger by a factor, the same restitution, and this adhesion stiffness.
+    pub(crate) fn stiffened(&self, factor: f64, adhesion_stiffness: f64) -> Self {
+        let root = factor.sqrt();
+        Self {
+            unloading_stiffness: factor * self.unloading_stiffness,
+            loading_stiffness: factor * self.loading_stiffness,
+            tangential_stiffness: factor * self.tangential_stiffness,
+            damping_factor: root * self.damping_factor,
+            tangential_damping_factor: root * self.tangential_damping_factor,
+            adhesion_stiffness,
+            ..*self
+        }
+    }
+
     /// Spring force at an overlap, and the largest overlap for the contact history.
     #[inline(always)]
     pub(crate) fn spring(&self, overlap: f64, largest: f64) -> (f64, f64) {

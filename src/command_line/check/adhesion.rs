@@ -1,0 +1,100 @@
+//! What softened springs add to the work of parting.
+
+use super::stage::Lines;
+use crate::case::{Case, Stage};
+use crate::contact::{
+    AttractionInContact, ContactModel, Softening, VanDerWaalsNow, work_of_parting,
+};
+use crate::rules::{LARGEST_SPRING_PART, ReducedBody, WorkOfParting};
+
+/// Two bodies that adhere to each other.
+struct Partners<'a> {
+    name: String,
+    contact: &'a ContactModel,
+    bodies: ReducedBody,
+    attraction: AttractionInContact,
+}
+
+/// The work that parts two particles of the reference diameter, and a particle and each wall, in a stage; the strongest
+/// attraction counts.
+pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
+    let diameter = case.particles.reference_diameter;
+    let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
+    let cohesion = stage.physics.cohesion.as_ref().map(|cohesion| cohesion.strongest());
+    let of = |force: &dyn Fn(&VanDerWaalsNow) -> f64, energy: &dyn Fn(&VanDerWaalsNow) -> f64| {
+        cohesion.as_ref().map_or_else(AttractionInContact::default, |cohesion| {
+            AttractionInContact { force: force(cohesion), work: -energy(cohesion) }
+        })
+    };
+    let pair = Partners {
+        name: "work of parting".to_owned(),
+        contact: &stage.physics.contact,
+        bodies: ReducedBody::of_equal_spheres(mass, radius),
+        attraction: of(&|cohesion| cohesion.between_particles(radius, radius, 0.0), &|cohesion| {
+            cohesion.energy_of_particles(radius, radius, 0.0)
+        }),
+    };
+    describe(lines, &pair);
+    for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
+        let name = format!("from wall \"{}\"", wall.name);
+        let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
+        let attraction = of(&|cohesion| cohesion.to_wall(radius, 0.0), &|cohesion| {
+            cohesion.energy_at_wall(radius, 0.0)
+        });
+        describe(lines, &Partners { name, contact, bodies, attraction });
+    }
+}
+
+/// The work of parting; nothing if the two do not adhere.
+fn describe(lines: &mut Lines, partners: &Partners<'_>) {
+    let Partners { name, contact, bodies, attraction } = partners;
+    let softened = work_of_parting(&contact.law, *bodies, *attraction);
+    if softened.total() <= 0.0 {
+        return;
+    }
+    let real = work_of_real_particles(partners, &softened);
+    let mut text = format!("{:.4e}, {}", softened.total(), spring_part(&softened));
+    if let (Some(real), Some(softening)) = (&real, contact.softening) {
+        text += &match real.surface > 0.0 {
+            true => format!("; at the real stiffness {:.3}", real.spring_part()),
+            false => {
+                format!("; {:.3} of that at the real stiffness", 1.0 + softened.excess_over(real))
+            }
+        };
+        text += &format!(", {} times as stiff", softening.reduction);
+    }
+    lines.add(name, &text);
+    let excess = match &real {
+        Some(real) => softened.excess_over(real),
+        None if softened.surface > 0.0 => softened.spring_part(),
+        None => 0.0, // nothing to compare with
+    };
+    if excess > LARGEST_SPRING_PART {
+        let than = if real.is_some() { "the real particles'" } else { "stiff particles'" };
+        lines.add("warning", &format!(
+            "the soft spring makes the work of parting {excess:.3} larger than {than} (advised: at most \
+             {LARGEST_SPRING_PART}): raise the stiffness, or see contact.softening"
+        ));
+    }
+}
+
+fn spring_part(work: &WorkOfParting) -> String {
+    match work.surface > 0.0 {
+        true => format!("the spring's part {:.3} of the surface's", work.spring_part()),
+        false => "all of it while in contact: it depends on the stiffness".to_owned(),
+    }
+}
+
+/// The work of parting real particles; `None` if their stiffness is not stated or the law does not tell it.
+fn work_of_real_particles(
+    partners: &Partners<'_>,
+    softened: &WorkOfParting,
+) -> Option<WorkOfParting> {
+    let Softening { reduction, keeps_work } = partners.contact.softening?;
+    if keeps_work {
+        // Adhesion was scaled for that.
+        return Some(*softened);
+    }
+    let real = partners.contact.law.stiffened(reduction)?;
+    Some(work_of_parting(&real, partners.bodies, partners.attraction))
+}
