@@ -3,11 +3,14 @@
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE};
 use nalgebra::Vector3;
+use std::path::Path;
+use talcum::case::Case;
 use talcum::domain::{Face, RankGrid, WallMotion};
 use talcum::gas::DragLaw;
 use talcum::gas::volume_averaged::{Boundary, Inlet, Profile};
 use talcum::numbers::Schedule;
 use talcum::parallel::run_on_threads;
+use talcum::setup::Setup;
 
 const SPEED: f64 = 0.4;
 const HEIGHT: f64 = 4.0;
@@ -41,6 +44,90 @@ fn a_lid_of_the_box_in_motion_drives_couette_flow() {
     for other in [Vector3::zeros(), Vector3::new(0.0, SPEED, 0.0)] {
         assert!(error(&between_plates(other)) > 0.4 * SPEED);
     }
+}
+
+/// A case file: a box of gas between a plate and a lid, and what `[[wall]]` says of the lid.
+fn case_of(wall: &str) -> Case {
+    let text = format!(
+        r#"
+title = "Couette flow"
+units = "dimensionless"
+[box]
+lengths = [3.0, 3.0, {HEIGHT:?}]
+x = "periodic"
+y = "periodic"
+z = "wall"
+{wall}
+[particles]
+count = 1
+diameter = 0.1
+reference_diameter = 1.0
+density = 1.0
+[particles.start]
+kind = "lattice"
+spacing = 1.0
+[gravity]
+magnitude = 0.0
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 1.0e3
+poisson_ratio = 0.3
+restitution = 0.9
+friction = 0.1
+[gas]
+kind = "volume_averaged"
+viscosity = 1.0
+density = 1.0
+drag = "wen_yu"
+cells = [1, 1, 8]
+substeps = 1
+filter_width = 0.0
+z = "no_slip"
+driving = [0.0, 0.0, 0.0]
+[time]
+step = 1.0e-3
+end = 10.0
+[output]
+series = 1.0
+"#
+    );
+    Case::from_text(&text, "couette.toml", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The gas of a case without its particle at a steady state: velocity along x in its cells.
+fn gas_of(case: &Case) -> Vec<f64> {
+    let physics = case.stages[0].physics.clone();
+    let mut run = Setup::in_domain(case.domain.clone(), physics).sizes(case.size_range().unwrap());
+    run = run.skin(0.05);
+    let mut run = run.start_alone().unwrap();
+    // 20 time units: exp(-pi^2 nu t / H^2) = 4e-6 of the slowest mode is left.
+    run.steps(20_000).unwrap();
+    run.state.gas.volume_averaged().unwrap().fields.velocity[0].owned().collect()
+}
+
+#[test]
+fn a_case_file_moves_the_wall_of_a_face_and_the_gas_sticks_to_it() {
+    let lid = |more: &str| gas_of(&case_of(&format!("[[wall]]\nface = \"z upper\"\n{more}")));
+    let error = |velocity: &[f64]| {
+        let exact = |k: usize| SPEED * (k as f64 + 0.5) / 8.0;
+        let errors = velocity.iter().enumerate().map(|(k, u)| (u - exact(k)).abs());
+        errors.fold(0.0, f64::max)
+    };
+    let found = error(&lid("velocity = [0.4, 0.0, 0.0]"));
+    assert!(found < 1.0e-5, "{found}"); // what has not decayed
+    // Negative controls: a lid at rest, one that moves along the other axis, and one that has not started.
+    for other in [
+        "contact = { friction = 0.2 }",
+        "velocity = [0.0, 0.4, 0.0]",
+        "velocity = [0.4, 0.0, 0.0]\nstart = 1e3",
+    ] {
+        assert!(error(&lid(other)) > 0.4 * SPEED, "{other}");
+    }
+    // Inwards it may not move: the gas reaches from face to face.
+    let text = case_of("[[wall]]\nface = \"z upper\"\nvelocity = [0.4, 0.0, 0.0]").text;
+    let inwards = text.replace("[0.4, 0.0, 0.0]", "[0.0, 0.0, -0.4]");
+    let error = Case::from_text(&inwards, "couette.toml", Path::new(""), &[]).unwrap_err();
+    assert!(error.to_string().contains("cannot move inwards"), "{error}");
 }
 
 /// A bed beside a wall that swings in its plane, in a gas whose inflow rises.
