@@ -1,7 +1,7 @@
 //! What is read off a state, and what follows from series, profiles, fields and contacts: never changes a state, knows no
 //! files.
 //!
-//! * Of a state, while it runs: [`measure`], [`BedProfile`], [`Digest`].
+//! * Of a state, while it runs: [`measure`], [`wall_forces`], [`BedProfile`], [`Digest`].
 //! * Of series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
 //!   [`bed_height`], [`bubbles`], [`residence`], [`statistics`]. Plain slices in, plain structs out, or a [`NoValue`] that
 //!   says why there is none. Arithmetic is done in a fixed order and elementary functions are those of `libm`: the same
@@ -29,6 +29,7 @@ mod periodicity;
 mod persistent_contacts;
 mod rendezvous;
 mod sums;
+mod wall_forces;
 
 pub mod agglomerates;
 pub mod bed_height;
@@ -58,3 +59,4 @@ pub use observation::RunView;
 pub use pair::Pair;
 pub use periodicity::{Image, Periodicity};
 pub use persistent_contacts::{Persistence, PersistentContacts};
+pub use wall_forces::{WallForce, wall_forces};

@@ -148,11 +148,12 @@ impl ExternalForces {
         let weight = models.weight_at(state.clock.time());
         let owned = particles.body[..particles.owned_count()].iter();
         let weight: i64 = owned.map(|body| weight.quantum.count(weight.of(body.mass))).sum();
-        let on_all_walls = |axis: usize| on_walls.iter().map(|force| force[axis]).sum::<i64>();
+        let walls = || 0..on_walls.walls();
+        let on_all_walls =
+            |axis: usize| walls().map(|wall| on_walls.on_wall(wall)[axis]).sum::<i64>();
         let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
-        let walls = domain.walls.iter().zip(on_walls);
-        let on_plate = walls.filter(|(wall, _)| wall.name == BASE_PLATE);
-        let plate = on_plate.map(|(_, force)| -force[2]).sum();
+        let on_plate = walls().filter(|&wall| domain.walls[wall].name == BASE_PLATE);
+        let plate = on_plate.map(|wall| -on_walls.on_wall(wall)[2]).sum();
         let mut counts = [external[0], external[1], external[2] - weight, by_gas[2], plate];
         ranks.sum_integers(&mut counts);
         let spacing = models.force_quantum.spacing();

@@ -81,6 +81,14 @@ pub enum BedFormat {
 }
 
 impl ParticleSetup {
+    /// Diameters of the size classes; none if sizes are not in classes.
+    pub fn classes(&self) -> Vec<f64> {
+        match &self.sizes {
+            Some(SizeDistribution::Classes { values, .. }) => values.clone(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Mass of a sphere of this diameter, rho_s pi d^3 / 6.
     pub fn mass_of(&self, diameter: f64) -> f64 {
         sphere_mass(self.density, diameter)

@@ -11,6 +11,8 @@ use std::time::Duration;
 pub struct OutputPlan {
     /// Interval of rows of the series.
     pub series: f64,
+    /// Interval of the forces on walls.
+    pub walls: Option<f64>,
     /// Interval of profiles.
     pub profiles: Option<f64>,
     /// Interval of snapshots of all particles.
@@ -61,10 +63,10 @@ pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<Ou
         require_a_step(section, key, interval, step);
         interval
     };
-    let [series, profiles, particles, gas] =
-        ["series", "profiles", "particles", "gas"].map(interval);
+    let [series, walls, profiles, particles, gas] =
+        ["series", "walls", "profiles", "particles", "gas"].map(interval);
     let bed_threshold = section.number("bed_threshold")?;
-    Some(OutputPlan { series: series?, profiles, particles, gas, bed_threshold })
+    Some(OutputPlan { series: series?, walls, profiles, particles, gas, bed_threshold })
 }
 
 /// `[checkpoint]`.

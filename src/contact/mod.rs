@@ -13,6 +13,7 @@ mod parting;
 mod rolling;
 mod softening;
 mod van_der_waals;
+mod wall_tallies;
 mod walls;
 
 pub(crate) use force_laws::ForceLaws;
@@ -27,4 +28,5 @@ pub use parting::{AttractionInContact, work_of_parting};
 pub use rolling::{ROLLING, RollingFriction, RollingKind};
 pub use softening::{SOFTENING, Softening};
 pub use van_der_waals::{CohesionExpression, VanDerWaals, VanDerWaalsNow};
+pub use wall_tallies::WallTallies;
 pub(crate) use walls::add_wall_forces;

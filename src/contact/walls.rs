@@ -2,14 +2,13 @@
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::Rolling;
-use super::{Contact, ContactForce, ContactForceLaw, ContactModel};
+use super::{Contact, ContactForce, ContactForceLaw, ContactModel, WallTallies};
 use crate::domain::{PosedWalls, Wall, WallPose};
 use crate::numbers::within;
 use crate::particles::{ContactHistory, Contacts, Particles};
 use nalgebra::Vector3;
 
-/// Adds the forces and torques of walls on particles; returns the force on each wall, as counts of the
-/// force quantum.
+/// Adds the forces and torques of walls on particles; tallies the force on each wall.
 ///
 /// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with its own law, attraction and
 /// velocity.
@@ -21,9 +20,9 @@ pub(crate) fn add_wall_forces(
     contacts: &mut Contacts,
     walls: PosedWalls<'_>,
     laws: &ForceLaws,
-    on_walls: &mut [[i64; 3]],
+    on_walls: &mut WallTallies,
 ) -> Result<(), ForceOutOfRange> {
-    on_walls.fill([0; 3]);
+    on_walls.clear();
     for slot in 0..contacts.wall_pairs.len() {
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
@@ -40,9 +39,8 @@ pub(crate) fn add_wall_forces(
         particles.forces[i].force -= on_wall;
         let twist = contact.normal.cross(&force.tangential) * particles.body[i].radius + rolling;
         particles.forces[i].torque -= laws.torque_quantum.round_vector(twist);
-        for axis in 0..3 {
-            on_walls[number][axis] += laws.force_quantum.count(on_wall[axis]);
-        }
+        let counts = [0, 1, 2].map(|axis| laws.force_quantum.count(on_wall[axis]));
+        on_walls.add(number, particles.body[i].radius, counts);
     }
     Ok(())
 }

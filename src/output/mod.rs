@@ -18,7 +18,9 @@ mod profiles;
 mod provenance;
 mod series;
 mod table;
+mod text_table;
 mod units;
+mod wall_force_table;
 
 pub use gas_snapshots::GasSnapshots;
 pub(crate) use hdf5_file::write_failed;
@@ -28,6 +30,7 @@ pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;
 pub use series::Series;
 pub use units::ColumnUnits;
+pub use wall_force_table::WallForceTable;
 
 /// A file that could not be written, or is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@ use std::fs::OpenOptions;
 use std::path::Path;
 
 use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
-use crate::analysis::{BedProfile, Measures};
+use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
 
@@ -37,6 +37,8 @@ pub struct Sample<'a> {
     pub profile: &'a BedProfile,
     /// This rank's particles, positions wrapped into the box.
     pub particles: &'a dyn Records<ParticleRecord>,
+    /// The forces on walls; none if the case does not ask for them.
+    pub wall_forces: &'a [WallForce],
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
     pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }

@@ -1,24 +1,15 @@
-//! The table of numbers over time: `series.csv`, written by rank 0.
+//! The table of numbers over time: `series.csv`.
 
-use std::fs::{File, OpenOptions};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::output_file::{Obstacle, continue_or_create};
-use super::{
-    ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
-    Sample, free_name, on_root, sync_folder, with_suffix,
-};
+use super::text_table::{TableFormat, TextTable, shortest};
+use super::{ColumnUnits, Head, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample};
 use crate::analysis::Measures;
 use crate::parallel::Communicator;
 
 /// The open table: comments with what was run, a header with units, and a row for each time.
 #[derive(Debug)]
-pub struct Series {
-    path: PathBuf,
-    /// On rank 0.
-    file: Option<File>,
-}
+pub struct Series(TextTable);
 
 impl Series {
     /// In the list of outputs.
@@ -42,8 +33,7 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let file = on_root(path, ranks, || create(path, head))?;
-        Ok(Self { path: path.to_owned(), file })
+        Ok(Self(TextTable::create(path, head, &format(&head.units()), ranks)?))
     }
 
     /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
@@ -57,12 +47,7 @@ impl Series {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let file = on_root(path, ranks, || {
-            let go_on = || rows_up_to(path, time, &head.units()).map(Some);
-            let rows = continue_or_create(path, go_on, || Ok(None))?;
-            rows.map_or_else(|| create(path, head), |text| replace(path, &text))
-        })?;
-        Ok(Self { path: path.to_owned(), file })
+        Ok(Self(TextTable::resume(path, time, head, &format(&head.units()), ranks)?))
     }
 
     /// Adds a row, which is in the file on return. Rank 0's row counts. Collective.
@@ -72,11 +57,7 @@ impl Series {
     pub fn append(&mut self, row: &Measures, ranks: &dyn Communicator) -> Result<(), OutputError> {
         let values = Measures::COLUMNS.iter().map(|column| shortest((column.value)(row)));
         let line = values.collect::<Vec<_>>().join(",") + "\n";
-        on_root(&self.path, ranks, || {
-            let file = self.file.as_mut().ok_or("the file is not open")?;
-            file.write_all(line.as_bytes()).map_err(|error| error.to_string())
-        })?;
-        Ok(())
+        self.0.append(&line, ranks)
     }
 }
 
@@ -90,102 +71,14 @@ impl Output for Series {
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        on_root(&self.path, ranks, || {
-            let file = self.file.as_ref().ok_or("the file is not open")?;
-            file.sync_all().map_err(|error| error.to_string())
-        })
-        .map(|_| ())
+        self.0.commit(ranks)
     }
 }
 
-/// The line of names and units.
-fn header(units: &ColumnUnits) -> String {
+fn format(units: &ColumnUnits) -> TableFormat {
     let columns = Measures::COLUMNS.iter();
     let names = columns.map(|column| format!("{} [{}]", column.name, units.of(column.quantity)));
-    names.collect::<Vec<_>>().join(",")
-}
-
-/// The shortest text from which the same bits are read.
-fn shortest(value: f64) -> String {
-    let plain = value == 0.0 || (1.0e-4..1.0e15).contains(&value.abs());
-    if plain { format!("{value}") } else { format!("{value:e}") }
-}
-
-fn create(path: &Path, head: Head<'_>) -> MessageResult<File> {
-    let mut text = String::new();
-    for (name, entry) in head.provenance.entries() {
-        text += &format!("# {name}: {}\n", entry.replace(['\n', '\r'], " "));
-    }
-    for line in head.case_text.lines() {
-        text += format!("# case: {line}").trim_end();
-        text += "\n";
-    }
-    text += &header(&head.units());
-    text += "\n";
-    replace(path, &text)
-}
-
-/// Replaces a file at one stroke and opens it to append.
-fn replace(path: &Path, text: &str) -> MessageResult<File> {
-    let replace = || {
-        let partial = with_suffix(path, ".partial");
-        let mut file = File::create(&partial)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
-        std::fs::rename(&partial, path)
-    };
-    replace().map_err(|error: std::io::Error| error.to_string())?;
-    sync_folder(path)?;
-    OpenOptions::new().append(true).open(path).map_err(|error| error.to_string())
-}
-
-/// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
-/// was is kept; a last row that a kill has cut short is not damage.
-fn rows_up_to(path: &Path, time: f64, units: &ColumnUnits) -> Result<String, Obstacle> {
-    let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
-    let mut kept = String::new();
-    let mut damaged = Vec::new();
-    let mut columns = None;
-    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
-        if line.starts_with('#') {
-            kept += line;
-        } else if columns.is_none() {
-            if line.trim_end() != header(units) {
-                return Err(Obstacle::Unusable("it has other columns".to_owned()));
-            }
-            columns = Some(line.split(',').count());
-            kept += line;
-        } else if !line.ends_with('\n') {
-            break;
-        } else if Some(line.split(',').count()) != columns || !is_row(line) {
-            damaged.push(number.to_string());
-        } else if line.split(',').next().and_then(|first| first.parse().ok()) <= Some(time) {
-            kept += line;
-        }
-    }
-    if columns.is_none() {
-        return Err(Obstacle::Unusable("it has no header".to_owned()));
-    }
-    if !damaged.is_empty() {
-        keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
-    }
-    Ok(kept)
-}
-
-/// Whether all columns are numbers.
-fn is_row(line: &str) -> bool {
-    line.trim_end().split(',').all(|number| number.parse::<f64>().is_ok())
-}
-
-/// Keeps a copy of a table whose damaged rows are left out.
-fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
-    let copy = free_name(path);
-    std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
-    let [path, copy] = [path.display(), copy.display()];
-    log::warn!(
-        "{path}: rows that are damaged are left out (line {lines}); as it was it is kept as {copy}"
-    );
-    Ok(())
+    TableFormat { header: names.collect::<Vec<_>>().join(","), texts: &[] }
 }
 
 #[cfg(test)]
@@ -238,14 +131,6 @@ mod tests {
         let aside = folder.path().join("series.csv.unreadable-1");
         assert_eq!(std::fs::read_to_string(aside).unwrap(), "a,b\n1,2\n");
         assert!(std::fs::read_to_string(&path).unwrap().contains("\ntime [s],"));
-    }
-
-    #[test]
-    fn numbers_are_read_back_as_they_were() {
-        for value in [0.0, 0.1, -3000.0, 1.0e-17, 1.234_567_890_123_456_7e300, f64::MIN_POSITIVE] {
-            assert_eq!(shortest(value).parse::<f64>().unwrap(), value);
-        }
-        assert_eq!(shortest(3000.0), "3000");
     }
 
     #[test]

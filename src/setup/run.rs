@@ -1,10 +1,10 @@
 //! A bed that moves.
 
 use super::Snapshot;
-use crate::analysis::Digest;
+use crate::analysis::{Digest, RunView, WallForce, wall_forces};
 use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::particles::ContactHistories;
-use crate::state::{Domain, Models, State, Workspace};
+use crate::state::{Domain, EnergyBalance, EnergyLedger, Models, State, StoredEnergy, Workspace};
 use crate::time_step::{Staggered, StepError, advance, confirm};
 
 /// A bed between two steps, on this rank of all ranks. [`Setup::start`](super::Setup::start) makes it.
@@ -72,6 +72,12 @@ impl Run<'_> {
         let index = owned.iter().position(|&other| other == id)?;
         let position = self.domain.bounds.wrap(particles.body[index].position).into();
         Some(ParticleRecord { position, ..ParticleRecord::of(particles, index) })
+    }
+
+    /// The force of the particles on every wall, at the last step. Collective.
+    pub fn wall_forces(&self) -> Vec<WallForce> {
+        let Self { state, domain, models, work, ranks } = self;
+        wall_forces(RunView { state, domain, models, work }, *ranks)
     }
 
     /// Hash of the whole state: the same on any number of ranks. Collective.

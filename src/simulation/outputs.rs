@@ -4,7 +4,7 @@ use super::interval::Interval;
 use crate::case::OutputPlan;
 use crate::output::{
     GasSnapshots, Opening, Output, OutputError, OutputKind, ParticleSnapshots, Profiles, Sample,
-    Series,
+    Series, WallForceTable,
 };
 use crate::parallel::Communicator;
 use crate::state::Clock;
@@ -18,8 +18,9 @@ pub(super) struct Listed {
 }
 
 /// All kinds of output: one line each, in the order in which they are written.
-pub(super) const LISTED: [Listed; 4] = [
+pub(super) const LISTED: [Listed; 5] = [
     Listed { kind: Series::KIND, interval: |plan| Some(plan.series) },
+    Listed { kind: WallForceTable::KIND, interval: |plan| plan.walls },
     Listed { kind: Profiles::KIND, interval: |plan| plan.profiles },
     Listed { kind: ParticleSnapshots::KIND, interval: |plan| plan.particles },
     Listed { kind: GasSnapshots::KIND, interval: |plan| plan.gas },

@@ -5,7 +5,7 @@ use super::folder::{OutputFolder, make_folder, mark_complete};
 use super::outputs::Outputs;
 use super::start::{InitialState, Origin};
 use super::{RunError, memory};
-use crate::analysis::{BedProfile, MomentumProbe, RunView, measure};
+use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
 use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
@@ -62,6 +62,7 @@ impl<'a> Simulation<'a> {
         let models = case.stages[stage].models(&state.sizes);
         state.clock = state.clock.with_time_step(models.physics.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
+        work.tallies.on_walls.set_classes(case.particles.classes());
         time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
         if is_new {
             time_step::find_first_forces(state, &case.domain, &models, work, ranks);
@@ -203,11 +204,14 @@ impl<'a> Simulation<'a> {
         let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
         let measures = measure(view, profile, probe, *ranks);
+        let is_asked_for = case.output.walls.is_some();
+        let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
             measures: &measures,
             profile,
             particles: &records(case, state),
+            wall_forces: &wall_forces,
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;

@@ -1,6 +1,7 @@
 //! What can be dropped and made anew at any time.
 
 use super::{Balance, Domain, Models, SizeRange};
+use crate::contact::WallTallies;
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
 use crate::parallel::ParticleHalo;
@@ -52,7 +53,7 @@ pub struct Requests {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tallies {
     /// On each wall, by the particles.
-    pub on_walls: Vec<[i64; 3]>,
+    pub on_walls: WallTallies,
     /// On the particles, by the gas.
     pub by_gas: [i64; 3],
 }
@@ -118,7 +119,7 @@ impl Workspace {
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
         self.list_range.interaction = models.range(sizes);
-        self.tallies.on_walls = vec![[0; 3]; domain.walls.len()];
+        self.tallies.on_walls.reset(domain.walls.len());
         self.tallies.by_gas = [0; 3];
         self.gas = GasSolver::None;
     }

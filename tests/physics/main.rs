@@ -11,3 +11,4 @@ mod integrator_order;
 mod measures_never_panic;
 mod minimum_fluidisation;
 mod single_particle;
+mod wall_forces;

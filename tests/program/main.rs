@@ -18,3 +18,4 @@ mod restart;
 mod snapshots;
 mod softened_adhesion;
 mod study;
+mod wall_table;

@@ -11,6 +11,9 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
         "Interval of rows of `series.csv`, at least `time.step` as all intervals here",
     )
     .unit("time"),
+    Key::number("walls", Allowed::POSITIVE, "Interval of the forces on walls")
+        .unit("time")
+        .optional(),
     Key::number("profiles", Allowed::POSITIVE, "Interval of profiles").unit("time").optional(),
     Key::number("particles", Allowed::POSITIVE, "Interval of snapshots of the particles")
         .unit("time")

@@ -1,0 +1,225 @@
+//! A table as text: comments with what was run, a header with units, and rows over time, written by rank 0.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::output_file::{Obstacle, continue_or_create};
+use super::{Head, MessageResult, OutputError, free_name, on_root, sync_folder, with_suffix};
+use crate::parallel::Communicator;
+
+/// What a table looks like.
+#[derive(Clone, Debug)]
+pub(super) struct TableFormat {
+    /// The line of names and units.
+    pub(super) header: String,
+    /// Which columns are texts, or may be empty; the others are numbers.
+    pub(super) texts: &'static [usize],
+}
+
+/// An open table whose first column is the time.
+#[derive(Debug)]
+pub(super) struct TextTable {
+    path: PathBuf,
+    /// On rank 0.
+    file: Option<File>,
+}
+
+impl TextTable {
+    /// Begins a table, in the place of one that is there. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(super) fn create(
+        path: &Path,
+        head: Head<'_>,
+        format: &TableFormat,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let file = on_root(path, ranks, || create(path, head, format))?;
+        Ok(Self { path: path.to_owned(), file })
+    }
+
+    /// Continues a table after the rows up to and including `time`; later ones are dropped, so that the
+    /// file becomes that of a run without interruption. A file that is not such a table is set aside. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(super) fn resume(
+        path: &Path,
+        time: f64,
+        head: Head<'_>,
+        format: &TableFormat,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let file = on_root(path, ranks, || {
+            let rows =
+                continue_or_create(path, || rows_up_to(path, time, format).map(Some), || Ok(None))?;
+            rows.map_or_else(|| create(path, head, format), |text| replace(path, &text))
+        })?;
+        Ok(Self { path: path.to_owned(), file })
+    }
+
+    /// Adds lines, which are in the file on return. Those of rank 0 count. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(super) fn append(
+        &mut self,
+        lines: &str,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || {
+            let file = self.file.as_mut().ok_or("the file is not open")?;
+            file.write_all(lines.as_bytes()).map_err(|error| error.to_string())
+        })?;
+        Ok(())
+    }
+
+    /// Brings the file to the disk. Collective.
+    ///
+    /// # Errors
+    /// If that fails.
+    pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        on_root(&self.path, ranks, || {
+            let file = self.file.as_ref().ok_or("the file is not open")?;
+            file.sync_all().map_err(|error| error.to_string())
+        })
+        .map(|_| ())
+    }
+}
+
+/// The shortest text from which the same bits are read.
+pub(super) fn shortest(value: f64) -> String {
+    let plain = value == 0.0 || (1.0e-4..1.0e15).contains(&value.abs());
+    if plain { format!("{value}") } else { format!("{value:e}") }
+}
+
+fn create(path: &Path, head: Head<'_>, format: &TableFormat) -> MessageResult<File> {
+    let mut text = String::new();
+    for (name, entry) in head.provenance.entries() {
+        text += &format!("# {name}: {}\n", entry.replace(['\n', '\r'], " "));
+    }
+    for line in head.case_text.lines() {
+        text += format!("# case: {line}").trim_end();
+        text += "\n";
+    }
+    text += &format.header;
+    text += "\n";
+    replace(path, &text)
+}
+
+/// Replaces a file at one stroke and opens it to append.
+fn replace(path: &Path, text: &str) -> MessageResult<File> {
+    let replace = || {
+        let partial = with_suffix(path, ".partial");
+        let mut file = File::create(&partial)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        std::fs::rename(&partial, path)
+    };
+    replace().map_err(|error: std::io::Error| error.to_string())?;
+    sync_folder(path)?;
+    OpenOptions::new().append(true).open(path).map_err(|error| error.to_string())
+}
+
+/// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
+/// was is kept; a last row that a kill has cut short is not damage.
+fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
+    let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
+    let mut kept = String::new();
+    let mut damaged = Vec::new();
+    let mut columns = None;
+    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
+        if line.starts_with('#') {
+            kept += line;
+        } else if columns.is_none() {
+            if line.trim_end() != format.header {
+                return Err(Obstacle::Unusable("it has other columns".to_owned()));
+            }
+            columns = Some(cells(line).len());
+            kept += line;
+        } else if !line.ends_with('\n') {
+            break;
+        } else if !is_row(line, columns, format) {
+            damaged.push(number.to_string());
+        } else if line.split(',').next().and_then(|first| first.parse().ok()) <= Some(time) {
+            kept += line;
+        }
+    }
+    if columns.is_none() {
+        return Err(Obstacle::Unusable("it has no header".to_owned()));
+    }
+    if !damaged.is_empty() {
+        keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
+    }
+    Ok(kept)
+}
+
+/// Whether a line has so many cells, numbers in all but those of texts.
+fn is_row(line: &str, columns: Option<usize>, format: &TableFormat) -> bool {
+    let cells = cells(line.trim_end());
+    let is_number = |cell: &&str| cell.parse::<f64>().is_ok();
+    let numbers = cells.iter().enumerate().filter(|(place, _)| !format.texts.contains(place));
+    Some(cells.len()) == columns && numbers.map(|(_, cell)| cell).all(is_number)
+}
+
+/// Keeps a copy of a table whose damaged rows are left out.
+fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
+    let copy = free_name(path);
+    std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
+    let [path, copy] = [path.display(), copy.display()];
+    log::warn!(
+        "{path}: rows that are damaged are left out (line {lines}); as it was it is kept as {copy}"
+    );
+    Ok(())
+}
+
+/// A text as a cell: quoted if it holds a comma, a quotation mark or the end of a line.
+pub(super) fn quoted(text: &str) -> String {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace(['\n', '\r'], " ").replace('"', "\"\"")),
+        false => text.to_owned(),
+    }
+}
+
+/// The cells of a line; commas between quotation marks do not separate them.
+fn cells(line: &str) -> Vec<&str> {
+    let mut is_quoted = false;
+    let separates = |character: char| {
+        is_quoted ^= character == '"';
+        character == ',' && !is_quoted
+    };
+    line.split(separates).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_back_as_they_were() {
+        for value in [0.0, 0.1, -3000.0, 1.0e-17, 1.234_567_890_123_456_7e300, f64::MIN_POSITIVE] {
+            assert_eq!(shortest(value).parse::<f64>().unwrap(), value);
+        }
+        assert_eq!(shortest(3000.0), "3000");
+    }
+
+    #[test]
+    fn rows_have_numbers_where_they_should() {
+        let format = TableFormat { header: "a,b,c".to_owned(), texts: &[1] };
+        assert!(is_row("1,base plate,-2e3\n", Some(3), &format));
+        assert!(is_row("1,,3\n", Some(3), &format));
+        for damaged in ["1,b\n", "x,b,3\n", "1,b,\n", "1,b,3,4\n"] {
+            assert!(!is_row(damaged, Some(3), &format), "{damaged}");
+        }
+    }
+
+    #[test]
+    fn texts_are_one_cell_whatever_they_hold() {
+        assert_eq!(quoted("base plate"), "base plate");
+        assert_eq!(quoted("a \"wide\", flat one"), "\"a \"\"wide\"\", flat one\"");
+        assert_eq!(cells("1,\"a \"\"wide\"\", flat one\",2\n").len(), 3);
+        assert_eq!(cells("1,2,3,"), ["1", "2", "3", ""]);
+    }
+}

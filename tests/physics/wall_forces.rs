@@ -1,0 +1,83 @@
+//! The force on every wall: plate and side walls together carry the weight of a bed, and classes of size add up.
+
+use crate::beds::{Bench, PERIODIC, PLATE, law};
+use talcum::domain::{EffectiveGravity, Face};
+
+/// A bed of three sizes that falls between rough side walls.
+fn bed() -> Bench {
+    let mut bench = Bench::new([5.0, 5.0, 30.0], [[Face::Wall; 2], PERIODIC, PLATE]);
+    bench.contact = law(2.0e4, 0.5, 0.6);
+    bench.gravity = EffectiveGravity { magnitude: 1.0, vibration: None };
+    bench.time_step = 4.0e-4;
+    bench.add_layers(320, (1.05, 0.6), &[1.0, 0.8, 0.9], (0.04, 0.2));
+    bench
+}
+
+const NAMES: [&str; 3] = ["x lower", "x upper", "base plate"];
+
+#[test]
+fn plate_and_side_walls_carry_the_weight_that_the_bed_does_not_gain_as_momentum() {
+    let bench = bed();
+    let mut run = bench.alone();
+    run.steps(15_000);
+    // The weight that acts: each particle's is rounded to the quantum of forces, 5e-10 here.
+    let quantum = run.models.force_quantum;
+    let weight: f64 = bench.particles.iter().map(|particle| quantum.round(particle.mass)).sum();
+    let momentum = |run: &talcum::setup::Run<'_>| {
+        let of = run.particles().map(|particle| particle.mass * particle.velocity[2]);
+        of.sum::<f64>()
+    };
+    // Upwards, on the bed; by all walls, and by the plate alone.
+    let carried = |run: &talcum::setup::Run<'_>| {
+        let forces = run.wall_forces();
+        let names: Vec<&str> = forces.iter().map(|force| force.wall.as_str()).collect();
+        assert_eq!(names, NAMES);
+        let up: Vec<f64> = forces.iter().map(|force| -force.force.z).collect();
+        [up.iter().sum(), up[2]]
+    };
+    let (mut largest, mut without_sides, mut on_sides) = (0.0_f64, 0.0_f64, 0.0);
+    for _ in 0..200 {
+        let ([all_before, plate_before], before) = (carried(&run), momentum(&run));
+        run.steps(1);
+        let ([all, plate], after) = (carried(&run), momentum(&run));
+        // Velocity Verlet: the mean of the forces at both ends of the step.
+        let gained = (after - before) / bench.time_step;
+        largest = largest.max((0.5 * (all_before + all) - weight - gained).abs());
+        without_sides = without_sides.max((0.5 * (plate_before + plate) - weight - gained).abs());
+        on_sides = (all - plate) / weight;
+    }
+    println!(
+        "walls carry the weight to {largest:.1e} of {weight:.1}; side walls {on_sides:.3} of it"
+    );
+    // Velocities below 0.1 are rounded twice a step, each to 1e-17, and summed with rounding to 3e-17 of momenta below 0.1:
+    // 320 of them, over the step.
+    assert!(largest < 320.0 * 1.0e-16 / bench.time_step, "{largest}");
+    // Negative control: the plate alone does not carry it.
+    assert!(on_sides > 0.05 && without_sides > 0.05 * weight, "{on_sides} {without_sides}");
+}
+
+#[test]
+fn forces_by_size_add_up_and_are_the_same_bits_on_any_ranks() {
+    let bench = bed();
+    let of = |grid: [usize; 3]| {
+        bench.on_ranks(grid, |run| {
+            run.work.tallies.on_walls.set_classes(vec![0.9, 0.8, 1.0]);
+            run.steps(3000).wall_forces()
+        })
+    };
+    let alone = of([1, 1, 1]);
+    assert_eq!(alone.len(), 3 * 4);
+    for of_wall in alone.chunks(4) {
+        let diameters: Vec<_> = of_wall.iter().map(|force| force.diameter).collect();
+        assert_eq!(diameters, [None, Some(0.8), Some(0.9), Some(1.0)]);
+        let sum: f64 = of_wall[1..].iter().map(|force| force.force.z).sum();
+        // Multiples of a quantum: their sum is exact.
+        assert_eq!(sum, of_wall[0].force.z, "{of_wall:?}");
+    }
+    // Negative control: the sizes differ.
+    let plate = &alone[8..];
+    assert!(plate[1].force.z != plate[2].force.z && plate[0].force.z < -5.0, "{plate:?}");
+    for grid in [[1, 1, 3], [2, 1, 2]] {
+        assert_eq!(of(grid), alone, "{grid:?}");
+    }
+}
