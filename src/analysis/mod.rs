@@ -15,7 +15,6 @@
 mod bed_profile;
 mod coordination;
 mod digest;
-mod energy_ledger;
 mod exact_sums;
 mod fixed_point;
 mod fractal_dimension;
@@ -46,10 +45,10 @@ pub mod statistics;
 pub mod stress;
 pub mod waves;
 
+pub use crate::state::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy};
 pub use bed_profile::BedProfile;
 pub use coordination::{Coordination, InRegion, coordination};
 pub use digest::{Digest, StateRecords};
-pub use energy_ledger::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy};
 pub use fractal_dimension::{MassRadius, PopulationFit};
 pub use line_fit::LineFit;
 pub use measures::{Column, Measures, Quantity, measure};

@@ -13,6 +13,8 @@ pub struct OutputPlan {
     pub series: f64,
     /// Interval of the forces on walls.
     pub walls: Option<f64>,
+    /// Interval of the ledger of energies, which is kept at every step.
+    pub energy: Option<f64>,
     /// Interval of profiles.
     pub profiles: Option<f64>,
     /// Interval of snapshots of all particles.
@@ -63,10 +65,10 @@ pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<Ou
         require_a_step(section, key, interval, step);
         interval
     };
-    let [series, walls, profiles, particles, gas] =
-        ["series", "walls", "profiles", "particles", "gas"].map(interval);
+    let [series, walls, energy, profiles, particles, gas] =
+        ["series", "walls", "energy", "profiles", "particles", "gas"].map(interval);
     let bed_threshold = section.number("bed_threshold")?;
-    Some(OutputPlan { series: series?, walls, profiles, particles, gas, bed_threshold })
+    Some(OutputPlan { series: series?, walls, energy, profiles, particles, gas, bed_threshold })
 }
 
 /// `[checkpoint]`.

@@ -1,5 +1,6 @@
 //! What a contact law is given, what it returns, and what it must answer.
 
+use super::{ContactStep, ContactWork, StoredInContact};
 use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
@@ -80,6 +81,17 @@ pub trait ContactForceLaw {
 
     /// Duration of a collision of two bodies of this m* and R*, with which the time step is compared.
     fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64;
+
+    /// Energy stored in a contact of this history, and work over a step: for the ledger of energies. A law that does not
+    /// tell them leaves the ledger undefined.
+    fn stored_energy(&self, _contact: &Contact, _history: &ContactHistory) -> StoredInContact {
+        StoredInContact::UNKNOWN
+    }
+
+    /// Work of the contact on the bodies over a step, as far as no spring stores it.
+    fn work(&self, _step: &ContactStep<'_>) -> ContactWork {
+        ContactWork::UNKNOWN
+    }
 
     /// Largest normal force of an elastic contact up to an overlap, adhesion of the law included; it bounds the range
     /// of forces.

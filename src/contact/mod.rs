@@ -1,6 +1,8 @@
 //! Forces between particles that touch or attract each other, and at walls: pure functions of kinematics and contact
 //! history, and the loops that evaluate them.
 
+mod energy;
+mod energy_pass;
 mod force_laws;
 mod force_loop;
 mod invalid_law;
@@ -16,6 +18,8 @@ mod van_der_waals;
 mod wall_tallies;
 mod walls;
 
+pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
+pub(crate) use energy_pass::{WallWork, attraction_energy, elastic_energy, work_of_walls};
 pub(crate) use force_laws::ForceLaws;
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;

@@ -3,8 +3,9 @@
 //! Reference: J. Ai, J.-F. Chen, J. M. Rotter, J. Y. Ooi, "Assessment of rolling resistance models in discrete element
 //! simulations", Powder Technol. 206 (2011) 269-282, <https://doi.org/10.1016/j.powtec.2010.09.030>
 
-use super::Contact;
+use super::energy::SpringMotion;
 use super::invalid_law::{InvalidContactLaw, require_in_range};
+use super::{Contact, ContactWork, SpringStep};
 use crate::schema::{Allowed, Key, Word};
 use nalgebra::Vector3;
 
@@ -78,6 +79,47 @@ impl RollingFriction {
         }
         require_in_range(&ROLLING_FRICTION, coefficient)?;
         Ok(Self { kind, coefficient })
+    }
+}
+
+impl RollingFriction {
+    /// Stiffness of the rolling spring, 2.25 k_n (mu_r R*)^2, and coefficient of its dashpot; 0 for a constant torque.
+    fn spring(&self, contact: &Contact, normal_stiffness: f64) -> [f64; 2] {
+        let RollingKind::ElasticPlastic { damping } = self.kind else { return [0.0; 2] };
+        let arm = self.coefficient * contact.reduced_radius;
+        let spring = 2.25 * normal_stiffness * arm * arm;
+        [spring, damping * 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt()]
+    }
+
+    /// Energy of the rolling spring at a stiffness of the law.
+    pub(super) fn stored_energy(
+        &self,
+        contact: &Contact,
+        stiffness: f64,
+        angle: &Vector3<f64>,
+    ) -> f64 {
+        0.5 * self.spring(contact, stiffness)[0] * angle.norm_squared()
+    }
+
+    /// Work of the resistance to rolling over a step in which the angle went from `before` to `after`, and at whose end the
+    /// torque is this. `stiffness` is that of the law before and after the step.
+    pub(super) fn work(
+        &self,
+        contact: &Contact,
+        stiffness: [f64; 2],
+        [before, after]: [Vector3<f64>; 2],
+        torque: Vector3<f64>,
+        dt: f64,
+    ) -> ContactWork {
+        let n = contact.normal;
+        let rate = contact.relative_spin - n * n.dot(&contact.relative_spin);
+        let loading_factor =
+            if stiffness[0] < stiffness[1] { stiffness[0] / stiffness[1] } else { 1.0 };
+        let turned = (before - n * n.dot(&before)) * loading_factor;
+        let [[spring_before, _], [spring, damping]] =
+            stiffness.map(|stiffness| self.spring(contact, stiffness));
+        let step = SpringStep { stiffness: [spring_before, spring], damping, loading_factor };
+        step.work(&SpringMotion { before, turned, after, rate, force: torque }, dt)
     }
 }
 

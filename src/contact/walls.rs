@@ -30,7 +30,8 @@ pub(crate) fn add_wall_forces(
             contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws);
         let model = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(model, &contact, contacts, slot, laws.dt);
-        let on_wall = laws.force_quantum.round_vector(total_force(&contact, &force));
+        let on_wall =
+            laws.force_quantum.round_vector(total_force(&contact, force.normal, force.tangential));
         if !within(&on_wall, laws.limit) {
             let other = format!("wall \"{}\"", walls.walls[number].name);
             let overlap = contact.overlap;
@@ -46,7 +47,7 @@ pub(crate) fn add_wall_forces(
 }
 
 /// The contact of a particle and a wall.
-fn contact_with(
+pub(super) fn contact_with(
     (wall, pose): (&Wall, &WallPose),
     particles: &Particles,
     i: usize,
@@ -101,6 +102,10 @@ fn evaluate(
 
 /// Force of contact and attraction on the wall.
 #[inline(always)]
-fn total_force(contact: &Contact, force: &ContactForce) -> Vector3<f64> {
-    contact.normal * (force.normal - contact.cohesion) + force.tangential
+pub(super) fn total_force(
+    contact: &Contact,
+    normal: f64,
+    tangential: Vector3<f64>,
+) -> Vector3<f64> {
+    contact.normal * (normal - contact.cohesion) + tangential
 }

@@ -64,6 +64,25 @@ impl ExactSum {
         }
     }
 
+    /// Adds another sum, exactly.
+    pub fn add_sum(&mut self, other: &Self) {
+        let mut carried = other.clone();
+        carried.carry();
+        self.carry();
+        self.chunks.iter_mut().zip(carried.chunks).for_each(|(sum, chunk)| *sum += chunk);
+        self.additions += 1;
+        self.not_finite |= other.not_finite;
+    }
+
+    /// The same sum with the other sign.
+    #[must_use]
+    pub fn negated(&self) -> Self {
+        let mut negated = self.clone();
+        negated.chunks.iter_mut().for_each(|chunk| *chunk = -*chunk);
+        negated.carry();
+        negated
+    }
+
     /// Adds `count` times a quantum, exactly.
     pub fn add_count(&mut self, count: i64, quantum: Quantum) {
         const SPLIT: i64 = 1 << 32;
@@ -161,6 +180,18 @@ mod tests {
         fn the_sum_of_one_number_is_that_number(x in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO) {
             prop_assert_eq!(sum_of(&[x]).value(), x);
         }
+    }
+
+    #[test]
+    fn sums_are_added_and_negated_exactly() {
+        let mut sum = sum_of(&[1.0e16, 1.0]);
+        sum.add_sum(&sum_of(&[-2.5, 3.0e-300]));
+        sum.add_sum(&sum_of(&[1.0e16, 0.25]).negated());
+        assert_eq!(sum.value(), -1.75);
+        sum.add_sum(&sum_of(&[-1.75]).negated());
+        assert_eq!(sum.value(), 3.0e-300);
+        sum.add_sum(&sum_of(&[f64::NAN]));
+        assert!(sum.value().is_nan());
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::parallel::{Communicator, agree};
 
 pub mod checkpoint;
 mod checksum;
+mod energy_table;
 mod gas_snapshots;
 mod hdf5_file;
 pub(crate) mod lock;
@@ -22,6 +23,7 @@ mod text_table;
 mod units;
 mod wall_force_table;
 
+pub use energy_table::{EnergyRow, EnergyTable};
 pub use gas_snapshots::GasSnapshots;
 pub(crate) use hdf5_file::write_failed;
 pub use output_file::{Head, OpenedOutput, Opening, Output, OutputKind, Sample};

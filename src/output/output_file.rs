@@ -3,7 +3,7 @@
 use std::fs::OpenOptions;
 use std::path::Path;
 
-use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
+use super::{ColumnUnits, EnergyRow, MessageResult, OutputError, Provenance, set_aside};
 use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
@@ -39,6 +39,8 @@ pub struct Sample<'a> {
     pub particles: &'a dyn Records<ParticleRecord>,
     /// The forces on walls; none if the case does not ask for them.
     pub wall_forces: &'a [WallForce],
+    /// The ledger of energies, if one is kept.
+    pub energy: Option<&'a EnergyRow>,
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
     pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }

@@ -84,6 +84,15 @@ impl Contacts {
         self.partner.len()
     }
 
+    /// The pairs of the neighbour list: all that are within the range of any force, and more.
+    pub(crate) fn listed_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let rows = self.row_start.windows(2).enumerate();
+        rows.flat_map(|(row, ends)| {
+            let partners = &self.partner[ends[0] as usize..ends[1] as usize];
+            partners.iter().map(move |&partner| [row as u32, partner])
+        })
+    }
+
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {

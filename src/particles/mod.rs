@@ -21,7 +21,7 @@ pub(crate) use inner_list::{InnerList, InteractionRanges};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
 pub use neighbour_list::NeighbourList;
 pub(crate) use pair_blocks::{
-    AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks,
+    AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks, Remembered,
 };
 pub use range::ListRange;
 pub use store::Particles;

@@ -43,6 +43,15 @@ pub(super) struct OrientedHistory {
     pub(super) rolling_angle: Vector3<f64>,
 }
 
+/// What a contact remembers from the last step; all zero if the bodies did not touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Remembered {
+    pub(crate) history: ContactHistory,
+    pub(crate) rolling_angle: Vector3<f64>,
+    /// Whether the bodies touched.
+    pub(crate) touching: bool,
+}
+
 /// Pairs in blocks. Unused lanes of the last block hold a pair whose results are not used.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PairBlocks {
@@ -98,6 +107,15 @@ impl PairBlocks {
         (0..self.count).map(|pair| {
             let (block, lane) = (&self.blocks[pair / LANES], pair % LANES);
             [block.first[lane], block.second[lane]]
+        })
+    }
+
+    /// All pairs, first and second particle, and what they remember.
+    pub(crate) fn all(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
+        self.pairs().enumerate().map(|(place, pair)| {
+            let known = self.history(place);
+            let OrientedHistory { history, rolling_angle } = known.unwrap_or(OrientedHistory::ZERO);
+            (pair, Remembered { history, rolling_angle, touching: known.is_some() })
         })
     }
 

@@ -5,7 +5,7 @@ use crate::analysis::{Digest, RunView, WallForce, wall_forces};
 use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::particles::ContactHistories;
 use crate::state::{Domain, EnergyBalance, EnergyLedger, Models, State, StoredEnergy, Workspace};
-use crate::time_step::{Staggered, StepError, advance, confirm};
+use crate::time_step::{Staggered, StepError, advance, confirm, stored_energy};
 
 /// A bed between two steps, on this rank of all ranks. [`Setup::start`](super::Setup::start) makes it.
 ///
@@ -80,6 +80,25 @@ impl Run<'_> {
         wall_forces(RunView { state, domain, models, work }, *ranks)
     }
 
+    /// Opens the ledger of energies, or a new one: from now on the work of every mechanism is summed at each step.
+    /// Collective.
+    pub fn keep_energy_ledger(&mut self) {
+        let start = self.stored_energy();
+        self.state.energy = Some(Box::new(EnergyLedger::opened(start)));
+    }
+
+    /// The totals of the ledger, against what is stored now; `None` if none is kept. Collective.
+    pub fn energy_balance(&self) -> Option<EnergyBalance> {
+        let ledger = self.state.energy.as_ref()?;
+        Some(ledger.balance(&self.stored_energy(), self.ranks))
+    }
+
+    /// Energy of motion, attraction and springs. Collective.
+    pub fn stored_energy(&self) -> StoredEnergy {
+        let Self { state, domain, models, work, ranks } = self;
+        stored_energy(state, domain, models, work).total(*ranks)
+    }
+
     /// Hash of the whole state: the same on any number of ranks. Collective.
     ///
     /// # Errors
@@ -100,7 +119,7 @@ impl Run<'_> {
     /// This rank's part of the state, each record on one rank. Collective.
     fn part(&mut self) -> Result<Snapshot, StepError> {
         confirm(&self.state, &mut self.work, self.ranks)?;
-        let State { particles, contacts, clock, departed, sizes, gas } = &self.state;
+        let State { particles, contacts, clock, departed, sizes, gas, .. } = &self.state;
         let ContactHistories { pairs, walls } = contacts.histories_once(particles);
         Ok(Snapshot {
             clock: *clock,

@@ -105,7 +105,7 @@ impl Snapshot {
         }
         let contacts = Contacts::default();
         DistributedState {
-            state: State { particles, contacts, clock, departed, sizes, gas },
+            state: State { particles, contacts, clock, departed, sizes, gas, energy: None },
             histories,
         }
     }

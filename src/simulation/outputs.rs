@@ -3,8 +3,8 @@
 use super::interval::Interval;
 use crate::case::OutputPlan;
 use crate::output::{
-    GasSnapshots, Opening, Output, OutputError, OutputKind, ParticleSnapshots, Profiles, Sample,
-    Series, WallForceTable,
+    EnergyTable, GasSnapshots, Opening, Output, OutputError, OutputKind, ParticleSnapshots,
+    Profiles, Sample, Series, WallForceTable,
 };
 use crate::parallel::Communicator;
 use crate::state::Clock;
@@ -18,9 +18,10 @@ pub(super) struct Listed {
 }
 
 /// All kinds of output: one line each, in the order in which they are written.
-pub(super) const LISTED: [Listed; 5] = [
+pub(super) const LISTED: [Listed; 6] = [
     Listed { kind: Series::KIND, interval: |plan| Some(plan.series) },
     Listed { kind: WallForceTable::KIND, interval: |plan| plan.walls },
+    Listed { kind: EnergyTable::KIND, interval: |plan| plan.energy },
     Listed { kind: Profiles::KIND, interval: |plan| plan.profiles },
     Listed { kind: ParticleSnapshots::KIND, interval: |plan| plan.particles },
     Listed { kind: GasSnapshots::KIND, interval: |plan| plan.gas },

@@ -9,14 +9,14 @@ use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
 use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
-use crate::output::checkpoint::{self, Checkpoint};
-use crate::output::{Head, Opening, OutputError, Provenance, Sample};
+use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
+use crate::output::{EnergyRow, Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
     Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particles::ContactHistories;
-use crate::state::{Models, SizeRange, State, Workspace};
-use crate::time_step::{self, Staggered, StepError};
+use crate::state::{Mechanism, Models, SizeRange, State, StoredSums, Workspace};
+use crate::time_step::{self, Staggered, StepError, stored_energy};
 use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -63,9 +63,18 @@ impl<'a> Simulation<'a> {
         state.clock = state.clock.with_time_step(models.physics.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
         work.tallies.on_walls.set_classes(case.particles.classes());
+        let opens_ledger = case.output.energy.is_some() && state.energy.is_none();
+        state.energy = state.energy.take().filter(|_| case.output.energy.is_some());
+        if opens_ledger {
+            state.energy = Some(Box::default());
+        }
         time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
         if is_new {
             time_step::find_first_forces(state, &case.domain, &models, work, ranks);
+        }
+        if opens_ledger {
+            let start = stored_energy(state, &case.domain, &models, work).total(ranks);
+            state.energy.iter_mut().for_each(|ledger| ledger.open_at(start));
         }
         memory::give_back();
         let profile = profile_of(case, &models, &state.sizes);
@@ -175,13 +184,26 @@ impl<'a> Simulation<'a> {
         }
         self.report_stage();
         self.stage = stage;
+        let stored = self.stored_for_ledger();
         self.models = self.case.stages[stage].models(self.state.sizes());
         log::info!("stage \"{}\" begins", self.case.stages[stage].name);
         self.work.prepare(&self.case.domain, &self.models, self.state.sizes());
         let domain = &self.case.domain;
         let state = self.state.synchronised(&mut self.work.timers);
         time_step::rebuild(state, domain, &self.models, self.work, self.ranks)?;
+        if let Some((before, after)) = stored.zip(self.stored_for_ledger()) {
+            let state = self.state.synchronised(&mut self.work.timers);
+            let ledger = state.energy.iter_mut();
+            ledger.for_each(|ledger| ledger.add_change(Mechanism::Models, &before, &after));
+        }
         Ok(())
+    }
+
+    /// What this rank's particles store under the present models, if a ledger of energies is kept.
+    fn stored_for_ledger(&mut self) -> Option<StoredSums> {
+        let state = self.state.synchronised(&mut self.work.timers);
+        let is_kept = state.energy.is_some();
+        is_kept.then(|| stored_energy(state, &self.case.domain, &self.models, self.work))
     }
 
     /// Logs the rate of the stage that ends; the next one starts.
@@ -204,6 +226,10 @@ impl<'a> Simulation<'a> {
         let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
         let measures = measure(view, profile, probe, *ranks);
+        let energy = state.energy.as_ref().map(|ledger| {
+            let stored = stored_energy(state, &case.domain, models, work).total(*ranks);
+            EnergyRow { stored, balance: ledger.balance(&stored, *ranks) }
+        });
         let is_asked_for = case.output.walls.is_some();
         let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
@@ -212,6 +238,7 @@ impl<'a> Simulation<'a> {
             profile,
             particles: &records(case, state),
             wall_forces: &wall_forces,
+            energy: energy.as_ref(),
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;
@@ -241,6 +268,7 @@ impl<'a> Simulation<'a> {
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
             cells: work.gas.records(&state.gas),
             gas_report: state.gas.report(),
+            energy: state.energy.as_deref().map(StoredLedger::of),
         };
         let written = checkpoints.write(&folder.path, &checkpoint, provenance, *ranks)?;
         drop(checkpoint);

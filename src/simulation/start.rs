@@ -106,6 +106,7 @@ pub fn start_from_checkpoint(
     continues: bool,
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
+    let ledger = checkpoint.energy.as_ref().map(|ledger| Box::new(ledger.restored()));
     let Checkpoint { clock, departed, sizes, particles, cells, gas_report, .. } = checkpoint;
     let before =
         Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
@@ -117,7 +118,9 @@ pub fn start_from_checkpoint(
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
     let end = Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report };
-    distribute(case, end, origin, grid, ranks)
+    let mut initial = distribute(case, end, origin, grid, ranks)?;
+    initial.state.energy = ledger;
+    Ok(initial)
 }
 
 /// Sections that describe a new bed: a checkpoint has its own.

@@ -4,6 +4,7 @@
 mod balance;
 mod clock;
 mod domain;
+mod energy_ledger;
 mod limits;
 mod models;
 mod physics;
@@ -14,6 +15,7 @@ pub use crate::gas::GasReport;
 pub use balance::Balance;
 pub use clock::Clock;
 pub use domain::Domain;
+pub use energy_ledger::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy, StoredSums};
 pub use limits::{Limits, SizeRange};
 pub use models::Models;
 pub use physics::Physics;

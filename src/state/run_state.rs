@@ -1,6 +1,6 @@
 //! What a checkpoint holds.
 
-use super::{Clock, SizeRange};
+use super::{Clock, EnergyLedger, SizeRange};
 use crate::gas::GasState;
 use crate::particles::{Contacts, Particles};
 
@@ -27,6 +27,8 @@ pub struct State {
     pub departed: Departed,
     /// Sizes of the particles that the run began with: limits and lattices follow from them.
     pub sizes: SizeRange,
+    /// Work by mechanism since the ledger was opened, if anybody keeps account of it. Changes nothing.
+    pub energy: Option<Box<EnergyLedger>>,
     /// What the gas is, on this rank's cells.
     pub gas: GasState,
 }

@@ -1,19 +1,21 @@
 //! The step: velocity Verlet for the particles, the gas, and all forces.
 
 mod decision;
+mod energy;
 mod rebuild;
 mod staggered;
 
+pub use energy::stored_energy;
 pub use staggered::Staggered;
 
-use crate::contact::{ForceLaws, add_pair_forces, add_wall_forces};
+use crate::contact::{ContactWork, ForceLaws, add_pair_forces, add_wall_forces};
 use crate::domain::PosedWalls;
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
 use crate::particles::{
     self, ContactHistories, DriftStep, InteractionRanges, set_forces_to_weight,
 };
-use crate::state::{Domain, Models, Requests, State, Workspace};
+use crate::state::{Domain, EnergyLedger, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{agreed_message, decide};
 use rebuild::arrange;
@@ -182,8 +184,28 @@ fn advance_gas(state: &mut State, models: &Models, work: &mut Workspace, ranks: 
 /// Before: forces are those of the weight. The order changes nothing, since every contribution is rounded to the quantum
 /// of force. A force without meaning is kept as this rank's fault until the ranks agree at the next step.
 fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Workspace, dt: f64) {
+    let laws = force_laws(state, models, work, dt);
+    let mut ledger = state.energy.take();
+    if let Some(ledger) = &mut ledger {
+        energy::before_forces(ledger, state, domain, models, work, &laws);
+    }
+    work.on_particles(|work| {
+        let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
+        add_contact_forces(state, &laws, work, of_contacts);
+        add_forces_of_walls(state, domain, &laws, work);
+        let before_gas = ledger.as_ref().map(|_| energy::forces_so_far(&state.particles));
+        add_gas_forces(state, work);
+        if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
+            energy::after_forces(ledger, state, models, &before_gas, dt);
+        }
+    });
+    state.energy = ledger;
+}
+
+/// The laws of all contacts now, which advance histories by `dt`.
+fn force_laws<'a>(state: &State, models: &'a Models, work: &Workspace, dt: f64) -> ForceLaws<'a> {
     let time = state.clock.time();
-    let laws = ForceLaws {
+    ForceLaws {
         contact: &models.physics.contact,
         at_walls: &models.physics.at_walls,
         cohesion: models.physics.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
@@ -195,17 +217,20 @@ fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Wo
         limit: models.limits.force,
         force_quantum: models.force_quantum,
         torque_quantum: models.torque_quantum,
-    };
-    work.on_particles(|work| {
-        add_contact_forces(state, &laws, work);
-        add_forces_of_walls(state, domain, &laws, work);
-        add_gas_forces(state, work);
-    });
+    }
 }
 
-fn add_contact_forces(state: &mut State, laws: &ForceLaws, work: &mut Workspace) {
+fn add_contact_forces(
+    state: &mut State,
+    laws: &ForceLaws,
+    work: &mut Workspace,
+    ledger: Option<&mut EnergyLedger>,
+) {
     let State { particles, contacts, .. } = state;
-    let added = work.timers.time(Phase::Contacts, || add_pair_forces(particles, contacts, laws));
+    let mut account = ledger.map(|ledger| |work| energy::add_contact_work(ledger, work));
+    let account = account.as_mut().map(|account| account as &mut dyn FnMut(ContactWork));
+    let added =
+        work.timers.time(Phase::Contacts, || add_pair_forces(particles, contacts, laws, account));
     work.note_fault(added);
 }
 

@@ -1,5 +1,6 @@
 //! New lists: particles to their owners, new ghosts, new neighbours; the histories of contacts go along.
 
+use super::energy::add_departure;
 use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
 use crate::gas::{GasLayout, ParticleLimits};
 use crate::numbers::ExactSum;
@@ -96,6 +97,9 @@ fn remove_departed(
         (0..particles.owned_count() as u32).partition(|&i| is_outside(i));
     if !ranks.any(!leaving.is_empty()) {
         return;
+    }
+    if let Some(ledger) = &mut state.energy {
+        leaving.iter().for_each(|&i| add_departure(ledger, particles, i as usize));
     }
     let ids: Vec<u64> = leaving.iter().map(|&i| particles.id[i as usize]).collect();
     let mut volume = ExactSum::default();

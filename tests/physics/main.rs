@@ -6,6 +6,7 @@ mod beds;
 
 mod contact_laws;
 mod energy;
+mod energy_ledger;
 mod gas_column;
 mod integrator_order;
 mod measures_never_panic;

@@ -60,6 +60,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
             courant: 0.2,
             momentum_error: 1.0e-12,
         },
+        energy: None,
     }
 }
 
@@ -225,7 +226,7 @@ fn intact_files_with_inconsistent_content_are_refused() {
         path.as_path()
     };
     read(forged(|_| ()), &OneRank).unwrap();
-    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&4_u64).unwrap());
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&5_u64).unwrap());
     assert!(refusal(newer).contains("written by a newer Talcum"));
     let moved = forged(|file| {
         let mass = file.dataset("particles/mass").unwrap();

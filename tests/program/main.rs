@@ -8,6 +8,7 @@ mod case_files;
 mod case_meaning;
 mod case_schema;
 mod checkpoint_files;
+mod energy_table;
 mod failures;
 mod faults;
 mod golden;

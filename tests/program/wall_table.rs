@@ -41,9 +41,9 @@ fn the_table_of_walls_is_the_same_on_any_ranks_and_through_an_interruption() {
     // 11 times, 7 walls, all particles and two classes.
     assert_eq!(expected.len(), 1 + 11 * 7 * 3);
     assert!(expected[1].starts_with("0,x lower,,") && expected[2].starts_with("0,x lower,0.8,"));
-    let on_chute = expected.iter().rfind(|row| row.contains(",chute,,")).unwrap();
-    let force: f64 = on_chute.rsplit(',').next().unwrap().parse().unwrap();
-    assert!(force < -1.0, "the chute carries particles: {on_chute}");
+    let on_plate = expected.iter().rfind(|row| row.contains(",base plate,,")).unwrap();
+    let force: f64 = on_plate.rsplit(',').next().unwrap().parse().unwrap();
+    assert!(force < -1.0, "the plate carries particles: {on_plate}");
     run(2, two, &[]);
     assert_eq!(rows(two), expected);
     run(2, interrupted, &["--until", "1.65"]);

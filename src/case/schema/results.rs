@@ -14,6 +14,13 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
     Key::number("walls", Allowed::POSITIVE, "Interval of the forces on walls")
         .unit("time")
         .optional(),
+    Key::number(
+        "energy",
+        Allowed::POSITIVE,
+        "Interval of the ledger of energies; its sums are kept at every step, which then takes two to three times as long",
+    )
+    .unit("time")
+    .optional(),
     Key::number("profiles", Allowed::POSITIVE, "Interval of profiles").unit("time").optional(),
     Key::number("particles", Allowed::POSITIVE, "Interval of snapshots of the particles")
         .unit("time")

@@ -9,7 +9,9 @@
 use super::parts::{Hysteresis, HystereticParameters};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
-use crate::contact::{Contact, ContactForce, ContactForceLaw};
+use crate::contact::{
+    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+};
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
 use crate::schema::{Allowed, Key, Value};
@@ -147,6 +149,16 @@ impl ContactForceLaw for AdhesiveElasticPlastic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         self.hysteresis.force(contact, history, dt, (self.attraction, self.attraction))
+    }
+
+    /// That of the springs, and -F0 delta of the attraction.
+    fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
+        let springs = self.hysteresis.stored_energy(contact.overlap, history);
+        StoredInContact { normal: springs.normal - self.attraction * contact.overlap, ..springs }
+    }
+
+    fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        self.hysteresis.work(step)
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {

@@ -13,7 +13,10 @@
 
 use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
 use super::{ContactLawValues, ExampleScales, RegisteredContactLaw};
-use crate::contact::{Contact, ContactForce, ContactForceLaw, InvalidContactLaw};
+use crate::contact::{
+    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, InvalidContactLaw,
+    StoredInContact,
+};
 use crate::particles::ContactHistory;
 use crate::schema::Key;
 
@@ -96,6 +99,20 @@ impl ContactForceLaw for HertzMindlin {
             tangential: slider.force(contact, history, dt),
             friction_normal: normal.abs(),
         }
+    }
+
+    /// (2/5) F_n delta of the elastic force and (S_t / 2) s^2.
+    fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
+        let Contact { overlap, reduced_radius, .. } = *contact;
+        let radius = contact_radius(overlap, reduced_radius);
+        let normal = 0.4 * self.elastic.hertz_force(overlap.max(0.0), reduced_radius) * overlap;
+        StoredInContact { normal, tangential: self.elastic.tangential_energy(radius, history) }
+    }
+
+    fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        let reduced_radius = step.contact.reduced_radius;
+        let overlaps = [step.overlap_before(), step.contact.overlap];
+        self.elastic.work(step, overlaps.map(|overlap| contact_radius(overlap, reduced_radius)))
     }
 
     #[inline(always)]

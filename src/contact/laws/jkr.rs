@@ -11,7 +11,9 @@
 use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
-use crate::contact::{Contact, ContactForce, ContactForceLaw};
+use crate::contact::{
+    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+};
 use crate::numbers::power;
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
@@ -115,6 +117,15 @@ impl Jkr {
         3.0 * PI * self.surface_energy * reduced_radius
     }
 
+    /// Energy of a neck at s, over that at its break.
+    fn neck_energy(&self, s: f64, scale: f64) -> f64 {
+        let integral = |s: f64| {
+            let (fourth, cube) = (s.powi(4), s.powi(3));
+            fourth * (2.0 / 3.0 * cube - 0.25 - 4.0 / 15.0 * cube * cube)
+        };
+        -8.0 * PI * self.surface_energy * scale.powi(4) * (integral(s) - integral(BREAKING))
+    }
+
     /// Length scale c of the contact radius.
     #[inline(always)]
     fn scale(&self, reduced_radius: f64) -> f64 {
@@ -154,6 +165,28 @@ impl ContactForceLaw for Jkr {
         let largest = history.largest_overlap;
         history.largest_overlap = if overlap > largest { overlap } else { largest };
         ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
+    }
+
+    /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with
+    /// G = 2 s^7 / 3 - s^4 / 4 - 4 s^10 / 15, and (S_t / 2) s_t^2.
+    fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
+        let scale = self.scale(contact.reduced_radius);
+        let s = neck(contact.overlap / self.overlap_scale(scale));
+        let radius = scale * scale * (s * s);
+        let normal = self.neck_energy(s, scale);
+        StoredInContact { normal, tangential: self.elastic.tangential_energy(radius, history) }
+    }
+
+    /// Besides dashpots and friction: a contact that forms has the energy of its neck at once, without work of the bodies.
+    fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        let scale = self.scale(step.contact.reduced_radius);
+        let overlaps = [step.overlap_before(), step.contact.overlap];
+        let radii = overlaps.map(|overlap| {
+            let s = neck(overlap / self.overlap_scale(scale));
+            scale * scale * (s * s)
+        });
+        let adhesion = if step.began { self.neck_energy(1.0, scale) } else { 0.0 };
+        self.elastic.work(step, radii) + ContactWork { adhesion, ..ContactWork::default() }
     }
 
     /// The spheres are in contact at an overlap, or while a neck that formed at one joins them.

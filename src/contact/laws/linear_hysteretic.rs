@@ -9,7 +9,9 @@
 use super::parts::{Hysteresis, HystereticParameters};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
-use crate::contact::{Contact, ContactForce, ContactForceLaw};
+use crate::contact::{
+    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+};
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key};
 
@@ -75,6 +77,14 @@ impl ContactForceLaw for LinearHysteretic {
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let adhesion = self.hysteresis.adhesion_stiffness() * contact.overlap;
         self.hysteresis.force(contact, history, dt, (0.0, adhesion))
+    }
+
+    fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
+        self.hysteresis.stored_energy(contact.overlap, history)
+    }
+
+    fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        self.hysteresis.work(step)
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {

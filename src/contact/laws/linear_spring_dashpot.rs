@@ -8,7 +8,9 @@
 
 use super::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
-use crate::contact::{Contact, ContactForce, ContactForceLaw};
+use crate::contact::{
+    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, SpringStep, StoredInContact,
+};
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, Value, Word};
 use std::f64::consts::PI;
@@ -147,6 +149,22 @@ impl ContactForceLaw for LinearSpringDashpot {
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
         history.tangential_spring = spring;
         ContactForce { normal, tangential: spring * -self.tangential_stiffness, friction_normal }
+    }
+
+    /// (k_n / 2) delta^2 and (k_t / 2) s^2.
+    fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
+        StoredInContact {
+            normal: 0.5 * self.normal_stiffness * contact.overlap.powi(2),
+            tangential: 0.5 * self.tangential_stiffness * history.tangential_spring.norm_squared(),
+        }
+    }
+
+    fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        let damping = self.damping_factor * step.contact.reduced_mass.sqrt();
+        let stiffness = [self.tangential_stiffness; 2];
+        let spring = SpringStep { stiffness, damping: 0.0, loading_factor: 1.0 };
+        let dashpot = step.dashpot_work(damping);
+        step.tangential_work(&spring) + ContactWork { dashpot, ..ContactWork::default() }
     }
 
     fn stiffness(&self, _overlap: f64, _reduced_radius: f64) -> f64 {

@@ -159,6 +159,18 @@ macro_rules! contact_laws {
                 }
             }
 
+            fn stored_energy(
+                &self,
+                contact: &$crate::contact::Contact,
+                history: &$crate::particles::ContactHistory,
+            ) -> $crate::contact::StoredInContact {
+                self.as_law().stored_energy(contact, history)
+            }
+
+            fn work(&self, step: &$crate::contact::ContactStep<'_>) -> $crate::contact::ContactWork {
+                self.as_law().work(step)
+            }
+
             fn contact_range(&self, reduced_radius: f64) -> f64 {
                 self.as_law().contact_range(reduced_radius)
             }

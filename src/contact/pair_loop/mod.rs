@@ -4,6 +4,8 @@ mod attraction;
 mod contacts;
 mod separated;
 
+use super::ContactWork;
+use super::energy_pass::work_of_pairs;
 use super::force_laws::{ForceLaws, ForceOutOfRange};
 use crate::numbers::with_simd;
 use crate::particles::{Contacts, Particles};
@@ -20,12 +22,15 @@ use separated::SeparatedLoop;
 /// Before: forces are sums of multiples of the quantum; ghosts are current. After: the forces of all pairs with an owned
 /// particle have been added to it.
 ///
+/// `work` is given the work of each contact over the step, if anybody keeps account of it.
+///
 /// # Errors
 /// If a force exceeds the limit or is undefined; the first such pair of this rank.
 pub(crate) fn add_pair_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
+    work: Option<&mut dyn FnMut(ContactWork)>,
 ) -> Result<(), ForceOutOfRange> {
     contacts.inner.active.hold_rolling_angles(laws.contact.rolling.is_some());
     contacts.update_inner_list(particles, laws.ranges);
@@ -35,5 +40,9 @@ pub(crate) fn add_pair_forces(
         Some(cohesion) => with_simd(SeparatedLoop { particles, inner, cohesion, laws })?,
     }
     inner.promote();
+    if let Some(sink) = work {
+        work_of_pairs(particles, contacts, laws, sink);
+    }
+    let inner = &mut contacts.inner;
     with_simd(ContactLoop { particles, inner, laws })
 }

@@ -6,7 +6,7 @@
 
 use crate::analysis::{Digest, StateRecords};
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
-use crate::state::{Clock, Departed, GasReport, SizeRange};
+use crate::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
 
 mod folder;
 mod read;
@@ -42,6 +42,29 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
+    /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
+    pub energy: Option<StoredLedger>,
+}
+
+/// A ledger of energies as it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredLedger {
+    /// The integers of its exact sums: those of this rank, or of all ranks on rank 0 and none elsewhere.
+    pub sums: Vec<i64>,
+    /// What was stored when it was opened.
+    pub start: StoredEnergy,
+}
+
+impl StoredLedger {
+    /// This rank's part of a ledger.
+    pub fn of(ledger: &EnergyLedger) -> Self {
+        Self { sums: ledger.stored(), start: ledger.start() }
+    }
+
+    /// The ledger.
+    pub fn restored(&self) -> EnergyLedger {
+        EnergyLedger::restore(&self.sums, self.start)
+    }
 }
 
 impl<P: Records<ParticleRecord>> Checkpoint<P> {

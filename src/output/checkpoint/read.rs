@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::Checkpoint;
-use super::schema::{FORMAT, Table, VERSION};
+use super::schema::{FORMAT, LEDGER, Table, VERSION};
+use super::{Checkpoint, StoredLedger};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{MessageResult, OutputError, Provenance, agreed, checksum};
 use crate::parallel::Communicator;
-use crate::state::{Clock, Departed, GasReport, SizeRange};
+use crate::state::{Clock, Departed, GasReport, SizeRange, StoredEnergy};
 
 /// What stands in a checkpoint beside its rows.
 struct Head {
@@ -36,6 +36,10 @@ pub fn read(
     let Head { mut checkpoint, provenance, digest: stored, version, rows } =
         agreed(path, read_head(path), ranks)?;
     let file = SharedFile::open_to_read(path, ranks)?;
+    // Rank 0 has the sums of all ranks.
+    if let Some(ledger) = checkpoint.energy.as_mut().filter(|_| !ranks.is_root()) {
+        ledger.sums.clear();
+    }
     checkpoint.particles = read_rows(&file, version, rows[0], ranks)?;
     checkpoint.contacts = read_rows(&file, version, rows[1], ranks)?;
     checkpoint.wall_contacts = read_rows(&file, version, rows[2], ranks)?;
@@ -112,6 +116,7 @@ fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
         wall_contacts: Vec::new(),
         cells: Vec::new(),
         gas_report: if version < 2 { GasReport::default() } else { read_report(file)? },
+        energy: if version < 4 { None } else { read_ledger(file)? },
     })
 }
 
@@ -122,6 +127,19 @@ fn read_report(file: &SerialFile) -> MessageResult<GasReport> {
         courant: file.number("/gas", "courant")?,
         momentum_error: file.number("/gas", "momentum_error")?,
     })
+}
+
+fn read_ledger(file: &SerialFile) -> MessageResult<Option<StoredLedger>> {
+    let kept: u64 = file.number("/energy", "kept")?;
+    if kept == 0 {
+        return Ok(None);
+    }
+    let start = StoredEnergy {
+        kinetic: file.number("/energy", "kinetic")?,
+        potential: file.number("/energy", "potential")?,
+        elastic: file.number("/energy", "elastic")?,
+    };
+    Ok(Some(StoredLedger { sums: file.read(LEDGER)?, start }))
 }
 
 fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {

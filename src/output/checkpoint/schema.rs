@@ -13,7 +13,11 @@ pub(super) const FORMAT: &str = "talcum checkpoint";
 ///
 /// 2: rolling angles of contacts, and a gas in three dimensions; in files of version 1 there are none.
 /// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
-pub(super) const VERSION: u64 = 3;
+/// 4: a ledger of energies.
+pub(super) const VERSION: u64 = 4;
+
+/// The sums of a ledger of energies.
+pub(super) const LEDGER: &str = "/energy/work";
 
 /// A column of integers.
 pub(super) struct IdColumn<R> {

@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::Checkpoint;
-use super::schema::{FORMAT, NumberColumn, Table, VERSION};
+use super::schema::{FORMAT, LEDGER, NumberColumn, Table, VERSION};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
@@ -18,6 +18,7 @@ use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedRows,
     WallContactRecord, sort_by_id_in_chunks,
 };
+use crate::state::StoredEnergy;
 
 /// Between two syncs of a file that is being written; short beside the time in which a disk writes much.
 const PAUSE_OF_SYNCING: Duration = Duration::from_millis(50);
@@ -35,6 +36,8 @@ pub fn write(
     ranks: &dyn Communicator,
 ) -> Result<Digest, OutputError> {
     let digest = checkpoint.digest(ranks);
+    let mut sums = checkpoint.energy.as_ref().map(|ledger| ledger.sums.clone());
+    sums.iter_mut().for_each(|sums| ranks.sum_integers(sums));
     let Checkpoint { particles, contacts, wall_contacts, cells, .. } = &checkpoint;
     let rows = [particles.count(), contacts.len(), wall_contacts.len(), cells.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
@@ -42,6 +45,7 @@ pub fn write(
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
         write_head(&file, checkpoint, provenance, digest)?;
+        write_ledger(&file, checkpoint.energy.as_ref().map(|ledger| &ledger.start), sums)?;
         let units = ColumnUnits::of_system(&provenance.units);
         make_datasets::<ParticleRecord>(&file, rows[0], &units)?;
         make_datasets::<ContactRecord>(&file, rows[1], &units)?;
@@ -124,6 +128,24 @@ fn write_head(
     file.set_number("/gas", "courant", report.courant)?;
     file.set_number("/gas", "momentum_error", report.momentum_error)?;
     ["/particles", "/contacts", "/wall_contacts"].iter().try_for_each(|name| file.make_group(name))
+}
+
+/// The ledger of energies, of all ranks.
+fn write_ledger(
+    file: &SerialFile,
+    start: Option<&StoredEnergy>,
+    sums: Option<Vec<i64>>,
+) -> MessageResult<()> {
+    file.make_group("/energy")?;
+    file.set_number("/energy", "kept", u64::from(start.is_some()))?;
+    let Some((start, sums)) = start.zip(sums) else { return Ok(()) };
+    file.set_number("/energy", "kinetic", start.kinetic)?;
+    file.set_number("/energy", "potential", start.potential)?;
+    file.set_number("/energy", "elastic", start.elastic)?;
+    let description = "integers of the exact sums of work by mechanism, then of the last power";
+    let head = TableHead { name: LEDGER, width: 1, unit: "1", description };
+    file.make_table::<i64>(&head, Rows::Fixed(sums.len() as u64))?;
+    file.fill(LEDGER, &sums)
 }
 
 fn make_datasets<R: Table>(

@@ -3,7 +3,10 @@
 
 use super::slider::damping_ratio;
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
-use crate::contact::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION};
+use crate::contact::{
+    ContactLawValues, ContactStep, ContactWork, ExampleScales, FRICTION, RESTITUTION, SpringStep,
+};
+use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, KeyValues};
 
 const YOUNG_MODULUS: Key = Key::number(
@@ -152,6 +155,23 @@ impl Elastic {
     #[inline(always)]
     pub(crate) fn tangential_stiffness(&self, radius: f64) -> f64 {
         8.0 * self.moduli.shear * radius
+    }
+
+    /// (S_t / 2) s^2 of a contact of this radius.
+    pub(crate) fn tangential_energy(&self, radius: f64, history: &ContactHistory) -> f64 {
+        0.5 * self.tangential_stiffness(radius) * history.tangential_spring.norm_squared()
+    }
+
+    /// Work of dashpots and friction over a step, given the radius of the contact before it and after it.
+    pub(crate) fn work(&self, step: &ContactStep<'_>, radii: [f64; 2]) -> ContactWork {
+        let [before, radius] = radii;
+        let mass = step.contact.reduced_mass;
+        let stiffness = radii.map(|radius| self.tangential_stiffness(radius));
+        let damping = self.dashpot(stiffness[1], mass);
+        let loading_factor = loading_factor(before, radius);
+        let spring = SpringStep { stiffness, damping, loading_factor };
+        let dashpot = step.dashpot_work(self.dashpot(self.normal_stiffness(radius), mass));
+        step.tangential_work(&spring) + ContactWork { dashpot, ..ContactWork::default() }
     }
 
     /// eta = 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e) sqrt(S m*): in a normal impact of Hertz's law, a restitution

@@ -2,7 +2,9 @@
 
 use super::slider::{Slider, damping_ratio};
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
-use crate::contact::{Contact, ContactForce};
+use crate::contact::{
+    Contact, ContactForce, ContactStep, ContactWork, SpringStep, StoredInContact,
+};
 use crate::contact::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION};
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, Value};
@@ -200,6 +202,42 @@ impl Hysteresis {
             loading_factor: 1.0,
         };
         ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
+    }
+
+    /// F^2 / (2 k_unload) of the spring, and (k_t / 2) s^2.
+    pub(crate) fn stored_energy(&self, overlap: f64, history: &ContactHistory) -> StoredInContact {
+        let spring = overlap - self.plasticity * history.largest_overlap;
+        StoredInContact {
+            normal: 0.5 * self.unloading_stiffness * spring * spring,
+            tangential: 0.5 * self.tangential_stiffness * history.tangential_spring.norm_squared(),
+        }
+    }
+
+    /// Work of dashpots, friction and plasticity over a step.
+    pub(crate) fn work(&self, step: &ContactStep<'_>) -> ContactWork {
+        let root_of_mass = step.contact.reduced_mass.sqrt();
+        let spring = SpringStep {
+            stiffness: [self.tangential_stiffness; 2],
+            damping: self.tangential_damping_factor * root_of_mass,
+            loading_factor: 1.0,
+        };
+        let own = ContactWork {
+            dashpot: step.dashpot_work(self.damping_factor * root_of_mass),
+            plasticity: self.plastic_work(step.before.largest_overlap, step.after.largest_overlap),
+            ..ContactWork::default()
+        };
+        step.tangential_work(&spring) + own
+    }
+
+    /// Work along the line of first loading, -(k_load psi_p / 2) (L'^2 - L^2) for a largest overlap that grows from L to
+    /// L', or along the line of adhesion, where it falls: -(k_c k_unload psi_p^2 / (k_unload + k_c) / 2) (L^2 - L'^2).
+    fn plastic_work(&self, before: f64, after: f64) -> f64 {
+        let grown = after * after - before * before;
+        if grown >= 0.0 {
+            return -0.5 * self.loading_stiffness * self.plasticity * grown;
+        }
+        let (unloading, adhesion) = (self.unloading_stiffness, self.adhesion_stiffness);
+        0.5 * adhesion * unloading * self.plasticity.powi(2) / (unloading + adhesion) * grown
     }
 
     /// Loading stiffness k_load.

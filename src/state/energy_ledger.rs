@@ -12,7 +12,7 @@ pub enum Mechanism {
     Friction,
     /// Plastic deformation: the loops of hysteretic springs.
     Plasticity,
-    /// Cohesion, if its energy is not counted as stored.
+    /// Cohesion, as far as its energy is not counted as stored: necks that form at once.
     Cohesion,
     /// The gas: drag and pressure gradient.
     Gas,
@@ -20,11 +20,15 @@ pub enum Mechanism {
     Walls,
     /// Weight, if its energy is not counted as stored.
     Gravity,
+    /// Models that change: an attraction that is ramped, a stage with other laws.
+    Models,
+    /// Kinetic energy that particles take along when they leave through open faces.
+    Departed,
 }
 
 impl Mechanism {
     /// All, in the order of the ledger.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Dashpot,
         Self::Friction,
         Self::Plasticity,
@@ -32,6 +36,8 @@ impl Mechanism {
         Self::Gas,
         Self::Walls,
         Self::Gravity,
+        Self::Models,
+        Self::Departed,
     ];
 
     /// The name of a column.
@@ -44,6 +50,8 @@ impl Mechanism {
             Self::Gas => "gas",
             Self::Walls => "walls",
             Self::Gravity => "gravity",
+            Self::Models => "models",
+            Self::Departed => "departed",
         }
     }
 }
@@ -66,10 +74,37 @@ impl StoredEnergy {
     }
 }
 
+/// Energy of the particles of this rank at an instant, in exact sums: each pair counts on one rank.
+#[derive(Clone, Debug, Default)]
+pub struct StoredSums {
+    /// Of translation and rotation.
+    pub kinetic: ExactSum,
+    /// Of attraction.
+    pub potential: ExactSum,
+    /// Of springs.
+    pub elastic: ExactSum,
+}
+
+impl StoredSums {
+    /// Over all ranks. Collective.
+    pub fn total(&self, ranks: &dyn Communicator) -> StoredEnergy {
+        let sums = [&self.kinetic, &self.potential, &self.elastic];
+        let mut integers: Vec<i64> = sums.into_iter().flat_map(ExactSum::to_integers).collect();
+        ranks.sum_integers(&mut integers);
+        let mut sums = integers.chunks_exact(ExactSum::INTEGERS).map(ExactSum::from_integers);
+        let mut next = || sums.next().map_or(0.0, |sum| sum.value());
+        StoredEnergy { kinetic: next(), potential: next(), elastic: next() }
+    }
+}
+
 /// Work done on the particles of this rank, summed exactly: the same totals on any number of ranks.
 #[derive(Clone, Debug, Default)]
 pub struct EnergyLedger {
     work: [ExactSum; Mechanism::ALL.len()],
+    /// Power times the step at the last evaluation of forces, of which half belongs to the step that follows.
+    last: [ExactSum; Mechanism::ALL.len()],
+    /// What all ranks' particles stored when the ledger was opened.
+    start: StoredEnergy,
 }
 
 /// The totals of a ledger, and what they leave unexplained.
@@ -85,37 +120,77 @@ pub struct EnergyBalance {
 }
 
 impl EnergyLedger {
+    /// An empty ledger of particles that store this now.
+    pub fn opened(start: StoredEnergy) -> Self {
+        Self { start, ..Self::default() }
+    }
+
+    /// Opens it with what is stored now; work that it holds already stays.
+    pub fn open_at(&mut self, start: StoredEnergy) {
+        self.start = start;
+    }
+
+    /// What was stored when the ledger was opened.
+    pub fn start(&self) -> StoredEnergy {
+        self.start
+    }
+
     /// Adds work done on particles: force times displacement; negative if energy is lost.
     pub fn add(&mut self, mechanism: Mechanism, work: f64) {
         self.work[mechanism as usize].add(work);
     }
 
+    /// Adds a change of what is stored that is no work of forces.
+    pub fn add_change(&mut self, mechanism: Mechanism, before: &StoredSums, after: &StoredSums) {
+        let sum = &mut self.work[mechanism as usize];
+        for (before, after) in [
+            (&before.kinetic, &after.kinetic),
+            (&before.potential, &after.potential),
+            (&before.elastic, &after.elastic),
+        ] {
+            sum.add_sum(after);
+            sum.add_sum(&before.negated());
+        }
+    }
+
+    /// Begins a new evaluation of forces: that before belongs whole to the past.
+    pub fn next_evaluation(&mut self) {
+        for (sum, last) in self.work.iter_mut().zip(&mut self.last) {
+            sum.add_sum(&std::mem::take(last));
+        }
+    }
+
+    /// Adds the power of a force at this evaluation, times the step. By the trapezoidal rule half of it belongs to the step
+    /// before and half to the next.
+    pub fn add_power(&mut self, mechanism: Mechanism, power_times_step: f64) {
+        self.last[mechanism as usize].add(power_times_step);
+    }
+
     /// This rank's sums as integers, to be stored.
     pub fn stored(&self) -> Vec<i64> {
-        self.work.iter().flat_map(ExactSum::to_integers).collect()
+        self.work.iter().chain(&self.last).flat_map(ExactSum::to_integers).collect()
     }
 
     /// A ledger from the sum, integer by integer, of what ranks have stored. Sums that are missing are zero.
-    pub fn restore(stored: &[i64]) -> Self {
+    pub fn restore(stored: &[i64], start: StoredEnergy) -> Self {
         let mut sums = stored.chunks_exact(ExactSum::INTEGERS).map(ExactSum::from_integers);
-        Self { work: [(); Mechanism::ALL.len()].map(|()| sums.next().unwrap_or_default()) }
+        let mut next = || [(); Mechanism::ALL.len()].map(|()| sums.next().unwrap_or_default());
+        Self { work: next(), last: next(), start }
     }
 
-    /// The totals over ranks against the change of what all ranks' particles store. Collective.
-    pub fn balance(
-        &self,
-        before: &StoredEnergy,
-        after: &StoredEnergy,
-        ranks: &dyn Communicator,
-    ) -> EnergyBalance {
+    /// The totals over ranks against the change of what all ranks' particles store since the ledger was opened.
+    /// Collective.
+    pub fn balance(&self, now: &StoredEnergy, ranks: &dyn Communicator) -> EnergyBalance {
         let mut integers = self.stored();
         ranks.sum_integers(&mut integers);
-        let work = Self::restore(&integers).work.map(|sum| sum.value());
-        let change = after.total() - before.total();
+        let whole = Self::restore(&integers, self.start);
+        let work = std::array::from_fn(|k| whole.work[k].value() + 0.5 * whole.last[k].value());
+        let before = &self.start;
+        let change = now.total() - before.total();
         // In the exact sum as well: large gains and losses cancel here.
         let mut error = ExactSum::default();
-        work.iter().for_each(|&work| error.add(-work));
-        let stored = [after.kinetic, after.potential, after.elastic];
+        work.iter().for_each(|&work: &f64| error.add(-work));
+        let stored = [now.kinetic, now.potential, now.elastic];
         let at_start = [before.kinetic, before.potential, before.elastic];
         stored.iter().for_each(|&energy| error.add(energy));
         at_start.iter().for_each(|&energy| error.add(-energy));
@@ -144,7 +219,7 @@ mod tests {
 
     /// A ball on a spring with a dashpot, dropped: [position, velocity] and the ledger after some velocity Verlet
     /// steps.
-    fn bounce(step: f64, dashpot_in_ledger: bool) -> (StoredEnergy, StoredEnergy, EnergyLedger) {
+    fn bounce(step: f64, dashpot_in_ledger: bool) -> (StoredEnergy, EnergyLedger) {
         let (stiffness, damping) = (400.0, 1.5);
         let energy = |x: f64, v: f64| StoredEnergy {
             kinetic: 0.5 * v * v,
@@ -154,8 +229,7 @@ mod tests {
         let spring = |x: f64| -stiffness * x.min(0.0) - 9.81;
         let dashpot = |x: f64, v: f64| if x < 0.0 { -damping * v } else { 0.0 };
         let (mut x, mut v) = (0.2, 0.0);
-        let before = energy(x, v);
-        let mut ledger = EnergyLedger::default();
+        let mut ledger = EnergyLedger::opened(energy(x, v));
         for _ in 0..(1.0 / step) as usize {
             let half = v + 0.5 * step * (spring(x) + dashpot(x, v));
             let displacement = step * half;
@@ -168,14 +242,14 @@ mod tests {
             let damping = if x < 0.0 { damping } else { 0.0 };
             v = (half + 0.5 * step * spring(x)) / (1.0 + 0.5 * step * damping);
         }
-        (before, energy(x, v), ledger)
+        (energy(x, v), ledger)
     }
 
     #[test]
     fn a_ledger_closes_to_the_order_of_the_integrator() {
         let balance = |step: f64, complete: bool| {
-            let (before, after, ledger) = bounce(step, complete);
-            run_on_threads(1, |ranks| ledger.balance(&before, &after, ranks))[0]
+            let (after, ledger) = bounce(step, complete);
+            run_on_threads(1, |ranks| ledger.balance(&after, ranks))[0]
         };
         let coarse = balance(1e-3, true);
         let fine = balance(1e-4, true);
@@ -197,12 +271,12 @@ mod tests {
                 let mut ledger = EnergyLedger::default();
                 for k in (0..5000).filter(|k| k * k % 13 % n == ranks.rank()) {
                     if k == 2000 {
-                        ledger = EnergyLedger::restore(&ledger.stored());
+                        ledger = EnergyLedger::restore(&ledger.stored(), StoredEnergy::default());
                     }
                     ledger.add(Mechanism::ALL[k % 7], work(k));
                 }
                 let after = StoredEnergy { kinetic: 1e9, ..StoredEnergy::default() };
-                ledger.balance(&StoredEnergy::default(), &after, ranks)
+                ledger.balance(&after, ranks)
             });
             assert!(made.iter().all(|balance| *balance == made[0]));
             made[0]
@@ -215,6 +289,21 @@ mod tests {
     }
 
     #[test]
+    fn power_counts_by_halves_until_the_next_evaluation() {
+        run_on_threads(1, |ranks| {
+            let mut ledger = EnergyLedger::default();
+            let gas = |ledger: &EnergyLedger| {
+                ledger.balance(&StoredEnergy::default(), ranks).of(Mechanism::Gas)
+            };
+            ledger.add_power(Mechanism::Gas, 2.0);
+            assert_eq!(gas(&ledger), 1.0);
+            ledger.next_evaluation();
+            ledger.add_power(Mechanism::Gas, 4.0);
+            assert_eq!(gas(&ledger), 4.0);
+        });
+    }
+
+    #[test]
     fn every_mechanism_has_its_own_place_and_name() {
         for (place, mechanism) in Mechanism::ALL.into_iter().enumerate() {
             assert_eq!(mechanism as usize, place);
@@ -222,6 +311,6 @@ mod tests {
         let mut names = Mechanism::ALL.map(Mechanism::name).to_vec();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), 7);
+        assert_eq!(names.len(), 9);
     }
 }

@@ -1,0 +1,214 @@
+//! Energies of all contacts of a rank: work over a step, and what is stored. Each pair counts on one rank.
+
+use super::energy::overlap_before;
+use super::force_laws::ForceLaws;
+use super::lanes::overlap_and_normal;
+use super::rolling::Rolling;
+use super::walls::{contact_with, total_force};
+use super::{Contact, ContactForceLaw, ContactModel, ContactStep, ContactWork, VanDerWaalsNow};
+use crate::domain::PosedWalls;
+use crate::particles::{Contacts, Particles, Remembered};
+use nalgebra::Vector3;
+
+/// What a wall does with the energy of a particle in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallWork {
+    /// Number of the wall.
+    pub(crate) wall: usize,
+    /// Work of the contact.
+    pub(crate) work: ContactWork,
+    /// Force on the wall at the end of the step.
+    pub(crate) force: Vector3<f64>,
+}
+
+/// Work of all contacts of two particles over a step; histories are those before it, positions those at its end.
+pub(crate) fn work_of_pairs(
+    particles: &Particles,
+    contacts: &Contacts,
+    laws: &ForceLaws,
+    mut sink: impl FnMut(ContactWork),
+) {
+    for (pair, before) in contacts.inner.active.all() {
+        if !counts_here(particles, pair) {
+            continue;
+        }
+        let contact = contact_of_pair(particles, pair, laws);
+        if let Some((work, _)) = work_over_step(laws.contact, &contact, &before, laws.dt) {
+            sink(work);
+        }
+    }
+}
+
+/// Work of all contacts with walls over a step.
+pub(crate) fn work_of_walls(
+    particles: &Particles,
+    contacts: &Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws,
+    mut sink: impl FnMut(WallWork),
+) {
+    for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
+        let wall = pair.wall as usize;
+        let of_wall = (&walls.walls[wall], &walls.poses[wall]);
+        let contact = contact_with(of_wall, particles, pair.particle as usize, laws);
+        let before = Remembered {
+            history: contacts.wall_history[slot],
+            rolling_angle: contacts.wall_rolling_angle[slot],
+            touching: contacts.wall_touching[slot],
+        };
+        let model = laws.at_walls.get(wall).unwrap_or(laws.contact);
+        let (work, force) = work_over_step(model, &contact, &before, laws.dt).unwrap_or_default();
+        let total = total_force(&contact, force.normal, force.tangential);
+        sink(WallWork { wall, work, force: laws.force_quantum.round_vector(total) });
+    }
+}
+
+/// The force of a contact law.
+#[derive(Clone, Copy, Default)]
+struct LawForce {
+    normal: f64,
+    tangential: Vector3<f64>,
+}
+
+/// Work of a contact over a step, and its force at the end; `None` if the bodies touch neither before nor after.
+fn work_over_step(
+    model: &ContactModel,
+    contact: &Contact,
+    before: &Remembered,
+    dt: f64,
+) -> Option<(ContactWork, LawForce)> {
+    let ContactModel { law, rolling, .. } = model;
+    if !law.touches(contact, &before.history) {
+        return before
+            .touching
+            .then(|| (work_of_parting(model, contact, before, dt), LawForce::default()));
+    }
+    let mut history = before.history;
+    let force = law.force(contact, &mut history, dt);
+    let mut work = law.work(&ContactStep {
+        contact,
+        before: &before.history,
+        after: &history,
+        force: &force,
+        began: !before.touching,
+        dt,
+    });
+    if let Some(rolling) = rolling {
+        let stiffness = law.stiffness_over(contact, dt);
+        let mut angle = before.rolling_angle;
+        let torque = rolling.torque(contact, force.friction_normal, stiffness, &mut angle, dt);
+        let angles = [before.rolling_angle, angle];
+        work = work + rolling.work(contact, stiffness, angles, torque, dt);
+    }
+    Some((work, LawForce { normal: force.normal, tangential: force.tangential }))
+}
+
+/// Work of a contact that ends in a step: what its springs still hold is lost.
+fn work_of_parting(
+    model: &ContactModel,
+    contact: &Contact,
+    before: &Remembered,
+    dt: f64,
+) -> ContactWork {
+    let ContactModel { law, rolling, .. } = model;
+    let overlap = overlap_before(contact, dt);
+    let last = Contact { overlap, ..*contact };
+    let end = Contact { overlap: -law.contact_range(contact.reduced_radius), ..*contact };
+    let stiffness = law.stiffness(overlap, contact.reduced_radius);
+    let rolling = rolling
+        .map_or(0.0, |rolling| rolling.stored_energy(contact, stiffness, &before.rolling_angle));
+    ContactWork {
+        friction: -law.stored_energy(&last, &before.history).tangential - rolling,
+        plasticity: -law.stored_energy(&end, &before.history).normal,
+        ..ContactWork::default()
+    }
+}
+
+/// Energy of the springs of all contacts.
+pub(crate) fn elastic_energy(
+    particles: &Particles,
+    contacts: &Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws,
+    mut sink: impl FnMut(f64),
+) {
+    let stored = |model: &ContactModel, contact: &Contact, before: &Remembered| {
+        let law = &model.law;
+        let springs = law.stored_energy(contact, &before.history);
+        let stiffness = law.stiffness(contact.overlap, contact.reduced_radius);
+        let rolling = model.rolling.map_or(0.0, |rolling| {
+            rolling.stored_energy(contact, stiffness, &before.rolling_angle)
+        });
+        springs.normal + springs.tangential + rolling
+    };
+    for (pair, before) in contacts.inner.active.all() {
+        if before.touching && counts_here(particles, pair) {
+            sink(stored(laws.contact, &contact_of_pair(particles, pair, laws), &before));
+        }
+    }
+    for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
+        if contacts.wall_touching[slot] {
+            let wall = pair.wall as usize;
+            let of_wall = (&walls.walls[wall], &walls.poses[wall]);
+            let contact = contact_with(of_wall, particles, pair.particle as usize, laws);
+            let before = Remembered {
+                history: contacts.wall_history[slot],
+                rolling_angle: contacts.wall_rolling_angle[slot],
+                touching: true,
+            };
+            let model = laws.at_walls.get(wall).unwrap_or(laws.contact);
+            sink(stored(model, &contact, &before));
+        }
+    }
+}
+
+/// Energy of the attraction of all pairs, and of particles and walls; nothing without attraction.
+pub(crate) fn attraction_energy(
+    particles: &Particles,
+    contacts: &Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws,
+    mut sink: impl FnMut(f64),
+) {
+    let Some(cohesion) = laws.cohesion else { return };
+    for [i, j] in contacts.listed_pairs() {
+        if counts_here(particles, [i, j]) {
+            let [one, other] = [i, j].map(|index| &particles.body[index as usize]);
+            let (overlap, _) =
+                overlap_and_normal(other.position - one.position, [one.radius, other.radius]);
+            sink(cohesion.energy_of_particles(one.radius, other.radius, -overlap));
+        }
+    }
+    for pair in &contacts.wall_pairs {
+        let (wall, body) = (pair.wall as usize, &particles.body[pair.particle as usize]);
+        let height = walls.walls[wall].height_at(&body.position, &walls.poses[wall]);
+        sink(cohesion.energy_at_wall(body.radius, height - body.radius));
+    }
+}
+
+/// Whether a pair counts on this rank: that of two ranks' particles is left to the owner of the lower id.
+fn counts_here(particles: &Particles, [first, second]: [u32; 2]) -> bool {
+    let [here, there] = [first, second].map(|index| particles.id[index as usize]);
+    here < there || particles.owned_original(second as usize).is_some()
+}
+
+/// The contact of two particles.
+fn contact_of_pair(particles: &Particles, pair: [u32; 2], laws: &ForceLaws) -> Contact {
+    let [one, other] = pair.map(|index| &particles.body[index as usize]);
+    let radii = [one.radius, other.radius];
+    let (overlap, normal) = overlap_and_normal(other.position - one.position, radii);
+    let spin = one.angular_velocity * radii[0] + other.angular_velocity * radii[1];
+    let attraction =
+        |cohesion: VanDerWaalsNow| cohesion.between_particles(radii[0], radii[1], -overlap);
+    let reduced = |a: f64, b: f64| a * b / (a + b);
+    Contact {
+        overlap,
+        normal,
+        relative_velocity: other.velocity - one.velocity - spin.cross(&normal),
+        relative_spin: other.angular_velocity - one.angular_velocity,
+        reduced_mass: reduced(one.mass, other.mass),
+        reduced_radius: reduced(radii[0], radii[1]),
+        reduced_inertia: reduced(one.inertia(), other.inertia()),
+        cohesion: laws.cohesion.map_or(0.0, attraction),
+    }
+}

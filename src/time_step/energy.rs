@@ -1,0 +1,121 @@
+//! The account of energies: what forces do at each step, and what is stored. It changes nothing.
+//!
+//! Contacts: work over the step that ends, at its middle's velocities. Gas, weight and moving walls: their power at the
+//! evaluations of forces, by the trapezoidal rule, at velocities of the same instants.
+
+use super::force_laws;
+use crate::contact::{
+    ContactWork, ForceLaws, WallWork, attraction_energy, elastic_energy, work_of_walls,
+};
+use crate::domain::PosedWalls;
+use crate::particles::Particles;
+use crate::state::{Domain, EnergyLedger, Mechanism, Models, State, StoredSums, Workspace};
+use nalgebra::Vector3;
+
+/// Adds the work of a contact.
+pub(super) fn add_contact_work(ledger: &mut EnergyLedger, work: ContactWork) {
+    let ContactWork { dashpot, friction, plasticity, adhesion } = work;
+    for (mechanism, work) in [
+        (Mechanism::Dashpot, dashpot),
+        (Mechanism::Friction, friction),
+        (Mechanism::Plasticity, plasticity),
+        (Mechanism::Cohesion, adhesion),
+    ] {
+        if work != 0.0 {
+            ledger.add(mechanism, work);
+        }
+    }
+}
+
+/// Begins an evaluation of forces, before contacts are evaluated: work of walls, and what a ramp of the attraction brings.
+pub(super) fn before_forces(
+    ledger: &mut EnergyLedger,
+    state: &State,
+    domain: &Domain,
+    models: &Models,
+    work: &Workspace,
+    laws: &ForceLaws,
+) {
+    let State { particles, contacts, clock, .. } = state;
+    ledger.next_evaluation();
+    let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+    let step = models.physics.time_step;
+    work_of_walls(particles, contacts, walls, laws, |WallWork { wall, work, force }| {
+        if laws.dt > 0.0 {
+            add_contact_work(ledger, work);
+        }
+        let velocity = domain.walls[wall].motion.velocity_at(clock.time());
+        let power = -force.dot(&velocity);
+        if power != 0.0 {
+            ledger.add_power(Mechanism::Walls, power * step);
+        }
+    });
+    let ramped = models.physics.cohesion.as_ref().map(|law| law.at(clock.time() - laws.dt));
+    if ramped != laws.cohesion {
+        let (mut before, mut after) = (StoredSums::default(), StoredSums::default());
+        let earlier = ForceLaws { cohesion: ramped, ..*laws };
+        attraction_energy(particles, contacts, walls, &earlier, |energy| {
+            before.potential.add(energy)
+        });
+        attraction_energy(particles, contacts, walls, laws, |energy| after.potential.add(energy));
+        ledger.add_change(Mechanism::Models, &before, &after);
+    }
+}
+
+/// The forces on owned particles before the gas acts.
+pub(super) fn forces_so_far(particles: &Particles) -> Vec<Vector3<f64>> {
+    particles.forces[..particles.owned_count()].iter().map(|load| load.force).collect()
+}
+
+/// Ends an evaluation of forces: power of the gas and of the weight. `before_gas` are the forces without the gas; velocities
+/// are `behind` the forces by half of this time.
+pub(super) fn after_forces(
+    ledger: &mut EnergyLedger,
+    state: &State,
+    models: &Models,
+    before_gas: &[Vector3<f64>],
+    behind: f64,
+) {
+    let (particles, step) = (&state.particles, models.physics.time_step);
+    let weight = models.weight_at(state.clock.time());
+    for (i, before_gas) in before_gas.iter().enumerate() {
+        let (body, force) = (&particles.body[i], particles.forces[i].force);
+        let velocity = body.velocity + force * (0.5 * behind / body.mass);
+        // Forces are multiples of a quantum: the difference is exactly that of the gas.
+        let by_gas = (force - before_gas).dot(&velocity);
+        if by_gas != 0.0 {
+            ledger.add_power(Mechanism::Gas, by_gas * step);
+        }
+        ledger.add_power(Mechanism::Gravity, -weight.of(body.mass) * velocity.z * step);
+    }
+}
+
+/// What this rank's particles store, velocities being those of the clock's time.
+pub fn stored_energy(
+    state: &State,
+    domain: &Domain,
+    models: &Models,
+    work: &Workspace,
+) -> StoredSums {
+    let State { particles, contacts, .. } = state;
+    let mut sums = StoredSums::default();
+    for body in &particles.body[..particles.owned_count()] {
+        let translation = body.mass * body.velocity.norm_squared();
+        let rotation = body.inertia() * body.angular_velocity.norm_squared();
+        sums.kinetic.add(0.5 * translation);
+        sums.kinetic.add(0.5 * rotation);
+    }
+    let laws = force_laws(state, models, work, 0.0);
+    let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+    elastic_energy(particles, contacts, walls, &laws, |energy| sums.elastic.add(energy));
+    attraction_energy(particles, contacts, walls, &laws, |energy| sums.potential.add(energy));
+    sums
+}
+
+/// Kinetic energy of a particle that leaves.
+pub(super) fn add_departure(ledger: &mut EnergyLedger, particles: &Particles, index: usize) {
+    let body = &particles.body[index];
+    ledger.add(Mechanism::Departed, -0.5 * body.mass * body.velocity.norm_squared());
+    let rotation = body.inertia() * body.angular_velocity.norm_squared();
+    ledger.add(Mechanism::Departed, -0.5 * rotation);
+}
