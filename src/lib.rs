@@ -42,7 +42,8 @@
 //!   with a slider at mu times the normal force ([`contact::LinearSpringDashpot`]).
 //! * or, instead, adhesive elastic-plastic \[Liu2016\] ([`contact::AdhesiveElasticPlastic`]), linear hysteretic
 //!   \[Luding2008\] ([`contact::LinearHysteretic`]), Hertz-Mindlin ([`contact::HertzMindlin`]), or JKR
-//!   \[Johnson1971\] ([`contact::Jkr`]); with each, rolling friction \[Ai2011\] ([`contact::RollingFriction`]).
+//!   \[Johnson1971\] ([`contact::Jkr`]); with each, resistance to rolling \[Ai2011\]
+//!   ([`contact::RollingFriction`]) and to twisting \[Luding2008\] ([`contact::TwistingFriction`]).
 //! * Cohesion \[Moon2006 (4); Hamaker1937\]: A r / (12 s^2) at a separation s of surfaces above a cut-off,
 //!   constant below it and in contact ([`contact::VanDerWaals`]).
 //! * Gas \[Moon2006 (6)-(12)\], one-dimensional and without inertia, from continuity of the mixture and

@@ -22,7 +22,7 @@ use crate::state::Clock;
 /// hashed together with the number of records, the step and the time.
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
-/// spring that is not bent is left out, and what only a volume-averaged gas has, its cells and its force on
+/// or twisting spring that is not bent is left out, and what only a volume-averaged gas has, its cells and its force on
 /// particles, where there is none: the digest of a state without them is that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
@@ -51,9 +51,12 @@ impl Digest {
         ranks: &dyn Communicator,
     ) -> Self {
         let StateRecords { particles, contacts, wall_contacts, cells } = *records;
-        let [a, b, c] =
-            [sum(b'p', 1, 3, particles), sum(b'c', 2, 3, contacts), sum(b'w', 2, 3, wall_contacts)];
-        let mut sums = [a, b, c, sum(b'g', 1, 0, cells)].concat();
+        let [a, b, c] = [
+            sum(b'p', 1, &[3], particles),
+            sum(b'c', 2, &[1, 3], contacts),
+            sum(b'w', 2, &[1, 3], wall_contacts),
+        ];
+        let mut sums = [a, b, c, sum(b'g', 1, &[], cells)].concat();
         ranks.sum_integers(&mut sums);
         if sums[9] == 0 {
             sums.truncate(9); // without cells of a gas
@@ -70,11 +73,12 @@ impl Digest {
 }
 
 /// Number of records and sum of their hashes. The first `ids` words of a record are integers, the
-/// others doubles, of which the last `optional` ones are left out if all are zero.
+/// others doubles. Of the last ones, groups of as many as `optional` says, from the end, are left out until one of
+/// them is not all zero.
 fn sum<T: Pod>(
     kind: u8,
     ids: usize,
-    optional: usize,
+    optional: &[usize],
     records: &(impl Records<T> + ?Sized),
 ) -> [i64; 3] {
     let mut sum = [records.count() as i64, 0, 0];
@@ -85,8 +89,14 @@ fn sum<T: Pod>(
         for number in &mut words[ids..] {
             *number = if *number == NEGATIVE_ZERO { 0 } else { *number };
         }
-        let (always, last) = words.split_at(words.len() - optional);
-        let words = if last.iter().all(|&word| word == 0) { always } else { words };
+        let mut words = &*words;
+        for &group in optional {
+            let (before, last) = words.split_at(words.len() - group);
+            if last.iter().any(|&word| word != 0) {
+                break;
+            }
+            words = before;
+        }
         let end = 1 + size_of_val(words);
         for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(words) {
             bytes.copy_from_slice(&word.to_le_bytes());
@@ -134,6 +144,7 @@ mod tests {
             tangential_spring: [0.1; 3],
             largest_overlap: 0.2,
             rolling_angle: [0.3; 3],
+            twisting_angle: 0.4,
         }
     }
 

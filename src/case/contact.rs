@@ -6,7 +6,7 @@ use super::schema::AT_WALL;
 use super::section::Section;
 use super::tree::{Node, Value};
 use crate::contact::{
-    ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind, Softening,
+    ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind, Softening, TwistingFriction,
 };
 
 /// The contacts of a stage.
@@ -99,15 +99,30 @@ fn read_model(
     adhesion: &AdhesionContext<'_>,
 ) -> ModelAndBody {
     let LawAndBody { law, body } = read_law(section, particles, adhesion);
-    let (rolling, softening) = (read_rolling(section), read_softening(section));
-    let model = law.zip(rolling).zip(softening).map(|((law, rolling), softening)| {
+    let (rolling, twisting) = (read_rolling(section), read_twisting(section));
+    let spin = rolling.zip(twisting);
+    let model = law.zip(spin).zip(read_softening(section)).map(|((law, spin), softening)| {
+        let (rolling, twisting) = spin;
         let law = match softening {
             Some(Softening { reduction, keeps_work: true }) => law.keeping_work(reduction),
             _ => law,
         };
-        ContactModel { law, rolling, softening }
+        ContactModel { law, rolling, twisting, softening }
     });
     ModelAndBody { model, body }
+}
+
+/// Twisting friction; `Some(None)`: none.
+fn read_twisting(section: &Section<'_>) -> Option<Option<TwistingFriction>> {
+    if section.word("twisting")? == "none" {
+        return Some(None);
+    }
+    let number = |key| section.number(key);
+    let (friction, stiffness) = (number("twisting_friction")?, number("twisting_stiffness")?);
+    TwistingFriction::new(friction, stiffness, number("twisting_damping")?)
+        .map_err(|error| section.fail(error.parameter, error.to_string()))
+        .map(Some)
+        .ok()
 }
 
 /// What is stated of stiffer, real particles; `Some(None)`: nothing.

@@ -54,6 +54,7 @@ pub(crate) fn work_of_walls(
         let before = Remembered {
             history: contacts.wall_history[slot],
             rolling_angle: contacts.wall_rolling_angle[slot],
+            twisting_angle: contacts.wall_twisting_angle[slot],
             touching: contacts.wall_touching[slot],
         };
         let model = laws.at_walls.get(wall).unwrap_or(laws.contact);
@@ -77,7 +78,7 @@ fn work_over_step(
     before: &Remembered,
     dt: f64,
 ) -> Option<(ContactWork, LawForce)> {
-    let ContactModel { law, rolling, .. } = model;
+    let ContactModel { law, rolling, twisting, .. } = model;
     if !law.touches(contact, &before.history) {
         return before
             .touching
@@ -100,6 +101,13 @@ fn work_over_step(
         let angles = [before.rolling_angle, angle];
         work = work + rolling.work(contact, stiffness, angles, torque, dt);
     }
+    if let Some(twisting) = twisting {
+        let stiffness = law.stiffness_over(contact, dt);
+        let mut angle = before.twisting_angle;
+        let torque = twisting.torque(contact, force.friction_normal, stiffness, &mut angle, dt);
+        let angles = [before.twisting_angle, angle];
+        work = work + twisting.work(contact, stiffness, angles, torque, dt);
+    }
     Some((work, LawForce { normal: force.normal, tangential: force.tangential }))
 }
 
@@ -110,18 +118,33 @@ fn work_of_parting(
     before: &Remembered,
     dt: f64,
 ) -> ContactWork {
-    let ContactModel { law, rolling, .. } = model;
+    let law = &model.law;
     let overlap = overlap_before(contact, dt);
     let last = Contact { overlap, ..*contact };
     let end = Contact { overlap: -law.contact_range(contact.reduced_radius), ..*contact };
     let stiffness = law.stiffness(overlap, contact.reduced_radius);
-    let rolling = rolling
-        .map_or(0.0, |rolling| rolling.stored_energy(contact, stiffness, &before.rolling_angle));
+    let spin = energy_of_spin(model, contact, stiffness, before);
     ContactWork {
-        friction: -law.stored_energy(&last, &before.history).tangential - rolling,
+        friction: -law.stored_energy(&last, &before.history).tangential - spin,
         plasticity: -law.stored_energy(&end, &before.history).normal,
         ..ContactWork::default()
     }
+}
+
+/// Energy of the rolling and the twisting spring at a stiffness of the law.
+fn energy_of_spin(
+    model: &ContactModel,
+    contact: &Contact,
+    stiffness: f64,
+    before: &Remembered,
+) -> f64 {
+    let rolling = model
+        .rolling
+        .map_or(0.0, |rolling| rolling.stored_energy(contact, stiffness, &before.rolling_angle));
+    let twisting = model
+        .twisting
+        .map_or(0.0, |twisting| twisting.stored_energy(contact, stiffness, before.twisting_angle));
+    rolling + twisting
 }
 
 /// Energy of the springs of all contacts.
@@ -136,10 +159,8 @@ pub(crate) fn elastic_energy(
         let law = &model.law;
         let springs = law.stored_energy(contact, &before.history);
         let stiffness = law.stiffness(contact.overlap, contact.reduced_radius);
-        let rolling = model.rolling.map_or(0.0, |rolling| {
-            rolling.stored_energy(contact, stiffness, &before.rolling_angle)
-        });
-        springs.normal + springs.tangential + rolling
+        let spin = energy_of_spin(model, contact, stiffness, before);
+        springs.normal + springs.tangential + spin
     };
     for (pair, before) in contacts.inner.active.all() {
         if before.touching && counts_here(particles, pair) {
@@ -154,6 +175,7 @@ pub(crate) fn elastic_energy(
             let before = Remembered {
                 history: contacts.wall_history[slot],
                 rolling_angle: contacts.wall_rolling_angle[slot],
+                twisting_angle: contacts.wall_twisting_angle[slot],
                 touching: true,
             };
             let model = laws.at_walls.get(wall).unwrap_or(laws.contact);

@@ -1,6 +1,6 @@
-//! The contact model: a law, and resistance to rolling.
+//! The contact model: a law, and resistance to rolling and twisting.
 
-use super::{ContactLaw, RollingFriction, Softening};
+use super::{ContactLaw, RollingFriction, Softening, TwistingFriction};
 
 /// How two kinds of bodies act on each other in contact: two particles, or a particle and a wall.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,13 +9,15 @@ pub struct ContactModel {
     pub law: ContactLaw,
     /// Resistance to rolling.
     pub rolling: Option<RollingFriction>,
+    /// Resistance to twisting.
+    pub twisting: Option<TwistingFriction>,
     /// How much softer the law is than the real particles, if that is stated. It acts on nothing: the law is what acts.
     pub softening: Option<Softening>,
 }
 
-/// A law without resistance to rolling.
+/// A law without resistance to rolling and twisting.
 impl<L: Into<ContactLaw>> From<L> for ContactModel {
     fn from(law: L) -> Self {
-        Self { law: law.into(), rolling: None, softening: None }
+        Self { law: law.into(), rolling: None, twisting: None, softening: None }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::energy::SpringMotion;
 use super::invalid_law::{InvalidContactLaw, require_in_range};
-use super::{Contact, ContactWork, SpringStep};
+use super::{Contact, ContactWork, SpringStep, TwistingFriction};
 use crate::schema::{Allowed, Key, Word};
 use nalgebra::Vector3;
 
@@ -129,13 +129,28 @@ fn within(limit: f64, squared: f64) -> f64 {
     if squared > limit * limit { limit / squared.sqrt() } else { 1.0 }
 }
 
-/// A resistance to rolling, or none, chosen once for all pairs.
+/// A resistance to rolling, and to twisting, or none, chosen once for all pairs.
 pub(crate) trait Rolling: Copy {
     /// Whether there is any resistance.
     const ACTS: bool;
+    /// Whether twisting is resisted.
+    const TWISTS: bool = false;
 
-    /// The same as a value, for laws that are called through a table of functions.
-    fn friction(self) -> Option<RollingFriction>;
+    /// The same as values, for laws that are called through a table of functions.
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>);
+
+    /// Torque on the second body along the normal, after the twisting `angle` has been advanced by `dt`.
+    #[inline(always)]
+    fn twisting_torque(
+        &self,
+        _contact: &Contact,
+        _friction_normal: f64,
+        _stiffness: [f64; 2],
+        _angle: &mut f64,
+        _dt: f64,
+    ) -> f64 {
+        0.0
+    }
 
     /// Torque on the second body, after `angle` has been advanced by `dt`. `stiffness` is that of the law before and
     /// after the step.
@@ -157,8 +172,8 @@ impl Rolling for NoRolling {
     const ACTS: bool = false;
 
     #[inline(always)]
-    fn friction(self) -> Option<RollingFriction> {
-        None
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
+        (None, None)
     }
 
     #[inline(always)]
@@ -174,12 +189,56 @@ impl Rolling for NoRolling {
     }
 }
 
+/// Resistance to twisting, and to rolling if there is any.
+#[derive(Clone, Copy)]
+pub(crate) struct RollingAndTwisting {
+    pub(crate) rolling: Option<RollingFriction>,
+    pub(crate) twisting: TwistingFriction,
+}
+
+impl Rolling for RollingAndTwisting {
+    const ACTS: bool = true;
+    const TWISTS: bool = true;
+
+    #[inline(always)]
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
+        (self.rolling, Some(self.twisting))
+    }
+
+    #[inline(always)]
+    fn torque(
+        &self,
+        contact: &Contact,
+        friction_normal: f64,
+        stiffness: [f64; 2],
+        angle: &mut Vector3<f64>,
+        dt: f64,
+    ) -> Vector3<f64> {
+        match self.rolling {
+            Some(rolling) => rolling.torque(contact, friction_normal, stiffness, angle, dt),
+            None => NoRolling.torque(contact, friction_normal, stiffness, angle, dt),
+        }
+    }
+
+    #[inline(always)]
+    fn twisting_torque(
+        &self,
+        contact: &Contact,
+        friction_normal: f64,
+        stiffness: [f64; 2],
+        angle: &mut f64,
+        dt: f64,
+    ) -> f64 {
+        self.twisting.torque(contact, friction_normal, stiffness, angle, dt)
+    }
+}
+
 impl Rolling for RollingFriction {
     const ACTS: bool = true;
 
     #[inline(always)]
-    fn friction(self) -> Option<RollingFriction> {
-        Some(self)
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
+        (Some(self), None)
     }
 
     #[inline(always)]

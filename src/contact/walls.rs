@@ -80,23 +80,34 @@ fn evaluate(
     slot: usize,
     dt: f64,
 ) -> (ContactForce, Vector3<f64>) {
-    let ContactModel { law, rolling, .. } = model;
+    let ContactModel { law, rolling, twisting, .. } = model;
     let history: &mut ContactHistory = &mut contacts.wall_history[slot];
     let angle = &mut contacts.wall_rolling_angle[slot];
+    let twisting_angle = &mut contacts.wall_twisting_angle[slot];
     if !law.touches(contact, history) {
         contacts.wall_touching[slot] = false;
         *history = ContactHistory::default();
-        *angle = Vector3::zeros();
+        (*angle, *twisting_angle) = (Vector3::zeros(), 0.0);
         return (ContactForce::zero(), Vector3::zeros());
     }
     contacts.wall_touching[slot] = true;
     let force = law.force(contact, history, dt);
-    let Some(rolling) = rolling else {
-        *angle = Vector3::zeros();
-        return (force, Vector3::zeros());
+    let limiting = force.friction_normal;
+    let stiffness = || law.stiffness_over(contact, dt);
+    let mut torque = match rolling {
+        Some(rolling) => rolling.torque(contact, limiting, stiffness(), angle, dt),
+        None => {
+            *angle = Vector3::zeros();
+            Vector3::zeros()
+        }
     };
-    let torque =
-        rolling.torque(contact, force.friction_normal, law.stiffness_over(contact, dt), angle, dt);
+    match twisting {
+        Some(twisting) => {
+            let twist = twisting.torque(contact, limiting, stiffness(), twisting_angle, dt);
+            torque += contact.normal * twist;
+        }
+        None => *twisting_angle = 0.0,
+    }
     (force, torque)
 }
 

@@ -75,6 +75,8 @@ pub struct ContactRecord {
     pub largest_overlap: f64,
     /// Angle by which the higher has rolled relative to the lower, if there is a rolling spring.
     pub rolling_angle: [f64; 3],
+    /// Angle by which the higher has twisted relative to the lower about the normal, if there is a twisting spring.
+    pub twisting_angle: f64,
 }
 
 /// The contact history of a particle and a wall.
@@ -91,6 +93,8 @@ pub struct WallContactRecord {
     pub largest_overlap: f64,
     /// Angle by which the wall has rolled relative to the particle, if there is a rolling spring.
     pub rolling_angle: [f64; 3],
+    /// Angle by which the wall has twisted relative to the particle about the normal, if there is a twisting spring.
+    pub twisting_angle: f64,
 }
 
 /// What a checkpoint keeps of the volume-averaged gas in one cell.
@@ -185,6 +189,7 @@ impl From<PairHistory> for ContactRecord {
             tangential_spring: pair.history.tangential_spring.into(),
             largest_overlap: pair.history.largest_overlap,
             rolling_angle: pair.rolling_angle.into(),
+            twisting_angle: pair.twisting_angle,
         }
     }
 }
@@ -193,7 +198,8 @@ impl From<ContactRecord> for PairHistory {
     fn from(record: ContactRecord) -> Self {
         let history = contact_history(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
-        Self { lower: record.lower, higher: record.higher, history, rolling_angle }
+        let (lower, higher, twisting_angle) = (record.lower, record.higher, record.twisting_angle);
+        Self { lower, higher, history, rolling_angle, twisting_angle }
     }
 }
 
@@ -205,6 +211,7 @@ impl From<WallHistory> for WallContactRecord {
             tangential_spring: contact.history.tangential_spring.into(),
             largest_overlap: contact.history.largest_overlap,
             rolling_angle: contact.rolling_angle.into(),
+            twisting_angle: contact.twisting_angle,
         }
     }
 }
@@ -213,7 +220,9 @@ impl From<WallContactRecord> for WallHistory {
     fn from(record: WallContactRecord) -> Self {
         let history = contact_history(record.tangential_spring, record.largest_overlap);
         let rolling_angle = record.rolling_angle.into();
-        Self { particle: record.particle, wall: record.wall as u32, history, rolling_angle }
+        let (particle, wall) = (record.particle, record.wall as u32);
+        let twisting_angle = record.twisting_angle;
+        Self { particle, wall, history, rolling_angle, twisting_angle }
     }
 }
 
@@ -230,8 +239,8 @@ mod tests {
     #[test]
     fn records_have_the_sizes_that_the_documentation_of_the_module_states() {
         assert_eq!(size_of::<ParticleRecord>(), 168);
-        assert_eq!(size_of::<ContactRecord>(), 72);
-        assert_eq!(size_of::<WallContactRecord>(), 72);
+        assert_eq!(size_of::<ContactRecord>(), 80);
+        assert_eq!(size_of::<WallContactRecord>(), 80);
         assert_eq!(size_of::<CellRecord>(), 72);
         assert_eq!(size_of::<NewGhost>(), 96);
         assert_eq!(size_of::<GhostMotion>(), 72);

@@ -24,6 +24,8 @@ pub struct PairHistory {
     pub history: ContactHistory,
     /// Deflection angle of the rolling spring, of the higher relative to the lower; zero without such a spring.
     pub rolling_angle: Vector3<f64>,
+    /// Angle of the twisting spring about the normal from the lower to the higher; zero without such a spring.
+    pub twisting_angle: f64,
 }
 
 /// History of the contact of a particle and a wall.
@@ -37,6 +39,8 @@ pub struct WallHistory {
     pub history: ContactHistory,
     /// Deflection angle of the rolling spring, of the wall relative to the particle; zero without such a spring.
     pub rolling_angle: Vector3<f64>,
+    /// Angle of the twisting spring about the normal from the particle to the wall; zero without such a spring.
+    pub twisting_angle: f64,
 }
 
 /// The contact histories of some particles: of the pairs that touch, and of the particles that touch a wall.

@@ -42,6 +42,7 @@ pub struct Contacts {
     pub(crate) wall_touching: Vec<bool>,
     pub(crate) wall_history: Vec<ContactHistory>,
     pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
+    pub(crate) wall_twisting_angle: Vec<f64>,
 }
 
 /// A history seen from the other body.
@@ -58,23 +59,26 @@ fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
 impl PairHistory {
     /// The history of the particles `here` and `there`, given as seen from `here`.
     fn of([here, there]: [u64; 2], oriented: OrientedHistory) -> Self {
-        let OrientedHistory { mut history, mut rolling_angle } = oriented;
+        // An angle about the normal is the same from both sides: normal and spin change their signs together.
+        let OrientedHistory { mut history, mut rolling_angle, twisting_angle } = oriented;
         if here > there {
             (history, rolling_angle) = (reversed(history), -rolling_angle);
         }
         history.tangential_spring = without_negative_zeros(history.tangential_spring);
         rolling_angle = without_negative_zeros(rolling_angle);
-        Self { lower: here.min(there), higher: here.max(there), history, rolling_angle }
+        let (lower, higher, twisting_angle) =
+            (here.min(there), here.max(there), twisting_angle + 0.0);
+        Self { lower, higher, history, rolling_angle, twisting_angle }
     }
 
     /// The history as seen from the particle `here`.
     fn seen_from(&self, here: u64) -> OrientedHistory {
-        let Self { history, rolling_angle, .. } = *self;
-        if here == self.lower {
-            OrientedHistory { history, rolling_angle }
-        } else {
-            OrientedHistory { history: reversed(history), rolling_angle: -rolling_angle }
-        }
+        let Self { history, rolling_angle, twisting_angle, .. } = *self;
+        let (history, rolling_angle) = match here == self.lower {
+            true => (history, rolling_angle),
+            false => (reversed(history), -rolling_angle),
+        };
+        OrientedHistory { history, rolling_angle, twisting_angle }
     }
 }
 
@@ -156,7 +160,8 @@ impl Contacts {
                 let particle = particles.id[particle as usize];
                 let (history, rolling_angle) =
                     (self.wall_history[slot], self.wall_rolling_angle[slot]);
-                WallHistory { particle, wall, history, rolling_angle }
+                let twisting_angle = self.wall_twisting_angle[slot];
+                WallHistory { particle, wall, history, rolling_angle, twisting_angle }
             })
             .collect()
     }
@@ -185,6 +190,8 @@ impl Contacts {
         self.wall_history.resize(self.wall_pairs.len(), ContactHistory::default());
         self.wall_rolling_angle.clear();
         self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
+        self.wall_twisting_angle.clear();
+        self.wall_twisting_angle.resize(self.wall_pairs.len(), 0.0);
     }
 
     /// Gives the pairs of a new list their histories back. A pair that has parted since the last step, by more than the
@@ -240,6 +247,7 @@ impl Contacts {
             let Ok(slot) = found else { continue };
             self.wall_history[slot] = contact.history;
             self.wall_rolling_angle[slot] = contact.rolling_angle;
+            self.wall_twisting_angle[slot] = contact.twisting_angle;
             self.wall_touching[slot] = true;
         }
     }

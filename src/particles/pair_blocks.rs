@@ -41,6 +41,8 @@ pub(super) struct OrientedHistory {
     pub(super) history: ContactHistory,
     /// Zero without a rolling spring.
     pub(super) rolling_angle: Vector3<f64>,
+    /// Zero without a twisting spring.
+    pub(super) twisting_angle: f64,
 }
 
 /// What a contact remembers from the last step; all zero if the bodies did not touch.
@@ -48,6 +50,7 @@ pub(super) struct OrientedHistory {
 pub(crate) struct Remembered {
     pub(crate) history: ContactHistory,
     pub(crate) rolling_angle: Vector3<f64>,
+    pub(crate) twisting_angle: f64,
     /// Whether the bodies touched.
     pub(crate) touching: bool,
 }
@@ -59,8 +62,10 @@ pub(crate) struct PairBlocks {
     pub(crate) blocks: Vec<PairBlock>,
     /// Angles of rolling springs, seen from the first particle; empty without such springs.
     pub(crate) rolling_angle: Vec<AngleLanes>,
-    /// Whether there are rolling springs.
-    rolling: bool,
+    /// Angles of twisting springs; empty without such springs.
+    pub(crate) twisting_angle: Vec<[f64; LANES]>,
+    /// Whether there are rolling springs, and twisting springs.
+    holds: [bool; 2],
     count: usize,
 }
 
@@ -88,17 +93,20 @@ impl PairBlocks {
         self.count
     }
 
-    /// Makes room for the angles of rolling springs, all zero, or drops them: a spring that is switched off and on again
-    /// starts without deflection.
-    pub(crate) fn hold_rolling_angles(&mut self, hold: bool) {
-        self.rolling = hold;
-        let blocks = if hold { self.blocks.len() } else { 0 };
-        self.rolling_angle.resize(blocks, [[0.0; LANES]; 3]);
+    /// Makes room for the angles of rolling and of twisting springs, all zero, or drops them: a spring that is switched off
+    /// and on again starts without deflection.
+    pub(crate) fn hold_angles(&mut self, rolling: bool, twisting: bool) {
+        self.holds = [rolling, twisting];
+        let blocks = |hold: bool| if hold { self.blocks.len() } else { 0 };
+        let [of_rolling, of_twisting] = self.holds.map(blocks);
+        self.rolling_angle.resize(of_rolling, [[0.0; LANES]; 3]);
+        self.twisting_angle.resize(of_twisting, [0.0; LANES]);
     }
 
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.rolling_angle.clear();
+        self.twisting_angle.clear();
         self.count = 0;
     }
 
@@ -114,8 +122,10 @@ impl PairBlocks {
     pub(crate) fn all(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
         self.pairs().enumerate().map(|(place, pair)| {
             let known = self.history(place);
-            let OrientedHistory { history, rolling_angle } = known.unwrap_or(OrientedHistory::ZERO);
-            (pair, Remembered { history, rolling_angle, touching: known.is_some() })
+            let OrientedHistory { history, rolling_angle, twisting_angle } =
+                known.unwrap_or(OrientedHistory::ZERO);
+            let touching = known.is_some();
+            (pair, Remembered { history, rolling_angle, twisting_angle, touching })
         })
     }
 
@@ -134,14 +144,19 @@ impl PairBlocks {
                 Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
                 None => Vector3::zeros(),
             },
+            twisting_angle: self.twisting_angle.get(place / LANES).map_or(0.0, |angle| angle[lane]),
         })
     }
 
     pub(super) fn push(&mut self, pair: Pair, history: Option<OrientedHistory>) {
         if self.count.is_multiple_of(LANES) {
             self.blocks.push(PairBlock::of(pair));
-            if self.rolling {
+            let [rolling, twisting] = self.holds;
+            if rolling {
                 self.rolling_angle.push([[0.0; LANES]; 3]);
+            }
+            if twisting {
+                self.twisting_angle.push([0.0; LANES]);
             }
         }
         self.count += 1;
@@ -153,16 +168,22 @@ impl PairBlocks {
         let block = &mut self.blocks[index];
         [block.first[lane], block.second[lane], block.target[lane]] = pair;
         block.touching[lane] = history.is_some();
-        let OrientedHistory { history, rolling_angle } = history.unwrap_or(OrientedHistory::ZERO);
+        let OrientedHistory { history, rolling_angle, twisting_angle } =
+            history.unwrap_or(OrientedHistory::ZERO);
         let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
         for (field, number) in block.history.iter_mut().zip(numbers) {
             field[lane] = number;
         }
-        if rolling_angle != Vector3::zeros() {
-            self.hold_rolling_angles(true);
+        let [rolling, twisting] = self.holds;
+        if rolling_angle != Vector3::zeros() || twisting_angle != 0.0 {
+            let bent = rolling_angle != Vector3::zeros();
+            self.hold_angles(rolling || bent, twisting || twisting_angle != 0.0);
         }
         if let Some(angles) = self.rolling_angle.get_mut(index) {
             (0..3).for_each(|axis| angles[axis][lane] = rolling_angle[axis]);
+        }
+        if let Some(angles) = self.twisting_angle.get_mut(index) {
+            angles[lane] = twisting_angle;
         }
     }
 
@@ -187,6 +208,7 @@ impl PairBlocks {
         let blocks = count.div_ceil(LANES);
         self.blocks.truncate(blocks);
         self.rolling_angle.truncate(blocks);
+        self.twisting_angle.truncate(blocks);
         self.count = count;
         if let Some(block) = self.blocks.last() {
             let filling = [block.first[0], block.second[0], block.target[0]];
@@ -202,6 +224,7 @@ impl OrientedHistory {
             largest_overlap: 0.0,
         },
         rolling_angle: Vector3::new(0.0, 0.0, 0.0),
+        twisting_angle: 0.0,
     };
 }
 
@@ -215,7 +238,8 @@ mod tests {
             tangential_spring: Vector3::new(number, 2.0 * number, 0.0),
             largest_overlap: 0.5 * number,
         };
-        OrientedHistory { history, rolling_angle: Vector3::x() * number }
+        let (rolling_angle, twisting_angle) = (Vector3::x() * number, 3.0 * number);
+        OrientedHistory { history, rolling_angle, twisting_angle }
     }
 
     /// Pairs (k, k + 1000), each third of them touching.
@@ -235,6 +259,7 @@ mod tests {
         for ([first, _], found) in pairs.touching() {
             assert_eq!(found.history, history(first).history);
             assert_eq!(found.rolling_angle, history(first).rolling_angle);
+            assert_eq!(found.twisting_angle, history(first).twisting_angle);
         }
         assert_eq!(pairs.touching().count(), 34);
     }

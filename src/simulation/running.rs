@@ -63,11 +63,7 @@ impl<'a> Simulation<'a> {
         state.clock = state.clock.with_time_step(models.physics.time_step);
         work.prepare(&case.domain, &models, &state.sizes);
         work.tallies.on_walls.set_classes(case.particles.classes());
-        let opens_ledger = case.output.energy.is_some() && state.energy.is_none();
-        state.energy = state.energy.take().filter(|_| case.output.energy.is_some());
-        if opens_ledger {
-            state.energy = Some(Box::default());
-        }
+        let opens_ledger = prepare_ledger(case, state);
         time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
         if is_new {
             time_step::find_first_forces(state, &case.domain, &models, work, ranks);
@@ -285,6 +281,15 @@ impl<'a> Simulation<'a> {
         }
         Ok(written)
     }
+}
+
+/// Keeps the ledger of energies as the case says; whether it is a new one.
+fn prepare_ledger(case: &Case, state: &mut State) -> bool {
+    let is_kept = case.output.energy.is_some();
+    let earlier = state.energy.take().filter(|_| is_kept);
+    let is_new = is_kept && earlier.is_none();
+    state.energy = if is_new { Some(Box::default()) } else { earlier };
+    is_new
 }
 
 /// Makes the folder of results and opens the files in it, at a step. Collective.

@@ -1,11 +1,11 @@
-//! The same bits on any ranks and through restarts, for every contact law, rolling friction, moving walls and a
-//! round column, on dense beds.
+//! The same bits on any ranks and through restarts, for every contact law, rolling and twisting friction, rough
+//! cohesive particles, moving walls and a round column, on dense beds.
 
-use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Snapshot};
+use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Snapshot, attraction};
 use nalgebra::Vector3;
 use talcum::contact::{
-    ContactLaw, ContactModel, ContactModuli, ExampleScales, HertzMindlin, RollingFriction,
-    RollingKind,
+    CohesionExpression, ContactLaw, ContactModel, ContactModuli, ExampleScales, HertzMindlin,
+    RollingFriction, RollingKind, TwistingFriction,
 };
 use talcum::domain::{EffectiveGravity, RankGrid, Wall, WallMotion};
 use talcum::parallel::run_on_threads;
@@ -72,6 +72,16 @@ fn bed_in_column(law: ContactLaw) -> Bench {
     bench
 }
 
+/// A bed whose contacts resist twisting too, those with walls as well, and whose rough particles attract each other.
+fn twisting(mut bench: Bench) -> Bench {
+    let twisting = Some(TwistingFriction::new(0.3, 0.1, 0.2).unwrap());
+    bench.interface.iter_mut().chain(&mut bench.at_walls).for_each(|it| it.twisting = twisting);
+    let mut cohesion = attraction((20.0, 5.0), 1.0, (1.0e-4, 0.02));
+    cohesion.expression = CohesionExpression::Rough { asperity_radius: 1.0e-3 };
+    bench.cohesion = Some(cohesion);
+    bench
+}
+
 fn beds() -> Vec<Bench> {
     let springs = RollingKind::ElasticPlastic { damping: 0.3 };
     let mut beds: Vec<Bench> =
@@ -79,6 +89,7 @@ fn beds() -> Vec<Bench> {
     beds.push(bed_between_walls(law_named("jkr"), RollingKind::ConstantTorque));
     beds.push(bed_in_column(law_named("adhesive_elastic_plastic")));
     beds.push(bed_in_column(law_named("jkr")));
+    beds.push(twisting(bed_between_walls(law_named("hertz_mindlin"), springs)));
     beds
 }
 
@@ -125,6 +136,14 @@ fn what_contacts_remember_lives_through_restarts() {
         if halfway.pairs.iter().any(|pair| pair.rolling_angle != [0.0; 3]) {
             let mut without = halfway.clone();
             without.pairs.iter_mut().for_each(|pair| pair.rolling_angle = [0.0; 3]);
+            assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
+        }
+        let twists = bench.interface.as_ref().is_some_and(|model| model.twisting.is_some());
+        assert_eq!(halfway.pairs.iter().any(|pair| pair.twisting_angle != 0.0), twists);
+        assert_eq!(halfway.walls.iter().any(|contact| contact.twisting_angle != 0.0), twists);
+        if twists {
+            let mut without = halfway.clone();
+            without.pairs.iter_mut().for_each(|pair| pair.twisting_angle = 0.0);
             assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
         }
     }

@@ -5,7 +5,7 @@ use crate::beds::{Bench, PERIODIC, PLATE, attraction, gas, law};
 use nalgebra::Vector3;
 use talcum::contact::{
     ContactLaw, ContactModel, ExampleScales, FrictionCap, LinearSpringDashpot, RollingFriction,
-    RollingKind,
+    RollingKind, TwistingFriction,
 };
 use talcum::domain::{EffectiveGravity, Face, WallMotion};
 use talcum::numbers::Schedule;
@@ -87,10 +87,12 @@ fn each_mechanism_has_its_own_work() {
     }
 }
 
-/// A bed with rolling friction, attraction that is ramped, a gas, and a wall that swings.
+/// A bed with rolling and twisting friction, attraction that is ramped, a gas, and a wall that swings.
 fn with_everything() -> Bench {
     let rolling = RollingFriction::new(RollingKind::ElasticPlastic { damping: 0.3 }, 0.2).unwrap();
-    let contact = ContactModel { rolling: Some(rolling), ..law(2.0e4, 0.8, 0.4).into() };
+    let twisting = TwistingFriction::new(0.3, 0.1, 0.2).unwrap();
+    let (rolling, twisting) = (Some(rolling), Some(twisting));
+    let contact = ContactModel { rolling, twisting, ..law(2.0e4, 0.8, 0.4).into() };
     let mut bench = Bench::new([4.2, 4.2, 24.0], [[Face::Wall; 2], PERIODIC, PLATE]);
     bench.interface = Some(contact);
     bench.gravity = EffectiveGravity { magnitude: 1.0, vibration: None };

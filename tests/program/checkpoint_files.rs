@@ -29,6 +29,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         tangential_spring: spring,
         largest_overlap: k as f64,
         rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
+        twisting_angle: if k.is_multiple_of(3) { 0.0 } else { 0.02 },
     };
     let wall_contact = |k| WallContactRecord {
         particle: k / 2,
@@ -36,6 +37,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         tangential_spring: spring,
         largest_overlap: 0.1,
         rolling_angle: [0.0, 0.01, 0.0],
+        twisting_angle: -0.03,
     };
     let cell = |cell: u64| CellRecord {
         cell,
@@ -245,6 +247,36 @@ fn intact_files_with_inconsistent_content_are_refused() {
     assert!(refusal(earlier).contains("origin lies after"));
 }
 
+/// As there was no twisting before schema 4.
+fn forget_twisting(state: &mut Checkpoint) {
+    state.contacts.iter_mut().for_each(|contact| contact.twisting_angle = 0.0);
+    state.wall_contacts.iter_mut().for_each(|contact| contact.twisting_angle = -0.0);
+}
+
+/// What only schema 4 has.
+fn without_twisting(file: &hdf5::File) {
+    ["energy", "contacts/twisting_angle", "wall_contacts/twisting_angle"]
+        .into_iter()
+        .for_each(|name| file.unlink(name).unwrap());
+}
+
+#[test]
+fn files_of_schema_version_3_are_read_and_their_digest_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    let mut state = share(20, 12, &OneRank);
+    let twisted = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    forget_twisting(&mut state);
+    let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    assert_ne!(digest, twisted);
+    forge(&path, without_twisting);
+    // Control: the file is one of today's.
+    assert!(refusal(&path).contains("energy"));
+    forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&3_u64).unwrap());
+    let (found, _, found_digest) = read(&path, &OneRank).unwrap();
+    assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));
+}
+
 #[test]
 fn files_of_schema_version_1_are_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -252,11 +284,13 @@ fn files_of_schema_version_1_are_read() {
     let mut state = share(20, 12, &OneRank);
     state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
     state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
+    forget_twisting(&mut state);
     state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
     (state.cells, state.gas_report) = (Vec::new(), GasReport::default());
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
     let without_angles = |file: &hdf5::File| {
         file.unlink("gas").unwrap();
+        without_twisting(file);
         file.unlink("particles/gas_force").unwrap();
         file.unlink("contacts/rolling_angle").unwrap();
         file.unlink("wall_contacts/rolling_angle").unwrap();

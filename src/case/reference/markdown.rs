@@ -29,7 +29,7 @@ Outside the repository, `talcum keys --json-schema > case.schema.json` writes it
 `--set key.path=value` on the command line changes a key before the file is read. Members of a list go by number, from 1,
 or by name: `--set stage.2.duration=5`, `--set stage.ramp.gas.superficial_velocity=0.1`. Texts of one word, and durations
 such as `3h50m`, need no quotes. A key takes the place of the one that it excludes (`viscosity` that of `stokes_number`),
-and a new `law`, `drag`, `rolling` or `kind` removes the keys that only the old one has. The file with all changes is
+and a new `law`, `drag`, `rolling`, `twisting` or `kind` removes the keys that only the old one has. The file with all changes is
 kept in the results as `case.toml`.
 ";
 

@@ -1,15 +1,20 @@
 //! `[contact]` and `[contact.wall]`: the keys of every law.
 
 use super::{Chapter, merged};
-use crate::contact::{ContactLaw, FRICTION, RESTITUTION, ROLLING, SOFTENING};
+use crate::contact::{ContactLaw, FRICTION, RESTITUTION, ROLLING, SOFTENING, TWISTING};
 use crate::schema::{Key, Value};
 
 const LAW: Key = Key::word("law", ContactLaw::WORDS, "Contact law");
 const ROLLING_KIND: Key =
     Key::word("rolling", ROLLING, "Rolling friction").default(Value::Word("none"));
 
+const TWISTING_KIND: Key =
+    Key::word("twisting", TWISTING, "Resistance to twisting, the relative spin about the normal")
+        .default(Value::Word("none"));
+
 /// `[contact.wall]`, and `contact` of a `[[wall]]`.
-pub(in crate::case) const AT_WALL: &[Key] = &[LAW, RESTITUTION, FRICTION, ROLLING_KIND, SOFTENING];
+pub(in crate::case) const AT_WALL: &[Key] =
+    &[LAW, RESTITUTION, FRICTION, ROLLING_KIND, TWISTING_KIND, SOFTENING];
 
 /// `[contact]`.
 pub(in crate::case) const CONTACT: &[Key] = &[
@@ -17,6 +22,7 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     RESTITUTION,
     FRICTION,
     ROLLING_KIND,
+    TWISTING_KIND,
     SOFTENING,
     Key::new("wall", merged("contact.wall", AT_WALL), "What differs at walls").optional(),
 ];

@@ -39,7 +39,7 @@ pub(super) const STAGE_CHAPTER: Chapter = Chapter {
     before: "\
 Sections `[stage.gravity]`, `[stage.vibration]`, `[stage.contact]` (with `[stage.contact.wall]`), `[stage.cohesion]` and
 `[stage.gas]` take any of the keys of the section of that name. A value stays until a later stage changes it. A key takes
-the place of the one that it excludes. A new `law`, `drag`, `rolling` or `kind` removes the keys that only the old one
+the place of the one that it excludes. A new `law`, `drag`, `rolling`, `twisting` or `kind` removes the keys that only the old one
 has.",
     after: "\
 `vibration = \"off\"`, `cohesion = \"off\"` or `gas = \"off\"` switches the section off; `\"on\"`, or a section with keys,

@@ -4,30 +4,35 @@
 //! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit, nor
 //! does how the law is called.
 
-use super::{AnySizes, ContactBlock, Sizes, vector};
-use crate::contact::rolling::{NoRolling, Rolling};
-use crate::contact::{Contact, ContactForceLaw, RollingFriction};
+use super::{AnySizes, ContactBlock, Lanes, Sizes, vector};
+use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
+use crate::contact::{Contact, ContactForceLaw, RollingFriction, TwistingFriction};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::particles::{AngleLanes, ContactHistory, HISTORY_FIELDS, HistoryLanes, LANES};
+use nalgebra::Vector3;
 use std::fmt::Debug;
 
 /// The histories of the pairs of a block.
 pub(crate) struct BlockHistories<'a> {
     pub(crate) contacts: &'a mut HistoryLanes,
     pub(crate) rolling_angles: &'a mut AngleLanes,
+    pub(crate) twisting_angles: &'a mut Lanes,
+}
+
+/// The pairs of a block, and what their law needs beside.
+pub(crate) struct PairsOfBlock<'a, R, S> {
+    pub(crate) rolling: R,
+    pub(crate) sizes: &'a S,
+    /// Time by which histories are advanced.
+    pub(crate) dt: f64,
+    pub(crate) block: &'a mut ContactBlock,
+    pub(crate) histories: BlockHistories<'a>,
 }
 
 /// A law that evaluates the pairs of a block.
 pub(crate) trait LawOnBlock {
-    /// Sets forces and rolling torques of all lanes, and advances the histories by `dt`.
-    fn evaluate<R: Rolling, S: Sizes>(
-        &self,
-        rolling: R,
-        sizes: &S,
-        dt: f64,
-        block: &mut ContactBlock,
-        histories: BlockHistories<'_>,
-    );
+    /// Sets forces and rolling torques of all lanes, and advances the histories.
+    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>);
 }
 
 /// Work that is given a law on blocks.
@@ -44,15 +49,8 @@ pub(crate) struct Inlined<'a, L>(pub(crate) &'a L);
 
 impl<L: ContactForceLaw> LawOnBlock for Inlined<'_, L> {
     #[inline(always)]
-    fn evaluate<R: Rolling, S: Sizes>(
-        &self,
-        rolling: R,
-        sizes: &S,
-        dt: f64,
-        block: &mut ContactBlock,
-        histories: BlockHistories<'_>,
-    ) {
-        evaluate_lanes((self.0, rolling), sizes, dt, block, histories);
+    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>) {
+        evaluate_lanes(self.0, pairs);
     }
 }
 
@@ -61,16 +59,11 @@ pub(crate) struct Virtual<'a>(pub(crate) &'a dyn BlockLaw);
 
 impl LawOnBlock for Virtual<'_> {
     #[inline(always)]
-    fn evaluate<R: Rolling, S: Sizes>(
-        &self,
-        rolling: R,
-        sizes: &S,
-        dt: f64,
-        block: &mut ContactBlock,
-        histories: BlockHistories<'_>,
-    ) {
-        let (rolling, sizes) = (rolling.friction(), sizes.as_any_sizes());
-        self.0.evaluate_block(PairsOfBlock { rolling, sizes, dt, block, histories });
+    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>) {
+        let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
+        let (rolling, twisting) = rolling.friction();
+        let sizes = sizes.as_any_sizes();
+        self.0.evaluate_block(AnyPairsOfBlock { rolling, twisting, sizes, dt, block, histories });
     }
 }
 
@@ -79,18 +72,19 @@ impl LawOnBlock for Virtual<'_> {
 pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
     /// Evaluates the pairs of a block.
     #[doc(hidden)]
-    fn evaluate_block(&self, pairs: PairsOfBlock<'_>);
+    fn evaluate_block(&self, pairs: AnyPairsOfBlock<'_>);
 }
 
 impl<L: ContactForceLaw + Send + Sync + Debug> BlockLaw for L {
-    fn evaluate_block(&self, pairs: PairsOfBlock<'_>) {
+    fn evaluate_block(&self, pairs: AnyPairsOfBlock<'_>) {
         in_wide_vectors(EvaluateBlock { law: self, pairs });
     }
 }
 
-/// The pairs of a block, and how rolling is resisted.
-pub struct PairsOfBlock<'a> {
+/// The pairs of a block, whatever their sizes and however rolling and twisting are resisted.
+pub struct AnyPairsOfBlock<'a> {
     rolling: Option<RollingFriction>,
+    twisting: Option<TwistingFriction>,
     sizes: AnySizes<'a>,
     dt: f64,
     block: &'a mut ContactBlock,
@@ -99,7 +93,7 @@ pub struct PairsOfBlock<'a> {
 
 struct EvaluateBlock<'a, L> {
     law: &'a L,
-    pairs: PairsOfBlock<'a>,
+    pairs: AnyPairsOfBlock<'a>,
 }
 
 impl<L: ContactForceLaw> VectorWork for EvaluateBlock<'_, L> {
@@ -107,19 +101,25 @@ impl<L: ContactForceLaw> VectorWork for EvaluateBlock<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { law, pairs: PairsOfBlock { rolling, sizes, dt, block, histories } } = self;
-        match (rolling, sizes) {
-            (None, AnySizes::One(sizes)) => {
-                evaluate_lanes((law, NoRolling), &sizes, dt, block, histories);
+        match (self.pairs.rolling, self.pairs.twisting) {
+            (None, None) => self.run_with(NoRolling),
+            (Some(rolling), None) => self.run_with(rolling),
+            (rolling, Some(twisting)) => self.run_with(RollingAndTwisting { rolling, twisting }),
+        }
+    }
+}
+
+impl<L: ContactForceLaw> EvaluateBlock<'_, L> {
+    #[inline(always)]
+    fn run_with<R: Rolling>(self, rolling: R) {
+        let AnyPairsOfBlock { sizes, dt, block, histories, .. } = self.pairs;
+        match sizes {
+            AnySizes::One(sizes) => {
+                let sizes = &sizes;
+                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
             }
-            (None, AnySizes::Many(sizes)) => {
-                evaluate_lanes((law, NoRolling), sizes, dt, block, histories);
-            }
-            (Some(rolling), AnySizes::One(sizes)) => {
-                evaluate_lanes((law, rolling), &sizes, dt, block, histories);
-            }
-            (Some(rolling), AnySizes::Many(sizes)) => {
-                evaluate_lanes((law, rolling), sizes, dt, block, histories);
+            AnySizes::Many(sizes) => {
+                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
             }
         }
     }
@@ -128,13 +128,11 @@ impl<L: ContactForceLaw> VectorWork for EvaluateBlock<'_, L> {
 /// Evaluates all lanes, also those that only fill up the last block: their results are not used.
 #[inline(always)]
 fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
-    (law, rolling): (&L, R),
-    sizes: &S,
-    dt: f64,
-    block: &mut ContactBlock,
-    histories: BlockHistories<'_>,
+    law: &L,
+    pairs: PairsOfBlock<'_, R, S>,
 ) {
-    let BlockHistories { contacts, rolling_angles } = histories;
+    let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
+    let BlockHistories { contacts, rolling_angles, twisting_angles } = histories;
     for lane in 0..LANES {
         let contact = contact_of(block, sizes, lane);
         let mut numbers = [0.0; HISTORY_FIELDS];
@@ -151,12 +149,18 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
             block.tangential_force[axis][lane] = if_touching(force.tangential[axis]);
         }
         if R::ACTS {
-            let mut angle = vector(rolling_angles, lane);
-            let stiffness = law.stiffness_over(&contact, dt);
-            let torque = rolling.torque(&contact, force.friction_normal, stiffness, &mut angle, dt);
+            let mut angles = SpinAngles {
+                rolling: vector(rolling_angles, lane),
+                twisting: if R::TWISTS { twisting_angles[lane] } else { 0.0 },
+            };
+            let limiting = force.friction_normal;
+            let torque = spin_torque(law, rolling, &contact, limiting, &mut angles, dt);
             for axis in 0..3 {
                 block.rolling_torque[axis][lane] = if_touching(torque[axis]);
-                rolling_angles[axis][lane] = if_touching(angle[axis]);
+                rolling_angles[axis][lane] = if_touching(angles.rolling[axis]);
+            }
+            if R::TWISTS {
+                twisting_angles[lane] = if_touching(angles.twisting);
             }
         }
         let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
@@ -165,6 +169,32 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
         }
         block.touching[lane] = u64::from(touches);
     }
+}
+
+/// Deflections of the springs that resist spin, in a lane.
+struct SpinAngles {
+    rolling: Vector3<f64>,
+    twisting: f64,
+}
+
+/// Torque on the second body by resistance to rolling and twisting.
+#[inline(always)]
+fn spin_torque<L: ContactForceLaw, R: Rolling>(
+    law: &L,
+    rolling: R,
+    contact: &Contact,
+    friction_normal: f64,
+    angles: &mut SpinAngles,
+    dt: f64,
+) -> Vector3<f64> {
+    let stiffness = law.stiffness_over(contact, dt);
+    let SpinAngles { rolling: angle, twisting } = angles;
+    let torque = rolling.torque(contact, friction_normal, stiffness, angle, dt);
+    if !R::TWISTS {
+        return torque;
+    }
+    let along = rolling.twisting_torque(contact, friction_normal, stiffness, twisting, dt);
+    torque + contact.normal * along
 }
 
 /// The contact in a lane.

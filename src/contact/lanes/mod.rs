@@ -9,7 +9,7 @@ use crate::particles::LANES;
 
 pub(crate) use block::ContactBlock;
 pub use law::BlockLaw;
-pub(crate) use law::{BlockHistories, Inlined, LawOnBlock, Virtual, WithBlockLaw};
+pub(crate) use law::{BlockHistories, Inlined, LawOnBlock, PairsOfBlock, Virtual, WithBlockLaw};
 pub(crate) use sizes::{AnySizes, ManySizes, OneSize, Sizes};
 pub(crate) use vectors::{load_vectors, overlap_and_normal, store_vectors, vector};
 

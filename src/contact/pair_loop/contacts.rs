@@ -1,12 +1,13 @@
 //! The loop over pairs that may touch: blocks of pairs are gathered into lanes, evaluated, and added to the particles.
 
 use super::attraction::attract;
+use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, LawOnBlock, ManySizes, OneSize, Sizes, WithBlockLaw,
-    overlap_and_normal, vector,
+    BlockHistories, ContactBlock, LawOnBlock, ManySizes, OneSize, PairsOfBlock, Sizes,
+    WithBlockLaw, overlap_and_normal, vector,
 };
-use crate::contact::rolling::{NoRolling, Rolling};
+use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
 use crate::particles::{InnerList, LANES, PairBlock, PairBlocks, Particles};
 use std::marker::PhantomData;
@@ -45,7 +46,13 @@ impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
     #[inline(always)]
     fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
         let work = self.work;
-        match (work.laws.contact.rolling, work.inner.one_size) {
+        let ContactModel { rolling, twisting, .. } = work.laws.contact;
+        let rolling = *rolling;
+        if let Some(twisting) = *twisting {
+            let resistance = RollingAndTwisting { rolling, twisting };
+            return work.evaluate::<Q, _, _, _>((&law, resistance), ManySizes::default());
+        }
+        match (rolling, work.inner.one_size) {
             (Some(rolling), _) => {
                 work.evaluate::<Q, _, _, _>((&law, rolling), ManySizes::default())
             }
@@ -66,10 +73,10 @@ impl ContactLoop<'_> {
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, inner, laws } = self;
         let mut block = ContactBlock::default();
-        let mut no_angles = [[0.0; LANES]; 3];
+        let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let count = inner.active.count();
         let from_memory = size_of_val(&inner.active.blocks[..]) > CACHED;
-        let PairBlocks { blocks, rolling_angle, .. } = &mut inner.active;
+        let PairBlocks { blocks, rolling_angle, twisting_angle, .. } = &mut inner.active;
         for index in 0..blocks.len() {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
@@ -82,15 +89,21 @@ impl ContactLoop<'_> {
             set_geometry(&mut block, &sizes);
             attract(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
-            let histories = BlockHistories { contacts: &mut pairs.history, rolling_angles };
-            law.evaluate(rolling, &sizes, laws.dt, &mut block, histories);
+            let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
+            let contacts = &mut pairs.history;
+            let histories = BlockHistories { contacts, rolling_angles, twisting_angles };
+            law.evaluate(PairsOfBlock {
+                rolling,
+                sizes: &sizes,
+                dt: laws.dt,
+                block: &mut block,
+                histories,
+            });
             round_forces::<R, S>(&mut block, &sizes, laws);
             block.copy_touching(&mut pairs.touching);
             if let Some(lane) = first_flagged(&block.out_of_range) {
-                let [i, j] = ends.map(|end| particles.id[end[lane] as usize]);
-                let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
-                let force = vector(&block.force_on_j, lane);
-                return Err(out_of_range(i, other, force, overlap, laws.limit));
+                let ids = ends.map(|end| particles.id[end[lane] as usize]);
+                return Err(excess_force(&block, lane, ids, laws.limit));
             }
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
@@ -98,6 +111,18 @@ impl ContactLoop<'_> {
         }
         Ok(())
     }
+}
+
+/// The error of a pair whose force exceeds the limit.
+#[cold]
+fn excess_force(
+    block: &ContactBlock,
+    lane: usize,
+    [i, j]: [u64; 2],
+    limit: f64,
+) -> ForceOutOfRange {
+    let force = vector(&block.force_on_j, lane);
+    out_of_range(i, format!("particle {j}"), force, block.overlap[lane], limit)
 }
 
 /// Prefetches the particles of the next block, so that the processor need not wait for them when it gets there.

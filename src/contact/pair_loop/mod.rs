@@ -4,9 +4,9 @@ mod attraction;
 mod contacts;
 mod separated;
 
-use super::ContactWork;
 use super::energy_pass::work_of_pairs;
 use super::force_laws::{ForceLaws, ForceOutOfRange};
+use super::{ContactModel, ContactWork};
 use crate::numbers::with_simd;
 use crate::particles::{Contacts, Particles};
 use contacts::ContactLoop;
@@ -32,7 +32,8 @@ pub(crate) fn add_pair_forces(
     laws: &ForceLaws,
     work: Option<&mut dyn FnMut(ContactWork)>,
 ) -> Result<(), ForceOutOfRange> {
-    contacts.inner.active.hold_rolling_angles(laws.contact.rolling.is_some());
+    let ContactModel { rolling, twisting, .. } = laws.contact;
+    contacts.inner.active.hold_angles(rolling.is_some(), twisting.is_some());
     contacts.update_inner_list(particles, laws.ranges);
     let inner = &mut contacts.inner;
     match laws.cohesion {

@@ -13,7 +13,7 @@ pub(super) const FORMAT: &str = "talcum checkpoint";
 ///
 /// 2: rolling angles of contacts, and a gas in three dimensions; in files of version 1 there are none.
 /// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
-/// 4: a ledger of energies.
+/// 4: twisting angles of contacts, and a ledger of energies; in older files there are none.
 pub(super) const VERSION: u64 = 4;
 
 /// The sums of a ledger of energies.
@@ -136,6 +136,13 @@ impl Table for ContactRecord {
             "angle that the higher has rolled relative to the lower, if a rolling spring holds it",
             2
         ),
+        number!(
+            "/contacts/twisting_angle",
+            twisting_angle,
+            angle,
+            "angle that the higher has twisted relative to the lower, if a twisting spring holds it",
+            4
+        ),
     ];
 }
 
@@ -163,6 +170,13 @@ impl Table for WallContactRecord {
             angle,
             "angle that the wall has rolled relative to the particle, if a rolling spring holds it",
             2
+        ),
+        number!(
+            "/wall_contacts/twisting_angle",
+            twisting_angle,
+            angle,
+            "angle that the wall has twisted relative to the particle, if a twisting spring holds it",
+            4
         ),
     ];
 }

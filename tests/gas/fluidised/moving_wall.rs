@@ -46,18 +46,16 @@ fn a_lid_of_the_box_in_motion_drives_couette_flow() {
     }
 }
 
-/// A case file: a box of gas between a plate and a lid, and what `[[wall]]` says of the lid.
-fn case_of(wall: &str) -> Case {
-    let text = format!(
-        r#"
+/// A box of gas between a plate and a lid, HEIGHT above it.
+const COUETTE: &str = r#"
 title = "Couette flow"
 units = "dimensionless"
 [box]
-lengths = [3.0, 3.0, {HEIGHT:?}]
+lengths = [3.0, 3.0, 4.0]
 x = "periodic"
 y = "periodic"
 z = "wall"
-{wall}
+# walls
 [particles]
 count = 1
 diameter = 0.1
@@ -89,8 +87,11 @@ step = 1.0e-3
 end = 10.0
 [output]
 series = 1.0
-"#
-    );
+"#;
+
+/// The case with what `[[wall]]` says of the lid.
+fn case_of(wall: &str) -> Case {
+    let text = COUETTE.replace("# walls", wall);
     Case::from_text(&text, "couette.toml", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 

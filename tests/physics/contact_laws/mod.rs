@@ -6,6 +6,7 @@ mod elastic;
 mod hysteretic;
 mod loops;
 mod rolling;
+mod twisting;
 mod walls;
 
 use crate::beds::{Bench, OPEN, PERIODIC, PLATE};
