@@ -35,12 +35,12 @@ impl PopulationFit {
                 [libm::log(agglomerate.members as f64), libm::log(ratio)]
             })
             .collect();
-        let line = LineFit::through(&points, ranks)?;
+        let line = LineFit::through(&points, ranks).ok()?;
         Some(Self {
-            dimension: 1.0 / line.slope,
-            error: line.slope_error / (line.slope * line.slope),
-            prefactor: libm::exp(-line.intercept / line.slope),
-            deviation: line.deviation,
+            dimension: 1.0 / line.slope.value,
+            error: line.slope.error / (line.slope.value * line.slope.value),
+            prefactor: libm::exp(-line.intercept.value / line.slope.value),
+            deviation: line.residual,
             agglomerates: line.points,
         })
     }

@@ -1,7 +1,7 @@
 //! Rods, discs, balls and clusters of known dimension; a wrong dimension is told apart.
 
 use super::*;
-use crate::analysis::mixing::Estimate;
+use crate::analysis::statistics::SampleMean;
 use crate::numbers::{normal, random_of, uniform};
 use crate::parallel::run_on_threads;
 use nalgebra::{Rotation3, Unit};
@@ -196,13 +196,13 @@ fn single_aggregates_of_known_dimension() {
             let cluster = aggregate(7, (1.3, dimension), &mut generator);
             MassRadius::of(&cluster, 1.0).unwrap().dimension
         });
-        let found = Estimate::of(&singles.collect::<Vec<_>>()).unwrap();
-        assert!((found.mean - dimension).abs() < 0.05 + 2.0 * found.error, "{found:?}");
+        let found = SampleMean::of(&singles.collect::<Vec<_>>()).unwrap();
+        assert!((found.mean.value - dimension).abs() < 0.05 + 2.0 * found.mean.error, "{found:?}");
         means.push(found);
     }
     // The control: the two are told apart by many errors.
-    let error = means[0].error.hypot(means[1].error);
-    assert!(means[1].mean - means[0].mean > 4.0 * error, "{means:?}");
+    let error = means[0].mean.error.hypot(means[1].mean.error);
+    assert!(means[1].mean.value - means[0].mean.value > 4.0 * error, "{means:?}");
 }
 
 #[test]

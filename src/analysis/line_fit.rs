@@ -1,7 +1,8 @@
-//! Straight lines through points that are spread over ranks.
+//! Straight lines by least squares.
 
 use super::exact_sums::totals;
-use crate::parallel::Communicator;
+use super::no_value::{Estimate, NoValue, require_finite};
+use crate::parallel::{Communicator, OneRank};
 
 /// y = intercept + slope x by least squares, with standard errors.
 ///
@@ -11,41 +12,60 @@ use crate::parallel::Communicator;
 /// variance. (Draper & Smith, "Applied Regression Analysis", chapter 1.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineFit {
-    /// Rise of y over x.
-    pub slope: f64,
-    /// y at x = 0.
-    pub intercept: f64,
-    /// Standard error of the slope.
-    pub slope_error: f64,
-    /// Standard error of the intercept.
-    pub intercept_error: f64,
-    /// s, the standard deviation of the residuals.
-    pub deviation: f64,
+    /// Rise of y over x, in the unit of y over that of x.
+    pub slope: Estimate,
+    /// Value at x = 0, in the unit of y.
+    pub intercept: Estimate,
+    /// s, the standard deviation of the points about the line, with n - 2 degrees of freedom.
+    pub residual: f64,
+    /// Part of y's variance that the line explains, R^2; 1 if y is constant.
+    pub determination: f64,
     /// Number of points.
     pub points: u64,
 }
 
 impl LineFit {
-    /// The line through all ranks' points [x, y]; none through fewer than three points, through points of one x, or
-    /// through undefined ones. Collective.
-    pub fn through(points: &[[f64; 2]], ranks: &dyn Communicator) -> Option<Self> {
+    /// The line through points of one rank.
+    ///
+    /// Fails for fewer than three points, if all x are equal, or if a number is not finite.
+    pub fn of(x: &[f64], y: &[f64]) -> Result<Self, NoValue> {
+        require_finite("x", x)?;
+        require_finite("y", y)?;
+        if x.len() != y.len() {
+            let (across, along) = (x.len(), y.len());
+            return Err(NoValue::because(format!("there are {across} x and {along} y")));
+        }
+        let points: Vec<[f64; 2]> = x.iter().zip(y).map(|(&x, &y)| [x, y]).collect();
+        Self::through(&points, &OneRank)
+    }
+
+    /// The line through all ranks' points [x, y]; the same bits for any distribution over ranks. Collective.
+    ///
+    /// Fails on all ranks for fewer than three points, if all x are equal, or if a number is not finite.
+    pub fn through(points: &[[f64; 2]], ranks: &dyn Communicator) -> Result<Self, NoValue> {
         let [n, x, y] = totals(points.iter().map(|&[x, y]| [1.0, x, y]), ranks);
         let [x_mean, y_mean] = [x / n, y / n];
         let centred = || points.iter().map(|&[x, y]| [x - x_mean, y - y_mean]);
-        let [xx, xy] = totals(centred().map(|[x, y]| [x * x, x * y]), ranks);
+        let [xx, xy, yy] = totals(centred().map(|[x, y]| [x * x, x * y, y * y]), ranks);
         let slope = xy / xx;
         let residuals = centred().map(|[x, y]| [(y - slope * x) * (y - slope * x)]);
         let [squares] = totals(residuals, ranks);
-        if n < 3.0 || xx <= 0.0 || !slope.is_finite() {
-            return None; // on all ranks: the sums are the same everywhere
+        // The sums are the same everywhere, and so are the answers.
+        if n < 3.0 {
+            return Err(NoValue::because(format!(
+                "there are {n} points; a line with errors needs three"
+            )));
+        }
+        if xx <= 0.0 || !slope.is_finite() {
+            return Err(NoValue::because("all points have the same x, or one is not a number"));
         }
         let variance = squares / (n - 2.0);
-        Some(Self {
-            slope,
-            intercept: y_mean - slope * x_mean,
-            slope_error: (variance / xx).sqrt(),
-            intercept_error: (variance * (1.0 / n + x_mean * x_mean / xx)).sqrt(),
-            deviation: variance.sqrt(),
+        let of_intercept = variance * (1.0 / n + x_mean * x_mean / xx);
+        Ok(Self {
+            slope: Estimate { value: slope, error: (variance / xx).sqrt() },
+            intercept: Estimate { value: y_mean - slope * x_mean, error: of_intercept.sqrt() },
+            residual: variance.sqrt(),
+            determination: if yy > 0.0 { 1.0 - squares / yy } else { 1.0 },
             points: n as u64,
         })
     }
@@ -57,13 +77,13 @@ mod tests {
     use crate::numbers::{normal, random_of};
     use crate::parallel::run_on_threads;
 
-    fn fit_on(n: usize, points: &[[f64; 2]]) -> Option<LineFit> {
+    fn fit_on(n: usize, points: &[[f64; 2]]) -> Result<LineFit, NoValue> {
         let fits = run_on_threads(n, |ranks| {
             let here = points.iter().skip(ranks.rank()).step_by(n).copied();
             LineFit::through(&here.collect::<Vec<_>>(), ranks)
         });
         assert!(fits.iter().all(|fit| *fit == fits[0]));
-        fits[0]
+        fits[0].clone()
     }
 
     #[test]
@@ -75,9 +95,9 @@ mod tests {
                 .map(|k| [f64::from(k), 2.0 - 0.3 * f64::from(k) + normal(&mut generator)])
                 .collect();
             let fit = fit_on(1, &points).unwrap();
-            inside += u32::from((fit.slope + 0.3).abs() < 1.96 * fit.slope_error);
+            inside += u32::from((fit.slope.value + 0.3).abs() < 1.96 * fit.slope.error);
             if trial < 4 {
-                assert_eq!(fit_on(trial as usize + 1, &points), Some(fit));
+                assert_eq!(fit_on(trial as usize + 1, &points), Ok(fit));
             }
         }
         // 95 expected; four standard deviations (2.2) below and above.
@@ -86,8 +106,22 @@ mod tests {
 
     #[test]
     fn no_line_through_too_few_or_upright_points() {
-        assert_eq!(fit_on(2, &[[0.0, 1.0], [1.0, 2.0]]), None);
-        assert_eq!(fit_on(2, &[[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]]), None);
-        assert_eq!(fit_on(1, &[[0.0, 1.0], [1.0, f64::NAN], [2.0, 3.0]]), None);
+        let reason = |n, points: &[[f64; 2]]| fit_on(n, points).unwrap_err().to_string();
+        assert!(reason(2, &[[0.0, 1.0], [1.0, 2.0]]).contains("2 points"));
+        assert!(reason(2, &[[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]]).contains("same x"));
+        assert!(fit_on(1, &[[0.0, 1.0], [1.0, f64::NAN], [2.0, 3.0]]).is_err());
+        assert!(LineFit::of(&[0.0, 1.0, 2.0], &[0.0, 1.0]).is_err());
+    }
+
+    #[test]
+    fn line_and_its_errors_are_those_of_a_worked_example() {
+        // By hand: x mean 2, y mean 3.9; xx 10, xy 19.8; residuals 0.06, -0.02, -0.2, 0.22, -0.06.
+        let fit = LineFit::of(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.9, 3.7, 6.1, 7.8]).unwrap();
+        assert!((fit.slope.value - 1.98).abs() < 1e-12, "{fit:?}");
+        assert!((fit.intercept.value + 0.06).abs() < 1e-12, "{fit:?}");
+        let left: f64 = [0.06, -0.02, -0.2, 0.22, -0.06].iter().map(|x: &f64| x * x).sum();
+        assert!((fit.residual - (left / 3.0).sqrt()).abs() < 1e-12, "{fit:?}");
+        assert!((fit.slope.error - (left / 30.0).sqrt()).abs() < 1e-12);
+        assert!((fit.determination - (1.0 - left / 39.3)).abs() < 1e-3);
     }
 }

@@ -3,6 +3,7 @@
 use crate::analysis::no_value::{Estimate, NoValue, require_finite, require_positive};
 use crate::analysis::numerics::distributions::chi_square_quantile;
 use crate::analysis::numerics::fourier::FourierTransform;
+use crate::analysis::statistics::median;
 use std::f64::consts::PI;
 
 /// Shortest segment, in samples.
@@ -161,7 +162,7 @@ impl PowerSpectrum {
                 _ => Some(k),
             })
             .ok_or_else(|| NoValue::because("the spectrum has no peak above its resolution"))?;
-        let level = self.median_density();
+        let level = median(&self.density).unwrap_or(0.0);
         if self.density[peak] * self.lower_factor <= PROMINENCE * level * self.upper_factor {
             return Err(NoValue::because(format!(
                 "the highest peak, at {:.6}, does not stand out from the spectrum's median within its \
@@ -181,12 +182,6 @@ impl PowerSpectrum {
             frequency: Estimate { value: centre, error },
             rms: (total * step).sqrt(),
         })
-    }
-
-    fn median_density(&self) -> f64 {
-        let mut values = self.density.clone();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
     }
 }
 

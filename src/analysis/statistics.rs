@@ -1,4 +1,4 @@
-//! Means, errors of correlated series, confidence intervals, straight lines.
+//! Means, errors of correlated series, confidence intervals.
 
 use crate::analysis::no_value::{Estimate, NoValue, require_finite};
 use crate::analysis::numerics::distributions::student_bound;
@@ -25,6 +25,13 @@ pub fn moments(values: &[f64]) -> Result<Moments, NoValue> {
     let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
     let deviation = (squares / (count - 1.0).max(1.0)).sqrt();
     Ok(Moments { count: values.len(), mean, deviation })
+}
+
+/// The value in the middle of the sorted ones, of an even number the upper of the two. None without values.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
 }
 
 /// Mean of a series whose values depend on those before.
@@ -150,59 +157,30 @@ pub fn student_interval(
     Ok(Interval { mean: mean.value, half_width, confidence })
 }
 
-/// Student's interval from independent runs that differ in their seeds alone; one value from each.
-pub fn interval_over_seeds(values: &[f64], confidence: f64) -> Result<Interval, NoValue> {
-    let Moments { count, mean, deviation } = moments(values)?;
-    if count < 2 {
-        return Err(NoValue::because("one seed tells nothing about the others; two are needed"));
-    }
-    let mean = Estimate { value: mean, error: deviation / (count as f64).sqrt() };
-    student_interval(mean, count as f64 - 1.0, confidence)
-}
-
-/// A straight line y = intercept + slope x.
+/// Mean of independent values, such as one from each of several runs that differ in their seeds alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearFit {
-    /// Slope, in the unit of y over that of x.
-    pub slope: Estimate,
-    /// Value at x = 0, in the unit of y.
-    pub intercept: Estimate,
-    /// Standard deviation of the points about the line, with n - 2 degrees of freedom.
-    pub residual: f64,
-    /// Part of y's variance that the line explains, R^2; 1 if y is constant.
-    pub determination: f64,
+pub struct SampleMean {
+    /// The mean, and its standard error s / sqrt(n), s the standard deviation with n - 1.
+    pub mean: Estimate,
+    /// n.
+    pub samples: usize,
 }
 
-/// Line of least squares; errors are those of independent points of equal, unknown variance. Fails for fewer than
-/// three points or if all x are equal.
-pub fn linear_fit(x: &[f64], y: &[f64]) -> Result<LinearFit, NoValue> {
-    require_finite("x", x)?;
-    require_finite("y", y)?;
-    if x.len() != y.len() || x.len() < 3 {
-        let (across, along) = (x.len(), y.len());
-        return Err(NoValue::because(format!(
-            "there are {across} x and {along} y; three of both are needed for a line with errors"
-        )));
+impl SampleMean {
+    /// Fails for fewer than two values, or if one is not finite.
+    pub fn of(values: &[f64]) -> Result<Self, NoValue> {
+        let Moments { count, mean, deviation } = moments(values)?;
+        if count < 2 {
+            return Err(NoValue::because("one value tells nothing of its error; two are needed"));
+        }
+        let mean = Estimate { value: mean, error: deviation / (count as f64).sqrt() };
+        Ok(Self { mean, samples: count })
     }
-    let count = x.len() as f64;
-    let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
-    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-        x.iter().zip(y).map(|(x, y)| of(x - mean_x, y - mean_y)).sum()
-    };
-    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
-    if xx <= 0.0 {
-        return Err(NoValue::because("all points have the same x"));
+
+    /// Student's interval, which holds the true mean with this probability if the values are normal.
+    pub fn interval(&self, confidence: f64) -> Result<Interval, NoValue> {
+        student_interval(self.mean, self.samples as f64 - 1.0, confidence)
     }
-    let slope = xy / xx;
-    let left = sum(&|x, y| (y - slope * x) * (y - slope * x));
-    let residual = (left / (count - 2.0)).sqrt();
-    let of_intercept = (1.0 / count + mean_x * mean_x / xx).sqrt();
-    Ok(LinearFit {
-        slope: Estimate { value: slope, error: residual / xx.sqrt() },
-        intercept: Estimate { value: mean_y - slope * mean_x, error: residual * of_intercept },
-        residual,
-        determination: if yy > 0.0 { 1.0 - left / yy } else { 1.0 },
-    })
 }
 
 #[cfg(test)]
@@ -272,28 +250,21 @@ mod tests {
         let reason = correlated_mean(&line).unwrap_err().to_string();
         assert!(reason.contains("fewer than ten of its correlation times"), "{reason}");
         assert!(correlated_mean(&[1.0; 4]).is_err());
-        assert!(interval_over_seeds(&[1.0], 0.95).unwrap_err().reason().contains("one seed"));
+        assert!(SampleMean::of(&[1.0]).unwrap_err().reason().contains("one value"));
         assert!(moments(&[1.0, f64::NAN]).unwrap_err().reason().contains("values[1] is NaN"));
-        assert!(linear_fit(&[1.0, 1.0, 1.0], &[1.0, 2.0, 3.0]).is_err());
     }
 
     #[test]
-    fn interval_over_seeds_is_students() {
+    fn intervals_of_independent_values_are_students() {
         // Mean 2, deviation 1, n = 3: t(95 %, 2) = 4.30265.
-        let interval = interval_over_seeds(&[1.0, 2.0, 3.0], 0.95).unwrap();
-        assert!((interval.half_width - 4.30265 / 3.0_f64.sqrt()).abs() < 1e-4);
-    }
-
-    #[test]
-    fn line_and_its_errors_are_those_of_a_worked_example() {
-        // By hand: x mean 2, y mean 3.9; xx 10, xy 19.9; residuals 0.08, -0.01, -0.2, 0.21, -0.08.
-        let fit = linear_fit(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.9, 3.7, 6.1, 7.8]).unwrap();
-        assert!((fit.slope.value - 1.98).abs() < 1e-12, "{fit:?}");
-        assert!((fit.intercept.value + 0.06).abs() < 1e-12, "{fit:?}");
-        let left: f64 = [0.06, -0.02, -0.2, 0.22, -0.06].iter().map(|x: &f64| x * x).sum();
-        assert!((fit.residual - (left / 3.0).sqrt()).abs() < 1e-12, "{fit:?}");
-        assert!((fit.slope.error - (left / 30.0).sqrt()).abs() < 1e-12);
-        assert!((fit.determination - (1.0 - left / 39.3)).abs() < 1e-3);
+        let found = SampleMean::of(&[1.0, 2.0, 3.0]).unwrap();
+        assert!((found.interval(0.95).unwrap().half_width - 4.30265 / 3.0_f64.sqrt()).abs() < 1e-4);
+        // Two values 1 and 3: error 1, t(95 %, 1) = 12.7062.
+        let few = SampleMean::of(&[1.0, 3.0]).unwrap();
+        assert_eq!((few.mean.value, few.mean.error, few.samples), (2.0, 1.0, 2));
+        assert!((few.interval(0.95).unwrap().half_width - 12.7062).abs() < 1e-4);
+        // The control: the normal distribution's 1.96 errors would be six times too narrow.
+        assert!(few.interval(0.95).unwrap().half_width > 6.0 * 1.96);
     }
 
     proptest! {

@@ -25,7 +25,6 @@ mod section;
 mod session;
 mod setting;
 mod signals;
-mod statistics;
 mod status;
 mod summary;
 mod table;

@@ -4,8 +4,7 @@ use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
 use crate::study::measure::{SeriesTable, Statistic, Window};
 use crate::study::member::short_name;
-use crate::study::statistics::Estimate;
-use crate::study::table::{Cells, Column, Table, csv};
+use crate::study::table::{Cells, Column, Replicates, Table, csv};
 use anyhow::{Context, bail};
 use clap::Args;
 use std::collections::BTreeMap;
@@ -186,10 +185,10 @@ impl<'o> Summary<'o> {
     ) -> Vec<Column> {
         let estimate = |group: &Vec<usize>| {
             let values: Vec<f64> = group.iter().map(|&run| self.values[run][index]).collect();
-            Estimate::of(&values, self.options.confidence)
+            Replicates::of(&values, self.options.confidence)
         };
-        let estimates: Vec<Option<Estimate>> = groups.iter().map(estimate).collect();
-        let column = |suffix: &str, of: &dyn Fn(&Estimate) -> f64| {
+        let estimates: Vec<Option<Replicates>> = groups.iter().map(estimate).collect();
+        let column = |suffix: &str, of: &dyn Fn(&Replicates) -> f64| {
             let values = estimates.iter().map(|e| e.as_ref().map_or(f64::NAN, of)).collect();
             with_unit(&format!("{name}{suffix}"), unit, values)
         };

@@ -1,13 +1,14 @@
 //! Any input gives a value or a reason, never a panic, and no value that is not a number.
 
 use proptest::prelude::*;
+use talcum::analysis::LineFit;
 use talcum::analysis::bed_height::{BedHeightOptions, Profile, bed_height};
 use talcum::analysis::bubbles::{BubbleOptions, VoidageField, find_bubbles};
 use talcum::analysis::minimum_fluidisation::{Series, minimum_fluidisation};
 use talcum::analysis::phase_average::{PhaseOptions, phase_average};
 use talcum::analysis::residence::{Crossing, Gate, residence_times, solids_flux};
 use talcum::analysis::spectrum::welch;
-use talcum::analysis::statistics::{block_errors, correlated_mean, linear_fit};
+use talcum::analysis::statistics::{block_errors, correlated_mean};
 use talcum::analysis::waves::{SolidsFractionField, WaveOptions, map_waves};
 
 /// Numbers of all kinds: solids fractions, zeros, repeated values, huge ones, and what is not a number.
@@ -55,7 +56,7 @@ proptest! {
     #[test]
     fn series(values in prop::collection::vec(odd_number(), 0..200), segment in 0..64_usize) {
         let other: Vec<f64> = values.iter().rev().copied().collect();
-        let _ = (correlated_mean(&values), block_errors(&values), linear_fit(&values, &other));
+        let _ = (correlated_mean(&values), block_errors(&values), LineFit::of(&values, &other));
         if let Ok(spectrum) = welch(&values, 0.1, segment, 0.95) {
             let _ = spectrum.dominant();
         }

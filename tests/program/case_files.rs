@@ -1,29 +1,13 @@
 //! Case files that must be read, and wrong ones that carry the messages they must give: `#^ message` after the
 //! line that an error names (at the top: it names the whole file), `#! message` for an error of the initial bed.
 
+use crate::toml_files::toml_files;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use talcum::case::{Amount, BedPart, BedStart, Case};
 use talcum::parallel::OneRank;
 use talcum::simulation::{self, OutputFolder, RunOptions, start_from_case};
-
-fn files(folder: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).into_iter().flatten() {
-            let path = entry.expect("folders of the repository are readable").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "toml") {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
-}
 
 /// The errors that a file announces: (line, words).
 fn expected(text: &str) -> Vec<(usize, String)> {
@@ -40,7 +24,7 @@ fn expected(text: &str) -> Vec<(usize, String)> {
 
 #[test]
 fn good_files_are_read_and_give_a_bed() {
-    let files = files("tests/cases/good");
+    let files = toml_files("tests/cases/good");
     assert!(files.len() >= 8);
     for file in files {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
@@ -60,7 +44,7 @@ fn good_files_are_read_and_give_a_bed() {
 
 #[test]
 fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
-    let files = files("tests/cases/bad");
+    let files = toml_files("tests/cases/bad");
     assert!(files.len() >= 25);
     let mut wrong = String::new();
     for file in files {
@@ -105,7 +89,7 @@ fn wrong_files_give_the_errors_that_they_announce_and_no_others() {
 
 #[test]
 fn every_case_of_the_repository_is_read() {
-    for file in files("cases") {
+    for file in toml_files("cases") {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
         if matches!(case.particles.start, BedStart::Lattice { .. } | BedStart::Random { .. }) {
             case.initial_bed(BedPart::WHOLE)
@@ -121,7 +105,7 @@ const LARGEST_BED: u64 = 50_000;
 #[test]
 fn every_case_of_the_repository_takes_steps() {
     let mut run = 0;
-    for file in files("cases") {
+    for file in toml_files("cases") {
         let case = Case::read(&file, &[]).unwrap_or_else(|errors| panic!("{errors}"));
         let too_large = |amount: &Amount| matches!(amount, Amount::Count(n) if *n > LARGEST_BED);
         match &case.particles.start {
@@ -186,7 +170,7 @@ proptest! {
     fn no_text_makes_the_reader_panic(
         file in 0..1000usize, mutations in prop::collection::vec((0..1000usize, 0..30usize), 1..4),
     ) {
-        let files = files("tests/cases/good");
+        let files = toml_files("tests/cases/good");
         let file = &files[file % files.len()];
         let text = std::fs::read_to_string(file).unwrap();
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();

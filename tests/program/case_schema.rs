@@ -2,29 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+use crate::toml_files::toml_files;
 use boon::{Compiler, Schemas};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use talcum::case::{json_schema, manual, terminal};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn case_files(folder: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut folders = vec![root().join(folder)];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("folders of the repository are readable") {
-            let path = entry.expect("folders of the repository are readable").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "toml") {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
 }
 
 /// A committed file must be what the program writes; with TALCUM_WRITE_DOCS set it is written instead.
@@ -61,7 +45,7 @@ fn judged(folder: &str) -> Vec<(String, Option<String>)> {
     let mut schemas = Schemas::new();
     let schema = compiler.compile("case.schema.json", &mut schemas).unwrap();
     let mut judged = Vec::new();
-    for file in case_files(folder) {
+    for file in toml_files(folder) {
         let text = std::fs::read_to_string(&file).unwrap();
         // What is not TOML at all is not for the schema to judge.
         let Ok(case) = toml::from_str::<serde_json::Value>(&text) else { continue };

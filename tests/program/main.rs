@@ -19,4 +19,5 @@ mod restart;
 mod snapshots;
 mod softened_adhesion;
 mod study;
+mod toml_files;
 mod wall_table;

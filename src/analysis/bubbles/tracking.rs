@@ -1,8 +1,8 @@
 //! Bubbles that are followed from time to time.
 
 use super::detection::Bubble;
+use crate::analysis::LineFit;
 use crate::analysis::no_value::{Estimate, NoValue, require_finite, require_positive};
-use crate::analysis::statistics::linear_fit;
 
 /// How bubbles are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,6 +145,6 @@ fn join(
 
 fn finish(track: OpenTrack) -> Option<Track> {
     let heights: Vec<f64> = track.bubbles.iter().map(|bubble| bubble.centroid[2]).collect();
-    let fit = linear_fit(&track.times, &heights).ok()?;
+    let fit = LineFit::of(&track.times, &heights).ok()?;
     Some(Track { times: track.times, bubbles: track.bubbles, rise_velocity: fit.slope })
 }

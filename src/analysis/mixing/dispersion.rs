@@ -5,41 +5,7 @@
 //! straight line through S^2 from a lag on (after the ballistic part) gives one value a window, and their scatter the
 //! error: [`Dispersion::fitted`].
 
-/// A mean of independent values.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
-    /// The mean.
-    pub mean: f64,
-    /// Its standard error, s / sqrt(n).
-    pub error: f64,
-    /// n.
-    pub samples: usize,
-}
-
-/// Student's t for 95 % of two sides, by degrees of freedom from 1.
-const STUDENT: [f64; 20] = [
-    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
-    2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
-];
-
-impl Estimate {
-    /// None from fewer than two values.
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-        let error = (squares / (n * (n - 1.0))).sqrt();
-        (values.len() >= 2).then_some(Self { mean, error, samples: values.len() })
-    }
-
-    /// The interval that holds the true mean with a probability of 95 %, if the values are normal (Student's t).
-    pub fn interval(&self) -> [f64; 2] {
-        let freedom = self.samples.saturating_sub(1);
-        let beyond = 1.96 + 2.37 / freedom.max(1) as f64; // of Cornish & Fisher's expansion
-        let t = freedom.checked_sub(1).and_then(|k| STUDENT.get(k)).copied().unwrap_or(beyond);
-        [self.mean - t * self.error, self.mean + t * self.error]
-    }
-}
+use crate::analysis::statistics::SampleMean;
 
 /// Half mean square displacements of windows, one after another.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,16 +34,16 @@ impl Dispersion {
 
     /// D along an axis: mean of the slopes of straight lines through S^2 from a lag on, one for each complete window.
     /// None with fewer than two windows of two such lags.
-    pub fn fitted(&self, axis: usize, from: f64) -> Option<Estimate> {
+    pub fn fitted(&self, axis: usize, from: f64) -> Option<SampleMean> {
         let slopes =
             self.curves(axis).filter_map(|curve| slope_between(&curve, from, f64::INFINITY));
-        Estimate::of(&slopes.collect::<Vec<_>>())
+        SampleMean::of(&slopes.collect::<Vec<_>>()).ok()
     }
 
     /// D along an axis as in the paper: mean of the largest secants, one for each complete window.
-    pub fn by_secants(&self, axis: usize) -> Option<Estimate> {
+    pub fn by_secants(&self, axis: usize) -> Option<SampleMean> {
         let secants = self.curves(axis).filter_map(|curve| largest_secant(&curve));
-        Estimate::of(&secants.collect::<Vec<_>>())
+        SampleMean::of(&secants.collect::<Vec<_>>()).ok()
     }
 }
 
@@ -116,15 +82,5 @@ mod tests {
         assert!(slope_between(&curve, 0.0, 10.0).unwrap() < 0.3);
         assert_eq!(slope_between(&curve, 20.0, 30.0), None);
         assert_eq!(largest_secant(&[]), None);
-    }
-
-    #[test]
-    fn estimates_of_few_values_are_wide() {
-        let few = Estimate::of(&[1.0, 3.0]).unwrap();
-        assert_eq!((few.mean, few.error), (2.0, 1.0));
-        assert_eq!(few.interval(), [2.0 - 12.706, 2.0 + 12.706]);
-        let many = Estimate { samples: 41, ..few }; // t = 2.021
-        assert!((many.interval()[1] - 4.021).abs() < 3e-3);
-        assert_eq!(Estimate::of(&[1.0]), None);
     }
 }

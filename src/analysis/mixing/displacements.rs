@@ -142,8 +142,9 @@ fn at_rendezvous(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Dispersion, Estimate};
+    use super::super::Dispersion;
     use super::*;
+    use crate::analysis::statistics::SampleMean;
     use crate::numbers::{Quantum, normal, random_of};
     use crate::parallel::run_on_threads;
 
@@ -209,10 +210,10 @@ mod tests {
             for axis in 0..3 {
                 // D = step^2 / (2 dt).
                 let expected = 0.5 * STEP[axis] * STEP[axis];
-                let found: Estimate = dispersion.fitted(axis, 0.0).unwrap();
-                let [low, high] = found.interval();
-                inside[axis] += u32::from(low < expected && expected < high);
-                assert!((found.mean / expected - 1.0).abs() < 0.35);
+                let found: SampleMean = dispersion.fitted(axis, 0.0).unwrap();
+                let interval = found.interval(0.95).unwrap();
+                inside[axis] += u32::from((interval.mean - expected).abs() < interval.half_width);
+                assert!((found.mean.value / expected - 1.0).abs() < 0.35);
             }
         }
         // 57 of 60 expected, standard deviation 1.7.

@@ -4,6 +4,6 @@ mod dispersion;
 mod displacements;
 mod lacey;
 
-pub use dispersion::{Dispersion, Estimate, largest_secant, slope_between};
+pub use dispersion::{Dispersion, largest_secant, slope_between};
 pub use displacements::{Displacements, MeanDisplacement, Positioned};
 pub use lacey::{LaceyIndex, Sample, lacey_index};

@@ -2,8 +2,8 @@
 
 use super::field::Rows;
 use super::motion::{Activity, Bed};
+use crate::analysis::LineFit;
 use crate::analysis::no_value::{Estimate, NoValue};
-use crate::analysis::statistics::linear_fit;
 
 /// The greatest part of a column's heights that may lie on the wrong side of the front.
 const MOST_MISPLACED: f64 = 0.15;
@@ -50,7 +50,7 @@ pub(super) fn find_front(rows: &Rows, bed: &Bed, activity: &Activity) -> Result<
             columns.len()
         )));
     }
-    let fit = linear_fit(&times, &heights)?;
+    let fit = LineFit::of(&times, &heights)?;
     let error = fit.slope.error * inflation(&times, &heights, fit.slope.value, fit.intercept.value);
     let speed = Estimate { value: fit.slope.value, error };
     Ok(Front { waves_below, times, heights, speed, determination: fit.determination })

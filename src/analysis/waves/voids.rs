@@ -2,9 +2,10 @@
 
 use super::field::{Rows, running_mean};
 use super::motion::Bed;
+use crate::analysis::LineFit;
 use crate::analysis::no_value::{Estimate, NoValue};
 use crate::analysis::numerics::interpolation::peak_near;
-use crate::analysis::statistics::{linear_fit, moments};
+use crate::analysis::statistics::moments;
 
 /// Fewest tracks that a speed is taken from.
 const FEWEST: usize = 4;
@@ -147,7 +148,7 @@ fn link(open: &mut Vec<Track>, voids: Vec<f64>, now: f64, wavelength: f64, expec
 fn summary(tracks: &[&Track], gaps: &[f64], rows: &Rows) -> Result<TrackedVoids, NoValue> {
     let speeds: Vec<f64> = tracks
         .iter()
-        .filter_map(|track| linear_fit(&track.times, &track.places).ok())
+        .filter_map(|track| LineFit::of(&track.times, &track.places).ok())
         .map(|fit| fit.slope.value * rows.spacing / rows.interval)
         .collect();
     if speeds.len() < FEWEST || gaps.is_empty() {

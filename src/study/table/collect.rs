@@ -1,12 +1,12 @@
 //! The tables of a study: one row for each run, each search, and each point.
 
+use super::replicates::Replicates;
 use super::{Cells, Column, Table};
 use crate::study::bisection::Bisection;
 use crate::study::member::{Member, short_name};
 use crate::study::plan::Point;
 use crate::study::session::Session;
 use crate::study::setting::{Setting, shortest};
-use crate::study::statistics::Estimate;
 use crate::study::task::RunState;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -143,10 +143,10 @@ impl Collector<'_> {
         for (index, measure) in self.session.study.measures.iter().enumerate() {
             let estimate = |point| {
                 let values: Vec<f64> = of_point(point).map(|row| row.measured[index]).collect();
-                Estimate::of(&values, self.session.study.confidence)
+                Replicates::of(&values, self.session.study.confidence)
             };
             let estimates: Vec<_> = (0..points.len()).map(estimate).collect();
-            let column = |suffix: &str, about: &str, of: &dyn Fn(&Estimate) -> f64| {
+            let column = |suffix: &str, about: &str, of: &dyn Fn(&Replicates) -> f64| {
                 let values = estimates
                     .iter()
                     .map(|estimate| estimate.as_ref().map_or(f64::NAN, of))

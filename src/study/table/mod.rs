@@ -2,9 +2,11 @@
 
 mod collect;
 pub(crate) mod csv;
+mod replicates;
 mod searches;
 
 pub(crate) use collect::collect;
+pub(crate) use replicates::Replicates;
 
 /// A table with what is needed to understand it alone.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! The tables of searches for critical values: one row for each search, and one for each point.
 
 use super::collect::Collector;
+use super::replicates::Replicates;
 use super::{Cells, Column, Table};
 use crate::study::bisection::{Bisection, Search};
 use crate::study::plan::Point;
 use crate::study::setting::Setting;
-use crate::study::statistics::Estimate;
 use crate::study::task::{SearchRecord, Task};
 
 impl Collector<'_> {
@@ -108,7 +108,7 @@ fn found(record: &SearchRecord) -> Option<[f64; 2]> {
 fn critical_value(search: &Bisection, brackets: &[[f64; 2]], confidence: f64) -> [f64; 5] {
     let middles: Vec<f64> =
         brackets.iter().map(|&[lower, upper]| search.middle(lower, upper)).collect();
-    let Some(estimate) = Estimate::of(&middles, confidence) else { return [f64::NAN; 5] };
+    let Some(estimate) = Replicates::of(&middles, confidence) else { return [f64::NAN; 5] };
     let half_widths = brackets.iter().map(|&[lower, upper]| 0.5 * (upper - lower));
     let resolution = half_widths.fold(0.0, f64::max);
     let (lower, upper) = match brackets {

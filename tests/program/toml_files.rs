@@ -1,0 +1,21 @@
+//! The case files of a folder of the repository.
+
+use std::path::{Path, PathBuf};
+
+/// All TOML files in a folder of the repository and in the folders in it, by ascending path.
+pub(crate) fn toml_files(folder: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("folders of the repository are readable") {
+            let path = entry.expect("folders of the repository are readable").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "toml") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
