@@ -84,7 +84,8 @@
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
 //! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`study`], [`command_line`].
+//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`post_processing`], [`study`],
+//! [`command_line`].
 //!
 //! # References
 //!
@@ -122,6 +123,7 @@ pub mod numbers;
 pub mod output;
 pub mod parallel;
 pub mod particles;
+pub mod post_processing;
 pub mod rules;
 pub mod schema;
 pub mod setup;

@@ -81,6 +81,30 @@ pub fn expansion(height: f64, reference: f64) -> Result<f64, NoValue> {
     Ok(height / reference - 1.0)
 }
 
+/// Layers left out at the plate and below the surface, in spacings: their cells are half empty, or ordered by the plate.
+const END_LAYERS: f64 = 4.0;
+/// Of a shallow bed no more than this part of its height is left out at either end.
+const MOST_LEFT_OUT: f64 = 0.25;
+
+/// Solids fraction of the bulk: the mean of phi over the nodes between bottom and top, both as in [`BedHeight`], less
+/// four spacings, or a quarter of the height if that is less, at either end.
+///
+/// Fails as [`bed_height`] does, or if no node lies in between.
+pub fn bulk_solids_fraction(profile: &Profile, options: &BedHeightOptions) -> Result<f64, NoValue> {
+    let BedHeight { bottom, by_threshold: top, .. } = bed_height(profile, options)?;
+    let margin = (END_LAYERS * profile.spacing).min(MOST_LEFT_OUT * (top - bottom));
+    let inside = |node: usize| {
+        let height = node as f64 * profile.spacing;
+        height >= bottom + margin && height <= top - margin
+    };
+    let nodes = profile.solids_fractions.iter().enumerate().filter(|(node, _)| inside(*node));
+    let bulk: Vec<f64> = nodes.map(|(_, phi)| *phi).collect();
+    match bulk.len() {
+        0 => Err(NoValue::because("the bed is too shallow for the spacing of its profile")),
+        count => Ok(bulk.iter().sum::<f64>() / count as f64),
+    }
+}
+
 /// Lowest and highest place at which phi crosses a threshold, in nodes, by the line between nodes.
 fn crossings(phi: &[f64], threshold: f64) -> Result<(f64, f64), NoValue> {
     let lowest = phi.iter().position(|&phi| phi >= threshold);
@@ -160,6 +184,24 @@ mod tests {
         let by_centre = expansion(expanded.by_centre_of_mass, reference.by_centre_of_mass).unwrap();
         assert!((by_centre - 0.25).abs() < 1e-12);
         assert!(expansion(1.0, 0.0).is_err());
+    }
+
+    #[test]
+    fn the_bulk_of_deep_and_shallow_beds_is_found_and_its_ends_are_left_out() {
+        let options = BedHeightOptions::default();
+        for height in [6.0, 30.0, 150.0] {
+            let mut phi = uniform(0.0, height);
+            // A layer at the plate that is ordered, and half empty cells at the surface.
+            phi[0] = 0.74;
+            let profile = Profile { solids_fractions: &phi, spacing: 1.5 };
+            let bulk = bulk_solids_fraction(&profile, &options).unwrap();
+            assert!((bulk - 0.6).abs() < 1e-12, "{height}: {bulk}");
+            // The control: a plain mean over the bed is not that of the bulk.
+            let bed = &phi[..=(height / 1.5) as usize];
+            assert!((bed.iter().sum::<f64>() / bed.len() as f64 - 0.6).abs() > 1e-3);
+        }
+        let flat = Profile { solids_fractions: &[0.0, 0.6, 0.0], spacing: 1.5 };
+        assert!(bulk_solids_fraction(&flat, &options).is_ok());
     }
 
     #[test]

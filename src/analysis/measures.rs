@@ -16,6 +16,14 @@ pub enum Quantity {
     Speed,
     /// Of energy.
     Energy,
+    /// Of pressure.
+    Pressure,
+    /// Of cycles per time.
+    Frequency,
+    /// Of dispersion: length squared per time.
+    Dispersion,
+    /// Of mass that passes: mass per area and time.
+    MassFlux,
     /// Without a unit.
     Number,
 }

@@ -13,6 +13,7 @@ mod contact_laws;
 mod context;
 mod drag;
 mod errors;
+mod fluidisation;
 mod forces;
 mod gas;
 mod merging;

@@ -1,5 +1,6 @@
 //! What the user types, and what the program answers.
 
+mod analyse;
 mod check;
 mod contact;
 mod info;
@@ -34,6 +35,8 @@ struct CommandLine {
 enum Command {
     #[command(flatten)]
     OnRanks(RankCommand),
+    /// Measure on the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
+    Analyse(analyse::AnalyseOptions),
     /// Run many cases that a study file describes, or say how far they are; not under mpirun.
     Study(StudyOptions),
     /// Print a table of means of runs.
@@ -125,6 +128,7 @@ pub fn main() -> ExitCode {
     match CommandLine::try_parse().map(|line| line.command) {
         // A study starts runs as processes of their own, which a process of MPI may not do.
         Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
+        Ok(Command::Analyse(options)) => alone(|| analyse::analyse(&options)),
         Ok(Command::Summary(options)) => {
             alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
         }

@@ -27,6 +27,10 @@ pub struct ColumnUnits {
     pub energy: &'static str,
     /// Of volume.
     pub volume: &'static str,
+    /// Of dispersion, length squared per time.
+    pub dispersion: &'static str,
+    /// Of mass per area and time.
+    pub mass_flux: &'static str,
     /// Of what has none.
     pub number: &'static str,
 }
@@ -45,6 +49,8 @@ impl ColumnUnits {
         mass: "kg",
         energy: "J",
         volume: "m^3",
+        dispersion: "m^2/s",
+        mass_flux: "kg/(m^2 s)",
         number: "1",
     };
 
@@ -61,16 +67,22 @@ impl ColumnUnits {
         mass: "rho_s d^3",
         energy: "rho_s g d^4",
         volume: "d^3",
+        dispersion: "sqrt(g d^3)",
+        mass_flux: "rho_s sqrt(g d)",
         number: "1",
     };
 
-    /// The unit of a quantity of the series.
+    /// The unit of a quantity.
     pub fn of(&self, quantity: Quantity) -> &'static str {
         match quantity {
             Quantity::Time => self.time,
             Quantity::Length => self.length,
             Quantity::Speed => self.speed,
             Quantity::Energy => self.energy,
+            Quantity::Pressure => self.pressure,
+            Quantity::Frequency => self.angular_speed,
+            Quantity::Dispersion => self.dispersion,
+            Quantity::MassFlux => self.mass_flux,
             Quantity::Number => self.number,
         }
     }

@@ -110,7 +110,7 @@ fn take_lock(path: &Path) -> Result<Option<File>, String> {
 fn is_result(name: &str) -> bool {
     let is_listed = |file: &str| LISTED.iter().any(|listed| listed.kind.file_name == file);
     let of_listed = |suffix| name.strip_suffix(suffix).is_some_and(is_listed);
-    let fixed = ["case.toml", COMPLETE];
+    let fixed = ["case.toml", "analysis.h5", COMPLETE];
     is_checkpoint(name)
         || fixed.contains(&name)
         || ["", ".metadata", ".partial"].into_iter().any(of_listed)

@@ -1,6 +1,8 @@
 //! The search for the value of a key at which a measure crosses a threshold.
 
+use crate::study::measure::Value;
 use crate::study::setting::rounded;
+use std::fmt;
 
 /// What is searched for, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,13 +16,55 @@ pub(crate) struct Bisection {
     /// Name of the measure that decides.
     pub(crate) measure: String,
     /// The value of the measure that is crossed.
-    pub(crate) threshold: f64,
+    pub(crate) threshold: Threshold,
     /// What the measure does as the key grows.
     pub(crate) direction: Direction,
     /// Whether brackets are halved on a logarithmic scale.
     pub(crate) logarithmic: bool,
     /// The line of the study file, from 1.
     pub(crate) line: usize,
+}
+
+/// What a measure crosses.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Threshold {
+    /// A number.
+    Number(f64),
+    /// This text and all others: it counts as 1, the others as 0.
+    Text(String),
+}
+
+impl Threshold {
+    /// The number that is crossed.
+    fn number(&self) -> f64 {
+        match self {
+            Self::Number(number) => *number,
+            Self::Text(_) => 0.5,
+        }
+    }
+
+    /// What a measured value counts as.
+    ///
+    /// # Errors
+    /// If it is no number, and no text that could be the threshold.
+    pub(crate) fn count(&self, value: &Value) -> Result<f64, String> {
+        match (value, self) {
+            (Value::Number(number), Self::Number(_)) if !number.is_nan() => Ok(*number),
+            (Value::Text(text), Self::Text(wanted)) => Ok(f64::from(u8::from(text == wanted))),
+            (Value::Number(number), _) => Err(format!("{number} cannot be compared with {self}")),
+            (Value::Text(text), Self::Number(_)) => Err(format!("{text:?} is not a number")),
+            (Value::Nothing(reason), _) => Err(reason.clone()),
+        }
+    }
+}
+
+impl fmt::Display for Threshold {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(formatter, "{number}"),
+            Self::Text(text) => write!(formatter, "{text:?} (1 if it is that, 0 if not)"),
+        }
+    }
 }
 
 /// The brackets of the points of a study.
@@ -130,8 +174,8 @@ impl Bisection {
     /// number is on neither side, so that it is not beyond.
     fn is_beyond(&self, value: f64) -> bool {
         match self.direction {
-            Direction::Rises => value >= self.threshold,
-            Direction::Falls => value < self.threshold,
+            Direction::Rises => value >= self.threshold.number(),
+            Direction::Falls => value < self.threshold.number(),
         }
     }
 
@@ -170,7 +214,7 @@ mod tests {
             brackets: Brackets::One([2.0, 10.0]),
             tolerance,
             measure: "agitation".to_owned(),
-            threshold: 5.0,
+            threshold: Threshold::Number(5.0),
             direction: Direction::Falls,
             logarithmic: false,
             line: 1,

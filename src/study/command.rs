@@ -1,5 +1,6 @@
 //! `talcum study`: what the user types, and what the study answers.
 
+use crate::output::ResultTable;
 use crate::output::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
 use crate::study::checker::CaseReader;
 use crate::study::definition::Study;
@@ -153,7 +154,9 @@ impl StudyCommand {
         // Whoever writes last has read last: tables of several processes do not overtake each other.
         let _lock = wait_for_lock(&root.join("tables.lock")).map_err(anyhow::Error::msg)?;
         let collected = collect(session).map_err(anyhow::Error::msg)?;
-        for path in csv::write(&collected.tables, root).map_err(anyhow::Error::msg)? {
+        let mut written = csv::write(&collected.tables, root).map_err(anyhow::Error::msg)?;
+        written.push(write_hdf5(&collected.tables, root)?);
+        for path in written {
             log::info!("wrote {}", path.display());
         }
         for failure in &collected.failures {
@@ -161,6 +164,15 @@ impl StudyCommand {
         }
         Ok(collected.failures.is_empty())
     }
+}
+
+/// All tables in one file, `study.h5`; its root has their provenance, and the hash of what they hold.
+fn write_hdf5(tables: &[ResultTable], root: &Path) -> anyhow::Result<PathBuf> {
+    let path = root.join("study.h5");
+    let mut provenance = tables.first().map(|table| table.provenance.clone()).unwrap_or_default();
+    provenance.push(("tables_blake3".to_owned(), ResultTable::digest_of(tables)));
+    ResultTable::write_all(&path, &provenance, tables)?;
+    Ok(path)
 }
 
 impl StudyOptions {

@@ -4,8 +4,9 @@
 //! that was run is the one that the study asks for.
 
 use crate::output::lock::{Sharing, try_lock};
+use crate::output::readers::SeriesTable;
 use crate::study::case_text::EffectiveCase;
-use crate::study::measure::{NamedMeasure, SeriesTable};
+use crate::study::measure::{Measured, NamedMeasure};
 use crate::study::member::Member;
 use crate::study::task::{Records, RunState};
 use std::cell::RefCell;
@@ -198,10 +199,10 @@ impl Records for Results<'_> {
         self.folder.state(member)
     }
 
-    fn measure(&self, member: &Member, name: &str) -> Result<f64, String> {
+    fn measure(&self, member: &Member, name: &str) -> Result<Measured, String> {
         let measure = self.measures.iter().find(|measure| measure.name == name);
         let measure = measure.ok_or_else(|| format!("there is no measure {name}"))?;
         let measured = measure.measure.value(&self.folder.run(member));
-        measured.map(|measured| measured.value).map_err(|error| format!("{name}: {error}"))
+        measured.map_err(|error| format!("{name}: {error}"))
     }
 }

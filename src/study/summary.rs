@@ -1,10 +1,12 @@
 //! `talcum summary`: a table of means for runs that were made by hand.
 
+use crate::output::readers::SeriesTable;
+use crate::output::{Cells, Column, ResultTable};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
-use crate::study::measure::{SeriesTable, Statistic, Window};
+use crate::study::measure::{Statistic, Value, Window, statistic_of};
 use crate::study::member::short_name;
-use crate::study::table::{Cells, Column, Replicates, Table, csv};
+use crate::study::table::{Replicates, csv};
 use anyhow::{Context, bail};
 use clap::Args;
 use std::collections::BTreeMap;
@@ -122,7 +124,7 @@ impl<'o> Summary<'o> {
         for run in &runs {
             let row: Result<Vec<f64>, String> = columns
                 .iter()
-                .map(|(name, _)| Ok(run.series.statistic(name, statistic, &window)?.value))
+                .map(|(name, _)| value_of(&run.series, name, statistic, &window))
                 .collect();
             values
                 .push(row.map_err(|error| anyhow::anyhow!("{}/series.csv: {error}", run.folder))?);
@@ -130,7 +132,7 @@ impl<'o> Summary<'o> {
         Ok(Self { keys: differing_keys(&runs), runs, options, columns, values })
     }
 
-    fn runs(&self) -> Table {
+    fn runs(&self) -> ResultTable {
         let all: Vec<usize> = (0..self.runs.len()).collect();
         let text = |of: &dyn Fn(&Run) -> &String| {
             Cells::Text(self.runs.iter().map(|run| of(run).clone()).collect())
@@ -147,11 +149,11 @@ impl<'o> Summary<'o> {
             let values = self.values.iter().map(|row| row[index]).collect();
             columns.push(with_unit(name, unit, values));
         }
-        Table { name: "runs", provenance: self.provenance(), columns }
+        ResultTable { provenance: self.provenance(), ..ResultTable::new("runs", columns) }
     }
 
     /// One row for runs that differ in their seeds only.
-    fn points(&self) -> Table {
+    fn points(&self) -> ResultTable {
         let keys: Vec<&String> =
             self.keys.iter().filter(|key| !REPLICATE_KEYS.contains(&key.as_str())).collect();
         let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -173,7 +175,7 @@ impl<'o> Summary<'o> {
         for (index, (name, unit)) in self.columns.iter().enumerate() {
             columns.extend(self.estimates(&groups, index, name, unit));
         }
-        Table { name: "points", provenance: self.provenance(), columns }
+        ResultTable { provenance: self.provenance(), ..ResultTable::new("points", columns) }
     }
 
     fn estimates(
@@ -226,10 +228,20 @@ impl<'o> Summary<'o> {
     }
 }
 
+fn value_of(
+    series: &SeriesTable,
+    column: &str,
+    statistic: Statistic,
+    window: &Window,
+) -> Result<f64, String> {
+    match statistic_of(series, column, statistic, window)?.value {
+        Value::Number(value) => Ok(value),
+        Value::Text(_) | Value::Nothing(_) => Ok(f64::NAN),
+    }
+}
+
 fn with_unit(name: &str, unit: &str, values: Vec<f64>) -> Column {
-    let mut column = Column::new(name, "of the run", Cells::Number(values));
-    column.unit = Some(unit.to_owned());
-    column
+    Column::numbers(name, unit, "of the run", values)
 }
 
 /// The columns asked for, which all runs must have, with their units.

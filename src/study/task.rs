@@ -1,6 +1,7 @@
 //! A part of a study that can run by itself: one run, a chain of runs, or a search.
 
 use crate::study::bisection::{Bisection, Search};
+use crate::study::measure::Measured;
 use crate::study::member::{Member, MemberFactory};
 use crate::study::setting::{Setting, Value};
 use std::cell::RefCell;
@@ -28,7 +29,7 @@ pub(crate) trait Records {
     ///
     /// # Errors
     /// If the results do not hold it.
-    fn measure(&self, member: &Member, name: &str) -> Result<f64, String>;
+    fn measure(&self, member: &Member, name: &str) -> Result<Measured, String>;
 }
 
 /// A part of a study that depends on no other part.
@@ -156,7 +157,7 @@ impl Task {
         let search = bisection.search(*bracket, &mut |number| {
             let measured = make(number).and_then(|member| {
                 members.borrow_mut().push((number, Arc::clone(&member)));
-                measured(&member, &bisection.measure, records)
+                measured(&member, bisection, records)
             });
             measured.unwrap_or_else(|message| {
                 failure.borrow_mut().get_or_insert(message);
@@ -171,12 +172,17 @@ impl Task {
 }
 
 /// The measure that decides, if the run is complete.
-fn measured(member: &Member, name: &str, records: &dyn Records) -> Result<Option<f64>, String> {
+fn measured(
+    member: &Member,
+    search: &Bisection,
+    records: &dyn Records,
+) -> Result<Option<f64>, String> {
     match records.state(member) {
-        RunState::Done(_) => match records.measure(member, name)? {
-            value if value.is_nan() => Err(format!("{}: {name} is not a number", member.name)),
-            value => Ok(Some(value)),
-        },
+        RunState::Done(_) => {
+            let measured = records.measure(member, &search.measure)?;
+            let count = search.threshold.count(&measured.value);
+            count.map(Some).map_err(|why| format!("{}: {}: {why}", member.name, search.measure))
+        }
         RunState::Failed(reason) => Err(format!("{}: {reason}", member.name)),
         _ => Ok(None),
     }

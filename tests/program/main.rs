@@ -4,6 +4,7 @@
 #[path = "../launch/mod.rs"]
 mod launch;
 
+mod analyse;
 mod case_files;
 mod case_meaning;
 mod case_schema;

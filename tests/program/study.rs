@@ -32,6 +32,11 @@ fn tables(output: &Path) -> String {
     read("runs.csv") + &read("points.csv")
 }
 
+/// The tables as HDF5; nothing in the file depends on when or where it was written.
+fn hdf5(output: &Path) -> Vec<u8> {
+    std::fs::read(output.join("study.h5")).unwrap()
+}
+
 /// Starts a study, waits until a run has written a checkpoint without being complete, and sends a signal.
 fn interrupt(study: &Path, output: &Path, options: &[&str], name: &str) -> Ended {
     let mut running = start(0, &arguments(study, output, options));
@@ -60,6 +65,7 @@ fn tables_do_not_depend_on_ranks_and_interruptions() {
     let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
     assert_code(&run(&study, &whole, &["--at-a-time", "2"]), 0);
     let expected = tables(&whole);
+    let expected_hdf5 = hdf5(&whole);
     assert_eq!(expected.matches(",complete,").count(), 8, "{expected}");
 
     // Stopped gently: all runs have ended when the study ends.
@@ -72,12 +78,42 @@ fn tables_do_not_depend_on_ranks_and_interruptions() {
     assert_eq!(interrupt(&study, &broken, &on_two, "KILL").code(), None);
     assert_code(&run(&study, &broken, &on_two), 0);
     assert_eq!(tables(&broken), expected);
+    assert!(hdf5(&broken) == expected_hdf5);
 
     // Nothing is left to do, and what is written again is the same.
     std::fs::remove_file(broken.join("runs.csv")).unwrap();
     let nothing_starts = ["--ranks-per-run", "2", "--launcher", "no-such-program"];
     assert_code(&run(&study, &broken, &nothing_starts), 0);
     assert_eq!(tables(&broken), expected);
+}
+
+#[test]
+fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("measured.toml");
+    let head =
+        format!("title = \"measured\"\ncase = {:?}\n", data("bed.toml").display().to_string());
+    let text = "seeds = 2\nmeasures = [\"bed.height\", \"waves.state\", \"u_mf\"]\n[set]\noutput.profiles = 0.1\n\
+                [measure.late]\nsource = \"analysis\"\nquantity = \"bed.height\"\nwindow = { last = 1.0 }\n";
+    std::fs::write(&study, head + text).unwrap();
+    let output = folder.path().join("out");
+    assert_code(&run(&study, &output, &["--at-a-time", "2"]), 0);
+    let tables = tables(&output);
+    for heading in
+        ["bed.height [d],waves.state,u_mf [sqrt(g d)],late [d]", "u_mf_runs", "late_upper [d]"]
+    {
+        assert!(tables.contains(heading), "{heading}\n{tables}");
+    }
+    // A bed without a ramp has no U_mf, which is no error; no run gave one.
+    let points = std::fs::read_to_string(output.join("points.csv")).unwrap();
+    let row = points.lines().last().unwrap();
+    assert!(row.contains(",,,,,0,"), "{points}");
+    // The window counts: the bed is not as high in the mean as at its end.
+    let runs = std::fs::read_to_string(output.join("runs.csv")).unwrap();
+    let row: Vec<&str> = runs.lines().last().unwrap().split(',').collect();
+    let [.., whole, _, _, late] = row[..] else { panic!("{runs}") };
+    let [whole, late] = [whole, late].map(|cell| cell.parse::<f64>().unwrap());
+    assert!((10.0..60.0).contains(&whole) && late != whole, "{runs}");
 }
 
 #[test]

@@ -4,11 +4,10 @@ use super::adhesion::describe_adhesion;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
 use crate::gas::volume_averaged::VolumeAveragedModel;
-use crate::gas::{ColumnGas, Drive, GasModel, ParticleDrag};
+use crate::gas::{ColumnGas, Drive, GasModel};
 use crate::rules::{
     ContactPartner, LARGEST_STEP_NUMBER, LEAST_STEPS_PER_CONTACT, ReducedBody, courant_rate,
-    drag_response, hamaker_constant_per_bond_number, minimum_fluidisation_velocity, step_number,
-    stokes_number, viscous_rate,
+    drag_response, hamaker_constant_per_bond_number, step_number, stokes_number, viscous_rate,
 };
 use crate::state::SizeRange;
 use std::fmt::Write;
@@ -71,6 +70,7 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
             describe_volume_averaged(lines, model, &particle, stage.physics.time_step);
         }
     }
+    describe_fluidisation(lines, case, stage);
     describe_contacts(lines, case, stage, sizes);
     describe_adhesion(lines, case, stage);
 }
@@ -139,7 +139,6 @@ fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParti
         let ReferenceParticle { density, gravity, diameter, .. } = *particle;
         let stokes = stokes_number(gas.viscosity, density, gravity, diameter);
         lines.add("Stokes number", &format!("{stokes:.4}"));
-        describe_fluidisation(lines, &gas.particle_drag(), particle);
     }
 }
 
@@ -168,9 +167,6 @@ fn describe_volume_averaged(
     let response = drag_response(drag, step, particle.mass, LOOSE);
     let response = format!("{response:.4} at a voidage of {LOOSE}; may not exceed 1");
     lines.add("b dt / (m eps^2)", &response);
-    if particle.gravity > 0.0 {
-        describe_fluidisation(lines, &model.coupling.drag, particle);
-    }
 }
 
 /// Cell size along the axis of each inlet, and the largest superficial velocity there.
@@ -202,11 +198,13 @@ fn describe_gas_step(lines: &mut Lines, model: &VolumeAveragedModel, step: f64) 
     }
 }
 
-fn describe_fluidisation(lines: &mut Lines, drag: &ParticleDrag, particle: &ReferenceParticle) {
-    let velocities = SETTLED.map(|phi| {
-        let per_velocity = |velocity: f64| drag.per_velocity(particle.diameter, phi, velocity);
-        let velocity = minimum_fluidisation_velocity(per_velocity, particle.weight(), phi);
-        format!("{velocity:.4e} at phi {phi:.2}")
-    });
-    lines.add("U_mf of the force balance", &velocities.join(", "));
+fn describe_fluidisation(lines: &mut Lines, case: &Case, stage: &Stage) {
+    let velocity = |phi: f64| {
+        let velocity = case.minimum_fluidisation(stage, phi)?;
+        Some(format!("{velocity:.4e} at phi {phi:.2}"))
+    };
+    let velocities: Vec<String> = SETTLED.into_iter().filter_map(velocity).collect();
+    if !velocities.is_empty() {
+        lines.add("U_mf of the force balance", &velocities.join(", "));
+    }
 }

@@ -116,6 +116,16 @@ pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(
     Ok(())
 }
 
+/// The checkpoints of a folder, by ascending step; none is opened.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn files_in(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let steps = steps_in(folder);
+    let steps = steps.map_err(|message| OutputError { path: folder.to_owned(), message })?;
+    Ok(steps.into_iter().map(|step| folder.join(file_name(step))).collect())
+}
+
 /// The steps of a folder's checkpoints, ascending.
 fn steps_in(folder: &Path) -> MessageResult<Vec<u64>> {
     let mut steps: Vec<u64> = file_names(folder)?.iter().filter_map(|name| step_of(name)).collect();

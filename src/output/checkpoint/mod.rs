@@ -14,7 +14,7 @@ mod schema;
 mod write;
 
 pub(crate) use folder::is_checkpoint;
-pub use folder::{Search, file_name, newest_good, prune, supersede};
+pub use folder::{Search, file_name, files_in, newest_good, prune, supersede};
 pub use read::read;
 pub use write::write;
 

@@ -146,6 +146,17 @@ impl SerialFile {
         get().map_err(|error| missing(group, name, &error))
     }
 
+    /// An attribute of N numbers.
+    pub(super) fn numbers<T: Element, const N: usize>(
+        &self,
+        group: &str,
+        name: &str,
+    ) -> MessageResult<[T; N]> {
+        let get = || self.0.group(group)?.attr(name)?.read_raw::<T>();
+        let numbers = get().map_err(|error| missing(group, name, &error))?;
+        numbers.try_into().map_err(|_| format!("attribute {name} of {group} is not {N} numbers"))
+    }
+
     /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
     /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> MessageResult<()> {
@@ -174,6 +185,7 @@ impl SerialFile {
             };
             let extents = std::iter::once(first).chain(width.iter().map(Extent::from)).collect();
             let builder = builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never);
+            let builder = builder.obj_track_times(false);
             let dataset = builder.shape(SimpleExtents::from_vec(extents)).create(head.name)?;
             set_text(&dataset, "unit", head.unit)?;
             set_text(&dataset, "description", head.description)
@@ -198,6 +210,36 @@ impl SerialFile {
             return Err(format!("{name} claims to be larger than the file"));
         }
         described(dataset.read_raw())
+    }
+
+    /// So many rows of a dataset from `first_row` on.
+    pub(super) fn read_rows<T: Element>(
+        &self,
+        name: &str,
+        first_row: u64,
+        rows: u64,
+    ) -> MessageResult<Vec<T>> {
+        // Before room is made for them.
+        if self.shape(name)?.0 < first_row + rows {
+            return Err(format!("{name} has fewer than {} rows", first_row + rows));
+        }
+        let read = || read_rows(&self.0.dataset(name)?, first_row, rows, false);
+        described(read()).map_err(|message| format!("{name}: {message}"))
+    }
+
+    /// A new dataset of texts.
+    pub(super) fn make_texts(&self, head: &TableHead, texts: &[String]) -> MessageResult<()> {
+        let make = || {
+            let texts: Result<Vec<VarLenUnicode>, _> =
+                texts.iter().map(|text| VarLenUnicode::from_str(text)).collect();
+            let texts = texts.map_err(|error| error.to_string())?;
+            let builder = self.0.new_dataset::<VarLenUnicode>().obj_track_times(false);
+            let dataset = builder.shape([texts.len()]).create(head.name)?;
+            dataset.write_raw(&texts)?;
+            set_text(&dataset, "unit", head.unit)?;
+            set_text(&dataset, "description", head.description)
+        };
+        described(make())
     }
 
     /// Writes all rows of a dataset.

@@ -48,8 +48,9 @@ fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> 
     let axes = axes::axes(root);
     let replicates = axes::replicates(root, &axes);
     let grid: Vec<Axis> = axes.into_iter().filter(|axis| !axis.replicate).map(|a| a.axis).collect();
-    let measures = measures(root, registry);
+    let mut measures = measures(root, registry);
     let bisection = root.optional("bisection").map(|entry| search::bisection(&entry, &grid));
+    measures.extend(search::own_measure(bisection.as_ref(), &measures, registry));
     let continuation = root.optional("continuation").map(|entry| continuation(&entry, &grid));
     let confidence = confidence(root);
     let resources = resources(root);
@@ -106,24 +107,57 @@ fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
     }
 }
 
+/// The list `measures`, then the sections `[measure.NAME]`.
 fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
-    let allowed = "one section [measure.NAME] or more: what is measured on every run";
-    let Some(entry) = root.required("measure", allowed) else { return Vec::new() };
-    let Some(section) = entry.section() else { return Vec::new() };
-    let mut measures = Vec::new();
-    for (name, entry) in section.entries() {
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        if !name.chars().all(plain) {
-            entry.fail("a measure is named with characters, digits, _ and -");
+    let listed = root.optional("measures");
+    let allowed =
+        "one section [measure.NAME] or more, or a list measures: what is measured on every run";
+    let sections = match listed {
+        Some(_) => root.optional("measure"),
+        None => root.required("measure", allowed),
+    };
+    let names = listed.and_then(|entry| entry.list()).unwrap_or_default();
+    let mut measures: Vec<NamedMeasure> = Vec::new();
+    for (entry, measure) in names.iter().filter_map(|e| Some((e, listed_measure(e, registry)?))) {
+        if measures.iter().any(|known| known.name == measure.name) {
+            entry.fail("stands there twice");
+        }
+        measures.push(measure);
+    }
+    for (name, entry) in sections.iter().flat_map(|entry| measure_sections(entry)) {
+        if measures.iter().any(|known| known.name == name) {
+            entry.fail("is in the list measures already");
         }
         if let Some(measure) = entry.section().and_then(|keys| registry.prepare(&keys)) {
             measures.push(NamedMeasure { name, measure, line: entry.line });
         }
     }
-    if section.entries().is_empty() {
+    measures
+}
+
+fn listed_measure(entry: &Entry<'_>, registry: &Registry) -> Option<NamedMeasure> {
+    let name = entry.text()?;
+    match registry.named(&name) {
+        Ok(measure) => Some(NamedMeasure { name, measure, line: entry.line }),
+        Err(message) => {
+            entry.fail(message);
+            None
+        }
+    }
+}
+
+/// The sections `[measure.NAME]` by their names.
+fn measure_sections<'a>(entry: &Entry<'a>) -> Vec<(String, Entry<'a>)> {
+    let Some(section) = entry.section() else { return Vec::new() };
+    let sections = section.entries();
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    for (_, entry) in sections.iter().filter(|(name, _)| !name.chars().all(plain)) {
+        entry.fail("a measure is named with characters, digits, _ and -");
+    }
+    if sections.is_empty() {
         entry.fail("must hold at least one measure, [measure.NAME]");
     }
-    measures
+    sections
 }
 
 fn continuation(entry: &Entry<'_>, axes: &[Axis]) -> Option<Continuation> {

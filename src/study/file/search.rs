@@ -1,10 +1,12 @@
 //! `[bisection]` in a study file.
 
 use super::axes;
-use crate::study::bisection::{Bisection, Brackets, Direction};
+use crate::study::bisection::{Bisection, Brackets, Direction, Threshold};
 use crate::study::definition::{Axis, Study};
+use crate::study::measure::{NamedMeasure, Registry};
 use crate::study::problem::Problem;
-use crate::study::section::{Entry, Section};
+use crate::study::section::{Entry, Section, advice};
+use toml::de::DeValue;
 
 /// Reads the section.
 pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
@@ -13,7 +15,7 @@ pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
     let brackets = brackets(&section, grid);
     let tolerance = section.required("tolerance", "a number above 0");
     let measure = section.required("measure", "the name of a measure of this study");
-    let threshold = section.required("threshold", "a number");
+    let threshold = section.required("threshold", "a number, or a text that the measure may give");
     let direction = direction(&section);
     let logarithmic = axes::scale(&section);
     section.finish();
@@ -23,7 +25,7 @@ pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
         brackets,
         tolerance: tolerance.number()?,
         measure: measure?.text()?,
-        threshold: threshold?.number()?,
+        threshold: read_threshold(&threshold?)?,
         direction: direction?,
         logarithmic: logarithmic?,
         line: section.line,
@@ -38,6 +40,13 @@ pub(super) fn bisection(entry: &Entry<'_>, grid: &[Axis]) -> Option<Bisection> {
         }
     }
     Some(search)
+}
+
+fn read_threshold(entry: &Entry<'_>) -> Option<Threshold> {
+    match entry.value {
+        DeValue::String(_) => entry.text().map(Threshold::Text),
+        _ => entry.number().map(Threshold::Number),
+    }
 }
 
 fn direction(section: &Section<'_>) -> Option<Direction> {
@@ -80,7 +89,20 @@ fn pair(entry: &Entry<'_>) -> Option<[f64; 2]> {
     }
 }
 
-/// Refuses a search for an unknown measure, or one that is combined with a continuation.
+/// The measure of a search that names one by itself, which the study has not listed.
+pub(super) fn own_measure(
+    search: Option<&Option<Bisection>>,
+    listed: &[NamedMeasure],
+    registry: &Registry,
+) -> Option<NamedMeasure> {
+    let search = search?.as_ref()?;
+    let known = listed.iter().any(|measure| measure.name == search.measure);
+    let measure = registry.named(&search.measure).ok().filter(|_| !known)?;
+    Some(NamedMeasure { name: search.measure.clone(), measure, line: search.line })
+}
+
+/// Refuses a search for an unknown measure or with a threshold of another kind, or one that is combined with a
+/// continuation.
 pub(super) fn check(study: &Study, root: &Section<'_>) {
     let Some(search) = &study.bisection else { return };
     let fail = |key: &str, value: Option<String>, message: String| {
@@ -88,17 +110,33 @@ pub(super) fn check(study: &Study, root: &Section<'_>) {
         root.source.problems.add(Problem { line, key, value, message });
     };
     let names: Vec<&str> = study.measures.iter().map(|measure| measure.name.as_str()).collect();
-    if !names.is_empty() && !names.contains(&search.measure.as_str()) {
-        let advice = crate::study::section::advice(&search.measure, &names);
-        fail(
-            "measure",
-            Some(format!("{:?}", search.measure)),
-            format!("no such measure: {advice}"),
-        );
+    let measure = study.measures.iter().find(|measure| measure.name == search.measure);
+    if !names.is_empty() && measure.is_none() {
+        let message = format!("no such measure: {}", advice(&search.measure, &names));
+        fail("measure", Some(format!("{:?}", search.measure)), message);
+    }
+    let wrong = measure.and_then(|measure| wrong_threshold(search, measure));
+    if let Some(message) = wrong {
+        fail("threshold", None, message);
     }
     if study.continuation.is_some() {
         let message = "cannot be combined with [continuation]: the order of a search is not known \
                        before it has ended";
         fail("key", None, message.to_owned());
+    }
+}
+
+/// Why the threshold cannot be one of the measure.
+fn wrong_threshold(search: &Bisection, measure: &NamedMeasure) -> Option<String> {
+    let name = &measure.name;
+    match (measure.measure.texts(), &search.threshold) {
+        (None, Threshold::Text(_)) => Some(format!("must be a number, as {name} is")),
+        (Some(texts), Threshold::Number(_)) => {
+            Some(format!("must be a text that {name} may give: {}", texts.join(", ")))
+        }
+        (Some(texts), Threshold::Text(text)) if !texts.contains(&text.as_str()) => {
+            Some(format!("{text:?} is nothing that {name} gives: {}", advice(text, texts)))
+        }
+        _ => None,
     }
 }

@@ -1,50 +1,57 @@
-//! What is measured on a finished run: one number with its unit.
+//! What is measured on a finished run: one number with its unit, or one text.
 //!
-//! A *source* makes measures from the keys of a section `[measure.NAME]` of a study file. Sources are looked up
-//! by name in a [`Registry`], so that another one is added without a change elsewhere.
+//! A *source* makes measures from the keys of a section `[measure.NAME]` of a study file, and from names in its list
+//! `measures`. Sources are looked up by name in a [`Registry`], so that another one is added without a change
+//! elsewhere.
 
+mod analysis;
 mod series;
+mod window;
 
-pub(crate) use series::Table as SeriesTable;
-pub(crate) use series::{Series, Statistic, Window};
+pub(crate) use series::{Series, Statistic, statistic_of};
+pub(crate) use window::Window;
 
+use crate::output::OutputError;
 use crate::study::section::{Section, advice};
+use analysis::Analysis;
 use std::fmt;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
+use window::window;
 
-/// A number that a run gave.
+/// What a run gave.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Value {
+    /// A number.
+    Number(f64),
+    /// A text, such as the state of a bed.
+    Text(String),
+    /// Nothing, for this reason: a bed without waves has no speed of waves.
+    Nothing(String),
+}
+
+/// What a run gave, with its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Measured {
     /// Its value.
-    pub(crate) value: f64,
+    pub(crate) value: Value,
     /// Its unit, `1` for pure numbers.
     pub(crate) unit: String,
 }
 
-/// Why a run gave no number.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{}: {message}", path.display())]
-pub(crate) struct MeasureError {
-    /// The file or folder that was read.
-    pub(crate) path: PathBuf,
-    /// What is wrong with it.
-    pub(crate) message: String,
-}
-
-impl MeasureError {
-    pub(crate) fn new(path: &Path, message: impl Into<String>) -> Self {
-        Self { path: path.to_owned(), message: message.into() }
+impl Measured {
+    /// A number with its unit.
+    pub(crate) fn number(value: f64, unit: &str) -> Self {
+        Self { value: Value::Number(value), unit: unit.to_owned() }
     }
 }
 
-/// How one number is taken from the results of a run.
+/// How one number or text is taken from the results of a run.
 pub(crate) trait Measure: fmt::Debug {
-    /// The number.
+    /// What the run gave.
     ///
     /// # Errors
-    /// If the results do not hold it.
-    fn value(&self, results: &Path) -> Result<Measured, MeasureError>;
+    /// If the results cannot be read, or lack what is measured.
+    fn value(&self, results: &Path) -> Result<Measured, OutputError>;
 
     /// What is taken, for the head of a table.
     fn describe(&self) -> String;
@@ -54,9 +61,19 @@ pub(crate) trait Measure: fmt::Debug {
     /// # Errors
     /// What is wrong, and what is allowed.
     fn check(&self, end_time: f64) -> Result<(), String>;
+
+    /// The texts that it may give; `None` if it gives numbers.
+    fn texts(&self) -> Option<&'static [&'static str]> {
+        None
+    }
+
+    /// Whether a run may have nothing to measure, which is no error.
+    fn may_be_nothing(&self) -> bool {
+        false
+    }
 }
 
-/// Makes measures from the keys of a section.
+/// Makes measures from the keys of a section, or from names alone.
 pub(crate) trait MeasureSource {
     /// What `source = "..."` calls it.
     fn name(&self) -> &'static str;
@@ -64,6 +81,16 @@ pub(crate) trait MeasureSource {
     /// The measure that a section asks for. What is wrong with its keys is reported by the section; the
     /// result is then `None`.
     fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>>;
+
+    /// The names that stand for a measure by themselves.
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The measure of one of these names, of the whole run.
+    fn named(&self, _name: &str) -> Option<Box<dyn Measure>> {
+        None
+    }
 }
 
 /// A measure with the name that a study gives it.
@@ -81,9 +108,9 @@ pub(crate) struct NamedMeasure {
 pub(crate) struct Registry(Vec<Box<dyn MeasureSource>>);
 
 impl Default for Registry {
-    /// With the columns of `series.csv`.
+    /// The columns of `series.csv`, and what `talcum analyse` measures.
     fn default() -> Self {
-        Self(vec![Box::new(Series)])
+        Self(vec![Box::new(Series), Box::new(Analysis::default())])
     }
 }
 
@@ -105,5 +132,18 @@ impl Registry {
             entry.fail(format!("no such source of measures: {}", advice(&name, &names)));
         }
         None
+    }
+
+    /// The measure that a name stands for by itself.
+    ///
+    /// # Errors
+    /// What to write instead, if no source knows it.
+    pub(crate) fn named(&self, name: &str) -> Result<Box<dyn Measure>, String> {
+        let found = self.0.iter().find_map(|source| source.named(name));
+        found.ok_or_else(|| {
+            let names: Vec<String> = self.0.iter().flat_map(|source| source.names()).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            format!("no such measure: {}", advice(name, &names))
+        })
     }
 }

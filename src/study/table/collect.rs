@@ -1,8 +1,9 @@
 //! The tables of a study: one row for each run, each search, and each point.
 
-use super::replicates::Replicates;
-use super::{Cells, Column, Table};
+use super::measured::MeasureColumns;
+use crate::output::{Cells, Column, ResultTable};
 use crate::study::bisection::Bisection;
+use crate::study::measure::Value;
 use crate::study::member::{Member, short_name};
 use crate::study::plan::Point;
 use crate::study::session::Session;
@@ -15,16 +16,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Collected {
     /// `runs`, `searches` if there are any, and `points`.
-    pub(crate) tables: Vec<Table>,
+    pub(crate) tables: Vec<ResultTable>,
     /// Why measures are missing from complete runs.
     pub(crate) failures: Vec<String>,
 }
 
-/// A run with its measures; not a number where there is none.
+/// A run with what it gave; `None` where that could not be read.
 struct Row {
     member: Arc<Member>,
     state: RunState,
-    measured: Vec<f64>,
+    measured: Vec<Option<Value>>,
 }
 
 /// Reads all runs and makes the tables. They depend on the results only, not on the order in which runs
@@ -72,13 +73,16 @@ impl Collector<'_> {
     fn row(&mut self, member: Arc<Member>) -> Row {
         let (folder, study) = (self.session.folder, self.session.study);
         let state = folder.state(&member);
-        let mut measured = vec![f64::NAN; study.measures.len()];
+        let mut measured = vec![None; study.measures.len()];
         if let RunState::Done(_) = state {
             let results = folder.run(&member);
             for (index, measure) in study.measures.iter().enumerate() {
                 match measure.measure.value(&results) {
                     Ok(value) => {
-                        measured[index] = value.value;
+                        if let Value::Nothing(reason) = &value.value {
+                            log::info!("{}: {}: {reason}", folder.name_of(&member), measure.name);
+                        }
+                        measured[index] = Some(value.value);
                         self.units[index].get_or_insert(value.unit);
                     }
                     Err(error) => self.failures.push(format!("{}: {error}", measure.name)),
@@ -88,7 +92,7 @@ impl Collector<'_> {
         Row { member, state, measured }
     }
 
-    fn runs(&self, rows: &[Row]) -> Table {
+    fn runs(&self, rows: &[Row]) -> ResultTable {
         let folder = self.session.folder;
         let point = rows.iter().map(|row| row.member.point as u64 + 1).collect();
         let mut columns = vec![
@@ -102,10 +106,11 @@ impl Collector<'_> {
         columns.extend(self.key_columns(&self.session.study.varied_keys(), &settings));
         columns.extend(self.origin_columns(rows));
         for (index, measure) in self.session.study.measures.iter().enumerate() {
-            let values = rows.iter().map(|row| row.measured[index]).collect();
-            columns.push(self.measure_column(index, &measure.name, "of the run", values));
+            let values: Vec<_> = rows.iter().map(|row| row.measured[index].as_ref()).collect();
+            columns
+                .push(MeasureColumns::of(measure, self.units[index].as_deref()).of_runs(&values));
         }
-        Table { name: "runs", provenance: Vec::new(), columns }
+        ResultTable::new("runs", columns)
     }
 
     /// State and digest of each run, and what it came from.
@@ -132,7 +137,7 @@ impl Collector<'_> {
     }
 
     /// Mean and interval over the replicates of every point.
-    fn points(&self, rows: &[Row]) -> Table {
+    fn points(&self, rows: &[Row]) -> ResultTable {
         let points = &self.session.plan.points;
         let mut columns = self.point_columns(points);
         let is_done = |row: &&Row| matches!(row.state, RunState::Done(_));
@@ -141,30 +146,13 @@ impl Collector<'_> {
         let counts = (0..points.len()).map(|point| of_point(point).count() as u64).collect();
         columns.push(Column::new("runs", "complete runs of the point", Cells::Whole(counts)));
         for (index, measure) in self.session.study.measures.iter().enumerate() {
-            let estimate = |point| {
-                let values: Vec<f64> = of_point(point).map(|row| row.measured[index]).collect();
-                Replicates::of(&values, self.session.study.confidence)
-            };
-            let estimates: Vec<_> = (0..points.len()).map(estimate).collect();
-            let column = |suffix: &str, about: &str, of: &dyn Fn(&Replicates) -> f64| {
-                let values = estimates
-                    .iter()
-                    .map(|estimate| estimate.as_ref().map_or(f64::NAN, of))
-                    .collect();
-                self.measure_column(index, &format!("{}{suffix}", measure.name), about, values)
-            };
-            columns.push(column("", "mean over the runs", &|e| e.mean));
-            columns.push(column("_deviation", "standard deviation", &|e| e.deviation));
-            columns.push(column("_lower", "lower end of the interval", &|e| e.mean - e.half_width));
-            columns.push(column("_upper", "upper end of the interval", &|e| e.mean + e.half_width));
+            let values: Vec<Vec<_>> = (0..points.len())
+                .map(|point| of_point(point).map(|row| row.measured[index].as_ref()).collect())
+                .collect();
+            let (unit, confidence) = (self.units[index].as_deref(), self.session.study.confidence);
+            columns.extend(MeasureColumns::of(measure, unit).of_points(&values, confidence));
         }
-        Table { name: "points", provenance: Vec::new(), columns }
-    }
-
-    fn measure_column(&self, index: usize, name: &str, about: &str, values: Vec<f64>) -> Column {
-        let mut column = Column::new(name, about, Cells::Number(values));
-        column.unit.clone_from(&self.units[index]);
-        column
+        ResultTable::new("points", columns)
     }
 
     /// The number of each point, and what it sets.

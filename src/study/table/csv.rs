@@ -1,6 +1,6 @@
 //! Tables as text: comments with the provenance, a line of names, a line for each row.
 
-use super::{Cells, Table};
+use crate::output::{Cells, ResultTable};
 use crate::study::folder::write_whole;
 use crate::study::setting::shortest;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// If a file cannot be written.
-pub(crate) fn write(tables: &[Table], folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let write = |table: &Table| {
+pub(crate) fn write(tables: &[ResultTable], folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let write = |table: &ResultTable| {
         let path = folder.join(format!("{}.csv", table.name));
         write_whole(&path, &text(table)).map(|()| path)
     };
@@ -18,7 +18,7 @@ pub(crate) fn write(tables: &[Table], folder: &Path) -> Result<Vec<PathBuf>, Str
 }
 
 /// The text of a table. Numbers have as many digits as are needed to read back the same bits.
-pub(crate) fn text(table: &Table) -> String {
+pub(crate) fn text(table: &ResultTable) -> String {
     let mut text = String::new();
     for (name, value) in &table.provenance {
         text += &format!("# {name}: {}\n", value.replace(['\n', '\r'], " "));
@@ -59,14 +59,14 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::table::Column;
+    use crate::output::Column;
 
     #[test]
     fn a_table_as_text() {
         let mut height = Column::new("height", "", Cells::Number(vec![0.1, f64::NAN]));
         height.unit = Some("d".to_owned());
-        let table = Table {
-            name: "runs",
+        let table = ResultTable {
+            name: "runs".to_owned(),
             provenance: vec![("title".to_owned(), "two\nlines".to_owned())],
             columns: vec![
                 Column::new("run", "", Cells::Text(vec!["a, b".to_owned(), "c".to_owned()])),
@@ -76,13 +76,5 @@ mod tests {
         };
         let expected = "# title: two lines\nrun,seed,height [d]\n\"a, b\",1,0.1\nc,2,\n";
         assert_eq!(text(&table), expected);
-    }
-
-    #[test]
-    fn values_are_numbers_only_if_all_are() {
-        let cells = |values: [&str; 2]| Cells::of_values(values.map(str::to_owned).to_vec());
-        assert_eq!(cells(["1", "2"]), Cells::Whole(vec![1, 2]));
-        assert_eq!(cells(["1", "0.5"]), Cells::Number(vec![1.0, 0.5]));
-        assert!(matches!(cells(["1", "on"]), Cells::Text(_)));
     }
 }

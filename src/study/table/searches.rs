@@ -2,7 +2,7 @@
 
 use super::collect::Collector;
 use super::replicates::Replicates;
-use super::{Cells, Column, Table};
+use crate::output::{Cells, Column, ResultTable};
 use crate::study::bisection::{Bisection, Search};
 use crate::study::plan::Point;
 use crate::study::setting::Setting;
@@ -21,7 +21,7 @@ impl Collector<'_> {
     }
 
     /// One row for each search.
-    pub(super) fn search_table(&self, records: &[(&Task, SearchRecord)]) -> Table {
+    pub(super) fn search_table(&self, records: &[(&Task, SearchRecord)]) -> ResultTable {
         let study = self.session.study;
         let keys: Vec<String> =
             study.replicates.iter().flat_map(|axis| axis.keys.clone()).collect();
@@ -52,11 +52,15 @@ impl Collector<'_> {
                 Cells::Number(records.iter().map(end).collect()),
             ));
         }
-        Table { name: "searches", provenance: Vec::new(), columns }
+        ResultTable::new("searches", columns)
     }
 
     /// The critical value of every point, with its interval over the replicates.
-    pub(super) fn critical(&self, search: &Bisection, records: &[(&Task, SearchRecord)]) -> Table {
+    pub(super) fn critical(
+        &self,
+        search: &Bisection,
+        records: &[(&Task, SearchRecord)],
+    ) -> ResultTable {
         let points = &self.session.plan.points;
         let mut columns = self.point_columns(points);
         let brackets = |point: usize| -> Vec<[f64; 2]> {
@@ -81,7 +85,7 @@ impl Collector<'_> {
             let values = estimates.iter().map(|estimate| estimate[index]).collect();
             columns.push(Column::new(name, about, Cells::Number(values)));
         }
-        Table { name: "points", provenance: Vec::new(), columns }
+        ResultTable::new("points", columns)
     }
 }
 

@@ -49,7 +49,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[measure.x]\nsource = \"analyse\"\n",
-        "measure.x.source = \"analyse\": no such source of measures: known here are series",
+        "measure.x.source = \"analyse\": no such source of measures: did you mean analysis?",
     ),
     (
         "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"median\"\n",
@@ -57,6 +57,22 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "[measure.x]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\nwindow = { from = 50 }\n",
+        "study.toml:3: measure.x: the window begins at 50, but the run ends at 4",
+    ),
+    (
+        "measures = [\"bed.height\", \"waves.sped\"]\n",
+        "study.toml:3: measures.2 = \"waves.sped\": no such measure: did you mean waves.speed?",
+    ),
+    (
+        "measures = [\"bed.height\", \"bed.height\"]\n",
+        "study.toml:3: measures.2 = \"bed.height\": stands there twice",
+    ),
+    (
+        "[measure.x]\nsource = \"analysis\"\nquantity = \"bed.hight\"\n",
+        "study.toml:5: measure.x.quantity = \"bed.hight\": no such quantity: did you mean bed.height?",
+    ),
+    (
+        "[measure.x]\nsource = \"analysis\"\nquantity = \"u_mf\"\nwindow = { from = 50 }\n",
         "study.toml:3: measure.x: the window begins at 50, but the run ends at 4",
     ),
     ("[run]\nranks = 0\n", "study.toml:4: run.ranks = 0: must be a whole number from 1 to 65536"),
@@ -98,6 +114,18 @@ fn bad_searches_and_continuations_are_refused() {
             "study.toml:3: bisection.measure = \"tip\": no such measure: known here are top",
         ),
         (
+            search.replace("\"top\"", "\"waves.state\""),
+            "study.toml:3: bisection.threshold: must be a text that waves.state may give: waves, partly_frozen",
+        ),
+        (
+            search.replace("\"top\"", "\"waves.state\"").replace("= 5", "= \"frosen\""),
+            "bisection.threshold: \"frosen\" is nothing that waves.state gives: did you mean frozen?",
+        ),
+        (
+            search.replace("= 5", "= \"frozen\""),
+            "study.toml:3: bisection.threshold: must be a number, as top is",
+        ),
+        (
             search.replace("0.5", "9"),
             "study.toml:6: bisection.tolerance = 9: must be above 0 and below 8",
         ),
@@ -126,6 +154,8 @@ fn all_errors_are_reported_together_and_good_studies_pass() {
     let refusal = Desk::new("seeds = 0\nseed = 1\n[run]\nranks = 0\n").refusal();
     assert_eq!(refusal.lines().count(), 3, "{refusal}");
     assert_eq!(Desk::new(&format!("seeds = 2\n{AXIS}")).refusal(), "");
+    let by_name = SEARCH.replace("\"top\"", "\"waves.state\"").replace("= 5", "= \"frozen\"");
+    assert_eq!(Desk::new(&format!("measures = [\"bed.height\"]\n{by_name}")).refusal(), "");
 }
 
 #[test]

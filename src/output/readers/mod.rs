@@ -1,0 +1,55 @@
+//! Files of a run, read back: whole ones, and those that a run is still writing.
+//!
+//! Rows that are not complete yet are left out. Reading changes nothing and needs no ranks.
+
+mod gas;
+mod particles;
+mod profiles;
+mod series;
+
+pub use gas::GasSnapshotReader;
+pub use particles::{ParticleSnapshot, ParticleSnapshotReader};
+pub use profiles::ProfileTable;
+pub use series::SeriesTable;
+
+use super::hdf5_file::SerialFile;
+use super::{MessageResult, OutputError};
+use std::io::Read;
+use std::path::Path;
+
+/// First bytes of an HDF5 file.
+const SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
+
+/// Opens a growing file and reads from it.
+fn reading<T>(
+    path: &Path,
+    read: impl FnOnce(&SerialFile) -> MessageResult<T>,
+) -> Result<T, OutputError> {
+    let opened = check_signature(path).and_then(|()| SerialFile::open(path));
+    let opened = opened.map_err(|message| {
+        format!(
+            "{message}. If the run was killed while it wrote, `talcum run --resume` mends the file; if the run goes \
+             on, try again"
+        )
+    });
+    opened
+        .and_then(|file| read(&file))
+        .map_err(|message| OutputError { path: path.to_owned(), message })
+}
+
+/// The library is shown nothing that is not HDF5 at all.
+fn check_signature(path: &Path) -> MessageResult<()> {
+    let mut start = [0; SIGNATURE.len()];
+    let file = std::fs::File::open(path).map_err(|error| format!("cannot be opened: {error}"));
+    match file?.read_exact(&mut start) {
+        Ok(()) if start == *SIGNATURE => Ok(()),
+        _ => Err("this is not an HDF5 file, or it was cut short".to_owned()),
+    }
+}
+
+/// How many of the rows have a time that is later than the one before: room that was made in the file and is not filled
+/// yet holds zeros.
+fn rising(times: &[f64]) -> usize {
+    let falls = times.windows(2).position(|pair| pair[1] <= pair[0] || !pair[1].is_finite());
+    falls.map_or(times.len(), |place| place + 1)
+}

@@ -1,0 +1,86 @@
+//! `particles.vtkhdf`, read back one snapshot at a time.
+
+use super::{reading, rising};
+use crate::output::OutputError;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// The snapshots of a file: their times, and where their rows are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticleSnapshotReader {
+    path: PathBuf,
+    /// Times of the snapshots, rising.
+    pub times: Vec<f64>,
+    rows: Vec<Range<u64>>,
+}
+
+/// The particles at one time, by ascending id.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticleSnapshot {
+    /// Global ids.
+    pub ids: Vec<u64>,
+    /// Centres, inside of the box.
+    pub positions: Vec<[f64; 3]>,
+    /// Velocities of the centres.
+    pub velocities: Vec<[f64; 3]>,
+    /// Radii.
+    pub radii: Vec<f64>,
+}
+
+impl ParticleSnapshotReader {
+    /// Reads the times.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is not such a file.
+    pub fn open(path: &Path) -> Result<Self, OutputError> {
+        let (times, counts) = reading(path, |file| {
+            let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
+            let mut times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
+            let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
+            times.truncate(counts.len().min(listed.max(0) as usize));
+            times.truncate(rising(&times));
+            Ok((times, counts))
+        })?;
+        let mut end = 0;
+        let mut rows = Vec::new();
+        for &count in &counts[..times.len()] {
+            let Ok(count) = u64::try_from(count) else {
+                let message = "its numbers of particles are damaged".to_owned();
+                return Err(OutputError { path: path.to_owned(), message });
+            };
+            rows.push(end..end + count);
+            end += count;
+        }
+        Ok(Self { path: path.to_owned(), times, rows })
+    }
+
+    /// The snapshots within a range of times, both ends included.
+    pub fn between(&self, from: f64, to: f64) -> Self {
+        let first = self.times.partition_point(|&time| time < from);
+        let end = self.times.partition_point(|&time| time <= to).max(first);
+        let (times, rows) = (self.times[first..end].to_vec(), self.rows[first..end].to_vec());
+        Self { path: self.path.clone(), times, rows }
+    }
+
+    /// Reads the particles of a snapshot.
+    ///
+    /// # Errors
+    /// If its rows cannot be read.
+    pub fn snapshot(&self, number: usize) -> Result<ParticleSnapshot, OutputError> {
+        let Range { start, end } = self.rows[number];
+        reading(&self.path, |file| {
+            let numbers = |name: &str| file.read_rows::<f64>(name, start, end - start);
+            let vectors = |name: &str| -> Result<Vec<[f64; 3]>, String> {
+                let vector = |numbers: &[f64]| [numbers[0], numbers[1], numbers[2]];
+                Ok(numbers(name)?.chunks_exact(3).map(vector).collect())
+            };
+            let ids: Vec<i64> = file.read_rows("/VTKHDF/PointData/id", start, end - start)?;
+            Ok(ParticleSnapshot {
+                ids: ids.into_iter().map(|id| id as u64).collect(),
+                positions: vectors("/VTKHDF/Points")?,
+                velocities: vectors("/VTKHDF/PointData/velocity")?,
+                radii: numbers("/VTKHDF/PointData/radius")?,
+            })
+        })
+    }
+}

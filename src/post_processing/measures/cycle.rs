@@ -1,0 +1,115 @@
+//! Means over the phase of the plate's vibration.
+
+use crate::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
+use crate::analysis::{NoValue, Quantity};
+use crate::domain::Vibration;
+use crate::output::{Column, ResultTable};
+use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+
+pub(super) const MEASURE: Measure = Measure {
+    name: "cycle",
+    title: "The cycle of the vibrated plate",
+    scalars: || vec![FREQUENCY, CYCLES, PLATE_PEAK, PLATE_PEAK_PHASE, LIFT],
+    find,
+};
+
+const FREQUENCY: Kind = Kind::number("frequency", Quantity::Frequency, "of the plate");
+const CYCLES: Kind = Kind::number("cycles", Quantity::Number, "complete cycles that were averaged");
+const PLATE_PEAK: Kind =
+    Kind::number("plate_stress_peak", Quantity::Number, "largest mean stress on the plate");
+const PLATE_PEAK_PHASE: Kind =
+    Kind::number("plate_stress_peak_phase", Quantity::Number, "at this part of the cycle");
+const LIFT: Kind =
+    Kind::number("lift", Quantity::Length, "largest less smallest mean height of the bed's bottom");
+
+/// Columns that are averaged.
+const COLUMNS: [&str; 8] = [
+    "plate_stress",
+    "gas_force",
+    "grid_pressure_drop",
+    "effective_gravity",
+    "bed_bottom",
+    "bed_top",
+    "centre_height",
+    "centre_velocity",
+];
+/// Parts of a cycle.
+const BINS: usize = 40;
+
+fn find(results: &Results) -> Result<Findings, Unmeasured> {
+    let vibration = last_vibration(results)?;
+    let times = results.column("time")?;
+    let from = times.partition_point(|&time| time < vibration.start);
+    let options = PhaseOptions {
+        frequency: vibration.frequency,
+        origin: vibration.start,
+        bins: BINS,
+        skipped_cycles: 0,
+    };
+    let series = results.series()?;
+    let mut found = Findings::new(results.units());
+    let mut columns: Vec<Column> = Vec::new();
+    let mut averages = Vec::new();
+    for name in COLUMNS {
+        let Some(values) = series.column(name) else { continue };
+        if times.len() - from < 2 {
+            return Err(NoValue::because("the plate vibrates at none of these times").into());
+        }
+        let average = phase_average(&times[from..], &values[from..], &options)?;
+        if columns.is_empty() {
+            columns.push(Column::numbers("phase", "1", "part of a cycle", average.phases.clone()));
+        }
+        let unit = series.position(name).map_or("1", |place| &series.columns[place].1);
+        columns.extend(columns_of(name, unit, &average));
+        averages.push((name, average));
+    }
+    let of = |name: &str| averages.iter().find(|(known, _)| *known == name).map(|(_, a)| a);
+    found.add(&FREQUENCY, vibration.frequency);
+    found.add(&CYCLES, averages.first().map_or(0.0, |(_, average)| average.cycles.len() as f64));
+    let peak = of("plate_stress").and_then(peak);
+    found.add(&PLATE_PEAK, peak.clone().map_or_else(nothing, |(_, value)| value));
+    found.add(&PLATE_PEAK_PHASE, peak.map_or_else(nothing, |(phase, _)| phase.into()));
+    found.add(&LIFT, of("bed_bottom").and_then(lift).map_or_else(nothing, Value::from));
+    found.tables.push(ResultTable::new("cycle/phases", columns));
+    Ok(found)
+}
+
+fn nothing() -> Value {
+    Value::Nothing(NoValue::because("no phase of the cycle has rows"))
+}
+
+/// The vibration of the last stage that counts.
+fn last_vibration(results: &Results) -> Result<Vibration, Unmeasured> {
+    let vibrations = results.stages()?.filter_map(|stage| stage.physics.gravity.vibration);
+    let none = || NoValue::because("the plate does not vibrate at these times");
+    Ok(vibrations.last().ok_or_else(none)?)
+}
+
+fn columns_of(name: &str, unit: &str, average: &PhaseAverage) -> [Column; 2] {
+    let numbers = |values: &[Option<f64>]| -> Vec<f64> {
+        values.iter().map(|value| value.unwrap_or(f64::NAN)).collect()
+    };
+    let error = format!("{name}_error");
+    [
+        Column::numbers(name, unit, "mean over the cycles", numbers(&average.means)),
+        Column::numbers(
+            &error,
+            unit,
+            "its standard error between cycles",
+            numbers(&average.errors),
+        ),
+    ]
+}
+
+/// Phase and value of the largest mean, with its error.
+fn peak(average: &PhaseAverage) -> Option<(f64, Value)> {
+    let known = average.means.iter().enumerate().filter_map(|(bin, mean)| Some((bin, (*mean)?)));
+    let (bin, value) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some((average.phases[bin], Value::Number { value, error: average.errors[bin] }))
+}
+
+fn lift(average: &PhaseAverage) -> Option<f64> {
+    let known = || average.means.iter().flatten().copied();
+    let highest = known().reduce(f64::max)?;
+    Some(highest - known().fold(highest, f64::min))
+}

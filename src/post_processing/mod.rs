@@ -1,0 +1,100 @@
+//! What `talcum analyse` does: reads the results of a run, and measures on them by the functions of
+//! [`analysis`](crate::analysis).
+//!
+//! A measure is a file in `measures/` and its line in the list there. It takes what it needs from [`Results`], which say
+//! which key of the case would have given a file that is not there. Its numbers have names, `waves.speed`, by which
+//! studies ask for them. A file that is there but cannot be read is an error.
+//!
+//! Measures need no ranks, and what they find does not depend on those of the run.
+
+mod analysis_file;
+mod evenly_spaced;
+mod findings;
+mod measures;
+mod report;
+mod results;
+#[cfg(test)]
+mod tests;
+
+pub use analysis_file::write as write_analysis;
+pub use findings::{Findings, Kind, Scalar, Unmeasured, Value};
+pub use measures::MEASURES;
+pub use report::{list, report};
+pub use results::{Results, TimeWindow};
+
+use crate::output::OutputError;
+use std::fmt;
+
+/// A measure in the list of all.
+#[derive(Debug)]
+pub struct Measure {
+    /// Its name, and that of its group in the analysis file.
+    pub name: &'static str,
+    /// Its heading in the summary.
+    pub title: &'static str,
+    /// The numbers and texts that it may give; one with an empty name goes by the measure's own.
+    pub scalars: fn() -> Vec<Kind>,
+    /// Measures.
+    pub find: fn(&Results) -> Result<Findings, Unmeasured>,
+}
+
+impl Measure {
+    /// The measure of that name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        MEASURES.iter().copied().find(|measure| measure.name == name)
+    }
+
+    /// What it finds; if the results do not allow it, nothing but the reason.
+    ///
+    /// # Errors
+    /// If a file that is there cannot be read.
+    pub fn take(&self, results: &Results) -> Result<Findings, OutputError> {
+        match (self.find)(results) {
+            Ok(found) => Ok(found),
+            Err(Unmeasured::Nothing(reason)) => Ok(Findings::nothing((self.scalars)(), &reason)),
+            Err(Unmeasured::Unreadable(error)) => Err(error),
+        }
+    }
+}
+
+/// A number or text of a measure, by its full name: `waves.speed`, or `u_mf`.
+#[derive(Clone, Debug)]
+pub struct ScalarName {
+    /// Its measure.
+    pub measure: &'static Measure,
+    /// What it is.
+    pub kind: Kind,
+}
+
+impl fmt::Display for ScalarName {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&full_name(self.measure, &self.kind))
+    }
+}
+
+/// The name by which a number or text is asked for.
+fn full_name(measure: &Measure, kind: &Kind) -> String {
+    match kind.name {
+        "" => measure.name.to_owned(),
+        name => format!("{}.{name}", measure.name),
+    }
+}
+
+/// All names, measure by measure.
+fn scalars() -> impl Iterator<Item = ScalarName> {
+    let of_measure = |measure: &&'static Measure| {
+        let measure = *measure;
+        (measure.scalars)().into_iter().map(move |kind| ScalarName { measure, kind })
+    };
+    MEASURES.iter().flat_map(of_measure)
+}
+
+/// The number or text that a full name stands for.
+pub fn scalar_named(name: &str) -> Option<ScalarName> {
+    scalars().find(|scalar| scalar.to_string() == name)
+}
+
+/// All full names.
+pub fn scalar_names() -> Vec<String> {
+    scalars().map(|scalar| scalar.to_string()).collect()
+}

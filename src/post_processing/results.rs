@@ -1,0 +1,237 @@
+//! The folder of a run, read as far as measures ask for it.
+
+use super::Unmeasured;
+use crate::analysis::{Digest, NoValue, Periodicity};
+use crate::case::{Case, Stage};
+use crate::gas::GasModel;
+use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::readers::{
+    GasSnapshotReader, ParticleSnapshotReader, ProfileTable, SeriesTable,
+};
+use crate::output::{ColumnUnits, OutputError};
+use crate::parallel::OneRank;
+use std::cell::OnceCell;
+use std::path::{Path, PathBuf};
+
+/// The times that count; both ends belong to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeWindow {
+    /// First time.
+    pub from: f64,
+    /// Last time.
+    pub to: f64,
+}
+
+impl TimeWindow {
+    /// All times.
+    pub const WHOLE: Self = Self { from: f64::NEG_INFINITY, to: f64::INFINITY };
+
+    fn holds(&self, time: f64) -> bool {
+        (self.from..=self.to).contains(&time)
+    }
+}
+
+type Read<T> = OnceCell<Result<T, Unmeasured>>;
+
+/// The results of a run. Files are read when a measure asks for them first.
+pub struct Results {
+    folder: PathBuf,
+    /// The times that count.
+    pub window: TimeWindow,
+    case_text: String,
+    case: Result<Case, NoValue>,
+    series: Read<SeriesTable>,
+    profiles: Read<ProfileTable>,
+    checkpoints: Read<Vec<PathBuf>>,
+}
+
+impl Results {
+    /// The results in a folder.
+    ///
+    /// # Errors
+    /// If it holds no `case.toml`.
+    pub fn open(folder: &Path, window: TimeWindow) -> Result<Self, OutputError> {
+        let path = folder.join("case.toml");
+        let case_text = std::fs::read_to_string(&path).map_err(|error| OutputError {
+            path: path.clone(),
+            message: format!("cannot be read: {error}; name the folder of results of a run"),
+        })?;
+        let case = Case::from_text(&case_text, &path.display().to_string(), folder, &[]);
+        let case = case.map_err(|errors| {
+            NoValue::because(format!("this Talcum does not accept the run's case:\n{errors}"))
+        });
+        let (series, profiles, checkpoints) = Default::default();
+        let folder = folder.to_owned();
+        Ok(Self { folder, window, case_text, case, series, profiles, checkpoints })
+    }
+
+    /// Where they are.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The text of the case.
+    pub fn case_text(&self) -> &str {
+        &self.case_text
+    }
+
+    /// The case.
+    pub fn case(&self) -> Result<&Case, Unmeasured> {
+        self.case.as_ref().map_err(|reason| reason.clone().into())
+    }
+
+    /// The units of the case.
+    pub fn units(&self) -> ColumnUnits {
+        // A case that is not accepted may say nonsense here, and its numbers then have no unit that is known.
+        let name = |case: &Case| case.units.name();
+        ColumnUnits::of_system(self.case.as_ref().map_or("dimensionless", name))
+    }
+
+    /// Digest of the last state, if the run came to its end.
+    pub fn run_digest(&self) -> Option<String> {
+        let text = std::fs::read_to_string(self.folder.join("complete")).ok()?;
+        text.lines().find_map(|line| Some(line.strip_prefix("digest ")?.trim().to_owned()))
+    }
+
+    /// All rows of `series.csv`.
+    pub fn whole_series(&self) -> Result<&SeriesTable, Unmeasured> {
+        let read = || {
+            let path = self.file("series.csv", "output.series")?;
+            Ok(SeriesTable::read(&path)?)
+        };
+        as_ref(self.series.get_or_init(read))
+    }
+
+    /// The rows of `series.csv` that count; at least one.
+    pub fn series(&self) -> Result<SeriesTable, Unmeasured> {
+        let rows = self.whole_series()?.between(self.window.from, self.window.to);
+        self.require_times(rows.rows.len(), "series.csv")?;
+        Ok(rows)
+    }
+
+    /// A column of the rows that count.
+    pub fn column(&self, name: &str) -> Result<Vec<f64>, Unmeasured> {
+        let absent = || NoValue::because(format!("series.csv has no column {name}"));
+        Ok(self.series()?.column(name).ok_or_else(absent)?)
+    }
+
+    /// All rows of `profiles.h5`.
+    pub fn whole_profiles(&self) -> Result<&ProfileTable, Unmeasured> {
+        let read = || {
+            let path = self.file("profiles.h5", "output.profiles")?;
+            Ok(ProfileTable::read(&path)?)
+        };
+        as_ref(self.profiles.get_or_init(read))
+    }
+
+    /// The rows of `profiles.h5` that count; at least one.
+    pub fn profiles(&self) -> Result<ProfileTable, Unmeasured> {
+        let rows = self.whole_profiles()?.between(self.window.from, self.window.to);
+        self.require_times(rows.times.len(), "profiles.h5")?;
+        Ok(rows)
+    }
+
+    /// The snapshots of particles that count; at least one.
+    pub fn particle_snapshots(&self) -> Result<ParticleSnapshotReader, Unmeasured> {
+        let path = self.file("particles.vtkhdf", "output.particles")?;
+        let snapshots = ParticleSnapshotReader::open(&path)?;
+        let snapshots = snapshots.between(self.window.from, self.window.to);
+        self.require_times(snapshots.times.len(), "particles.vtkhdf")?;
+        Ok(snapshots)
+    }
+
+    /// The snapshots of a gas in three dimensions that count; at least one.
+    pub fn gas_snapshots(&self) -> Result<GasSnapshotReader, Unmeasured> {
+        let path = self.file("gas.vtkhdf", "output.gas, of a gas in three dimensions,")?;
+        let snapshots = GasSnapshotReader::open(&path)?;
+        let snapshots = snapshots.between(self.window.from, self.window.to);
+        self.require_times(snapshots.times.len(), "gas.vtkhdf")?;
+        Ok(snapshots)
+    }
+
+    /// The paths of all checkpoints, by ascending time.
+    pub fn checkpoints(&self) -> Result<&[PathBuf], Unmeasured> {
+        let list = || {
+            let paths = checkpoint::files_in(&self.folder)?;
+            let none = "there is no checkpoint: [checkpoint] of the case says how many are kept";
+            match paths.is_empty() {
+                true => Err(NoValue::because(none).into()),
+                false => Ok(paths),
+            }
+        };
+        as_ref(self.checkpoints.get_or_init(list)).map(Vec::as_slice)
+    }
+
+    /// A checkpoint, whole; `None` if its time does not count, or if a run that goes on has removed it meanwhile.
+    pub fn checkpoint(&self, path: &Path) -> Result<Option<Checkpoint>, Unmeasured> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let (checkpoint, _, _): (_, _, Digest) = checkpoint::read(path, &OneRank)?;
+        Ok(Some(checkpoint).filter(|found| self.window.holds(found.clock.time())))
+    }
+
+    /// The last time of the results, window or not.
+    ///
+    /// # Errors
+    /// If no file tells it.
+    pub fn last_time(&self) -> Result<f64, OutputError> {
+        let series = self.whole_series();
+        match series.map(|series| series.column("time").and_then(|times| times.last().copied())) {
+            Ok(Some(time)) => Ok(time),
+            Err(Unmeasured::Unreadable(error)) => Err(error),
+            Ok(None) | Err(Unmeasured::Nothing(_)) => {
+                let message = "there are no rows of results yet".to_owned();
+                Err(OutputError { path: self.folder.join("series.csv"), message })
+            }
+        }
+    }
+
+    /// The periodic lengths of the box.
+    pub fn periodicity(&self) -> Result<Periodicity, Unmeasured> {
+        let bounds = &self.case()?.domain.bounds;
+        let length = |axis: usize| bounds.is_periodic(axis).then(|| bounds.lengths()[axis]);
+        Ok(Periodicity { lengths: [0, 1, 2].map(length) })
+    }
+
+    /// The stages during which results count.
+    pub fn stages(&self) -> Result<impl Iterator<Item = &Stage>, Unmeasured> {
+        let TimeWindow { from, to } = self.window;
+        Ok(self.case()?.stages.iter().filter(move |stage| stage.end > from && stage.start < to))
+    }
+
+    /// The part of a full cell of the profiles' grid over which the lowest node averages.
+    pub fn lowest_node_part(&self) -> Result<f64, Unmeasured> {
+        let case = self.case()?;
+        let mut gases = case.stages.iter().map(|stage| &stage.physics.gas);
+        let gas = gases.find(|gas| **gas != GasModel::None).and_then(GasModel::column);
+        let grid = gas.map(|gas| gas.grid(&case.domain.bounds));
+        Ok(grid.map_or(1.0, |grid| grid.volume_of(0) / grid.cell_volume()))
+    }
+
+    /// The path of a file, if it is there.
+    fn file(&self, name: &str, key: &str) -> Result<PathBuf, NoValue> {
+        let path = self.folder.join(name);
+        if path.exists() {
+            return Ok(path);
+        }
+        Err(NoValue::because(format!(
+            "there is no {name}: the key {key} of the case would give it"
+        )))
+    }
+
+    fn require_times(&self, count: usize, name: &str) -> Result<(), NoValue> {
+        let TimeWindow { from, to } = self.window;
+        match count {
+            0 if self.window == TimeWindow::WHOLE => {
+                Err(NoValue::because(format!("{name} holds no results yet")))
+            }
+            0 => Err(NoValue::because(format!("{name} holds nothing of the times {from} to {to}"))),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn as_ref<T>(read: &Result<T, Unmeasured>) -> Result<&T, Unmeasured> {
+    read.as_ref().map_err(Clone::clone)
+}

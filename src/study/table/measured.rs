@@ -1,0 +1,116 @@
+//! The columns of a measure in the tables of a study.
+
+use super::replicates::Replicates;
+use crate::output::{Cells, Column};
+use crate::study::measure::{NamedMeasure, Value};
+use std::collections::BTreeMap;
+
+/// A measure and its unit, as tables name them.
+pub(super) struct MeasureColumns<'a> {
+    measure: &'a NamedMeasure,
+    unit: Option<&'a str>,
+}
+
+impl<'a> MeasureColumns<'a> {
+    /// The unit is known as soon as a run has given it.
+    pub(super) fn of(measure: &'a NamedMeasure, unit: Option<&'a str>) -> Self {
+        Self { measure, unit }
+    }
+
+    /// What each run gave; `None` where it could not be read.
+    pub(super) fn of_runs(&self, values: &[Option<&Value>]) -> Column {
+        let about = "of the run";
+        if self.measure.measure.texts().is_some() {
+            let text = |value: &Option<&Value>| value.map(text_of).unwrap_or_default();
+            let cells = Cells::Text(values.iter().map(text).collect());
+            return Column::new(&self.measure.name, about, cells);
+        }
+        self.numbers("", about, values.iter().map(|value| number_of(*value)).collect())
+    }
+
+    /// What the runs of each point gave together. Runs in which there is nothing to measure do not count; one that could
+    /// not be read leaves the point without a mean.
+    pub(super) fn of_points(&self, values: &[Vec<Option<&Value>>], confidence: f64) -> Vec<Column> {
+        if self.measure.measure.texts().is_some() {
+            let cells = Cells::Text(values.iter().map(|values| tally(values)).collect());
+            return vec![Column::new(&self.measure.name, "texts of the runs", cells)];
+        }
+        let given: Vec<Vec<f64>> = values.iter().map(|values| given(values)).collect();
+        let replicates: Vec<Option<Replicates>> =
+            given.iter().map(|values| Replicates::of(values, confidence)).collect();
+        let column = |suffix: &str, about: &str, of: &dyn Fn(&Replicates) -> f64| {
+            let values = replicates.iter().map(|found| found.as_ref().map_or(f64::NAN, of));
+            self.numbers(suffix, about, values.collect())
+        };
+        let mut columns = vec![
+            column("", "mean over the runs", &|e| e.mean),
+            column("_deviation", "standard deviation", &|e| e.deviation),
+            column("_lower", "lower end of the interval", &|e| e.mean - e.half_width),
+            column("_upper", "upper end of the interval", &|e| e.mean + e.half_width),
+        ];
+        if self.measure.measure.may_be_nothing() {
+            let counts = Cells::Whole(given.iter().map(|values| values.len() as u64).collect());
+            let name = format!("{}_runs", self.measure.name);
+            columns.push(Column::new(&name, "runs that gave a value", counts));
+        }
+        columns
+    }
+
+    fn numbers(&self, suffix: &str, about: &str, values: Vec<f64>) -> Column {
+        let name = format!("{}{suffix}", self.measure.name);
+        let column = Column::new(&name, about, Cells::Number(values));
+        Column { unit: self.unit.map(str::to_owned), ..column }
+    }
+}
+
+fn number_of(value: Option<&Value>) -> f64 {
+    match value {
+        Some(Value::Number(number)) => *number,
+        Some(Value::Text(_) | Value::Nothing(_)) | None => f64::NAN,
+    }
+}
+
+fn text_of(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.clone(),
+        Value::Number(_) | Value::Nothing(_) => String::new(),
+    }
+}
+
+/// The numbers of the runs that have one to give.
+fn given(values: &[Option<&Value>]) -> Vec<f64> {
+    let has_one = |value: &&Option<&Value>| !matches!(value, Some(Value::Nothing(_)));
+    values.iter().filter(has_one).map(|value| number_of(*value)).collect()
+}
+
+/// One text if all runs gave the same, else how many gave which: `2 frozen, 1 waves`.
+fn tally(values: &[Option<&Value>]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for text in values.iter().flatten().map(|value| text_of(value)) {
+        *counts.entry(text).or_default() += 1;
+    }
+    match counts.len() {
+        0 | 1 => counts.into_keys().next().unwrap_or_default(),
+        _ => {
+            let parts: Vec<String> =
+                counts.iter().map(|(text, count)| format!("{count} {text}")).collect();
+            parts.join(", ")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_counted_and_what_is_not_there_is_left_out() {
+        let text = |text: &str| Value::Text(text.to_owned());
+        let (waves, frozen) = (text("waves"), text("frozen"));
+        assert_eq!(tally(&[Some(&waves), Some(&waves)]), "waves");
+        assert_eq!(tally(&[Some(&waves), Some(&frozen), Some(&waves)]), "1 frozen, 2 waves");
+        let (number, nothing) = (Value::Number(2.0), Value::Nothing("no waves".to_owned()));
+        assert_eq!(given(&[Some(&number), Some(&nothing)]), [2.0]);
+        assert!(given(&[Some(&number), None])[1].is_nan());
+    }
+}

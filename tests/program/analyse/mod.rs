@@ -1,0 +1,6 @@
+//! `talcum analyse` on results folders that were made by hand, so that the answers are known, and on real runs.
+
+mod command;
+mod fields;
+mod made;
+mod particles;
