@@ -38,32 +38,63 @@ COLUMNS = {
     "departed": "1",
 }
 CASE = """
+title = "made up"
 units = "dimensionless"
+[box]
+lengths = [5.0, 5.0, 100.5]
+x = "periodic"
+y = "periodic"
+z = "wall"
 [particles]
+count = 500
 diameter = 1.0
 density = 1.0
+seed = 1
+[particles.start]
+kind = "lattice"
+spacing = 1.1
+jitter = 0.9
 [gravity]
 magnitude = 1.0
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 2.0e4
+poisson_ratio = 0.3
+restitution = 0.9
+friction = 0.1
+friction_cap = "contact"
 [gas]
+kind = "column"
 stokes_number = 55
+drag = "wen_yu_creeping"
+spacing = 1.5
+superficial_velocity = 0.1
+[output]
+series = 0.25
+[time]
+step = 8.0e-4
 """
+WHOLE = CASE + "end = 1000.0\n"
 PICTURE = b"\x89PNG"
 
 
 def write_series(folder: Path, columns: dict[str, np.ndarray]) -> None:
-    """Writes a series.csv; columns that are not given are zero."""
+    """Writes a series.csv, and a case if there is none; columns that are not given are zero."""
+    if not (folder / "case.toml").exists():
+        (folder / "case.toml").write_text(WHOLE, encoding="utf-8")
     rows = len(columns["time"])
     table = np.column_stack([columns.get(name, np.zeros(rows)) for name in COLUMNS])
     with open(folder / "series.csv", "w", encoding="utf-8") as file:
         file.write("# talcum_version: 0.1.0\n# title: made up\n")
-        file.write("".join(f"# case: {line}".rstrip() + "\n" for line in CASE.splitlines()))
+        file.write("".join(f"# case: {line}".rstrip() + "\n" for line in WHOLE.splitlines()))
         file.write(",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items()) + "\n")
         for row in table:
             file.write(",".join(repr(float(value)) for value in row) + "\n")
 
 
-def write_profiles(folder: Path, time: np.ndarray, height: np.ndarray, phi: np.ndarray, case: str = CASE) -> None:
-    """Writes a profiles.h5 with units and provenance."""
+def write_profiles(folder: Path, time: np.ndarray, height: np.ndarray, phi: np.ndarray, case: str = WHOLE) -> None:
+    """Writes a profiles.h5 with units and provenance, and its case."""
+    (folder / "case.toml").write_text(case, encoding="utf-8")
     data = {
         "time": (time, "sqrt(d/g)"),
         "height": (height, "d"),

@@ -8,7 +8,10 @@ from __future__ import annotations
 import argparse
 import csv
 import os
+import shutil
+import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, NoReturn
@@ -222,6 +225,86 @@ def read_case(profiles: Profiles | None, path: Path) -> dict[str, Any]:
         return tomllib.loads(text) if isinstance(text, str) else {}
     except tomllib.TOMLDecodeError:
         return {}
+
+
+@dataclass
+class Analysis:
+    """What `talcum analyse` found: numbers and texts by their names, why others are missing, and tables of columns."""
+
+    values: dict[str, float | str]
+    errors: dict[str, float]
+    units: dict[str, str]
+    reasons: dict[str, str]
+    tables: dict[str, dict[str, Array]]
+
+    def text(self, name: str) -> str:
+        """A number with its error and unit, to be printed; the reason in brackets if there is none."""
+        if name not in self.values:
+            return f"none ({self.reasons.get(name, 'not measured')})"
+        value, error, unit = self.values[name], self.errors.get(name), self.units.get(name, "1")
+        if isinstance(value, str):
+            return value
+        shown = f"{value:.4g}" if error is None else f"{value:.4g} +- {error:.2g}"
+        return shown if unit == "1" else f"{shown} {unit}"
+
+    def number(self, name: str) -> float:
+        """A number, or not a number if there is none."""
+        value = self.values.get(name, np.nan)
+        return float(value) if isinstance(value, float) else np.nan
+
+
+def program() -> str:
+    """The program talcum: TALCUM of the environment, or what was built in this repository, or what is installed."""
+    target = Path(__file__).resolve().parent.parent / "target"
+    built = [path for path in (target / "release/talcum", target / "debug/talcum") if path.is_file()]
+    newest = max(built, key=lambda path: path.stat().st_mtime, default=None)
+    found = os.environ.get("TALCUM") or (str(newest) if newest else shutil.which("talcum"))
+    if not found:
+        raise ResultsError("the program talcum is not built: call cargo build --release, or set TALCUM to its path")
+    return found
+
+
+def analyse(results: Path, measures: list[str], start: float | None = None, end: float | None = None) -> Analysis:
+    """Has the program measure on a folder of results, between two times; what it finds."""
+    if not results.is_dir():
+        raise ResultsError(f"{results}: there is no such folder; name the output folder of a run")
+    command = [program(), "analyse", str(results)]
+    command += [word for name in measures for word in ("--measure", name)]
+    command += [f"--from={start!r}"] if start is not None else []
+    command += [f"--to={end!r}"] if end is not None else []
+    with tempfile.TemporaryDirectory() as folder:
+        ended = subprocess.run([*command, "--output", folder], capture_output=True, text=True)
+        if ended.returncode != 0:
+            raise ResultsError(ended.stderr.strip().removeprefix("error: ") or "talcum analyse failed")
+        return read_analysis(Path(folder) / "analysis.h5")
+
+
+def read_analysis(file: Path) -> Analysis:
+    """Reads an analysis.h5."""
+    found = Analysis({}, {}, {}, {}, {})
+    with h5py.File(file, "r") as contents:
+        contents.visititems(lambda name, item: found.tables.update(table_of(name, item)))
+    scalars = found.tables.pop("scalars")
+    for name, value, error, text, unit, reason in zip(
+        *(scalars[key] for key in ("name", "value", "error", "text", "unit", "no_value_because"))
+    ):
+        found.units[name] = unit
+        if reason:
+            found.reasons[name] = reason
+            continue
+        found.values[name] = text or float(value)
+        if np.isfinite(error) and error > 0.0:
+            found.errors[name] = float(error)
+    return found
+
+
+def table_of(name: str, item: Any) -> dict[str, dict[str, Array]]:
+    """A group that holds columns, by its name; nothing for other items."""
+    if not isinstance(item, h5py.Group):
+        return {}
+    columns = {key: column for key, column in item.items() if isinstance(column, h5py.Dataset)}
+    read = {key: c.asstr()[()] if h5py.check_string_dtype(c.dtype) else c[()] for key, c in columns.items()}
+    return {name: read} if read else {}
 
 
 def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 5.5)) -> tuple[Figure, Array]:

@@ -45,28 +45,22 @@ class TestSeries(ScriptTest):
 
 
 class TestMinimumFluidisation(ScriptTest):
-    """Ramps and steps of a known U_mf, and results without one."""
+    """A ramp of a known U_mf, and results without one, which are drawn all the same."""
 
     def write(self, velocity: np.ndarray, drop: Callable, phi: float = 0.62) -> None:
         """A run of a superficial velocity per time unit, and a bed of a solids fraction."""
         time = np.arange(len(velocity), dtype=float)
         height = np.arange(0.0, 60.1, 1.5)
         profile = np.where(height < 40.0, phi, 0.0)
-        profile[0] *= 0.5
-        columns = {"time": time, "superficial_velocity": velocity}
-        columns["grid_pressure_drop"] = columns["gas_force"] = drop(velocity, time)
-        write_series(self.folder, columns)
+        columns = {"time": time, "superficial_velocity": velocity, "centre_height": np.full_like(time, 20.0)}
+        columns["grid_pressure_drop"] = drop(velocity, time)
         write_profiles(self.folder, time, height, np.tile(profile, (len(time), 1)))
+        write_series(self.folder, columns)
 
     def bed_of(self, least: float) -> Callable:
         """Pressure drop of a bed with U_mf `least`, with 2 % of noise."""
         noise = np.random.default_rng(7)
         return lambda velocity, time: np.minimum(velocity / least, 1.0) + 0.02 * noise.standard_normal(len(time))
-
-    def found(self, printed: str, name: str) -> dict[str, float]:
-        """The numbers of a branch's line."""
-        line = next(line for line in printed.splitlines() if line.startswith(f"{name}:"))
-        return {key: float(value) for key, value in re.findall(r"(U_mf|phi|force balance|ratio) ([\d.eE+-]+)", line)}
 
     def test_ramp_up_and_down(self) -> None:
         balance = 55.0 / 18.0 * (1.0 - 0.62) ** 4.65
@@ -75,51 +69,24 @@ class TestMinimumFluidisation(ScriptTest):
         self.write(velocity, self.bed_of(0.97 * balance))
         printed = self.call(minimum_fluidisation)
         for name in ["up", "down"]:
-            numbers = self.found(printed, name)
-            self.assertAlmostEqual(numbers["phi"], 0.62, delta=1e-3)
-            self.assertAlmostEqual(numbers["force balance"], balance, delta=1e-4)
-            self.assertAlmostEqual(numbers["ratio"], 0.97, delta=0.01)  # noise of 2 % over 300 rows
+            line = next(line for line in printed.splitlines() if line.startswith(f"{name}:"))
+            ratio = re.search(r"ratio ([\d.]+)", line)
+            self.assertIsNotNone(ratio, line)
+            self.assertAlmostEqual(float(ratio.group(1)), 0.97, delta=0.01)  # noise of 2 % over 300 rows
+            self.assertIn("phi 0.62", line)
         self.assert_picture("minimum_fluidisation.png")
 
-    def test_steps(self) -> None:
-        """The first half of a step, in which the bed adapts, must not count."""
-        velocity = np.repeat(np.arange(0.0, 0.0601, 0.003), 20)
-        still = self.bed_of(0.025)
-        self.write(velocity, lambda u, t: still(u, t) * np.where(t % 20 < 10, 0.5, 1.0))
-        printed = self.call(minimum_fluidisation, "--pressure-drop", "force", "--scale", "2.0")
-        self.assertAlmostEqual(self.found(printed, "up")["U_mf"], 0.025, delta=0.0005)
-        self.assertAlmostEqual(self.found(printed, "up")["force balance"], 2.0 * 0.38**4.65, delta=1e-3)
-
-    def test_overshoot_at_the_yield_does_not_count(self) -> None:
-        velocity = np.linspace(0.0, 0.06, 400)
-        self.write(velocity, lambda u, t: np.where(u < 0.0275, u / 0.025, 1.0))
-        self.assertAlmostEqual(self.found(self.call(minimum_fluidisation), "up")["U_mf"], 0.025, delta=0.0002)
-
-    def test_noise_has_no_minimum_fluidisation(self) -> None:
+    def test_the_picture_is_drawn_where_no_value_can_be_given(self) -> None:
         noise = np.random.default_rng(3)
-        self.write(np.linspace(0.0, 0.06, 300), lambda u, t: noise.uniform(0.0, 1.0, len(t)))
-        with self.assertRaisesRegex(ResultsError, "no minimum fluidisation found|too few"):
-            self.call(minimum_fluidisation)
-
-    def test_fixed_bed_only(self) -> None:
-        self.write(np.linspace(0.0, 0.02, 300), self.bed_of(0.025))
-        with self.assertRaisesRegex(ResultsError, "plateau"):
-            self.call(minimum_fluidisation)
-
-    def test_constant_velocity(self) -> None:
-        self.write(np.full(50, 0.1), self.bed_of(0.025))
-        with self.assertRaisesRegex(ResultsError, "constant"):
-            self.call(minimum_fluidisation)
-
-    def test_velocity_scale_in_si(self) -> None:
-        case = {
-            "units": "si",
-            "particles": {"diameter": 50e-6, "density": 900.0},
-            "gravity": {"magnitude": 9.81},
-            "gas": {"viscosity": 1.8e-5},
-        }
-        # rho_s g d^2 / (18 mu) = 900 * 9.81 * 2.5e-9 / 3.24e-4
-        self.assertAlmostEqual(minimum_fluidisation.velocity_scale(case, None, None), 0.0681250, places=7)
+        for velocity, drop, reason in [
+            (np.linspace(0.0, 0.02, 300), self.bed_of(0.025), "plateau"),
+            (np.linspace(0.0, 0.06, 300), lambda u, t: noise.uniform(0.0, 1.0, len(t)), "up: no value can be given"),
+            (np.full(50, 0.1), self.bed_of(0.025), "constant"),
+        ]:
+            (self.folder / "minimum_fluidisation.png").unlink(missing_ok=True)
+            self.write(velocity, drop)
+            self.assertIn(reason, self.call(minimum_fluidisation))
+            self.assert_picture("minimum_fluidisation.png")
 
 
 class TestCycle(ScriptTest):
