@@ -6,6 +6,7 @@ mod contact;
 mod info;
 mod keys;
 mod memory;
+mod naming;
 mod progress;
 mod reading;
 mod report;

@@ -1,10 +1,11 @@
 //! `talcum run` and `talcum restart`.
 
 use super::memory;
+use super::naming::{adopt_title, name_differences};
 use super::progress::ProgressReport;
 use super::reading::read_case;
 use super::{RunArguments, report, signals};
-use crate::case::{Case, changes};
+use crate::case::{BedStart, Case, changes};
 use crate::output::checkpoint;
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
@@ -41,7 +42,7 @@ pub(super) fn run(
     earlier: Earlier,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
-    let case = read_case(path, &options.changes.set, ranks)?;
+    let mut case = read_case(path, &options.changes.set, ranks)?;
     memory::require(&case, options.changes.any_memory, ranks)?;
     let name = path.file_stem().unwrap_or_default();
     let folder = OutputFolder {
@@ -51,8 +52,8 @@ pub(super) fn run(
     let _lock = folder.lock(ranks)?;
     prepare_folder(&folder, earlier, ranks)?;
     let initial = match earlier {
-        Earlier::Continue => resume(&case, &folder, options, ranks)?,
-        _ => start_from_case(&case, options.changes.ranks, ranks)?,
+        Earlier::Continue => resume(&mut case, &folder, options, ranks)?,
+        _ => begin(&mut case, options, ranks)?,
     };
     let output = folder.path.display().to_string();
     let resume = |_: &Path| {
@@ -74,7 +75,7 @@ pub(super) fn restart(
     let name = format!("the case in {}", path.display());
     let case_folder = PathBuf::from(&checkpoint.case_folder);
     let text = &checkpoint.case_text;
-    let case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
+    let mut case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
     say_changes(&checkpoint.case_text, &case, ranks);
     let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
@@ -85,6 +86,8 @@ pub(super) fn restart(
     if !continues {
         prepare_folder(&folder, Earlier::Keep, ranks)?;
     }
+    let begins_with = (!continues).then_some(&digest);
+    name_differences(&mut case, &options.changes.set, begins_with)?;
     let grid = options.changes.ranks;
     let initial = start_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
     let resume = |checkpoint: &Path| format!("talcum restart {}", checkpoint.display());
@@ -98,9 +101,23 @@ fn say_changes(before: &str, case: &Case, ranks: &dyn Communicator) {
     }
 }
 
+/// The start of the case, whose title then says what is not as in its file.
+fn begin(
+    case: &mut Case,
+    options: &RunArguments,
+    ranks: &dyn Communicator,
+) -> anyhow::Result<InitialState> {
+    let initial = start_from_case(case, options.changes.ranks, ranks)?;
+    if let (Some(digest), BedStart::Run { path }) = (&initial.begins_with, &case.particles.start) {
+        say(ranks, &format!("begins with {}, state {digest}", path.display()));
+    }
+    name_differences(case, &options.changes.set, initial.begins_with.as_ref())?;
+    Ok(initial)
+}
+
 /// The newest good checkpoint of the folder, or the start of the case if there is none.
 fn resume(
-    case: &Case,
+    case: &mut Case,
     folder: &OutputFolder,
     options: &RunArguments,
     ranks: &dyn Communicator,
@@ -114,12 +131,15 @@ fn resume(
         Some((path, checkpoint, _, digest)) => {
             let time = checkpoint.clock.time();
             say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
+            if !adopt_title(case, &options.changes.set, &checkpoint.case_text) {
+                name_differences(case, &options.changes.set, None)?;
+            }
             say_changes(&checkpoint.case_text, case, ranks);
             Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
             say(ranks, "no checkpoint to resume from: starting anew");
-            Ok(start_from_case(case, grid, ranks)?)
+            begin(case, options, ranks)
         }
         None => {
             let refused: String =

@@ -55,7 +55,7 @@ impl<'a> Simulation<'a> {
         folder: OutputFolder,
         ranks: &'a dyn Communicator,
     ) -> Result<Self, RunError> {
-        let InitialState { state, work, histories, origin } = initial;
+        let InitialState { state, work, histories, origin, .. } = initial;
         let (histories, origin) = (std::mem::take(histories), *origin);
         let is_new = origin == Origin::NewBed;
         let stage = case.stage_number_at(state.clock.time());

@@ -1,6 +1,7 @@
 //! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
 use super::layout::{lay_out, layout_of};
+use crate::analysis::Digest;
 use crate::case::{BedPart, BedStart, Case, Change, changes};
 use crate::domain::{Decomposition, RankGrid, Wall};
 use crate::output::checkpoint::{self, Checkpoint};
@@ -65,6 +66,8 @@ pub struct InitialState {
     pub histories: ContactHistories,
     /// Where it comes from.
     pub origin: Origin,
+    /// Digest of the state of another run that it begins with, if the case says so.
+    pub begins_with: Option<Digest>,
 }
 
 /// The bed that the case describes, at time zero. Collective.
@@ -80,9 +83,11 @@ pub fn start_from_case(
         let sizes = case.size_range().unwrap_or_else(|| measured_sizes(&particles, ranks));
         Snapshot::new_bed(particles, sizes, case.stages[0].physics.time_step)
     };
+    let mut begins_with = None;
     let bed = match &case.particles.start {
         BedStart::Run { path } => {
-            let (end, _, _) = checkpoint::read(path, ranks)?;
+            let (end, _, digest) = checkpoint::read(path, ranks)?;
+            begins_with = Some(digest);
             // The gas starts from rest.
             let (pairs, walls, gas_report) = (end.contacts, end.wall_contacts, end.gas_report);
             Snapshot { pairs, walls, gas_report, ..new_bed(end.particles) }
@@ -92,7 +97,8 @@ pub fn start_from_case(
             new_bed(agree(case.initial_bed(part), ranks).map_err(StartError::Bed)?.particles)
         }
     };
-    distribute(case, bed, Origin::NewBed, grid, ranks)
+    let initial = distribute(case, bed, Origin::NewBed, grid, ranks)?;
+    Ok(InitialState { begins_with, ..initial })
 }
 
 /// The state of a checkpoint; `continues` says whether earlier results are in the output folder. Collective.
@@ -202,7 +208,7 @@ fn distribute(
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
     let skin = case.parallel.skin * sizes.largest_diameter;
     let work = Workspace::new(decomposition, skin, case.parallel.balance);
-    Ok(InitialState { state, work, histories, origin })
+    Ok(InitialState { state, work, histories, origin, begins_with: None })
 }
 
 fn balanced_at_start(

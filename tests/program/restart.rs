@@ -166,6 +166,37 @@ fn keys_can_change_on_restart() {
 }
 
 #[test]
+fn titles_name_what_was_changed_and_the_state_that_a_run_begins_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| text(&folder.path().join(name));
+    let title = |name: &str| {
+        let series = std::fs::read_to_string(folder.path().join(name).join("series.csv")).unwrap();
+        let line =
+            series.lines().find_map(|line| line.strip_prefix("# title: ").map(str::to_owned));
+        line.unwrap()
+    };
+    let case = smoke("rank-equality");
+    let digest = talcum(0, &["run", &case, "--output", &place("one"), "--until", "0.1"]).digest();
+    let plain = title("one");
+    let start = newest(&folder.path().join("one"));
+    let change = ["--set", "contact.friction=0.5", "--set", "parallel.skin=0.3"];
+    let on = ["restart", &start, "--output", &place("two"), "--until", "0.15"];
+    talcum(0, &[&on[..], &change[..]].concat()).digest();
+    let named = format!("{plain}: contact.friction = 0.5, begins with state {digest}");
+    assert_eq!(title("two"), named);
+    // It stays with the run: a resumed run knows itself, and checkpoints have it.
+    let second = newest(&folder.path().join("two"));
+    assert!(talcum(0, &["info", &second]).output.contains(&named));
+    talcum(0, &["restart", &second, "--until", "0.2"]).digest();
+    assert_eq!(title("two"), named);
+    let first = ["run", &case, "--output", &place("three"), "--set", "contact.friction=0.5"];
+    talcum(0, &[&first[..], &["--until", "0.1"]].concat()).digest();
+    let resumed = talcum(0, &[&first[..], &["--until", "0.2", "--resume"]].concat());
+    assert!(!resumed.output.contains("changed since the checkpoint"), "{}", resumed.output);
+    assert_eq!(title("three"), format!("{plain}: contact.friction = 0.5"));
+}
+
+#[test]
 fn later_checkpoints_are_superseded_by_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
