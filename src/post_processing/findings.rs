@@ -98,8 +98,8 @@ impl Findings {
     }
 
     /// Nothing at all, for one reason.
-    pub(super) fn nothing(kinds: Vec<Kind>, reason: &NoValue) -> Self {
-        let mut found = Self::new(ColumnUnits::DIMENSIONLESS);
+    pub(super) fn nothing(kinds: Vec<Kind>, units: ColumnUnits, reason: &NoValue) -> Self {
+        let mut found = Self::new(units);
         for kind in kinds {
             found.add(&kind, Value::Nothing(reason.clone()));
         }

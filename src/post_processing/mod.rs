@@ -13,8 +13,6 @@ mod findings;
 mod measures;
 mod report;
 mod results;
-#[cfg(test)]
-mod tests;
 
 pub use analysis_file::write as write_analysis;
 pub use findings::{Findings, Kind, Scalar, Unmeasured, Value};
@@ -51,7 +49,9 @@ impl Measure {
     pub fn take(&self, results: &Results) -> Result<Findings, OutputError> {
         match (self.find)(results) {
             Ok(found) => Ok(found),
-            Err(Unmeasured::Nothing(reason)) => Ok(Findings::nothing((self.scalars)(), &reason)),
+            Err(Unmeasured::Nothing(reason)) => {
+                Ok(Findings::nothing((self.scalars)(), results.units(), &reason))
+            }
             Err(Unmeasured::Unreadable(error)) => Err(error),
         }
     }

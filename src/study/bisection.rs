@@ -208,6 +208,26 @@ impl Bisection {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_text_counts_as_one_or_zero_and_must_be_comparable() {
+        let frozen = Threshold::Text("frozen".to_owned());
+        let text = |text: &str| Value::Text(text.to_owned());
+        assert_eq!(frozen.count(&text("frozen")), Ok(1.0));
+        assert_eq!(frozen.count(&text("waves")), Ok(0.0));
+        assert!(frozen.count(&Value::Number(1.0)).unwrap_err().contains("cannot be compared"));
+        let nothing = Value::Nothing("the bed has no waves".to_owned());
+        assert_eq!(frozen.count(&nothing), Err("the bed has no waves".to_owned()));
+        let five = Threshold::Number(5.0);
+        assert_eq!(five.count(&Value::Number(7.0)), Ok(7.0));
+        assert!(five.count(&Value::Number(f64::NAN)).is_err());
+        // The bed freezes between 5 and 6: the search ends around it.
+        let search = Bisection { threshold: frozen, direction: Direction::Rises, ..falling(0.5) };
+        let state = |bond: f64| text(if bond > 5.3 { "frozen" } else { "waves" });
+        let count = &mut |bond: f64| search.threshold.count(&state(bond)).ok();
+        let Search::Found([lower, upper]) = search.search([2.0, 10.0], count) else { panic!() };
+        assert!(lower <= 5.3 && 5.3 < upper && upper - lower <= 0.5, "{lower} {upper}");
+    }
+
     fn falling(tolerance: f64) -> Bisection {
         Bisection {
             key: "cohesion.bond_number".to_owned(),
