@@ -119,6 +119,7 @@ pub mod domain;
 pub mod gas;
 pub mod grid;
 pub mod linear_solver;
+pub mod measures;
 pub mod numbers;
 pub mod output;
 pub mod parallel;

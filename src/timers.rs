@@ -23,13 +23,15 @@ pub enum Phase {
     Walls,
     /// Gas force on the particles.
     GasForce,
+    /// Looks of measures, their files included.
+    Measures,
     /// Results and checkpoints.
     Output,
 }
 
 impl Phase {
     /// All phases.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Integrate,
         Self::Decide,
         Self::Rebuild,
@@ -38,6 +40,7 @@ impl Phase {
         Self::Contacts,
         Self::Walls,
         Self::GasForce,
+        Self::Measures,
         Self::Output,
     ];
 
@@ -52,6 +55,7 @@ impl Phase {
             Self::Contacts => "contact forces",
             Self::Walls => "wall forces",
             Self::GasForce => "gas force",
+            Self::Measures => "measures",
             Self::Output => "output",
         }
     }

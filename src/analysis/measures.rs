@@ -16,14 +16,26 @@ pub enum Quantity {
     Speed,
     /// Of energy.
     Energy,
-    /// Of pressure.
-    Pressure,
     /// Of cycles per time.
     Frequency,
-    /// Of dispersion: length squared per time.
-    Dispersion,
     /// Of mass that passes: mass per area and time.
     MassFlux,
+    /// Of mass.
+    Mass,
+    /// Of volume.
+    Volume,
+    /// Of area, or of a squared length.
+    Area,
+    /// Of force.
+    Force,
+    /// Of pressure and stress.
+    Pressure,
+    /// Of squared velocity, such as a granular temperature.
+    SquaredSpeed,
+    /// Of a diffusion coefficient; squared length over time.
+    Diffusivity,
+    /// Per time.
+    Rate,
     /// Without a unit.
     Number,
 }

@@ -42,6 +42,10 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
             Value::Table(_) => Ok(()),
             _ => Err(format!("must be a section of keys, [{}] or {{ ... }}", node.path)),
         },
+        Kind::Named(_) => match &node.value {
+            Value::Table(_) => Ok(()),
+            _ => Err(format!("must be sections of your own names, [{}.NAME]", node.path)),
+        },
         Kind::Tables(_) => match &node.value {
             Value::List(items) if !items.is_empty() => Ok(()),
             _ => Err(format!("must be a list of sections, each [[{}]]", node.path)),
@@ -133,6 +137,7 @@ pub(super) fn description(kind: &Kind) -> String {
         }
         Kind::Table(_) => "a table { ... }".to_owned(),
         Kind::Tables(_) => "a list of sections".to_owned(),
+        Kind::Named(_) => "sections of your own names".to_owned(),
         Kind::Merged(merged) if merged.switched => {
             "a section of keys, \"off\" or \"on\"".to_owned()
         }

@@ -16,6 +16,7 @@ mod errors;
 mod fluidisation;
 mod forces;
 mod gas;
+mod measures;
 mod merging;
 mod overrides;
 mod own_laws;
@@ -50,6 +51,7 @@ use crate::contact::{ContactForceLaw, ContactModel};
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
+use crate::measures::MeasurePlan;
 use crate::particles::ListRange;
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange};
@@ -79,6 +81,8 @@ pub struct Case {
     pub particles: ParticleSetup,
     /// Results.
     pub output: OutputPlan,
+    /// What is measured while the run goes on.
+    pub measures: Vec<MeasurePlan>,
     /// Checkpoints.
     pub checkpoint: CheckpointPlan,
     /// Wall-clock time after which the run ends itself with a checkpoint.
@@ -296,7 +300,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
     let (stages, step) = stages::read_stages(&root, context);
     let output = root.table("output").and_then(|section| plans::read_output(&section, step));
     let or_defaults = |name| root.table_or_defaults(name);
-    let case = Case {
+    let mut case = Case {
         title: root.text("title")?,
         units: units?,
         text,
@@ -304,11 +308,17 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         stages: stages?,
         particles: particles?,
         output: output?,
+        measures: Vec::new(),
         checkpoint: or_defaults("checkpoint").and_then(|s| plans::read_checkpoint(&s))?,
         wall_clock: or_defaults("run")?.wall_time("wall_clock"),
         parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s))?,
         notes: problems.notes(),
     };
+    case.measures = measures::read_measures(&root, &case)?;
+    if let Some(output) = root.table("output") {
+        measures::check_agglomerates(&output, &case);
+    }
+    case.notes = problems.notes();
     if let Some(sizes) = case.size_range() {
         for (key, message) in case.check_sizes(&sizes) {
             let node = key.split('.').try_fold(tree, |node, key| node.get(key)).unwrap_or(tree);

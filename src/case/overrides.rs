@@ -4,7 +4,7 @@ use super::errors::{Problems, SourcePlace};
 use super::merging::useless_keys;
 use super::schema::ROOT;
 use super::tree::Node;
-use crate::schema::{Key, displaced_by, every_key};
+use crate::schema::{Key, Kind, displaced_by, every_key};
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// More keys than any path of the schema has.
@@ -118,11 +118,15 @@ fn set_in(
         return Ok(());
     }
     let Target { table, keys } = target;
-    let inner_keys = every_key(keys).into_iter().find(|key| key.name == *name);
-    let keys = inner_keys.map(|key| key.kind.keys()).unwrap_or_default();
+    let inner = every_key(keys).into_iter().find(|key| key.name == *name);
+    let keys = inner.map(|key| key.kind.keys()).unwrap_or_default();
     let item = table.entry(name).or_insert(Item::Table(Table::new()));
     if let Some(table) = item.as_table_like_mut() {
-        return set_in(Target { table, keys }, rest, value, resolved);
+        let table = Target { table, keys };
+        return match inner.map(|key| key.kind) {
+            Some(Kind::Named(_)) => set_in_named(table, rest, value, resolved),
+            _ => set_in(table, rest, value, resolved),
+        };
     }
     let path = resolved.join(".");
     let members = members_of(item).ok_or_else(|| format!("{path} is not a section"))?;
@@ -134,6 +138,24 @@ fn set_in(
     match rest {
         [] => Err(format!("{path}.{chosen} is a section: set one of its keys")),
         _ => set_in(Target { table, keys }, rest, value, resolved),
+    }
+}
+
+/// The same in one of the sections of a user's own names.
+fn set_in_named(
+    Target { table, keys }: Target<'_>,
+    path: &[&str],
+    value: Value,
+    resolved: &mut Vec<String>,
+) -> Result<(), String> {
+    let (name, rest) = path.split_first().ok_or("the path ends too early".to_owned())?;
+    resolved.push((*name).to_owned());
+    let item = table.entry(name).or_insert(Item::Table(Table::new()));
+    let path = resolved.join(".");
+    match item.as_table_like_mut() {
+        Some(_) if rest.is_empty() => Err(format!("{path} is a section: set one of its keys")),
+        Some(table) => set_in(Target { table, keys }, rest, value, resolved),
+        None => Err(format!("{path} is not a section")),
     }
 }
 

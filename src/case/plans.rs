@@ -21,6 +21,8 @@ pub struct OutputPlan {
     pub particles: Option<f64>,
     /// Interval of snapshots of a gas in three dimensions.
     pub gas: Option<f64>,
+    /// The measure whose agglomerates snapshots of the particles show.
+    pub agglomerates: Option<String>,
     /// Solids fraction that bounds the bed's bottom and top.
     pub bed_threshold: f64,
 }
@@ -68,7 +70,17 @@ pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<Ou
     let [series, walls, energy, profiles, particles, gas] =
         ["series", "walls", "energy", "profiles", "particles", "gas"].map(interval);
     let bed_threshold = section.number("bed_threshold")?;
-    Some(OutputPlan { series: series?, walls, energy, profiles, particles, gas, bed_threshold })
+    let agglomerates = section.text("agglomerates");
+    Some(OutputPlan {
+        series: series?,
+        walls,
+        energy,
+        profiles,
+        particles,
+        gas,
+        agglomerates,
+        bed_threshold,
+    })
 }
 
 /// `[checkpoint]`.

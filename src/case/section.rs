@@ -72,10 +72,13 @@ impl<'a> Section<'a> {
             let meaning = if is_shape { format!(" ({})", key.meaning) } else { String::new() };
             self.problems.add(node.error(message + &meaning));
         } else if !matches!(kind, Kind::Merged(_)) {
-            let tables = match &node.value {
-                Value::Table(_) => std::slice::from_ref(node),
-                _ if matches!(kind, Kind::Tables(_)) => node.items(),
-                _ => &[],
+            let tables: Vec<&Node> = match &node.value {
+                Value::Table(named) if matches!(kind, Kind::Named(_)) => {
+                    named.iter().map(|(_, table)| table).collect()
+                }
+                Value::Table(_) => vec![node],
+                _ if matches!(kind, Kind::Tables(_)) => node.items().iter().collect(),
+                _ => Vec::new(),
             };
             for table in tables {
                 Self::open(table, kind.keys(), self.problems);
@@ -326,6 +329,15 @@ impl<'a> Section<'a> {
             true => self.table(name),
             false => Self::open(&NOTHING, self.key(name)?.kind.keys(), self.problems),
         }
+    }
+
+    /// The sections of names that the user chose, each with its name.
+    pub(super) fn named(&self, name: &str) -> Vec<(&'a str, Section<'a>)> {
+        let Some((node, key)) = self.right(name).zip(self.key(name)) else { return Vec::new() };
+        let open = |(name, table): &'a (String, Node)| {
+            Some((name.as_str(), Self::open(table, key.kind.keys(), self.problems)?))
+        };
+        node.entries().iter().filter_map(open).collect()
     }
 
     /// The sections of a list.

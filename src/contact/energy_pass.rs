@@ -50,7 +50,7 @@ pub(crate) fn work_of_walls(
     for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
         let wall = pair.wall as usize;
         let of_wall = (&walls.walls[wall], &walls.poses[wall]);
-        let contact = contact_with(of_wall, particles, pair.particle as usize, laws);
+        let contact = contact_with(of_wall, particles, pair.particle as usize, laws.cohesion);
         let before = Remembered {
             history: contacts.wall_history[slot],
             rolling_angle: contacts.wall_rolling_angle[slot],
@@ -171,7 +171,7 @@ pub(crate) fn elastic_energy(
         if contacts.wall_touching[slot] {
             let wall = pair.wall as usize;
             let of_wall = (&walls.walls[wall], &walls.poses[wall]);
-            let contact = contact_with(of_wall, particles, pair.particle as usize, laws);
+            let contact = contact_with(of_wall, particles, pair.particle as usize, laws.cohesion);
             let before = Remembered {
                 history: contacts.wall_history[slot],
                 rolling_angle: contacts.wall_rolling_angle[slot],

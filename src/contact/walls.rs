@@ -2,7 +2,7 @@
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
 use super::rolling::Rolling;
-use super::{Contact, ContactForce, ContactForceLaw, ContactModel, WallTallies};
+use super::{Contact, ContactForce, ContactForceLaw, ContactModel, VanDerWaalsNow, WallTallies};
 use crate::domain::{PosedWalls, Wall, WallPose};
 use crate::numbers::within;
 use crate::particles::{ContactHistory, Contacts, Particles};
@@ -27,7 +27,7 @@ pub(crate) fn add_wall_forces(
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
         let contact =
-            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws);
+            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws.cohesion);
         let model = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(model, &contact, contacts, slot, laws.dt);
         let on_wall =
@@ -51,7 +51,7 @@ pub(super) fn contact_with(
     (wall, pose): (&Wall, &WallPose),
     particles: &Particles,
     i: usize,
-    laws: &ForceLaws,
+    cohesion: Option<VanDerWaalsNow>,
 ) -> Contact {
     let radius = particles.body[i].radius;
     let position = &particles.body[i].position;
@@ -68,7 +68,7 @@ pub(super) fn contact_with(
         reduced_mass: particles.body[i].mass,
         reduced_radius: radius,
         reduced_inertia: particles.inertia(i),
-        cohesion: laws.cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap)),
+        cohesion: cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap)),
     }
 }
 

@@ -1,18 +1,15 @@
 //! The gas at chosen times for ParaView: `gas.vtkhdf`, temporal ImageData of VTKHDF 2.0.
 //!
-//! Cell data of shape (times, z, y, x), components last. Rank 0 writes what the others send: fields are small
-//! beside the particles. Data are written first, then what makes them a time step; the file is closed after
-//! each, so that a kill between two steps leaves a whole file.
+//! Rank 0 writes what the others send: fields are small beside the particles.
 
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 
-use super::hdf5_file::SerialFile;
-use super::output_file::{Obstacle, continue_or_create, rows_up_to};
-use super::table::{Rows, TableHead};
+use super::image_file::{ImageCells, ImageField};
+use super::output_file::continue_or_create;
 use super::{
-    ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
-    Sample, metadata_copy, on_root,
+    Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
+    image_file, metadata_copy, on_root,
 };
 use crate::grid::BoxGrid;
 use crate::parallel::{CellSample, Communicator, sort_by_id};
@@ -30,9 +27,6 @@ const FIELDS: [SampledField; 4] = [
     SampledField { name: "voidage", components: 1, of: |cell| from_ref(&cell.voidage) },
     SampledField { name: "solids_velocity", components: 3, of: |cell| &cell.solids_velocity },
 ];
-/// Rows of steps that are stored as one piece.
-const STEP_PIECE: usize = 256;
-
 /// The file of snapshots of the gas. Their records hold pressure, velocity of the gas, voidage and velocity of
 /// the solids.
 #[derive(Clone, Debug)]
@@ -82,8 +76,10 @@ impl GasSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            let kept = continue_or_create(path, || cut_after(path, time), || Ok(0))?;
-            if kept > 0 { metadata_copy::commit(path, &tables()) } else { create(path, grid, head) }
+            let tables = tables();
+            let go_on = || image_file::cut_after(path, time, &tables);
+            let kept = continue_or_create(path, go_on, || Ok(0))?;
+            if kept > 0 { metadata_copy::commit(path, &tables) } else { create(path, grid, head) }
         })?;
         Ok(Self { path: path.to_owned() })
     }
@@ -124,108 +120,29 @@ impl Output for GasSnapshots {
 
 /// Paths of the datasets that grow.
 fn tables() -> Vec<String> {
-    let names = FIELDS.iter().map(|field| field.name);
-    let all = names.clone().map(data).chain(names.map(offsets));
-    all.chain(std::iter::once("/VTKHDF/Steps/Values".to_owned())).collect()
-}
-
-fn data(name: &str) -> String {
-    format!("/VTKHDF/CellData/{name}")
-}
-
-fn offsets(name: &str) -> String {
-    format!("/VTKHDF/Steps/CellDataOffsets/{name}")
+    image_file::tables(FIELDS.iter().map(|field| field.name))
 }
 
 fn create(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, grid, head))
-}
-
-fn make(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
-    let file = SerialFile::create(path)?;
-    for group in ["/VTKHDF", "/VTKHDF/CellData", "/VTKHDF/Steps", "/VTKHDF/Steps/CellDataOffsets"] {
-        file.make_group(group)?;
-    }
-    let [nx, ny, nz] = grid.counts();
-    let extent = [0, nx as i64, 0, ny as i64, 0, nz as i64];
-    let spacing: [f64; 3] = grid.spacing().into();
-    file.set_numbers("/VTKHDF", "Version", &[2_i64, 0])?;
-    file.set_format_name("/VTKHDF", "Type", b"ImageData")?;
-    file.set_numbers("/VTKHDF", "WholeExtent", &extent)?;
-    file.set_numbers("/VTKHDF", "Origin", &[0.0_f64; 3])?;
-    file.set_numbers("/VTKHDF", "Spacing", &spacing)?;
-    file.set_numbers("/VTKHDF", "Direction", &[1.0_f64, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])?;
-    file.set_number("/VTKHDF/Steps", "NSteps", 0_i64)?;
-    file.make_group("/talcum")?;
-    for (name, entry) in head.provenance.entries() {
-        file.set_text("/talcum", name, &entry)?;
-    }
-    file.set_text("/talcum", "case", head.case_text)?;
-    make_tables(&file, [nz, ny, nx], &head.units())?;
-    file.close()
-}
-
-fn make_tables(file: &SerialFile, shape: [usize; 3], units: &ColumnUnits) -> MessageResult<()> {
+    let units = head.units();
     let described = [
         (units.pressure, "pressure of the gas less its hydrostatic head"),
         (units.speed, "velocity of the gas between the particles, mean of a cell's faces"),
         ("1", "volume of gas per volume"),
         (units.speed, "mean velocity of the solids by volume; 0 where there are none"),
     ];
-    for (SampledField { name, components: width, .. }, (unit, description)) in
-        FIELDS.into_iter().zip(described)
-    {
-        let path = data(name);
-        let head = TableHead { name: &path, width, unit, description };
-        file.make_blocks::<f64>(&head, &shape)?;
-        let path = offsets(name);
-        let description = "index of VTKHDF, one for each time";
-        let head = TableHead { name: &path, width: 1, unit: "1", description };
-        file.make_table::<i64>(&head, Rows::Growing(STEP_PIECE))?;
-    }
-    let (name, description) = ("/VTKHDF/Steps/Values", "times of the snapshots");
-    let head = TableHead { name, width: 1, unit: units.time, description };
-    file.make_table::<f64>(&head, Rows::Growing(STEP_PIECE))
+    let fields = FIELDS.iter().zip(described).map(|(field, (unit, description))| ImageField {
+        name: field.name,
+        components: field.components,
+        unit,
+        description,
+    });
+    let (spacing, counts) = (grid.spacing().into(), grid.counts());
+    let cells = ImageCells { origin: [0.0; 3], spacing, counts };
+    image_file::create(path, &cells, &fields.collect::<Vec<_>>(), head)
 }
 
 fn append(path: &Path, time: f64, cells: &[CellSample]) -> MessageResult<()> {
-    let file = SerialFile::open_to_change(path)?;
-    let step: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
-    for SampledField { name, of, .. } in FIELDS {
-        let numbers = cells.iter().flat_map(of);
-        file.append(&data(name), &numbers.copied().collect::<Vec<f64>>())?;
-        file.append(&offsets(name), &[step])?;
-    }
-    file.append("/VTKHDF/Steps/Values", &[time])?;
-    file.set_number("/VTKHDF/Steps", "NSteps", step + 1)?;
-    file.close()
-}
-
-/// Drops the snapshots after a time.
-fn cut_after(path: &Path, time: f64) -> Result<u64, Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
-    let steps = steps_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
-    if steps > 0 {
-        cut(path, steps).map_err(Obstacle::Failed)?;
-    }
-    Ok(steps)
-}
-
-fn steps_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<u64> {
-    let file = SerialFile::open(path)?;
-    let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
-    let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-    let listed = times.len().min(listed.max(0) as usize);
-    let steps = rows_up_to(&times[..listed], time) as u64;
-    let require = |name: &String| metadata_copy::require_rows(&file, name, steps, found_length);
-    tables().iter().try_for_each(require)?;
-    file.close()?;
-    Ok(steps)
-}
-
-fn cut(path: &Path, steps: u64) -> MessageResult<()> {
-    let file = SerialFile::open_to_change(path)?;
-    tables().iter().try_for_each(|name| file.cut(name, steps))?;
-    file.set_number("/VTKHDF/Steps", "NSteps", steps as i64)?;
-    file.close()
+    let numbers = |field: &SampledField| cells.iter().flat_map(field.of).copied().collect();
+    image_file::append(path, time, FIELDS.iter().map(|field| (field.name, numbers(field))))
 }

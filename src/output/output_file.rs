@@ -41,6 +41,8 @@ pub struct Sample<'a> {
     pub wall_forces: &'a [WallForce],
     /// The ledger of energies, if one is kept.
     pub energy: Option<&'a EnergyRow>,
+    /// The agglomerate of each of these particles, if snapshots are to show it and it is known.
+    pub agglomerates: Option<&'a [Option<u64>]>,
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
     pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }
@@ -69,6 +71,8 @@ pub struct Opening<'a> {
     pub continue_after: Option<f64>,
     /// The grid of profiles.
     pub profile_grid: &'a ColumnGrid,
+    /// Whether snapshots of particles show their agglomerates.
+    pub agglomerates: bool,
     /// The cells of a volume-averaged gas, if the case has one.
     pub gas_grid: Option<&'a BoxGrid>,
 }

@@ -19,6 +19,8 @@ use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 /// Datasets with a row for each particle at each time.
 const POINT_DATA: [&str; 4] = ["id", "velocity", "angular_velocity", "radius"];
+/// A further one, if it is asked for.
+const AGGLOMERATE: &str = "agglomerate";
 /// Datasets of /VTKHDF/Steps with one integer for each time.
 const STEP_INTEGERS: [&str; 3] = ["PartOffsets", "NumberOfParts", "PointOffsets"];
 /// Datasets of /VTKHDF/Steps with one integer for each time and kind of cells.
@@ -32,8 +34,16 @@ const STEP_PIECE: usize = 256;
 #[derive(Clone, Debug)]
 pub struct ParticleSnapshots {
     path: PathBuf,
+    contents: Contents,
     steps: u64,
     points: u64,
+}
+
+/// What a file shows of a particle.
+#[derive(Clone, Copy, Debug)]
+struct Contents {
+    /// Whether that includes its agglomerate.
+    agglomerates: bool,
 }
 
 impl ParticleSnapshots {
@@ -45,9 +55,10 @@ impl ParticleSnapshots {
     };
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
+        let contents = Contents { agglomerates: opening.agglomerates };
         let snapshots = match opening.continue_after {
-            Some(time) => Self::resume(path, time, opening.head, ranks)?,
-            None => Self::create(path, opening.head, ranks)?,
+            Some(time) => Self::go_on(path, time, (opening.head, contents), ranks)?,
+            None => Self::begin(path, (opening.head, contents), ranks)?,
         };
         Ok(Some(Box::new(snapshots)))
     }
@@ -61,8 +72,16 @@ impl ParticleSnapshots {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, head))?;
-        Ok(Self { path: path.to_owned(), steps: 0, points: 0 })
+        Self::begin(path, (head, Contents { agglomerates: false }), ranks)
+    }
+
+    fn begin(
+        path: &Path,
+        (head, contents): (Head<'_>, Contents),
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        on_root(path, ranks, || create(path, head, contents))?;
+        Ok(Self { path: path.to_owned(), contents, steps: 0, points: 0 })
     }
 
     /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
@@ -76,11 +95,20 @@ impl ParticleSnapshots {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
+        Self::go_on(path, time, (head, Contents { agglomerates: false }), ranks)
+    }
+
+    fn go_on(
+        path: &Path,
+        time: f64,
+        (head, contents): (Head<'_>, Contents),
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
         let found = on_root(path, ranks, || {
-            let kept = continue_or_create(path, || cut_after(path, time), || Ok([0, 0]))?;
+            let kept = continue_or_create(path, || cut_after(path, time, contents), || Ok([0, 0]))?;
             match kept {
-                [0, _] => create(path, head)?,
-                _ => metadata_copy::commit(path, &tables())?,
+                [0, _] => create(path, head, contents)?,
+                _ => metadata_copy::commit(path, &contents.tables())?,
             }
             Ok(kept)
         })?;
@@ -88,7 +116,7 @@ impl ParticleSnapshots {
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
         let [steps, points] = counts.map(|count| count as u64);
-        Ok(Self { path: path.to_owned(), steps, points })
+        Ok(Self { path: path.to_owned(), contents, steps, points })
     }
 
     /// Adds the particles at a time: all ranks' shares, in any order. Collective.
@@ -101,6 +129,17 @@ impl ParticleSnapshots {
         particles: &(impl Records<ParticleRecord> + ?Sized),
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
+        self.append_with(time, particles, None, ranks)
+    }
+
+    /// The same with the agglomerates of the particles, in their order.
+    fn append_with(
+        &mut self,
+        time: f64,
+        particles: &(impl Records<ParticleRecord> + ?Sized),
+        agglomerates: Option<&[Option<u64>]>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
         let block = sort_by_id(particles, |particle| [particle.id, 0], ranks);
         let (before, after) = (self.points, self.points + block.total);
         let first = before + block.offset;
@@ -110,7 +149,7 @@ impl ParticleSnapshots {
         let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
         let radii: Vec<f64> = block.rows.iter().map(|particle| particle.radius).collect();
         let file = SharedFile::open_to_write(&self.path, ranks)?;
-        point_tables().iter().try_for_each(|name| file.grow(name, after))?;
+        self.contents.point_tables().iter().try_for_each(|name| file.grow(name, after))?;
         file.write_rows("/VTKHDF/Points", first, &vectors(|particle| &particle.position))?;
         file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
         let velocities = vectors(|particle| &particle.velocity);
@@ -118,8 +157,13 @@ impl ParticleSnapshots {
         let spins = vectors(|particle| &particle.angular_velocity);
         file.write_rows("/VTKHDF/PointData/angular_velocity", first, &spins)?;
         file.write_rows("/VTKHDF/PointData/radius", first, &radii)?;
+        if self.contents.agglomerates {
+            let labels = sorted_labels(particles, agglomerates, ranks);
+            file.write_rows(&point_data(AGGLOMERATE), first, &labels)?;
+        }
         file.close()?;
-        on_root(&self.path, ranks, || append_step(&self.path, time, [self.steps, before, after]))?;
+        let (path, step) = (&self.path, [self.steps, before, after]);
+        on_root(path, ranks, || append_step(path, time, step, self.contents))?;
         self.steps += 1;
         self.points = after;
         Ok(())
@@ -132,44 +176,68 @@ impl Output for ParticleSnapshots {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append(sample.measures.time, sample.particles, ranks)
+        self.append_with(sample.measures.time, sample.particles, sample.agglomerates, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
+        metadata_copy::commit_on_root(&self.path, &self.contents.tables(), ranks)
     }
 }
 
-/// Paths of the datasets with a row for each particle at each time.
-fn point_tables() -> Vec<String> {
-    let data = POINT_DATA.iter().map(|name| format!("/VTKHDF/PointData/{name}"));
-    std::iter::once("/VTKHDF/Points".to_owned()).chain(data).collect()
+fn point_data(name: &str) -> String {
+    format!("/VTKHDF/PointData/{name}")
 }
 
-/// Paths of the datasets with one row for each time, one integer wide.
-fn step_tables() -> Vec<String> {
-    let steps = STEP_INTEGERS.iter().map(|name| format!("/VTKHDF/Steps/{name}"));
-    let data = POINT_DATA.iter().map(|name| format!("/VTKHDF/Steps/PointDataOffsets/{name}"));
-    let cells = CELLS.iter().flat_map(|kind| {
-        ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
-            .map(|name| format!("/VTKHDF/{kind}/{name}"))
-    });
-    let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
-    steps.chain(data).chain(cells).chain(number).collect()
+/// The labels of particles sorted by id as their rows are; -1 for none.
+fn sorted_labels(
+    particles: &(impl Records<ParticleRecord> + ?Sized),
+    agglomerates: Option<&[Option<u64>]>,
+    ranks: &dyn Communicator,
+) -> Vec<i64> {
+    let label = |index: usize| agglomerates.and_then(|labels| *labels.get(index)?);
+    let record =
+        |index: usize| [particles.at(index).id as i64, label(index).map_or(-1, |x| x as i64)];
+    let records: Vec<[i64; 2]> = (0..particles.count()).map(record).collect();
+    let sorted = sort_by_id(&records, |record| [record[0] as u64, 0], ranks);
+    sorted.rows.into_iter().map(|[_, label]| label).collect()
 }
 
-/// Paths of the datasets that grow.
-fn tables() -> Vec<String> {
-    let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
-    let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
-    [point_tables(), step_tables(), wider.to_vec()].concat()
+impl Contents {
+    /// Names of the datasets with a row for each particle at each time, but for the positions.
+    fn names(self) -> impl Iterator<Item = &'static str> {
+        POINT_DATA.into_iter().chain(self.agglomerates.then_some(AGGLOMERATE))
+    }
+
+    /// Paths of the datasets with a row for each particle at each time.
+    fn point_tables(self) -> Vec<String> {
+        std::iter::once("/VTKHDF/Points".to_owned()).chain(self.names().map(point_data)).collect()
+    }
+
+    /// Paths of the datasets with one row for each time, one integer wide.
+    fn step_tables(self) -> Vec<String> {
+        let steps = STEP_INTEGERS.iter().map(|name| format!("/VTKHDF/Steps/{name}"));
+        let data = self.names().map(|name| format!("/VTKHDF/Steps/PointDataOffsets/{name}"));
+        let cells = CELLS.iter().flat_map(|kind| {
+            ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
+                .map(|name| format!("/VTKHDF/{kind}/{name}"))
+        });
+        let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
+        steps.chain(data).chain(cells).chain(number).collect()
+    }
+
+    /// Paths of the datasets that grow.
+    fn tables(self) -> Vec<String> {
+        let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
+        let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
+        [self.point_tables(), self.step_tables(), wider.to_vec()].concat()
+    }
 }
 
-fn create(path: &Path, head: Head<'_>) -> MessageResult<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, head))
+fn create(path: &Path, head: Head<'_>, contents: Contents) -> MessageResult<()> {
+    metadata_copy::create(path, &contents.tables(), |path| make(path, head, contents))
 }
 
-fn make(path: &Path, head: Head<'_>) -> MessageResult<()> {
+fn make(path: &Path, head: Head<'_>, contents: Contents) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
     for group in ["/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/Steps", "/VTKHDF/Steps/PointDataOffsets"]
     {
@@ -184,7 +252,13 @@ fn make(path: &Path, head: Head<'_>) -> MessageResult<()> {
     }
     file.set_text("/talcum", "case", head.case_text)?;
     make_point_tables(&file, &head.units())?;
-    make_step_tables(&file, &head.units())?;
+    if contents.agglomerates {
+        let description = "smallest id of the particle's agglomerate as of the last look; -1: none";
+        let name = &point_data(AGGLOMERATE);
+        let head = TableHead { name, width: 1, unit: "1", description };
+        file.make_table::<i64>(&head, Rows::Growing(POINT_PIECE))?;
+    }
+    make_step_tables(&file, &head.units(), contents)?;
     file.close()
 }
 
@@ -203,7 +277,11 @@ fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()
     file.make_table::<i64>(&TableHead { name, width: 1, unit: "1", description }, rows)
 }
 
-fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()> {
+fn make_step_tables(
+    file: &SerialFile,
+    units: &ColumnUnits,
+    contents: Contents,
+) -> MessageResult<()> {
     let rows = Rows::Growing(STEP_PIECE);
     let head = TableHead {
         name: "/VTKHDF/Steps/Values",
@@ -216,7 +294,7 @@ fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()>
         file.make_table::<i64>(&TableHead { name, width, unit: "1", description }, rows)
     };
     CELLS.iter().try_for_each(|kind| file.make_group(&format!("/VTKHDF/{kind}")))?;
-    for name in step_tables() {
+    for name in contents.step_tables() {
         integers(&name, 1, "index of VTKHDF, one for each time", rows)?;
     }
     for name in CELL_OFFSETS {
@@ -231,10 +309,15 @@ fn make_step_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()>
 }
 
 /// Makes the rows from `before` to `after` the snapshot number `step`.
-fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> MessageResult<()> {
+fn append_step(
+    path: &Path,
+    time: f64,
+    [step, before, after]: [u64; 3],
+    contents: Contents,
+) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     file.append("/VTKHDF/Steps/Values", &[time])?;
-    for name in step_tables() {
+    for name in contents.step_tables() {
         let value = match name.rsplit('/').next() {
             Some("PartOffsets") => step,
             Some("NumberOfParts") => 1,
@@ -253,17 +336,24 @@ fn append_step(path: &Path, time: f64, [step, before, after]: [u64; 3]) -> Messa
 }
 
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
-fn cut_after(path: &Path, time: f64) -> Result<[u64; 2], Obstacle> {
+fn cut_after(path: &Path, time: f64, contents: Contents) -> Result<[u64; 2], Obstacle> {
     let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
-    let kept = rows_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
+    let kept = rows_to_keep(path, (time, contents), found_length).map_err(Obstacle::Unusable)?;
     if kept[0] > 0 {
-        cut(path, kept).map_err(Obstacle::Failed)?;
+        cut(path, kept, contents).map_err(Obstacle::Failed)?;
     }
     Ok(kept)
 }
 
-fn rows_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<[u64; 2]> {
+fn rows_to_keep(
+    path: &Path,
+    (time, contents): (f64, Contents),
+    found_length: u64,
+) -> MessageResult<[u64; 2]> {
     let file = SerialFile::open(path)?;
+    if !contents.agglomerates && file.shape(&point_data(AGGLOMERATE)).is_ok() {
+        return Err("it shows agglomerates, which the case no longer asks for".to_owned());
+    }
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
     let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
@@ -272,7 +362,7 @@ fn rows_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<[u64
     let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
     let points = points.ok_or("its numbers of particles are damaged")?;
     let kept = [steps as u64, points as u64];
-    for (name, rows) in rows_of_tables(kept) {
+    for (name, rows) in rows_of_tables(kept, contents) {
         metadata_copy::require_rows(&file, &name, rows, found_length)?;
     }
     file.close()?;
@@ -280,17 +370,20 @@ fn rows_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<[u64
 }
 
 /// Every table with its rows, for so many snapshots and particles in them.
-fn rows_of_tables([steps, points]: [u64; 2]) -> impl Iterator<Item = (String, u64)> {
-    let of_points = point_tables();
-    tables().into_iter().map(move |name| {
+fn rows_of_tables(
+    [steps, points]: [u64; 2],
+    contents: Contents,
+) -> impl Iterator<Item = (String, u64)> {
+    let of_points = contents.point_tables();
+    contents.tables().into_iter().map(move |name| {
         let rows = if of_points.contains(&name) { points } else { steps };
         (name, rows)
     })
 }
 
-fn cut(path: &Path, kept: [u64; 2]) -> MessageResult<()> {
+fn cut(path: &Path, kept: [u64; 2], contents: Contents) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
-    for (name, rows) in rows_of_tables(kept) {
+    for (name, rows) in rows_of_tables(kept, contents) {
         file.cut(&name, rows)?;
     }
     file.set_number("/VTKHDF/Steps", "NSteps", kept[0] as i64)?;

@@ -27,10 +27,16 @@ pub struct ColumnUnits {
     pub energy: &'static str,
     /// Of volume.
     pub volume: &'static str,
-    /// Of dispersion, length squared per time.
-    pub dispersion: &'static str,
     /// Of mass per area and time.
     pub mass_flux: &'static str,
+    /// Of area.
+    pub area: &'static str,
+    /// Of squared velocity.
+    pub squared_speed: &'static str,
+    /// Of squared length over time.
+    pub diffusivity: &'static str,
+    /// Per time.
+    pub rate: &'static str,
     /// Of what has none.
     pub number: &'static str,
 }
@@ -49,8 +55,11 @@ impl ColumnUnits {
         mass: "kg",
         energy: "J",
         volume: "m^3",
-        dispersion: "m^2/s",
         mass_flux: "kg/(m^2 s)",
+        area: "m^2",
+        squared_speed: "m^2/s^2",
+        diffusivity: "m^2/s",
+        rate: "1/s",
         number: "1",
     };
 
@@ -67,8 +76,11 @@ impl ColumnUnits {
         mass: "rho_s d^3",
         energy: "rho_s g d^4",
         volume: "d^3",
-        dispersion: "sqrt(g d^3)",
         mass_flux: "rho_s sqrt(g d)",
+        area: "d^2",
+        squared_speed: "g d",
+        diffusivity: "d sqrt(g d)",
+        rate: "sqrt(g/d)",
         number: "1",
     };
 
@@ -79,10 +91,16 @@ impl ColumnUnits {
             Quantity::Length => self.length,
             Quantity::Speed => self.speed,
             Quantity::Energy => self.energy,
-            Quantity::Pressure => self.pressure,
             Quantity::Frequency => self.angular_speed,
-            Quantity::Dispersion => self.dispersion,
             Quantity::MassFlux => self.mass_flux,
+            Quantity::Mass => self.mass,
+            Quantity::Volume => self.volume,
+            Quantity::Area => self.area,
+            Quantity::Force => self.force,
+            Quantity::Pressure => self.pressure,
+            Quantity::SquaredSpeed => self.squared_speed,
+            Quantity::Diffusivity => self.diffusivity,
+            Quantity::Rate => self.rate,
             Quantity::Number => self.number,
         }
     }

@@ -104,6 +104,49 @@ impl Contacts {
         partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
     }
 
+    /// The touching pairs by ascending ids, each on one rank: that of two ranks' particles is left to the owner of the
+    /// lower id.
+    pub fn touching_pairs<'a>(
+        &'a self,
+        particles: &'a Particles,
+    ) -> impl Iterator<Item = [u64; 2]> + 'a {
+        self.inner.active.touching_indices().filter_map(|[first, second]| {
+            let [here, there] = [first, second].map(|index| particles.id[index as usize]);
+            let is_left = here > there && particles.owned_original(second as usize).is_none();
+            (!is_left).then(|| [here.min(there), here.max(there)])
+        })
+    }
+
+    /// Number of touching neighbours of each owned particle.
+    pub fn coordination_numbers(&self, particles: &Particles) -> Vec<u32> {
+        let mut numbers = vec![0; particles.owned_count()];
+        for [first, second] in self.inner.active.touching_indices() {
+            numbers[first as usize] += 1;
+            if let Some(original) = particles.owned_original(second as usize) {
+                numbers[original] += 1;
+            }
+        }
+        numbers
+    }
+
+    /// All pairs that may act on each other now, with the histories of those that touch, seen from the first.
+    pub(crate) fn near_pairs(
+        &self,
+    ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
+        let separated = self.inner.separated().iter().map(|&[one, other, _]| ([one, other], None));
+        self.inner.active.with_histories().chain(separated)
+    }
+
+    /// Owned particles and walls that may act on each other now, with the histories of those that touch.
+    pub(crate) fn near_walls(
+        &self,
+    ) -> impl Iterator<Item = (u32, u32, Option<ContactHistory>)> + '_ {
+        self.wall_pairs.iter().enumerate().map(|(slot, pair)| {
+            let history = self.wall_touching[slot].then(|| self.wall_history[slot]);
+            (pair.particle, pair.wall, history)
+        })
+    }
+
     /// Removes all pairs of particles, for a new list.
     pub(super) fn clear_pairs(&mut self) {
         self.row_start.clear();

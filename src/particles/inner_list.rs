@@ -138,6 +138,11 @@ impl InnerList {
         Candidates { pairs: candidates, contact_range: *contact_range, to_promote }
     }
 
+    /// The same pairs, to be read.
+    pub(super) fn separated(&self) -> &[Pair] {
+        &self.candidates
+    }
+
     /// Finds the candidates that have come within the range of contacts.
     pub(crate) fn find_promotions(&mut self, particles: &Particles) {
         let is_new = self.validity.age == 1; // then no candidate is within the range of contacts

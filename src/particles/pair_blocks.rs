@@ -135,6 +135,25 @@ impl PairBlocks {
         pairs.filter_map(|(place, pair)| self.history(place).map(|history| (pair, history)))
     }
 
+    /// First and second particle of the touching pairs.
+    pub(super) fn touching_indices(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let blocks = self.blocks.iter().enumerate();
+        blocks.flat_map(|(index, block)| {
+            let lanes = 0..PairBlock::used(index, self.count);
+            let touching = lanes.filter(|&lane| block.touching[lane]);
+            touching.map(|lane| [block.first[lane], block.second[lane]])
+        })
+    }
+
+    /// All pairs, and the histories of those that touch, without angles of rolling.
+    pub(super) fn with_histories(
+        &self,
+    ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
+        self.pairs()
+            .enumerate()
+            .map(|(place, pair)| (pair, self.history(place).map(|oriented| oriented.history)))
+    }
+
     /// The history of the pair at a place, if it touches.
     fn history(&self, place: usize) -> Option<OrientedHistory> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);

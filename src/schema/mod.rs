@@ -65,6 +65,8 @@ pub enum Kind {
     Table(&'static [Key]),
     /// A list of sections.
     Tables(&'static [Key]),
+    /// Sections of names that the user chooses.
+    Named(&'static [Key]),
     /// A section whose keys later stages, or walls, may change: only what has been merged is complete.
     Merged(Merged),
     /// One of several kinds; what is written tells which.
@@ -236,7 +238,10 @@ impl Kind {
     /// The keys of the table that may stand here; none if none may. Those of a schedule too.
     pub fn keys(&self) -> &'static [Key] {
         match self {
-            Self::Table(keys) | Self::Tables(keys) | Self::Schedule(_, keys) => keys,
+            Self::Table(keys)
+            | Self::Tables(keys)
+            | Self::Named(keys)
+            | Self::Schedule(_, keys) => keys,
             Self::Merged(merged) => merged.keys,
             Self::Either(kinds) => {
                 kinds.iter().map(Self::keys).find(|keys| !keys.is_empty()).unwrap_or_default()

@@ -1,11 +1,18 @@
 //! A bed that moves.
 
 use super::Snapshot;
-use crate::analysis::{Digest, RunView, WallForce, wall_forces};
+use crate::analysis::{BedProfile, Digest, RunView, WallForce, measure, wall_forces};
+use crate::grid::ColumnGrid;
+use crate::measures::{Findings, Measure, View};
 use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
 use crate::particles::ContactHistories;
-use crate::state::{Domain, EnergyBalance, EnergyLedger, Models, State, StoredEnergy, Workspace};
-use crate::time_step::{Staggered, StepError, advance, confirm, stored_energy};
+use crate::state::{
+    Domain, EnergyBalance, EnergyLedger, Models, SizeRange, State, StoredEnergy, Workspace,
+};
+use crate::time_step::{Staggered, StepError, advance, confirm, refresh_ghosts, stored_energy};
+
+/// Solids fraction that bounds the bed in what measures see of it.
+const BED_THRESHOLD: f64 = 0.3;
 
 /// A bed between two steps, on this rank of all ranks. [`Setup::start`](super::Setup::start) makes it.
 ///
@@ -97,6 +104,31 @@ impl Run<'_> {
     pub fn stored_energy(&self) -> StoredEnergy {
         let Self { state, domain, models, work, ranks } = self;
         stored_energy(state, domain, models, work).total(*ranks)
+    }
+
+    /// Lets a measure look at the run, which it does not change. Collective.
+    ///
+    /// # Errors
+    /// If the forces of the last step have no meaning.
+    pub fn look(&mut self, looking: &mut dyn Measure) -> Result<Findings, StepError> {
+        let Self { state, domain, models, work, ranks } = self;
+        confirm(state, work, *ranks)?;
+        let needs = looking.needs();
+        if needs.contact_forces {
+            refresh_ghosts(state, work, *ranks);
+        }
+        let gas_cells = match needs.gas_cells {
+            true => work.gas.sample(&state.gas, &state.particles, *ranks),
+            false => None,
+        };
+        let SizeRange { smallest_diameter, largest_diameter, .. } = state.sizes;
+        let grid = ColumnGrid::new(&domain.bounds, 1.5 * largest_diameter, 1.0);
+        let diameters = [smallest_diameter, largest_diameter];
+        let mut profile = BedProfile::new(grid, models.limits.speed, diameters, BED_THRESHOLD);
+        let run = RunView { state, domain, models, work };
+        let series = needs.series.then(|| measure(run, &mut profile, None, *ranks));
+        let view = View::new(run, &profile, series.as_ref(), gas_cells.as_deref());
+        Ok(looking.look(&view, *ranks))
     }
 
     /// Hash of the whole state: the same on any number of ranks. Collective.

@@ -112,8 +112,16 @@ fn is_result(name: &str) -> bool {
     let of_listed = |suffix| name.strip_suffix(suffix).is_some_and(is_listed);
     let fixed = ["case.toml", "analysis.h5", COMPLETE];
     is_checkpoint(name)
+        || is_of_measure(name)
         || fixed.contains(&name)
         || ["", ".metadata", ".partial"].into_iter().any(of_listed)
+}
+
+/// Whether a file is one of a measure, whatever its name.
+fn is_of_measure(name: &str) -> bool {
+    let of_measure = |name: &str| name.ends_with(".h5") || name.ends_with(".vtkhdf");
+    let plain = |suffix| name.strip_suffix(suffix).is_some_and(of_measure);
+    name.starts_with("measure-") && ["", ".metadata", ".partial"].into_iter().any(plain)
 }
 
 /// Makes the folder, with the case in effect; a run that goes on is no longer complete.

@@ -4,6 +4,7 @@ mod checkpoints;
 mod folder;
 mod interval;
 mod layout;
+mod measuring;
 mod memory;
 mod outputs;
 mod running;

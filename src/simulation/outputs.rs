@@ -29,6 +29,7 @@ pub(super) const LISTED: [Listed; 6] = [
 
 /// An open file of results.
 struct ScheduledOutput {
+    file_name: &'static str,
     interval: Interval,
     needs_momentum_before: bool,
     output: Box<dyn Output>,
@@ -53,7 +54,9 @@ impl Outputs {
             }
             let needs_momentum_before = kind.needs_momentum_before;
             let opened = (kind.open)(&folder.join(kind.file_name), opening, ranks)?;
+            let file_name = kind.file_name;
             outputs.extend(opened.map(|output| ScheduledOutput {
+                file_name,
                 interval,
                 needs_momentum_before,
                 output,
@@ -70,6 +73,12 @@ impl Outputs {
     /// Whether something is due after a step that compares the momentum before and after it.
     pub(super) fn needs_momentum_before(&self, clock: &Clock, step: u64) -> bool {
         self.0.iter().any(|file| file.needs_momentum_before && file.interval.due(clock, step))
+    }
+
+    /// Whether snapshots of the particles are due now.
+    pub(super) fn shows_particles(&self, clock: &Clock) -> bool {
+        let due = |file: &ScheduledOutput| file.interval.due(clock, clock.step);
+        self.0.iter().any(|file| file.file_name == ParticleSnapshots::KIND.file_name && due(file))
     }
 
     /// Writes what is due now. Collective.

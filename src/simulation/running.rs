@@ -2,6 +2,7 @@
 
 use super::checkpoints::{Checkpoints, WrittenCheckpoint};
 use super::folder::{OutputFolder, make_folder, mark_complete};
+use super::measuring::{Beginning, Measuring};
 use super::outputs::Outputs;
 use super::start::{InitialState, Origin};
 use super::{RunError, memory};
@@ -9,6 +10,7 @@ use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
 use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
+use crate::measures::{Setting, View};
 use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
 use crate::output::{EnergyRow, Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
@@ -42,6 +44,7 @@ pub(super) struct Simulation<'a> {
     folder: OutputFolder,
     provenance: Provenance,
     outputs: Outputs,
+    measuring: Measuring,
     checkpoints: Checkpoints,
     expected_particles: u64,
     ranks: &'a dyn Communicator,
@@ -55,7 +58,7 @@ impl<'a> Simulation<'a> {
         folder: OutputFolder,
         ranks: &'a dyn Communicator,
     ) -> Result<Self, RunError> {
-        let InitialState { state, work, histories, origin, .. } = initial;
+        let InitialState { state, work, histories, measures: kept, origin, .. } = initial;
         let (histories, origin) = (std::mem::take(histories), *origin);
         let is_new = origin == Origin::NewBed;
         let stage = case.stage_number_at(state.clock.time());
@@ -78,8 +81,21 @@ impl<'a> Simulation<'a> {
         let head = Head { case_text: &case.text, provenance: &provenance };
         let continue_after = (origin == Origin::ContinuedRun).then(|| state.clock.time());
         let gas_grid = case.volume_averaged().map(|model| &model.grid);
-        let opening = Opening { head, continue_after, profile_grid: profile.grid(), gas_grid };
+        let agglomerates = case.output.agglomerates.is_some();
+        let profile_grid = profile.grid();
+        let opening = Opening { head, continue_after, profile_grid, agglomerates, gas_grid };
         let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
+        let setting = Setting {
+            bounds: &case.domain.bounds,
+            sizes: &state.sizes,
+            column: profile.grid(),
+            gas_grid,
+            every: 0.0,
+            start: 0.0,
+        };
+        let beginning = Beginning { folder: &folder.path, head, continue_after, kept };
+        let measuring = Measuring::open(&case.measures, &beginning, &setting, ranks)?;
+        kept.clear();
         let here = ranks.total(state.particles.owned_count()) as u64;
         let mut simulation = Self {
             case,
@@ -93,11 +109,13 @@ impl<'a> Simulation<'a> {
             folder,
             provenance,
             outputs,
+            measuring,
             checkpoints: Checkpoints::new(&case.checkpoint),
             ranks,
         };
         // The row of the first instant belongs to the run that led to it, where there was one.
         if is_new {
+            simulation.measure_due()?;
             simulation.write_due(None)?;
         }
         Ok(simulation)
@@ -163,6 +181,9 @@ impl<'a> Simulation<'a> {
         });
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, self.work, self.ranks)?;
+        let measures_start = Instant::now();
+        self.measure_due()?;
+        self.work.timers.add(Phase::Measures, measures_start.elapsed());
         let output_start = Instant::now();
         self.write_due(probe)?;
         if requests.checkpoint || self.checkpoints.due(self.state.clock()) {
@@ -218,7 +239,7 @@ impl<'a> Simulation<'a> {
         if !self.outputs.due(self.state.clock(), self.steps_done()) {
             return Ok(());
         }
-        let Self { case, state, work, models, profile, outputs, ranks, .. } = self;
+        let Self { case, state, work, models, profile, outputs, measuring, ranks, .. } = self;
         let state = confirmed(state, work, *ranks)?;
         let view = RunView { state, domain: &case.domain, models, work };
         let measures = measure(view, profile, probe, *ranks);
@@ -228,6 +249,10 @@ impl<'a> Simulation<'a> {
         });
         let is_asked_for = case.output.walls.is_some();
         let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
+        let ids = &state.particles.id[..state.particles.owned_count()];
+        let name =
+            case.output.agglomerates.as_ref().filter(|_| outputs.shows_particles(&state.clock));
+        let agglomerates = name.and_then(|name| measuring.agglomerates(name, ids, *ranks));
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
             measures: &measures,
@@ -235,6 +260,7 @@ impl<'a> Simulation<'a> {
             particles: &records(case, state),
             wall_forces: &wall_forces,
             energy: energy.as_ref(),
+            agglomerates: agglomerates.as_deref(),
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;
@@ -246,12 +272,38 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
+    /// Lets the measures look that are due at this step. Collective.
+    fn measure_due(&mut self) -> Result<(), RunError> {
+        let clock = *self.state.clock();
+        if !self.measuring.due(&clock) {
+            return Ok(());
+        }
+        let needs = self.measuring.needs(&clock);
+        let Self { case, state, work, models, profile, measuring, ranks, .. } = self;
+        let state = state.synchronised(&mut work.timers);
+        time_step::confirm(state, work, *ranks)?;
+        if needs.contact_forces {
+            // Their velocities are those of the half step before; the next step sets them anew in any case.
+            time_step::refresh_ghosts(state, work, *ranks);
+        }
+        let gas_cells = match needs.gas_cells {
+            true => work.gas.sample(&state.gas, &state.particles, *ranks),
+            false => None,
+        };
+        let run = RunView { state, domain: &case.domain, models, work };
+        let series = needs.series.then(|| measure(run, profile, None, *ranks));
+        let view = View::new(run, profile, series.as_ref(), gas_cells.as_deref());
+        Ok(measuring.look(&clock, &view, *ranks)?)
+    }
+
     /// Commits the results and then writes a checkpoint, so that a run that is killed goes on from it with all of them.
     /// Collective.
     fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
-        let Self { case, state, work, folder, provenance, outputs, checkpoints, ranks, .. } = self;
+        let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;
         let state = confirmed(state, work, *ranks)?;
-        outputs.commit(*ranks)?;
+        self.outputs.commit(*ranks)?;
+        self.measuring.commit(*ranks)?;
+        let measures = self.measuring.kept(*ranks);
         let ContactHistories { pairs, walls } = state.contacts.histories_once(&state.particles);
         let checkpoint = Checkpoint {
             clock: state.clock,
@@ -265,6 +317,7 @@ impl<'a> Simulation<'a> {
             cells: work.gas.records(&state.gas),
             gas_report: state.gas.report(),
             energy: state.energy.as_deref().map(StoredLedger::of),
+            measures,
         };
         let written = checkpoints.write(&folder.path, &checkpoint, provenance, *ranks)?;
         drop(checkpoint);

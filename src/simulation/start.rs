@@ -4,6 +4,7 @@ use super::layout::{lay_out, layout_of};
 use crate::analysis::Digest;
 use crate::case::{BedPart, BedStart, Case, Change, changes};
 use crate::domain::{Decomposition, RankGrid, Wall};
+use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{
     CollectiveError, Communicator, ParticleRecord, RankLoad, WallContactRecord, agree,
@@ -64,6 +65,8 @@ pub struct InitialState {
     pub work: Workspace,
     /// Histories of its contacts.
     pub histories: ContactHistories,
+    /// What measures have kept.
+    pub measures: Vec<MeasureState>,
     /// Where it comes from.
     pub origin: Origin,
     /// Digest of the state of another run that it begins with, if the case says so.
@@ -124,7 +127,8 @@ pub fn start_from_checkpoint(
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
     let end = Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report };
-    let mut initial = distribute(case, end, origin, grid, ranks)?;
+    let measures = checkpoint.measures;
+    let mut initial = InitialState { measures, ..distribute(case, end, origin, grid, ranks)? };
     initial.state.energy = ledger;
     Ok(initial)
 }
@@ -208,7 +212,8 @@ fn distribute(
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
     let skin = case.parallel.skin * sizes.largest_diameter;
     let work = Workspace::new(decomposition, skin, case.parallel.balance);
-    Ok(InitialState { state, work, histories, origin, begins_with: None })
+    let measures = Vec::new();
+    Ok(InitialState { state, work, histories, measures, origin, begins_with: None })
 }
 
 fn balanced_at_start(

@@ -164,7 +164,7 @@ fn kick_and_drift(
 }
 
 /// Brings ghosts up to date. Collective.
-fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
+pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
     work.timers.time(Phase::Halo, || work.halo.refresh(&mut state.particles, ranks));
 }
 

@@ -228,6 +228,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         cells: Vec::new(),
         gas_report: GasReport::default(),
         energy: None,
+        measures: Vec::new(),
     }
 }
 

@@ -9,6 +9,7 @@ mod energy;
 mod energy_ledger;
 mod gas_column;
 mod integrator_order;
+mod measures;
 mod measures_never_panic;
 mod minimum_fluidisation;
 mod single_particle;

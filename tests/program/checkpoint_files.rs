@@ -63,6 +63,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
             momentum_error: 1.0e-12,
         },
         energy: None,
+        measures: Vec::new(),
     }
 }
 

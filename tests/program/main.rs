@@ -15,6 +15,7 @@ mod faults;
 mod golden;
 mod initial_beds;
 mod interruption;
+mod measures;
 mod mpirun;
 mod restart;
 mod snapshots;

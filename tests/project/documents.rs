@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const DOCUMENTS: [&str; 13] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -13,6 +13,7 @@ const DOCUMENTS: [&str; 13] = [
     "docs/glossary.md",
     "docs/input.md",
     "docs/laws.md",
+    "docs/measures.md",
     "docs/performance.md",
     "docs/study.md",
     "docs/verification.md",

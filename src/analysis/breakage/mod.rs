@@ -44,13 +44,22 @@ impl Look {
         Self { labels }
     }
 
-    /// What must be stored to go on later, as ids and labels; [`Look::take`] reads it on whatever ranks.
-    pub fn stored(&self) -> (Vec<u64>, Vec<Option<u64>>) {
-        let label = |record: &[u64; 2]| (record[1] != NONE).then_some(record[1]);
-        (
-            self.labels.iter().map(|record| record[0]).collect(),
-            self.labels.iter().map(label).collect(),
-        )
+    /// The agglomerates of these particles; none for those that were not there. Collective.
+    pub fn of(&self, ids: &[u64], ranks: &dyn Communicator) -> Vec<Option<u64>> {
+        let labels = ask(ids.iter().copied(), |id| self.label(id), ranks);
+        ids.iter().map(|&id| labels.get(id).filter(|&label| label != NONE)).collect()
+    }
+
+    /// What must be stored to go on later; [`Look::of_records`] reads it on whatever ranks.
+    pub fn records(&self) -> &[[u64; 2]] {
+        &self.labels
+    }
+
+    /// Goes on from records that were stored, by whatever ranks. Collective.
+    pub fn of_records(records: Vec<[u64; 2]>, ranks: &dyn Communicator) -> Self {
+        let mut labels = send_to_rendezvous(records, |record| record[0], ranks);
+        labels.sort_unstable();
+        Self { labels }
     }
 
     fn label(&self, id: u64) -> u64 {

@@ -29,8 +29,8 @@ fn changes(n: usize, before: &[Option<u64>], after: &[Option<u64>]) -> (Vec<Fate
             let labels: Vec<_> = ids.iter().map(|&id| labels[id]).collect();
             let ids: Vec<u64> = ids.iter().map(|&id| id as u64).collect();
             let look = Look::take(&ids, &labels, ranks);
-            let (ids, labels) = look.stored();
-            assert_eq!(Look::take(&ids, &labels, ranks), look);
+            let records = look.records().to_vec();
+            assert_eq!(Look::of_records(records, ranks), look);
             look
         };
         let changes = Changes::between(&look(before, 3), &look(after, 5), ranks);

@@ -109,6 +109,11 @@ pub struct CellStress {
 }
 
 impl CellStress {
+    /// Mass per volume.
+    pub fn density(&self) -> f64 {
+        self.mass / self.volume
+    }
+
     /// All three parts.
     pub fn total(&self) -> Matrix3<f64> {
         self.kinetic + self.contact + self.cohesive

@@ -31,7 +31,7 @@ fn define(keys: &'static [Key], definitions: &mut Map<String, Value>) {
         {
             definitions.insert(section.to_owned(), table(keys, false));
             define(keys, definitions);
-        } else if let Kind::Tables(keys) = key.kind {
+        } else if let Kind::Tables(keys) | Kind::Named(keys) = key.kind {
             define(keys, definitions);
         }
     }
@@ -123,6 +123,7 @@ fn value(kind: &Kind) -> Value {
         Kind::Word(words) => word(words),
         Kind::Table(keys) => table(keys, true),
         Kind::Tables(keys) => json!({ "type": "array", "minItems": 1, "items": table(keys, true) }),
+        Kind::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys, true) }),
         Kind::Merged(merged) => {
             let keys = json!({ "$ref": format!("#/definitions/{}", merged.section) });
             match merged.switched {
@@ -234,8 +235,9 @@ fn choices(key: &'static Key, keys: &'static [Key], complete: bool) -> Vec<Value
             .map(|key| (key.name.to_owned(), json!(false)))
             .collect();
         let mut then = json!({ "properties": refused });
-        if complete {
-            then["allOf"] = Value::Array(requirements(word.keys));
+        let required = if complete { requirements(word.keys) } else { Vec::new() };
+        if !required.is_empty() {
+            then["allOf"] = Value::Array(required);
         }
         let chosen = json!({ key.name: { "const": word.name } });
         json!({ "if": { "properties": chosen, "required": [key.name] }, "then": then })

@@ -62,8 +62,11 @@ fn heading(chapter: &Chapter) -> String {
     }
     let level = "#".repeat(2 + path.matches('.').count());
     let key = ROOT.iter().find(|key| key.name == path);
-    let is_list = key.is_some_and(|key| matches!(key.kind, Kind::Tables(_)));
-    let name = if is_list { format!("[[{path}]]") } else { format!("[{path}]") };
+    let name = match key.map(|key| key.kind) {
+        Some(Kind::Tables(_)) => format!("[[{path}]]"),
+        Some(Kind::Named(_)) => format!("[{path}.NAME]"),
+        _ => format!("[{path}]"),
+    };
     let is_optional = key.map_or(path == "contact.wall", |key| key.required == Required::Never);
     let optional = if is_optional { " (optional)" } else { "" };
     let title = if title.is_empty() { String::new() } else { format!(": {title}") };

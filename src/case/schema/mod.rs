@@ -4,6 +4,7 @@ mod boxes;
 mod contact;
 mod forces;
 mod gas;
+mod measures;
 mod particles;
 mod results;
 mod time;
@@ -12,6 +13,7 @@ pub(super) use boxes::{BOX, WALL};
 pub(super) use contact::{AT_WALL, CONTACT};
 pub(super) use forces::{COHESION, GRAVITY, VIBRATION};
 pub(super) use gas::GAS;
+pub(super) use measures::MEASURE;
 pub(super) use particles::PARTICLES;
 pub(super) use results::{CHECKPOINT, OUTPUT, PARALLEL, RUN};
 pub(super) use time::{STAGE, TIME};
@@ -56,6 +58,7 @@ pub(super) const CHAPTERS: &[Chapter] = &[
     time::CHAPTER,
     time::STAGE_CHAPTER,
     results::OUTPUT_CHAPTER,
+    measures::CHAPTER,
     results::CHECKPOINT_CHAPTER,
     results::RUN_CHAPTER,
     results::PARALLEL_CHAPTER,
@@ -102,6 +105,7 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("time", Kind::Table(TIME), "Time step and end of the run"),
     Key::new("stage", Kind::Tables(STAGE), "Stages of the run, one after another").optional(),
     Key::new("output", Kind::Table(OUTPUT), "Intervals of results"),
+    Key::new("measure", Kind::Named(MEASURE), "What is measured while the run goes on").optional(),
     Key::new("checkpoint", Kind::Table(CHECKPOINT), "When checkpoints are written").optional(),
     Key::new("run", Kind::Table(RUN), "Limit of wall-clock time").optional(),
     Key::new("parallel", Kind::Table(PARALLEL), "How the run is spread over ranks").optional(),

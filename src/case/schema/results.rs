@@ -25,6 +25,14 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
     Key::number("particles", Allowed::POSITIVE, "Interval of snapshots of the particles")
         .unit("time")
         .optional(),
+    Key::new(
+        "agglomerates",
+        Kind::Text,
+        "Name of a measure of the kind `agglomerates`: snapshots of the particles show the agglomerate of each, as of \
+         the measure's last look",
+    )
+    .with("particles")
+    .optional(),
     Key::number("gas", Allowed::POSITIVE, "Interval of snapshots of a volume-averaged gas")
         .unit("time")
         .optional(),

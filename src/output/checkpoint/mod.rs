@@ -5,10 +5,12 @@
 //! are sorted by id, so that the file does not depend on the number of ranks.
 
 use crate::analysis::{Digest, StateRecords};
+use crate::measures::MeasureState;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
 use crate::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
 
 mod folder;
+mod measures;
 mod read;
 mod schema;
 mod write;
@@ -44,6 +46,8 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub gas_report: GasReport,
     /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
     pub energy: Option<StoredLedger>,
+    /// What measures keep; the digest does not see it.
+    pub measures: Vec<MeasureState>,
 }
 
 /// A ledger of energies as it is stored.

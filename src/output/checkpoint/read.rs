@@ -1,7 +1,9 @@
 //! From a file to ranks, and only if it is what was written.
 
+use std::ops::Range;
 use std::path::Path;
 
+use super::measures::{self, MeasureHead};
 use super::schema::{FORMAT, LEDGER, Table, VERSION};
 use super::{Checkpoint, StoredLedger};
 use crate::analysis::Digest;
@@ -20,6 +22,7 @@ struct Head {
     version: u64,
     /// Of particles, contacts, wall contacts, and cells of the gas.
     rows: [u64; 4],
+    measures: Vec<MeasureHead>,
 }
 
 /// Reads a checkpoint, on each rank an even share of its rows; returns also who wrote it, and the
@@ -33,7 +36,7 @@ pub fn read(
     ranks: &dyn Communicator,
 ) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
     checksum::check(path, ranks)?;
-    let Head { mut checkpoint, provenance, digest: stored, version, rows } =
+    let Head { mut checkpoint, provenance, digest: stored, version, rows, measures } =
         agreed(path, read_head(path), ranks)?;
     let file = SharedFile::open_to_read(path, ranks)?;
     // Rank 0 has the sums of all ranks.
@@ -46,6 +49,7 @@ pub fn read(
     if rows[3] > 0 {
         checkpoint.cells = read_rows(&file, version, rows[3], ranks)?;
     }
+    checkpoint.measures = measures::read(&file, measures, |rows| share_of(rows, ranks))?;
     file.close()?;
     let digest = checkpoint.digest(ranks);
     let same = version < 3 || digest.to_string() == stored;
@@ -72,6 +76,7 @@ fn read_head(path: &Path) -> MessageResult<Head> {
         provenance: read_provenance(&file)?,
         digest: file.text("/", "digest")?,
         version,
+        measures: measures::read_heads(&file)?,
         rows: [
             rows_of::<crate::parallel::ParticleRecord>(&file, version)?,
             rows_of::<crate::parallel::ContactRecord>(&file, version)?,
@@ -115,6 +120,7 @@ fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
+        measures: Vec::new(),
         gas_report: if version < 2 { GasReport::default() } else { read_report(file)? },
         energy: if version < 4 { None } else { read_ledger(file)? },
     })
@@ -171,6 +177,12 @@ fn rows_of<R: Table>(file: &SerialFile, version: u64) -> MessageResult<u64> {
     Ok(rows)
 }
 
+/// This rank's even share of so many rows.
+fn share_of(total: u64, ranks: &dyn Communicator) -> Range<u64> {
+    let begin_of = |rank: usize| (u128::from(total) * rank as u128 / ranks.size() as u128) as u64;
+    begin_of(ranks.rank())..begin_of(ranks.rank() + 1)
+}
+
 /// This rank's even share of a table's rows.
 fn read_rows<R: Table>(
     file: &SharedFile<'_>,
@@ -178,9 +190,8 @@ fn read_rows<R: Table>(
     total: u64,
     ranks: &dyn Communicator,
 ) -> Result<Vec<R>, OutputError> {
-    let begin_of = |rank: usize| (u128::from(total) * rank as u128 / ranks.size() as u128) as u64;
-    let first = begin_of(ranks.rank());
-    let count = begin_of(ranks.rank() + 1) - first;
+    let Range { start: first, end } = share_of(total, ranks);
+    let count = end - first;
     let mut records = vec![R::zeroed(); count as usize];
     for column in R::IDS {
         let values: Vec<u64> = file.read_rows(column.name, first, count)?;

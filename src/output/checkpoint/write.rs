@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use super::Checkpoint;
 use super::schema::{FORMAT, LEDGER, NumberColumn, Table, VERSION};
+use super::{Checkpoint, measures};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
@@ -41,6 +41,7 @@ pub fn write(
     let Checkpoint { particles, contacts, wall_contacts, cells, .. } = &checkpoint;
     let rows = [particles.count(), contacts.len(), wall_contacts.len(), cells.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
+    let kept = measures::row_counts(&checkpoint.measures, ranks);
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
@@ -51,6 +52,7 @@ pub fn write(
         make_datasets::<ContactRecord>(&file, rows[1], &units)?;
         make_datasets::<WallContactRecord>(&file, rows[2], &units)?;
         make_datasets::<CellRecord>(&file, rows[3], &units)?;
+        measures::make(&file, &checkpoint.measures, &kept)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
@@ -59,6 +61,7 @@ pub fn write(
         write_table(&file, contacts, ranks)?;
         write_table(&file, wall_contacts, ranks)?;
         write_table(&file, cells, ranks)?;
+        measures::write(&file, &checkpoint.measures, ranks)?;
         file.close()
     });
     written?;

@@ -141,6 +141,12 @@ impl SerialFile {
         get().map(|text| text.as_str().to_owned()).map_err(|error| missing(group, name, &error))
     }
 
+    /// The unit of a dataset.
+    pub(super) fn unit(&self, name: &str) -> MessageResult<String> {
+        let get = || self.0.dataset(name)?.attr("unit")?.read_scalar::<VarLenUnicode>();
+        described(get()).map(|text| text.as_str().to_owned())
+    }
+
     pub(super) fn number<T: Element>(&self, group: &str, name: &str) -> MessageResult<T> {
         let get = || self.0.group(group)?.attr(name)?.read_scalar::<T>();
         get().map_err(|error| missing(group, name, &error))
@@ -160,19 +166,16 @@ impl SerialFile {
     /// A new dataset. Room for rows is taken as soon as there are any: left to the first transfer, ranks
     /// without rows would take no part in it, and transfers of all ranks fail on missing pieces.
     pub(super) fn make_table<T: Element>(&self, head: &TableHead, rows: Rows) -> MessageResult<()> {
-        self.make::<T>(head, &[], rows)
+        self.make_blocks::<T>(head, &[], rows)
     }
 
-    /// A new dataset whose rows are blocks of this shape; stored by single rows.
+    /// A new dataset whose rows are blocks of this shape.
     pub(super) fn make_blocks<T: Element>(
         &self,
         head: &TableHead,
         shape: &[usize],
+        rows: Rows,
     ) -> MessageResult<()> {
-        self.make::<T>(head, shape, Rows::Growing(1))
-    }
-
-    fn make<T: Element>(&self, head: &TableHead, shape: &[usize], rows: Rows) -> MessageResult<()> {
         let make = || {
             let width = if head.width == 1 { &[][..] } else { &[head.width] };
             let width = &[shape, width].concat()[..];

@@ -28,12 +28,12 @@ const SECANT: [Kind; 3] = [secant("secant_x"), secant("secant_y"), secant("secan
 const fn fitted(name: &'static str) -> Kind {
     let meaning =
         "D: slope of half the mean square displacement, over the second half of each window";
-    Kind::number(name, Quantity::Dispersion, meaning)
+    Kind::number(name, Quantity::Diffusivity, meaning)
 }
 
 const fn secant(name: &'static str) -> Kind {
     let meaning = "D by the largest secant, as Liu et al. (2016) take it";
-    Kind::number(name, Quantity::Dispersion, meaning)
+    Kind::number(name, Quantity::Diffusivity, meaning)
 }
 
 const LACEY: Kind = Kind::number(

@@ -9,12 +9,12 @@ use std::process::Command;
 use talcum::output::{Head, Provenance};
 
 /// The head of a file of these tests.
-fn head(provenance: &Provenance) -> Head<'_> {
+pub(crate) fn head(provenance: &Provenance) -> Head<'_> {
     Head { case_text: "title = 1", provenance }
 }
 
 /// Time of a snapshot.
-fn time(step: usize) -> f64 {
+pub(crate) fn time(step: usize) -> f64 {
     0.1 * step as f64
 }
 
@@ -30,7 +30,7 @@ fn python() -> PathBuf {
 
 /// Compares a file with the rows that were written, each with its time ahead, by VTK's reader; says so if this machine
 /// does not have it. `summary` is what the reader says of the file.
-fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str) {
+pub(crate) fn check_by_vtk(path: &Path, rows: impl Iterator<Item = Vec<f64>>, summary: &str) {
     let mut expected = String::new();
     for row in rows {
         let message: Vec<String> = row.iter().map(f64::to_string).collect();

@@ -1,7 +1,7 @@
-"""Reads particles.vtkhdf or gas.vtkhdf as ParaView does and compares it with a table, bit by bit.
+"""Reads particles.vtkhdf, gas.vtkhdf or a file of a measure as ParaView does and compares it with a table, bit by bit.
 
 Usage: read_vtkhdf.py FILE expected.csv
-expected.csv has a row for each particle or cell at each time: time, then the numbers in the order of `NAMES`.
+expected.csv has a row for each particle, cell or line at each time: time, then the numbers in the order of `NAMES`.
 """
 
 import sys
@@ -18,6 +18,7 @@ except ImportError as error:
 
 NAMES = {
     "vtkPolyData": ["id", "position", "velocity", "angular_velocity", "radius"],
+    "lines": ["lower", "higher", "ends", "normal_force", "cohesive_force", "tangential_force", "overlap", "age"],
     "vtkImageData": ["pressure", "velocity", "voidage", "solids_velocity"],
 }
 
@@ -29,17 +30,27 @@ for line in open(expected_path):
 
 
 def rows_of(output):
-    """The numbers of the particles or cells, a row for each."""
-    of_particles = isinstance(output, vtkPolyData)
+    """The numbers of the particles, lines or cells, a row for each."""
+    kind = output.GetClassName()
     data, count = output.GetCellData(), output.GetNumberOfCells()
-    if of_particles:
+    if isinstance(output, vtkPolyData) and output.GetNumberOfLines() > 0:
+        kind = "lines"
+        assert count == output.GetNumberOfLines(), count
+    elif isinstance(output, vtkPolyData):
         data, count = output.GetPointData(), output.GetNumberOfPoints()
     if count == 0:
         return []
     columns = []
-    for name in NAMES[output.GetClassName()]:
-        column = vtk_to_numpy(output.GetPoints().GetData() if name == "position" else data.GetArray(name))
-        assert column.dtype == numpy.float64 or name == "id", (name, column.dtype)
+    for name in NAMES[kind]:
+        if name == "position":
+            column = vtk_to_numpy(output.GetPoints().GetData())
+        elif name == "ends":
+            points = vtk_to_numpy(output.GetPoints().GetData())
+            ends = vtk_to_numpy(output.GetLines().GetConnectivityArray())
+            column = points[ends.reshape(count, 2)]
+        else:
+            column = vtk_to_numpy(data.GetArray(name))
+        assert column.dtype == numpy.float64 or name in ("id", "lower", "higher"), (name, column.dtype)
         columns.append(column.reshape(count, -1).astype(float))
     return numpy.hstack(columns)
 

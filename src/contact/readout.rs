@@ -1,0 +1,190 @@
+//! The forces of single contacts as they are now, to be read: histories are not advanced, nothing is changed.
+//!
+//! Velocities are those of the particles as they stand, at the time of the clock, while the forces of the last step
+//! were evaluated at half-step velocities: dashpot and rate-dependent parts differ by terms of the order of the step.
+
+use super::{
+    Contact, ContactForce, ContactForceLaw, ContactModel, VanDerWaalsNow,
+    lanes::overlap_and_normal, walls::contact_with,
+};
+use crate::domain::PosedWalls;
+use crate::particles::{ContactHistory, Contacts, Particles};
+use nalgebra::Vector3;
+
+/// A pair that touches, or attracts each other without touching.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairForce {
+    /// The lower id.
+    pub lower: u64,
+    /// The higher id.
+    pub higher: u64,
+    /// Whether the two are in contact.
+    pub touching: bool,
+    /// Centre of the particle of the lower id, in the image that this rank holds.
+    pub position: Vector3<f64>,
+    /// From that centre to the centre of the other.
+    pub branch: Vector3<f64>,
+    /// Overlap; negative: separation.
+    pub overlap: f64,
+    /// Normal force of spring, dashpot and the law's own adhesion; positive if it pushes the two apart.
+    pub normal: f64,
+    /// Tangential force on the higher.
+    pub tangential: Vector3<f64>,
+    /// Magnitude of the van der Waals attraction.
+    pub cohesion: f64,
+}
+
+/// A particle and a wall that touch, or attract each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallForce {
+    /// Index of the particle on this rank.
+    pub particle: u32,
+    /// Number of the wall.
+    pub wall: u32,
+    /// Whether the two are in contact.
+    pub touching: bool,
+    /// From the particle's centre to the contact point on the wall.
+    pub branch: Vector3<f64>,
+    /// Force on the particle by spring, dashpot and friction.
+    pub contact: Vector3<f64>,
+    /// Force on the particle by van der Waals attraction.
+    pub cohesive: Vector3<f64>,
+}
+
+impl PairForce {
+    /// Unit vector from the lower to the higher.
+    pub fn direction(&self) -> Vector3<f64> {
+        self.branch * (1.0 / self.branch.norm())
+    }
+
+    /// Force on the lower by spring, dashpot and friction.
+    pub fn contact_on_lower(&self) -> Vector3<f64> {
+        -(self.direction() * self.normal + self.tangential)
+    }
+
+    /// Force on the lower by van der Waals attraction.
+    pub fn cohesion_on_lower(&self) -> Vector3<f64> {
+        self.direction() * self.cohesion
+    }
+}
+
+/// The forces of all pairs that touch or attract each other, each on one rank: that of two ranks' particles on the rank
+/// that owns the lower id.
+///
+/// Before: ghosts have the velocities of their originals.
+pub(crate) fn pair_forces(
+    particles: &Particles,
+    contacts: &Contacts,
+    model: &ContactModel,
+    cohesion: Option<VanDerWaalsNow>,
+) -> Vec<PairForce> {
+    let attraction = |radii: [f64; 2], overlap: f64| {
+        cohesion.map_or(0.0, |law| law.between_particles(radii[0], radii[1], -overlap))
+    };
+    let mut found = Vec::new();
+    for (pair, history) in contacts.near_pairs() {
+        let Some(Ordered { pair, history }) = ordered(particles, pair, history) else { continue };
+        let radii = pair.map(|index| particles.body[index].radius);
+        let [position, other] = pair.map(|index| particles.body[index].position);
+        let (overlap, normal) = overlap_and_normal(other - position, radii);
+        let cohesion = attraction(radii, overlap);
+        if history.is_none() && cohesion == 0.0 {
+            continue;
+        }
+        let contact = contact_of(particles, pair, (overlap, normal), cohesion);
+        let force = history.map_or_else(ContactForce::zero, |mut history| {
+            model.law.force(&contact, &mut history, 0.0)
+        });
+        found.push(PairForce {
+            lower: particles.id[pair[0]],
+            higher: particles.id[pair[1]],
+            touching: history.is_some(),
+            position,
+            branch: other - position,
+            overlap,
+            normal: force.normal,
+            tangential: force.tangential,
+            cohesion,
+        });
+    }
+    found
+}
+
+/// A pair by ascending ids, with its history seen from the first.
+struct Ordered {
+    pair: [usize; 2],
+    history: Option<ContactHistory>,
+}
+
+/// A pair by ascending ids; `None` if it is left to the rank that owns the lower id.
+fn ordered(
+    particles: &Particles,
+    [first, second]: [u32; 2],
+    history: Option<ContactHistory>,
+) -> Option<Ordered> {
+    let pair = [first as usize, second as usize];
+    if particles.id[pair[0]] < particles.id[pair[1]] {
+        return Some(Ordered { pair, history });
+    }
+    particles.owned_original(pair[1])?;
+    let reversed = |history: ContactHistory| ContactHistory {
+        tangential_spring: -history.tangential_spring,
+        ..history
+    };
+    Some(Ordered { pair: [pair[1], pair[0]], history: history.map(reversed) })
+}
+
+/// The contact of two particles, the second body being the one of the higher id.
+fn contact_of(
+    particles: &Particles,
+    pair: [usize; 2],
+    (overlap, normal): (f64, Vector3<f64>),
+    cohesion: f64,
+) -> Contact {
+    let [i, j] = pair.map(|index| &particles.body[index]);
+    let surface_spin = i.angular_velocity * i.radius + j.angular_velocity * j.radius;
+    let reduced = |one: f64, other: f64| one * other / (one + other);
+    Contact {
+        overlap,
+        normal,
+        relative_velocity: j.velocity - i.velocity - surface_spin.cross(&normal),
+        relative_spin: j.angular_velocity - i.angular_velocity,
+        reduced_mass: reduced(i.mass, j.mass),
+        reduced_radius: reduced(i.radius, j.radius),
+        reduced_inertia: reduced(i.inertia(), j.inertia()),
+        cohesion,
+    }
+}
+
+/// The forces of particles and walls that touch or attract each other. `models` are those of two particles and, by the
+/// walls' numbers, of walls; for walls beyond these the first holds.
+pub(crate) fn wall_forces(
+    particles: &Particles,
+    contacts: &Contacts,
+    walls: PosedWalls<'_>,
+    (of_particles, at_walls): (&ContactModel, &[ContactModel]),
+    cohesion: Option<VanDerWaalsNow>,
+) -> Vec<WallForce> {
+    let mut found = Vec::new();
+    for (particle, wall, history) in contacts.near_walls() {
+        let (i, number) = (particle as usize, wall as usize);
+        let contact =
+            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, cohesion);
+        if history.is_none() && contact.cohesion == 0.0 {
+            continue;
+        }
+        let law = &at_walls.get(number).unwrap_or(of_particles).law;
+        let force = history
+            .map_or_else(ContactForce::zero, |mut history| law.force(&contact, &mut history, 0.0));
+        let radius = particles.body[i].radius;
+        found.push(WallForce {
+            particle,
+            wall,
+            touching: history.is_some(),
+            branch: contact.normal * (radius - contact.overlap),
+            contact: -(contact.normal * force.normal + force.tangential),
+            cohesive: contact.normal * contact.cohesion,
+        });
+    }
+    found
+}

@@ -1,0 +1,127 @@
+//! The tables of the file of agglomerates.
+
+use super::Agglomerates;
+use crate::analysis::Quantity::{self, Length, Mass, Number, Rate, Speed, Time};
+use crate::measures::layout::{Column, Fixed, Layout, Table};
+
+/// Numbers of the tables.
+pub(super) const RESULTS: usize = 0;
+pub(super) const SINGLE: usize = 1;
+pub(super) const WINDOWS: usize = 2;
+pub(super) const RATES: usize = 3;
+pub(super) const EVENTS: usize = 4;
+
+type Described = (&'static str, Quantity, &'static str);
+
+const OF_LOOK: [Described; 15] = [
+    ("lag", Time, "time since the reference time t_0"),
+    ("agglomerates", Number, "N_agg, number of agglomerates"),
+    ("mass", Mass, "their mass"),
+    ("mass_fraction", Number, "their part of the mass of all particles"),
+    ("members", Number, "number of members, weighted by mass"),
+    ("largest", Number, "number of members of the largest"),
+    ("diameter", Length, "d_agg, twice the radius of gyration, weighted by mass"),
+    ("coordination_number", Number, "C_N of all contacts, weighted by mass"),
+    ("coordination_within", Number, "C_N of contacts within agglomerates, weighted by mass"),
+    ("packing_fraction", Number, "p, weighted by mass"),
+    ("fractal_dimension", Number, "D_f of single agglomerates, weighted by mass"),
+    ("population_dimension", Number, "D_f of the population, from n over radius of gyration"),
+    ("population_error", Number, "its standard error"),
+    ("vertical_velocity", Speed, "velocity upwards, weighted by mass"),
+    ("speed", Speed, "speed of the centres of mass, weighted by mass"),
+];
+
+const OF_SINGLE: [Described; 11] = [
+    ("label", Number, "the smallest id of the members"),
+    ("members", Number, "number of members"),
+    ("mass", Mass, "mass"),
+    ("diameter", Length, "d_agg, twice the radius of gyration"),
+    ("coordination_number", Number, "C_N of all contacts of members"),
+    ("coordination_within", Number, "C_N of contacts within"),
+    ("persistent_contacts", Number, "contacts kept since t_0, per member as C_N"),
+    ("packing_fraction", Number, "p"),
+    ("fractal_dimension", Number, "D_f; undefined if the agglomerate is too compact"),
+    ("lag", Time, "time since t_0"),
+    ("winds", Number, "number of axes along which it winds around the periodic box"),
+];
+
+const OF_WINDOW: [Described; 5] = [
+    ("reference_time", Time, "t_0"),
+    ("most", Time, "tau_Nmax, lag of the largest number of agglomerates"),
+    ("few", Time, "tau_N15, lag from which there are fewer than `few`"),
+    ("steady", Time, "tau_ds, lag from which the diameter is steady"),
+    (
+        "mass_radius_dimension",
+        Number,
+        "D_f of the largest at the end, from its mass within a radius",
+    ),
+];
+
+const BY_SIZE: [Described; 9] = [
+    ("observed", Number, "agglomerates seen over a window"),
+    ("breakage", Rate, "events of breakage per agglomerate and time"),
+    ("breakage_error", Rate, "standard error"),
+    ("growth", Rate, "events of growth per agglomerate and time"),
+    ("growth_error", Rate, "standard error"),
+    ("lost", Rate, "members lost per agglomerate and time"),
+    ("lost_error", Rate, "standard error"),
+    ("gained", Rate, "members gained per agglomerate and time"),
+    ("gained_error", Rate, "standard error"),
+];
+
+const CROSSING: [Described; 2] = [
+    ("crossing", Number, "number of members at which growth and breakage are equal"),
+    ("crossing_error", Number, "its standard error"),
+];
+
+const OF_EVENT: [Described; 7] = [
+    ("label", Number, "label at the end of the window before"),
+    ("size", Number, "members then"),
+    ("size_after", Number, "members of the successor; 0 if there is none"),
+    ("fragments", Number, "agglomerates that hold members of it"),
+    ("released", Number, "members that are in none"),
+    ("lost", Number, "members that are not in the successor"),
+    ("gained", Number, "members of the successor that come from elsewhere"),
+];
+
+fn scalars(described: &[Described]) -> impl Iterator<Item = Column> + '_ {
+    described.iter().map(|&(name, quantity, meaning)| Column::scalar(name, quantity, meaning))
+}
+
+fn arrays(described: &[Described], bins: usize) -> impl Iterator<Item = Column> + '_ {
+    let array = move |&(name, quantity, meaning): &Described| {
+        Column::array(name, &[bins], quantity, meaning)
+    };
+    described.iter().map(array)
+}
+
+/// What stands in the file.
+pub(super) fn layout(settings: &Agglomerates) -> Layout {
+    let bins = settings.sizes.len() - 1;
+    let distributions = [
+        ("number_by_size", Number, "number of agglomerates in each bin of members"),
+        ("mass_by_size", Mass, "mass of the agglomerates in each bin"),
+    ];
+    let vectors = [
+        Column::array("centre", &[3], Length, "centre of mass"),
+        Column::array("velocity", &[3], Speed, "velocity of the centre of mass"),
+    ];
+    let tables = vec![
+        table("results", scalars(&OF_LOOK).chain(arrays(&distributions, bins))),
+        table("agglomerates", scalars(&OF_SINGLE).chain(vectors)),
+        table("windows", scalars(&OF_WINDOW)),
+        table("rates", arrays(&BY_SIZE, bins).chain(scalars(&CROSSING))),
+        table("events", scalars(&OF_EVENT)),
+    ];
+    let meaning =
+        "limits of the bins of the number of members: bin k holds limits[k] <= n < limits[k + 1]";
+    let limits = Fixed {
+        column: Column::scalar("size_limits", Number, meaning),
+        values: settings.sizes.iter().map(|&size| size as f64).collect(),
+    };
+    Layout { fixed: vec![limits], tables, ..Layout::default() }
+}
+
+fn table(name: &'static str, columns: impl Iterator<Item = Column>) -> Table {
+    Table { name, columns: columns.collect() }
+}

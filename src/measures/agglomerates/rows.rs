@@ -1,0 +1,174 @@
+//! Rows of the file of agglomerates.
+
+use super::columns::{EVENTS, RATES, RESULTS, SINGLE, WINDOWS};
+use super::{Agglomerates, Found};
+use crate::analysis::agglomerates::{Agglomerate, MassWeightedMeans, Search, SizeDistribution};
+use crate::analysis::breakage::{AtLag, CriticalTimes, Fate, RatesOfSize, crossing};
+use crate::analysis::{MassRadius, PopulationFit, totals};
+use crate::measures::Rows;
+use crate::parallel::{Communicator, Message, records_of_bytes};
+
+/// The rank of an agglomerate's label gathers its members for the mass within a radius, and takes up to 2000 distances from
+/// each: not those of a whole bed.
+const MOST_MEMBERS: u64 = 20_000;
+
+const UNDEFINED: f64 = f64::NAN;
+
+/// The rows of a look, and what critical times need of it. Collective.
+pub(super) fn of_look(
+    found: &Found,
+    search: &Search<'_>,
+    lag: f64,
+    settings: &Agglomerates,
+    ranks: &dyn Communicator,
+) -> (Vec<Rows>, AtLag) {
+    let all = &found.found[..];
+    let means = MassWeightedMeans::of(all, ranks);
+    let population = PopulationFit::of(all, ranks);
+    let [whole] = totals(search.particles.iter().map(|particle| [particle.mass]), ranks);
+    let motion = all.iter().map(|a| [a.mass * a.velocity.z, a.mass * a.velocity.norm()]);
+    let [up, speed] = totals(motion, ranks);
+    let largest = largest_of(all, ranks);
+    let mean = |of: fn(&MassWeightedMeans) -> f64| means.as_ref().map_or(UNDEFINED, of);
+    let count = means.as_ref().map_or(0, |means| means.count);
+    let mass = means.as_ref().map_or(0.0, |means| means.mass);
+    let per_mass = |sum: f64| if mass > 0.0 { sum / mass } else { UNDEFINED };
+    let scalars = [
+        lag,
+        count as f64,
+        mass,
+        mass / whole,
+        mean(|means| means.members),
+        largest.members as f64,
+        mean(|means| means.diameter),
+        mean(|means| means.coordination_number),
+        mean(|means| means.coordination_within),
+        mean(|means| means.packing_fraction),
+        mean(|means| means.fractal_dimension),
+        population.map_or(UNDEFINED, |fit| fit.dimension),
+        population.map_or(UNDEFINED, |fit| fit.error),
+        per_mass(up),
+        per_mass(speed),
+    ];
+    let mut row: Vec<Vec<f64>> = scalars.map(|value| vec![value]).to_vec();
+    let limits: Vec<f64> = settings.sizes.iter().map(|&size| size as f64).collect();
+    let sizes = SizeDistribution::of(all, |a| a.members as f64, &limits, ranks);
+    row.push(sizes.number.iter().map(|&number| number as f64).collect());
+    row.push(sizes.mass);
+    let rows = vec![Rows::one(RESULTS, row), single(all, lag, ranks)];
+    (rows, AtLag { lag, count, diameter: mean(|means| means.diameter) })
+}
+
+/// The largest agglomerate.
+#[derive(Clone, Copy, Debug)]
+struct Largest {
+    label: u64,
+    /// 0 if there is none.
+    members: u64,
+}
+
+/// Finds the largest agglomerate, of equal ones that of the smallest label. Collective.
+fn largest_of(found: &[Agglomerate], ranks: &dyn Communicator) -> Largest {
+    // Numbers of particles and ids are exact in double precision.
+    let mut members = [found.iter().map(|a| a.members).max().unwrap_or(0) as f64];
+    ranks.maximum(&mut members);
+    let members = members[0] as u64;
+    let labels = found.iter().filter(|a| a.members == members).map(|a| -(a.label as f64));
+    let mut label = [labels.fold(f64::NEG_INFINITY, f64::max)];
+    ranks.maximum(&mut label);
+    Largest { label: -label[0] as u64, members }
+}
+
+/// D_f of the largest agglomerate by its mass within a radius; undefined if it is too small or too large. Collective.
+fn mass_radius_dimension(found: &Found, search: &Search<'_>, ranks: &dyn Communicator) -> f64 {
+    let Largest { label, members } = largest_of(&found.found, ranks);
+    if members == 0 || members > MOST_MEMBERS {
+        return UNDEFINED;
+    }
+    let positions = found.members(label, search.particles, ranks);
+    let positions: Vec<_> = positions.into_iter().map(|(_, position)| position).collect();
+    let here = found.found.iter().find(|agglomerate| agglomerate.label == label);
+    let fit = here.and_then(|agglomerate| MassRadius::of(&positions, agglomerate.member_radius()));
+    // One rank has it: a maximum brings it to the others.
+    let mut dimension = [fit.map_or(f64::NEG_INFINITY, |fit| fit.dimension)];
+    ranks.maximum(&mut dimension);
+    if dimension[0].is_finite() { dimension[0] } else { UNDEFINED }
+}
+
+/// A row for each agglomerate, on rank 0, by ascending label. Collective.
+fn single(all: &[Agglomerate], lag: f64, ranks: &dyn Communicator) -> Rows {
+    let gathered = ranks.gather_to_root(&Message::of(0, all).bytes).unwrap_or_default();
+    let mut all: Vec<Agglomerate> =
+        gathered.iter().flat_map(|bytes| records_of_bytes(bytes)).collect();
+    all.sort_unstable_by_key(|agglomerate| agglomerate.label);
+    let scalars = all.iter().map(|a| {
+        [
+            a.label as f64,
+            a.members as f64,
+            a.mass,
+            a.diameter(),
+            a.coordination_number(),
+            a.coordination_within(),
+            a.bonds_per_member(),
+            a.packing_fraction(),
+            a.fractal_dimension().unwrap_or(UNDEFINED),
+            lag,
+            a.winds.iter().sum::<u64>() as f64,
+        ]
+    });
+    let mut rows = Rows::of(SINGLE, &scalars.collect::<Vec<_>>());
+    rows.values.push(all.iter().flat_map(|a| a.centre.iter().copied()).collect());
+    rows.values.push(all.iter().flat_map(|a| a.velocity.iter().copied()).collect());
+    rows
+}
+
+/// The row of a window that has ended. Collective.
+pub(super) fn window(
+    (time, at_lags): (f64, &[AtLag]),
+    found: &Found,
+    search: &Search<'_>,
+    settings: &Agglomerates,
+    ranks: &dyn Communicator,
+) -> Rows {
+    let times = CriticalTimes::of(at_lags, settings.few, settings.steady);
+    let times = [times.most, times.few, times.steady].map(|lag| lag.unwrap_or(UNDEFINED));
+    let dimension = mass_radius_dimension(found, search, ranks);
+    Rows::of(WINDOWS, &[[time, times[0], times[1], times[2], dimension]])
+}
+
+/// The row of rates of all windows so far.
+pub(super) fn rates(rates: &[RatesOfSize]) -> Rows {
+    let column = |of: fn(&RatesOfSize) -> f64| rates.iter().map(of).collect::<Vec<f64>>();
+    let crossing = crossing(rates, |rates| (rates.gained, rates.lost));
+    let row = vec![
+        column(|rates| rates.observed as f64),
+        column(|rates| rates.breakage.value),
+        column(|rates| rates.breakage.error),
+        column(|rates| rates.growth.value),
+        column(|rates| rates.growth.error),
+        column(|rates| rates.lost.value),
+        column(|rates| rates.lost.error),
+        column(|rates| rates.gained.value),
+        column(|rates| rates.gained.error),
+        vec![crossing.map_or(UNDEFINED, |crossing| crossing.size)],
+        vec![crossing.map_or(UNDEFINED, |crossing| crossing.error)],
+    ];
+    Rows::one(RATES, row)
+}
+
+/// A row for each agglomerate that lost or gained at least so many members, on rank 0. Collective.
+pub(super) fn events(fates: &[Fate], threshold: u64, ranks: &dyn Communicator) -> Rows {
+    let is_event = |fate: &&Fate| fate.lost() >= threshold || fate.gained() >= threshold;
+    let record = |fate: &Fate| {
+        let after = fate.successor().map_or(0, |successor| successor.size);
+        let fragments = fate.fragments.len() as u64;
+        [fate.label, fate.size, after, fragments, fate.released, fate.lost(), fate.gained()]
+    };
+    let records: Vec<[u64; 7]> = fates.iter().filter(is_event).map(record).collect();
+    let gathered = ranks.gather_to_root(bytemuck::cast_slice(&records)).unwrap_or_default();
+    let mut all: Vec<[u64; 7]> =
+        gathered.iter().flat_map(|bytes| records_of_bytes(bytes)).collect();
+    all.sort_unstable();
+    let rows: Vec<[f64; 7]> = all.into_iter().map(|row| row.map(|value| value as f64)).collect();
+    Rows::of(EVENTS, &rows)
+}

@@ -1,0 +1,122 @@
+//! Coordination number and its distribution in time.
+
+use super::average::{AVERAGE, Average, looks_per_row};
+use super::layout::{Column, Layout, Rows, Table};
+use super::registered::{MeasureValues, RegisteredMeasure};
+use super::stored::Stored;
+use super::view::View;
+use super::{Findings, Measure, Setting};
+use crate::analysis::Quantity;
+use crate::parallel::Communicator;
+use crate::schema::{Key, Kind, Value};
+
+/// Settings of the kind `coordination`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coordination {
+    most: usize,
+    looks_per_row: u64,
+}
+
+/// Coordination numbers, averaged over looks.
+struct Looks {
+    settings: Coordination,
+    average: Average,
+}
+
+impl RegisteredMeasure for Coordination {
+    const MEANING: &'static str = "how many particles a particle touches: mean and distribution";
+
+    const KEYS: &'static [Key] = &[
+        AVERAGE,
+        Key::new(
+            "most",
+            Kind::Count(1, 64),
+            "Particles with so many neighbours or more are counted together",
+        )
+        .default(Value::Count(12)),
+    ];
+
+    fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
+        let looks_per_row = looks_per_row(values);
+        Some(Self { most: values.count("most")? as usize, looks_per_row: looks_per_row? })
+    }
+
+    fn begin(&self, _: &Setting<'_>) -> Box<dyn Measure> {
+        let average = Average::new(self.looks_per_row);
+        Box::new(Looks { settings: self.clone(), average })
+    }
+}
+
+impl Measure for Looks {
+    fn layout(&self) -> Layout {
+        let number = Quantity::Number;
+        let columns = vec![
+            Column::scalar("from", Quantity::Time, "time of the first look that is averaged"),
+            Column::scalar("looks", number, "number of looks that are averaged"),
+            Column::scalar(
+                "coordination_number",
+                number,
+                "mean number of touching particles per particle",
+            ),
+            Column::scalar(
+                "coordination_deviation",
+                number,
+                "standard deviation of that mean between looks",
+            ),
+            Column::scalar("contacts", number, "number of touching pairs of particles"),
+            Column::scalar("without_contact", number, "part of the particles that touch no other"),
+            Column::array(
+                "distribution",
+                &[self.settings.most + 1],
+                number,
+                "part of the particles with 0, 1, 2 ... neighbours; the last with as many or more",
+            ),
+        ];
+        Layout { tables: vec![Table { name: "results", columns }], ..Layout::default() }
+    }
+
+    fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
+        let values = self.distribution(view, ranks);
+        let Some(averaged) = self.average.add(view.time(), &values) else {
+            return Findings::default();
+        };
+        let [mean, contacts, fractions @ ..] = &averaged.means[..] else {
+            return Findings::default();
+        };
+        let row = [averaged.from, averaged.looks as f64, *mean, averaged.deviations[0], *contacts];
+        let mut row: Vec<Vec<f64>> = row.map(|value| vec![value]).to_vec();
+        row.push(vec![fractions[0]]);
+        row.push(fractions.to_vec());
+        Findings { rows: vec![Rows::one(0, row)], ..Findings::default() }
+    }
+
+    fn stored(&self, ranks: &dyn Communicator) -> Stored {
+        let mut stored = Stored::default();
+        self.average.store("average", &mut stored, ranks);
+        stored
+    }
+
+    fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
+        self.average.restore("average", stored, ranks)
+    }
+}
+
+impl Looks {
+    /// Mean, number of contacts, and parts of the particles with 0, 1, 2 ... neighbours. Collective.
+    fn distribution(&self, view: &View<'_>, ranks: &dyn Communicator) -> Vec<f64> {
+        let state = view.run().state;
+        let most = self.settings.most;
+        let mut counts = vec![0_i64; most + 3];
+        for number in state.contacts.coordination_numbers(&state.particles) {
+            counts[(number as usize).min(most)] += 1;
+            counts[most + 1] += i64::from(number);
+            counts[most + 2] += 1;
+        }
+        ranks.sum_integers(&mut counts);
+        let particles = counts[most + 2].max(1) as f64;
+        let neighbours = counts[most + 1] as f64;
+        let head = [neighbours / particles, 0.5 * neighbours];
+        let fractions = counts[..=most].iter().map(|&count| count as f64 / particles);
+        head.into_iter().chain(fractions).collect()
+    }
+}

@@ -1,0 +1,225 @@
+//! Stress in its three parts, and granular temperature: as profiles over height, as fields on cells, in the frame of a
+//! wave, or over the phase of the vibration.
+//!
+//! Formulas: [`analysis::stress`](crate::analysis::stress), after Moon, Kevrekidis & Sundaresan (2006), eq. (19).
+
+mod cells;
+mod columns;
+mod frame;
+mod profile;
+
+use super::average::{AVERAGE, looks_per_row};
+use super::registered::{MeasureValues, RegisteredMeasure};
+use super::stored::Stored;
+use super::view::View;
+use super::{Findings, Layout, Measure, Needs, Setting};
+use crate::analysis::stress::{CellGrid, CellStress, ContactForce, MovingParticle};
+use crate::parallel::Communicator;
+use crate::particles::sphere_volume;
+use crate::schema::{Key, Kind, Value};
+use frame::{FRAMES, FrameSettings};
+use profile::Profiles;
+
+/// Settings of the kind `stress`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stress {
+    frame: FrameSettings,
+    cells: Cells,
+    looks_per_row: u64,
+}
+
+/// On what the stress is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cells {
+    /// Layers, one for about each largest diameter.
+    LayersOfDiameter,
+    /// So many layers.
+    Layers(usize),
+    /// Cells along x, y and z.
+    Boxes([usize; 3]),
+}
+
+impl RegisteredMeasure for Stress {
+    const MEANING: &'static str =
+        "kinetic, contact and cohesive stress and granular temperature, over height or on cells";
+
+    const KEYS: &'static [Key] = &[
+        AVERAGE,
+        Key::new("layers", Kind::Count(1, 100_000), "Number of layers of equal height")
+            .or(&["cells"])
+            .default(Value::Derived("one for about each largest diameter")),
+        Key::new(
+            "cells",
+            Kind::Counts(1, 10_000),
+            "Cells along x, y and z instead of layers; fields go to `measure-NAME.vtkhdf`",
+        )
+        .or(&["layers"])
+        .optional(),
+        Key::word("frame", FRAMES, "Frame in which layers are at rest")
+            .default(Value::Word("laboratory")),
+    ];
+
+    fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
+        let looks_per_row = looks_per_row(values);
+        let frame = FrameSettings::from_keys(values);
+        let cells = match values.given(&["layers", "cells"]) {
+            Some("cells") => Cells::Boxes(values.counts("cells")?),
+            Some(_) => Cells::Layers(values.count("layers")? as usize),
+            None => Cells::LayersOfDiameter,
+        };
+        if matches!(cells, Cells::Boxes(_)) && frame != Some(FrameSettings::Laboratory) {
+            values.fail("cells", "are at rest: leave frame out, or give layers".to_owned());
+            return None;
+        }
+        Some(Self { frame: frame?, cells, looks_per_row: looks_per_row? })
+    }
+
+    fn begin(&self, setting: &Setting<'_>) -> Box<dyn Measure> {
+        let lengths = setting.bounds.lengths();
+        let extent = self.frame.extent(lengths.z);
+        let counts = match self.cells {
+            Cells::Boxes(counts) => counts,
+            Cells::Layers(layers) => [1, 1, layers],
+            Cells::LayersOfDiameter => {
+                let layers = (extent / setting.sizes.largest_diameter).floor().max(1.0);
+                [1, 1, layers as usize]
+            }
+        };
+        let edges = [lengths.x, lengths.y, extent];
+        let grid = CellGrid {
+            origin: [0.0; 3].into(),
+            spacing: std::array::from_fn(|axis| edges[axis] / counts[axis] as f64).into(),
+            counts,
+            periodic: std::array::from_fn(|axis| {
+                setting.bounds.is_periodic(axis) || axis == 2 && self.frame.repeats()
+            }),
+        };
+        match self.cells {
+            Cells::Boxes(_) => Box::new(cells::Fields::new(grid, self.looks_per_row)),
+            _ => Box::new(Layers::new(self, grid, lengths.z)),
+        }
+    }
+}
+
+/// Stress on layers.
+struct Layers {
+    frame: FrameSettings,
+    grid: CellGrid,
+    looks_per_row: u64,
+    /// Part of the box's volume over that of a layer that one layer stands for: waves that are laid over one another.
+    waves: f64,
+    profiles: Profiles,
+}
+
+impl Layers {
+    fn new(settings: &Stress, grid: CellGrid, height: f64) -> Self {
+        let Stress { frame, looks_per_row, .. } = settings.clone();
+        let waves = frame.waves(height);
+        let profiles = Profiles::new(frame.phases(), grid.counts[2]);
+        Self { frame, grid, looks_per_row, waves, profiles }
+    }
+}
+
+impl Measure for Layers {
+    fn layout(&self) -> Layout {
+        columns::of_layers(&self.grid, self.frame.phases())
+    }
+
+    fn needs(&self) -> Needs {
+        Needs { contact_forces: true, ..Needs::default() }
+    }
+
+    fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
+        let measurement = self.frame.measurement(self.grid, view);
+        let (particles, contacts) = (particles(view), contacts(view));
+        let field = measurement.run(&particles, &contacts, ranks);
+        let phase = self.frame.phase_at(view.time());
+        let cells = field.gathered(ranks);
+        self.profiles.add(view.time(), phase, &cells, self.waves);
+        if self.profiles.looks() < self.looks_per_row {
+            return Findings::default();
+        }
+        let rows = vec![columns::row(&self.profiles.take(), rumpf(view, ranks))];
+        Findings { rows, ..Findings::default() }
+    }
+
+    fn stored(&self, ranks: &dyn Communicator) -> Stored {
+        let mut stored = Stored::default();
+        stored.add_numbers("profiles", &self.profiles.numbers(), ranks);
+        stored
+    }
+
+    fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
+        self.profiles.restore(&stored.numbers("profiles", ranks)?)
+    }
+}
+
+/// The particles of this rank.
+fn particles(view: &View<'_>) -> Vec<MovingParticle> {
+    let sample = view.samples().iter();
+    sample
+        .map(|particle| MovingParticle {
+            mass: particle.mass,
+            volume: sphere_volume(particle.radius),
+            position: particle.position,
+            velocity: particle.velocity,
+        })
+        .collect()
+}
+
+/// The forces of pairs and walls, each on one rank.
+fn contacts(view: &View<'_>) -> Vec<ContactForce> {
+    let pairs = view.pair_forces().iter().map(|pair| ContactForce {
+        position: pair.position,
+        branch: pair.branch,
+        contact: pair.contact_on_lower(),
+        cohesive: pair.cohesion_on_lower(),
+    });
+    let walls = view.wall_forces().iter().map(|wall| ContactForce {
+        position: view.position(wall.particle as usize),
+        branch: wall.branch,
+        contact: wall.contact,
+        cohesive: wall.cohesive,
+    });
+    pairs.chain(walls).collect()
+}
+
+/// What Rumpf's estimate needs beside the solids fraction: the coordination number, the attraction of two particles of the
+/// largest size in contact, and their diameter.
+#[derive(Clone, Copy, Debug)]
+struct Adhesion {
+    coordination: f64,
+    force: f64,
+    diameter: f64,
+}
+
+/// Collective.
+fn rumpf(view: &View<'_>, ranks: &dyn Communicator) -> Adhesion {
+    let run = view.run();
+    let mut counts = [
+        run.state.particles.owned_count() as i64,
+        run.state.contacts.touching_neighbours(&run.state.particles) as i64,
+    ];
+    ranks.sum_integers(&mut counts);
+    let diameter = run.state.sizes.largest_diameter;
+    let cohesion = run.models.physics.cohesion.as_ref().map(|law| law.at(view.time()));
+    let radius = 0.5 * diameter;
+    let force = cohesion.map_or(0.0, |law| law.between_particles(radius, radius, 0.0));
+    Adhesion { coordination: counts[1] as f64 / counts[0].max(1) as f64, force, diameter }
+}
+
+/// Numbers of a cell that are averaged: solids fraction, density, momentum per volume, and the stresses by columns.
+const NUMBERS: usize = 32;
+
+fn numbers_of(cell: &CellStress, scale: f64) -> [f64; NUMBERS] {
+    let density = cell.density();
+    let mut numbers = [0.0; NUMBERS];
+    numbers[0] = cell.solids_fraction;
+    numbers[1] = density;
+    numbers[2..5].copy_from_slice((density * cell.velocity).as_slice());
+    numbers[5..14].copy_from_slice(cell.kinetic.as_slice());
+    numbers[14..23].copy_from_slice(cell.contact.as_slice());
+    numbers[23..32].copy_from_slice(cell.cohesive.as_slice());
+    numbers.iter_mut().for_each(|number| *number *= scale);
+    numbers
+}

@@ -1,0 +1,130 @@
+//! The measures of a run: when each looks, what it writes, and what it keeps in checkpoints.
+
+use super::interval::Interval;
+use crate::measures::{Measure, MeasurePlan, MeasureState, Needs, Setting, View};
+use crate::output::{Head, MeasureOutput, OutputError};
+use crate::parallel::Communicator;
+use crate::state::Clock;
+use std::path::Path;
+
+/// A measure with its files.
+struct Scheduled {
+    plan: MeasurePlan,
+    measure: Box<dyn Measure>,
+    output: MeasureOutput,
+}
+
+impl Scheduled {
+    fn is_due(&self, clock: &Clock, step: u64) -> bool {
+        let has_begun = clock.time_of(step) > self.plan.start - 0.5 * clock.time_step;
+        has_begun && Interval(Some(self.plan.every)).due(clock, step)
+    }
+}
+
+/// Where measures begin.
+pub(super) struct Beginning<'a> {
+    /// The folder of results.
+    pub(super) folder: &'a Path,
+    /// The head of new files.
+    pub(super) head: Head<'a>,
+    /// The time up to which earlier files are continued.
+    pub(super) continue_after: Option<f64>,
+    /// What measures kept in the checkpoint from which the run goes on.
+    pub(super) kept: &'a [MeasureState],
+}
+
+/// All measures of a run.
+pub(super) struct Measuring(Vec<Scheduled>);
+
+impl Measuring {
+    /// Begins the measures of a case, or lets them go on. Collective.
+    pub(super) fn open(
+        plans: &[MeasurePlan],
+        beginning: &Beginning<'_>,
+        setting: &Setting<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        let open = |plan: &MeasurePlan| {
+            let setting = Setting { every: plan.every, start: plan.start, ..*setting };
+            let measure = begin(plan, beginning.kept, &setting, ranks);
+            let files = (beginning.head, beginning.continue_after);
+            let layout = measure.layout();
+            let output = MeasureOutput::open(beginning.folder, plan, &layout, files, ranks)?;
+            Ok(Scheduled { plan: plan.clone(), measure, output })
+        };
+        plans.iter().map(open).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Whether a measure looks after this step.
+    pub(super) fn due(&self, clock: &Clock) -> bool {
+        self.0.iter().any(|scheduled| scheduled.is_due(clock, clock.step))
+    }
+
+    /// What those that look now need.
+    pub(super) fn needs(&self, clock: &Clock) -> Needs {
+        let due = self.0.iter().filter(|scheduled| scheduled.is_due(clock, clock.step));
+        due.fold(Needs::default(), |needs, scheduled| needs.or(scheduled.measure.needs()))
+    }
+
+    /// Lets those look that are due. Collective.
+    pub(super) fn look(
+        &mut self,
+        clock: &Clock,
+        view: &View<'_>,
+        ranks: &dyn Communicator,
+    ) -> Result<(), OutputError> {
+        for scheduled in &mut self.0 {
+            if scheduled.is_due(clock, clock.step) {
+                let findings = scheduled.measure.look(view, ranks);
+                scheduled.output.write(clock.time(), findings, ranks)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The agglomerates of particles by their ids, as the measure of a name knows them. Collective.
+    pub(super) fn agglomerates(
+        &self,
+        name: &str,
+        ids: &[u64],
+        ranks: &dyn Communicator,
+    ) -> Option<Vec<Option<u64>>> {
+        let scheduled = self.0.iter().find(|scheduled| scheduled.plan.name == name)?;
+        scheduled.measure.agglomerates(ids, ranks)
+    }
+
+    /// Makes safe what was written so far. Collective.
+    pub(super) fn commit(&mut self, ranks: &dyn Communicator) -> Result<(), OutputError> {
+        self.0.iter_mut().try_for_each(|scheduled| scheduled.output.commit(ranks))
+    }
+
+    /// What all of them keep. Collective.
+    pub(super) fn kept(&self, ranks: &dyn Communicator) -> Vec<MeasureState> {
+        let kept = |Scheduled { plan, measure, .. }: &Scheduled| MeasureState {
+            name: plan.name.clone(),
+            settings: plan.settings(),
+            stored: measure.stored(ranks),
+        };
+        self.0.iter().map(kept).collect()
+    }
+}
+
+/// A measure that goes on from what it kept, if it kept something with the same settings.
+fn begin(
+    plan: &MeasurePlan,
+    kept: &[MeasureState],
+    setting: &Setting<'_>,
+    ranks: &dyn Communicator,
+) -> Box<dyn Measure> {
+    let mut measure = plan.kind.begin(setting);
+    let Some(state) = kept.iter().find(|state| state.name == plan.name) else { return measure };
+    let is_same = state.settings == plan.settings();
+    if is_same && measure.restore(&state.stored, ranks).is_some() {
+        return measure;
+    }
+    if ranks.is_root() {
+        let name = &plan.name;
+        log::warn!("measure {name} had other settings in the checkpoint: it begins anew");
+    }
+    plan.kind.begin(setting)
+}
