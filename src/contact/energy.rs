@@ -73,7 +73,7 @@ impl ContactStep<'_> {
         self.contact.normal.dot(&self.contact.relative_velocity)
     }
 
-    /// The overlap at the begin of the step, which changed by -v_n dt.
+    /// The overlap before the step, in which it changed by -v_n dt.
     pub fn overlap_before(&self) -> f64 {
         overlap_before(self.contact, self.dt)
     }

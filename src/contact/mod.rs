@@ -6,6 +6,7 @@ mod energy_pass;
 mod force_laws;
 mod force_loop;
 mod invalid_law;
+mod kinematics;
 mod lanes;
 mod law;
 mod laws;
@@ -25,8 +26,9 @@ pub(crate) use energy_pass::{WallWork, attraction_energy, elastic_energy, work_o
 pub(crate) use force_laws::ForceLaws;
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
+pub use kinematics::{Contact, ContactForce};
 pub use lanes::BlockLaw;
-pub use law::{Contact, ContactForce, ContactForceLaw};
+pub use law::ContactForceLaw;
 pub use laws::*;
 pub use model::ContactModel;
 pub(crate) use pair_loop::add_pair_forces;

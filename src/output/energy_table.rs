@@ -5,16 +5,7 @@ use std::path::Path;
 use super::text_table::{TableFormat, TextTable, shortest};
 use super::{ColumnUnits, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample};
 use crate::parallel::Communicator;
-use crate::state::{EnergyBalance, Mechanism, StoredEnergy};
-
-/// The energies of an instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EnergyRow {
-    /// What all particles store.
-    pub stored: StoredEnergy,
-    /// Work by mechanism since the ledger was opened, and what it leaves unexplained.
-    pub balance: EnergyBalance,
-}
+use crate::state::{EnergyRow, Mechanism};
 
 /// The open table: a row for each time.
 #[derive(Debug)]

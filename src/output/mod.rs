@@ -29,7 +29,7 @@ mod text_table;
 mod units;
 mod wall_force_table;
 
-pub use energy_table::{EnergyRow, EnergyTable};
+pub use energy_table::EnergyTable;
 pub use gas_snapshots::GasSnapshots;
 pub(crate) use hdf5_file::write_failed;
 pub use measure_file::{MeasureResults, ResultColumn};

@@ -3,10 +3,11 @@
 use std::fs::OpenOptions;
 use std::path::Path;
 
-use super::{ColumnUnits, EnergyRow, MessageResult, OutputError, Provenance, set_aside};
+use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
 use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
+use crate::state::EnergyRow;
 
 /// A file of results that grows while a run goes on.
 ///

@@ -12,12 +12,12 @@ use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
 use crate::measures::{Setting, View};
 use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
-use crate::output::{EnergyRow, Head, Opening, OutputError, Provenance, Sample};
+use crate::output::{Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
     Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particles::ContactHistories;
-use crate::state::{Mechanism, Models, SizeRange, State, StoredSums, Workspace};
+use crate::state::{EnergyRow, Mechanism, Models, SizeRange, State, StoredSums, Workspace};
 use crate::time_step::{self, Staggered, StepError, stored_energy};
 use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};

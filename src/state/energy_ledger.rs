@@ -119,6 +119,15 @@ pub struct EnergyBalance {
     pub closure_error: f64,
 }
 
+/// The energies of an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyRow {
+    /// What all particles store.
+    pub stored: StoredEnergy,
+    /// Work by mechanism since the ledger was opened, and what it leaves unexplained.
+    pub balance: EnergyBalance,
+}
+
 impl EnergyLedger {
     /// An empty ledger of particles that store this now.
     pub fn opened(start: StoredEnergy) -> Self {

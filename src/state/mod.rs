@@ -15,7 +15,9 @@ pub use crate::gas::GasReport;
 pub use balance::Balance;
 pub use clock::Clock;
 pub use domain::Domain;
-pub use energy_ledger::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy, StoredSums};
+pub use energy_ledger::{
+    EnergyBalance, EnergyLedger, EnergyRow, Mechanism, StoredEnergy, StoredSums,
+};
 pub use limits::{Limits, SizeRange};
 pub use models::Models;
 pub use physics::Physics;

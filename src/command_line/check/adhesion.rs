@@ -1,6 +1,6 @@
 //! What softened springs add to the work of parting.
 
-use super::stage::Lines;
+use super::lines::Lines;
 use crate::case::{Case, Stage};
 use crate::contact::{
     AttractionInContact, ContactModel, Softening, VanDerWaalsNow, work_of_parting,

@@ -1,6 +1,7 @@
 //! `talcum check`: what would run, in numbers.
 
 mod adhesion;
+mod lines;
 mod stage;
 
 use super::Changes;

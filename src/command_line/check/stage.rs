@@ -1,6 +1,7 @@
 //! What acts in a stage, in numbers that a user knows.
 
 use super::adhesion::describe_adhesion;
+use super::lines::Lines;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
 use crate::gas::volume_averaged::VolumeAveragedModel;
@@ -39,15 +40,6 @@ impl ReferenceParticle {
 
     fn weight(&self) -> f64 {
         self.mass * self.gravity
-    }
-}
-
-/// Lines of a name and a value each.
-pub(super) struct Lines<'a>(&'a mut String);
-
-impl Lines<'_> {
-    pub(super) fn add(&mut self, name: &str, value: &str) {
-        let _ = writeln!(self.0, "  {name:<34}{value}");
     }
 }
 

@@ -5,9 +5,9 @@ use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::particles::LANES;
 
-/// Sets the attraction of all pairs, if there is any.
+/// Sets the attraction of all pairs, if there is any; that of rough particles only with `EXTRAS`.
 #[inline(always)]
-pub(super) fn attract<S: Sizes>(
+pub(super) fn attract<S: Sizes, const EXTRAS: bool>(
     block: &mut ContactBlock,
     sizes: &S,
     cohesion: Option<VanDerWaalsNow>,
@@ -16,10 +16,12 @@ pub(super) fn attract<S: Sizes>(
     match cohesion.expression() {
         CohesionExpression::NearContact => attract_by(NearContact(cohesion), block, sizes),
         CohesionExpression::Full => attract_by(Full(cohesion), block, sizes),
-        CohesionExpression::Rough { asperity_radius } => {
+        CohesionExpression::Rough { asperity_radius } if EXTRAS => {
             let smooth = NearContact(cohesion);
             attract_by(Rough { smooth, asperity_radius }, block, sizes);
         }
+        // `add_pair_forces` chooses the other loop; an undefined force ends the run.
+        CohesionExpression::Rough { .. } => block.cohesion = [f64::NAN; LANES],
     }
 }
 

@@ -15,31 +15,32 @@ use std::marker::PhantomData;
 /// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
 const CACHED: usize = 1 << 22;
 
-/// Adds the forces and torques of the pairs that may touch.
-pub(super) struct ContactLoop<'a> {
+/// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
+/// too: they have a loop of their own, so that the common one stays small.
+pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) inner: &'a mut InnerList,
     pub(super) laws: &'a ForceLaws<'a>,
 }
 
-impl SimdKernel for ContactLoop<'_> {
+impl<const EXTRAS: bool> SimdKernel for ContactLoop<'_, EXTRAS> {
     type Output = Result<(), ForceOutOfRange>;
 
     /// Chooses the law once, for all pairs.
     #[inline(always)]
     fn run<Q: F64x4>(self) -> Self::Output {
         let law = &self.laws.contact.law;
-        law.dispatch(WithRegisters::<Q> { work: self, registers: PhantomData })
+        law.dispatch(WithRegisters::<Q, EXTRAS> { work: self, registers: PhantomData })
     }
 }
 
 /// The loop with registers of one kind.
-struct WithRegisters<'a, Q> {
-    work: ContactLoop<'a>,
+struct WithRegisters<'a, Q, const EXTRAS: bool> {
+    work: ContactLoop<'a, EXTRAS>,
     registers: PhantomData<Q>,
 }
 
-impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
+impl<Q: F64x4, const EXTRAS: bool> WithBlockLaw for WithRegisters<'_, Q, EXTRAS> {
     type Output = Result<(), ForceOutOfRange>;
 
     /// Chooses rolling and, without it, whether all particles have one size.
@@ -47,12 +48,12 @@ impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
     fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
         let work = self.work;
         let ContactModel { rolling, twisting, .. } = work.laws.contact;
-        let rolling = *rolling;
-        if let Some(twisting) = *twisting {
+        let (rolling, twisting) = (*rolling, twisting.filter(|_| EXTRAS));
+        if let Some(twisting) = twisting {
             let resistance = RollingAndTwisting { rolling, twisting };
             return work.evaluate::<Q, _, _, _>((&law, resistance), ManySizes::default());
         }
-        match (rolling, work.inner.one_size) {
+        match (rolling, work.inner.one_size.filter(|_| !EXTRAS)) {
             (Some(rolling), _) => {
                 work.evaluate::<Q, _, _, _>((&law, rolling), ManySizes::default())
             }
@@ -64,7 +65,7 @@ impl<Q: F64x4> WithBlockLaw for WithRegisters<'_, Q> {
     }
 }
 
-impl ContactLoop<'_> {
+impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
     #[inline(always)]
     fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: Sizes>(
         self,
@@ -87,7 +88,7 @@ impl ContactLoop<'_> {
                 coming.get(1).into_iter().for_each(fetch_ahead);
             }
             set_geometry(&mut block, &sizes);
-            attract(&mut block, &sizes, laws.cohesion);
+            attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
             let contacts = &mut pairs.history;

@@ -6,7 +6,7 @@ mod separated;
 
 use super::energy_pass::work_of_pairs;
 use super::force_laws::{ForceLaws, ForceOutOfRange};
-use super::{ContactModel, ContactWork};
+use super::{CohesionExpression, ContactModel, ContactWork, VanDerWaalsNow};
 use crate::numbers::with_simd;
 use crate::particles::{Contacts, Particles};
 use contacts::ContactLoop;
@@ -45,5 +45,12 @@ pub(crate) fn add_pair_forces(
         work_of_pairs(particles, contacts, laws, sink);
     }
     let inner = &mut contacts.inner;
-    with_simd(ContactLoop { particles, inner, laws })
+    let is_rough = |cohesion: VanDerWaalsNow| {
+        matches!(cohesion.expression(), CohesionExpression::Rough { .. })
+    };
+    let is_rough = laws.cohesion.is_some_and(is_rough);
+    match twisting.is_some() || is_rough {
+        true => with_simd(ContactLoop::<true> { particles, inner, laws }),
+        false => with_simd(ContactLoop::<false> { particles, inner, laws }),
+    }
 }

@@ -1,0 +1,12 @@
+//! Lines of what `check` prints.
+
+use std::fmt::Write;
+
+/// Lines of a name and a value each.
+pub(super) struct Lines<'a>(pub(super) &'a mut String);
+
+impl Lines<'_> {
+    pub(super) fn add(&mut self, name: &str, value: &str) {
+        let _ = writeln!(self.0, "  {name:<34}{value}");
+    }
+}
