@@ -17,7 +17,7 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
     Key::number(
         "energy",
         Allowed::POSITIVE,
-        "Interval of the ledger of energies; its sums are kept at every step, which then takes two to three times as long",
+        "Interval of the ledger of energies; its sums are kept at every step, which then takes about ten times as long",
     )
     .unit("time")
     .optional(),
