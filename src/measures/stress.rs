@@ -28,6 +28,12 @@ pub struct Stress {
     looks_per_row: u64,
 }
 
+/// Most layers, over all phases; each rank has all of them.
+const MOST_LAYERS: usize = 100_000;
+
+/// Most cells; rank 0 writes their fields one after another.
+const MOST_CELLS: usize = 10_000_000;
+
 /// On what the stress is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cells {
@@ -45,7 +51,7 @@ impl RegisteredMeasure for Stress {
 
     const KEYS: &'static [Key] = &[
         AVERAGE,
-        Key::new("layers", Kind::Count(1, 100_000), "Number of layers of equal height")
+        Key::new("layers", Kind::Count(1, MOST_LAYERS as u64), "Number of layers of equal height")
             .or(&["cells"])
             .default(Value::Derived("one for about each largest diameter")),
         Key::new(
@@ -67,6 +73,9 @@ impl RegisteredMeasure for Stress {
             Some(_) => Cells::Layers(values.count("layers")? as usize),
             None => Cells::LayersOfDiameter,
         };
+        if !is_room_for(cells, frame.as_ref(), values) {
+            return None;
+        }
         if matches!(cells, Cells::Boxes(_)) && frame != Some(FrameSettings::Laboratory) {
             values.fail("cells", "are at rest: leave frame out, or give layers".to_owned());
             return None;
@@ -81,8 +90,8 @@ impl RegisteredMeasure for Stress {
             Cells::Boxes(counts) => counts,
             Cells::Layers(layers) => [1, 1, layers],
             Cells::LayersOfDiameter => {
-                let layers = (extent / setting.sizes.largest_diameter).floor().max(1.0);
-                [1, 1, layers as usize]
+                let layers = (extent / setting.sizes.largest_diameter).floor();
+                [1, 1, (layers.max(1.0) as usize).min(MOST_LAYERS / self.frame.phases())]
             }
         };
         let edges = [lengths.x, lengths.y, extent];
@@ -98,6 +107,22 @@ impl RegisteredMeasure for Stress {
             Cells::Boxes(_) => Box::new(cells::Fields::new(grid, self.looks_per_row)),
             _ => Box::new(Layers::new(self, grid, lengths.z)),
         }
+    }
+}
+
+/// Reports more layers or cells than a machine has room for.
+fn is_room_for(cells: Cells, frame: Option<&FrameSettings>, values: &dyn MeasureValues) -> bool {
+    match cells {
+        Cells::Boxes(counts) if counts.iter().product::<usize>() > MOST_CELLS => {
+            values.fail("cells", format!("must be at most {MOST_CELLS} in all"));
+            false
+        }
+        Cells::Layers(layers) if frame.is_some_and(|f| f.phases() * layers > MOST_LAYERS) => {
+            let message = format!("times phases must be at most {MOST_LAYERS}");
+            values.fail("layers", message);
+            false
+        }
+        _ => true,
     }
 }
 

@@ -1,10 +1,12 @@
 //! The measures of a run: when each looks, what it writes, and what it keeps in checkpoints.
 
 use super::interval::Interval;
+use crate::case::Case;
+use crate::grid::ColumnGrid;
 use crate::measures::{Measure, MeasurePlan, MeasureState, Needs, Setting, View};
 use crate::output::{Head, MeasureOutput, OutputError};
 use crate::parallel::Communicator;
-use crate::state::Clock;
+use crate::state::{Clock, SizeRange};
 use std::path::Path;
 
 /// A measure with its files.
@@ -39,20 +41,22 @@ pub(super) struct Measuring(Vec<Scheduled>);
 impl Measuring {
     /// Begins the measures of a case, or lets them go on. Collective.
     pub(super) fn open(
-        plans: &[MeasurePlan],
+        case: &Case,
         beginning: &Beginning<'_>,
-        setting: &Setting<'_>,
+        (sizes, column): (&SizeRange, &ColumnGrid),
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
+        let (bounds, gas_grid) = (&case.domain.bounds, case.volume_averaged().map(|it| &it.grid));
         let open = |plan: &MeasurePlan| {
-            let setting = Setting { every: plan.every, start: plan.start, ..*setting };
+            let MeasurePlan { every, start, .. } = *plan;
+            let setting = Setting { bounds, sizes, column, gas_grid, every, start };
             let measure = begin(plan, beginning.kept, &setting, ranks);
             let files = (beginning.head, beginning.continue_after);
             let layout = measure.layout();
             let output = MeasureOutput::open(beginning.folder, plan, &layout, files, ranks)?;
             Ok(Scheduled { plan: plan.clone(), measure, output })
         };
-        plans.iter().map(open).collect::<Result<_, _>>().map(Self)
+        case.measures.iter().map(open).collect::<Result<_, _>>().map(Self)
     }
 
     /// Whether a measure looks after this step.

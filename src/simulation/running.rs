@@ -10,7 +10,7 @@ use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
 use crate::gas::GasModel;
 use crate::grid::ColumnGrid;
-use crate::measures::{Setting, View};
+use crate::measures::View;
 use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
 use crate::output::{Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
@@ -58,24 +58,9 @@ impl<'a> Simulation<'a> {
         folder: OutputFolder,
         ranks: &'a dyn Communicator,
     ) -> Result<Self, RunError> {
-        let InitialState { state, work, histories, measures: kept, origin, .. } = initial;
-        let (histories, origin) = (std::mem::take(histories), *origin);
-        let is_new = origin == Origin::NewBed;
-        let stage = case.stage_number_at(state.clock.time());
-        let models = case.stages[stage].models(&state.sizes);
-        state.clock = state.clock.with_time_step(models.physics.time_step);
-        work.prepare(&case.domain, &models, &state.sizes);
-        work.tallies.on_walls.set_classes(case.particles.classes());
-        let opens_ledger = prepare_ledger(case, state);
-        time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
-        if is_new {
-            time_step::find_first_forces(state, &case.domain, &models, work, ranks);
-        }
-        if opens_ledger {
-            let start = stored_energy(state, &case.domain, &models, work).total(ranks);
-            state.energy.iter_mut().for_each(|ledger| ledger.open_at(start));
-        }
-        memory::give_back();
+        let (stage, models) = begin(case, initial, ranks)?;
+        let InitialState { state, work, measures: kept, origin, .. } = initial;
+        let (is_new, origin) = (*origin == Origin::NewBed, *origin);
         let profile = profile_of(case, &models, &state.sizes);
         let provenance = Provenance::here_and_now(&case.title, case.units.name(), ranks);
         let head = Head { case_text: &case.text, provenance: &provenance };
@@ -85,16 +70,8 @@ impl<'a> Simulation<'a> {
         let profile_grid = profile.grid();
         let opening = Opening { head, continue_after, profile_grid, agglomerates, gas_grid };
         let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
-        let setting = Setting {
-            bounds: &case.domain.bounds,
-            sizes: &state.sizes,
-            column: profile.grid(),
-            gas_grid,
-            every: 0.0,
-            start: 0.0,
-        };
         let beginning = Beginning { folder: &folder.path, head, continue_after, kept };
-        let measuring = Measuring::open(&case.measures, &beginning, &setting, ranks)?;
+        let measuring = Measuring::open(case, &beginning, (&state.sizes, profile.grid()), ranks)?;
         kept.clear();
         let here = ranks.total(state.particles.owned_count()) as u64;
         let mut simulation = Self {
@@ -343,6 +320,31 @@ fn prepare_ledger(case: &Case, state: &mut State) -> bool {
     let is_new = is_kept && earlier.is_none();
     state.energy = if is_new { Some(Box::default()) } else { earlier };
     is_new
+}
+
+/// Lists and, for a new bed, forces of the initial state; the stage that it is in, by number, and its models. Collective.
+fn begin(
+    case: &Case,
+    initial: &mut InitialState,
+    ranks: &dyn Communicator,
+) -> Result<(usize, Models), StepError> {
+    let InitialState { state, work, histories, origin, .. } = initial;
+    let stage = case.stage_number_at(state.clock.time());
+    let models = case.stages[stage].models(&state.sizes);
+    state.clock = state.clock.with_time_step(models.physics.time_step);
+    work.prepare(&case.domain, &models, &state.sizes);
+    work.tallies.on_walls.set_classes(case.particles.classes());
+    let opens_ledger = prepare_ledger(case, state);
+    time_step::begin(state, &case.domain, &models, work, std::mem::take(histories), ranks)?;
+    if *origin == Origin::NewBed {
+        time_step::find_first_forces(state, &case.domain, &models, work, ranks);
+    }
+    if opens_ledger {
+        let start = stored_energy(state, &case.domain, &models, work).total(ranks);
+        state.energy.iter_mut().for_each(|ledger| ledger.open_at(start));
+    }
+    memory::give_back();
+    Ok((stage, models))
 }
 
 /// Makes the folder of results and opens the files in it, at a step. Collective.

@@ -17,6 +17,9 @@ const LEAST: Key =
     Key::new("least", Kind::Count(1, 1_000_000), "Cells of fewer particles are left out")
         .default(Value::Count(5));
 
+/// Most cells; each rank counts in all of them.
+const MOST_CELLS: usize = 1_000_000;
+
 /// The words of `tracers`, each with its keys.
 pub(super) const TRACERS: &[Word] = &[
     Word::new("none", "no Lacey index"),
@@ -68,6 +71,10 @@ impl TracerSettings {
             _ => return Some(Self { class: Class::None, cells: [1; 3], least: 1 }),
         };
         let (cells, least) = (values.counts("cells")?, values.count("least")?);
+        if cells.iter().product::<usize>() > MOST_CELLS {
+            values.fail("cells", format!("must be at most {MOST_CELLS} in all"));
+            return None;
+        }
         if cells == [1, 1, 1] {
             values.fail("cells", "must be two or more, to be compared".to_owned());
             return None;
