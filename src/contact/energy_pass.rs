@@ -49,8 +49,13 @@ pub(crate) fn work_of_walls(
 ) {
     for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
         let wall = pair.wall as usize;
-        let of_wall = (&walls.walls[wall], &walls.poses[wall]);
-        let contact = contact_with(of_wall, particles, pair.particle as usize, laws.cohesion);
+        let contact = contact_with(
+            &walls.walls[wall],
+            &walls.poses[wall],
+            particles,
+            pair.particle as usize,
+            laws.cohesion,
+        );
         let before = Remembered {
             history: contacts.wall_history[slot],
             rolling_angle: contacts.wall_rolling_angle[slot],
@@ -170,8 +175,13 @@ pub(crate) fn elastic_energy(
     for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
         if contacts.wall_touching[slot] {
             let wall = pair.wall as usize;
-            let of_wall = (&walls.walls[wall], &walls.poses[wall]);
-            let contact = contact_with(of_wall, particles, pair.particle as usize, laws.cohesion);
+            let contact = contact_with(
+                &walls.walls[wall],
+                &walls.poses[wall],
+                particles,
+                pair.particle as usize,
+                laws.cohesion,
+            );
             let before = Remembered {
                 history: contacts.wall_history[slot],
                 rolling_angle: contacts.wall_rolling_angle[slot],

@@ -91,7 +91,7 @@ pub(crate) fn pair_forces(
         if history.is_none() && cohesion == 0.0 {
             continue;
         }
-        let contact = contact_of(particles, pair, (overlap, normal), cohesion);
+        let contact = contact_of(particles, pair, overlap, normal, cohesion);
         let force = history.map_or_else(ContactForce::zero, |mut history| {
             model.law.force(&contact, &mut history, 0.0)
         });
@@ -138,7 +138,8 @@ fn ordered(
 fn contact_of(
     particles: &Particles,
     pair: [usize; 2],
-    (overlap, normal): (f64, Vector3<f64>),
+    overlap: f64,
+    normal: Vector3<f64>,
     cohesion: f64,
 ) -> Contact {
     let [i, j] = pair.map(|index| &particles.body[index]);
@@ -169,7 +170,7 @@ pub(crate) fn wall_forces(
     for (particle, wall, history) in contacts.near_walls() {
         let (i, number) = (particle as usize, wall as usize);
         let contact =
-            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, cohesion);
+            contact_with(&walls.walls[number], &walls.poses[number], particles, i, cohesion);
         if history.is_none() && contact.cohesion == 0.0 {
             continue;
         }

@@ -27,7 +27,7 @@ pub(crate) fn add_wall_forces(
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
         let contact =
-            contact_with((&walls.walls[number], &walls.poses[number]), particles, i, laws.cohesion);
+            contact_with(&walls.walls[number], &walls.poses[number], particles, i, laws.cohesion);
         let model = laws.at_walls.get(number).unwrap_or(laws.contact);
         let (force, rolling) = evaluate(model, &contact, contacts, slot, laws.dt);
         let on_wall =
@@ -48,7 +48,8 @@ pub(crate) fn add_wall_forces(
 
 /// The contact of a particle and a wall.
 pub(super) fn contact_with(
-    (wall, pose): (&Wall, &WallPose),
+    wall: &Wall,
+    pose: &WallPose,
     particles: &Particles,
     i: usize,
     cohesion: Option<VanDerWaalsNow>,

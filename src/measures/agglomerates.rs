@@ -254,7 +254,7 @@ impl Followed {
         let settings = &self.settings;
         let mut rows = Vec::new();
         if let Some(Reference { time, at_lags, .. }) = &self.reference {
-            rows.push(rows::window((*time, at_lags), found, search, settings, ranks));
+            rows.push(rows::window(*time, at_lags, found, search, settings, ranks));
         }
         if let Some(before) = &self.before {
             let changes = Changes::between(before, &now, ranks);

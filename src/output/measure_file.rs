@@ -84,7 +84,8 @@ impl MeasureFile {
         path: &Path,
         plan: &MeasurePlan,
         layout: &Layout,
-        (head, continue_after): (Head<'_>, Option<f64>),
+        head: Head<'_>,
+        continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let begin = || {

@@ -34,7 +34,8 @@ impl MeasureOutput {
         folder: &Path,
         plan: &MeasurePlan,
         layout: &Layout,
-        (head, continue_after): (Head<'_>, Option<f64>),
+        head: Head<'_>,
+        continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let [table, drawn] = plan.file_names().map(|name| folder.join(name));
@@ -46,7 +47,7 @@ impl MeasureOutput {
             true => Some(ContactLines::open(&drawn, head, continue_after, ranks)?),
             false => None,
         };
-        let table = MeasureFile::open(&table, plan, layout, (head, continue_after), ranks)?;
+        let table = MeasureFile::open(&table, plan, layout, head, continue_after, ranks)?;
         Ok(Self { table, image, lines })
     }
 

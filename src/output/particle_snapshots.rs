@@ -57,8 +57,8 @@ impl ParticleSnapshots {
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
         let contents = Contents { agglomerates: opening.agglomerates };
         let snapshots = match opening.continue_after {
-            Some(time) => Self::go_on(path, time, (opening.head, contents), ranks)?,
-            None => Self::begin(path, (opening.head, contents), ranks)?,
+            Some(time) => Self::go_on(path, time, opening.head, contents, ranks)?,
+            None => Self::begin(path, opening.head, contents, ranks)?,
         };
         Ok(Some(Box::new(snapshots)))
     }
@@ -72,12 +72,13 @@ impl ParticleSnapshots {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::begin(path, (head, Contents { agglomerates: false }), ranks)
+        Self::begin(path, head, Contents { agglomerates: false }, ranks)
     }
 
     fn begin(
         path: &Path,
-        (head, contents): (Head<'_>, Contents),
+        head: Head<'_>,
+        contents: Contents,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || create(path, head, contents))?;
@@ -95,13 +96,14 @@ impl ParticleSnapshots {
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::go_on(path, time, (head, Contents { agglomerates: false }), ranks)
+        Self::go_on(path, time, head, Contents { agglomerates: false }, ranks)
     }
 
     fn go_on(
         path: &Path,
         time: f64,
-        (head, contents): (Head<'_>, Contents),
+        head: Head<'_>,
+        contents: Contents,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let found = on_root(path, ranks, || {
@@ -338,7 +340,7 @@ fn append_step(
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
 fn cut_after(path: &Path, time: f64, contents: Contents) -> Result<[u64; 2], Obstacle> {
     let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
-    let kept = rows_to_keep(path, (time, contents), found_length).map_err(Obstacle::Unusable)?;
+    let kept = rows_to_keep(path, time, contents, found_length).map_err(Obstacle::Unusable)?;
     if kept[0] > 0 {
         cut(path, kept, contents).map_err(Obstacle::Failed)?;
     }
@@ -347,7 +349,8 @@ fn cut_after(path: &Path, time: f64, contents: Contents) -> Result<[u64; 2], Obs
 
 fn rows_to_keep(
     path: &Path,
-    (time, contents): (f64, Contents),
+    time: f64,
+    contents: Contents,
     found_length: u64,
 ) -> MessageResult<[u64; 2]> {
     let file = SerialFile::open(path)?;

@@ -43,7 +43,8 @@ impl Measuring {
     pub(super) fn open(
         case: &Case,
         beginning: &Beginning<'_>,
-        (sizes, column): (&SizeRange, &ColumnGrid),
+        sizes: &SizeRange,
+        column: &ColumnGrid,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let (bounds, gas_grid) = (&case.domain.bounds, case.volume_averaged().map(|it| &it.grid));
@@ -51,9 +52,9 @@ impl Measuring {
             let MeasurePlan { every, start, .. } = *plan;
             let setting = Setting { bounds, sizes, column, gas_grid, every, start };
             let measure = begin(plan, beginning.kept, &setting, ranks);
-            let files = (beginning.head, beginning.continue_after);
+            let Beginning { folder, head, continue_after, .. } = *beginning;
             let layout = measure.layout();
-            let output = MeasureOutput::open(beginning.folder, plan, &layout, files, ranks)?;
+            let output = MeasureOutput::open(folder, plan, &layout, head, continue_after, ranks)?;
             Ok(Scheduled { plan: plan.clone(), measure, output })
         };
         case.measures.iter().map(open).collect::<Result<_, _>>().map(Self)

@@ -71,7 +71,7 @@ impl<'a> Simulation<'a> {
         let opening = Opening { head, continue_after, profile_grid, agglomerates, gas_grid };
         let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
         let beginning = Beginning { folder: &folder.path, head, continue_after, kept };
-        let measuring = Measuring::open(case, &beginning, (&state.sizes, profile.grid()), ranks)?;
+        let measuring = Measuring::open(case, &beginning, &state.sizes, profile.grid(), ranks)?;
         kept.clear();
         let here = ranks.total(state.particles.owned_count()) as u64;
         let mut simulation = Self {

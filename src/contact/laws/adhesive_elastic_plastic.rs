@@ -148,7 +148,7 @@ impl AdhesiveElasticPlastic {
 impl ContactForceLaw for AdhesiveElasticPlastic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
-        self.hysteresis.force(contact, history, dt, (self.attraction, self.attraction))
+        self.hysteresis.force(contact, history, dt, self.attraction, self.attraction)
     }
 
     /// That of the springs, and -F0 delta of the attraction.

@@ -76,7 +76,7 @@ impl ContactForceLaw for LinearHysteretic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
         let adhesion = self.hysteresis.adhesion_stiffness() * contact.overlap;
-        self.hysteresis.force(contact, history, dt, (0.0, adhesion))
+        self.hysteresis.force(contact, history, dt, 0.0, adhesion)
     }
 
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {

@@ -51,15 +51,13 @@ impl<Q: F64x4, const EXTRAS: bool> WithBlockLaw for WithRegisters<'_, Q, EXTRAS>
         let (rolling, twisting) = (*rolling, twisting.filter(|_| EXTRAS));
         if let Some(twisting) = twisting {
             let resistance = RollingAndTwisting { rolling, twisting };
-            return work.evaluate::<Q, _, _, _>((&law, resistance), ManySizes::default());
+            return work.evaluate::<Q, _, _, _>(&law, resistance, ManySizes::default());
         }
         match (rolling, work.inner.one_size.filter(|_| !EXTRAS)) {
-            (Some(rolling), _) => {
-                work.evaluate::<Q, _, _, _>((&law, rolling), ManySizes::default())
-            }
-            (None, None) => work.evaluate::<Q, _, _, _>((&law, NoRolling), ManySizes::default()),
+            (Some(rolling), _) => work.evaluate::<Q, _, _, _>(&law, rolling, ManySizes::default()),
+            (None, None) => work.evaluate::<Q, _, _, _>(&law, NoRolling, ManySizes::default()),
             (None, Some([radius, mass])) => {
-                work.evaluate::<Q, _, _, _>((&law, NoRolling), OneSize { radius, mass })
+                work.evaluate::<Q, _, _, _>(&law, NoRolling, OneSize { radius, mass })
             }
         }
     }
@@ -69,7 +67,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
     #[inline(always)]
     fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: Sizes>(
         self,
-        (law, rolling): (&L, R),
+        law: &L,
+        rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, inner, laws } = self;

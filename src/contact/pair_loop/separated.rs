@@ -55,7 +55,7 @@ impl SeparatedLoop<'_> {
         let mut block = SeparatedBlock::default();
         for (number, pairs) in pairs.chunks(LANES).enumerate() {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
-            block.attract((attraction, contact_range), &sizes, laws);
+            block.attract(attraction, contact_range, &sizes, laws);
             block.collect_in_contact_range(number, pairs.len(), to_promote);
             if let Some(lane) = first_flagged(&block.out_of_range) {
                 let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
@@ -100,7 +100,8 @@ impl SeparatedBlock {
     #[inline(always)]
     fn attract<A: Attraction, S: Sizes>(
         &mut self,
-        (attraction, contact_range): (A, f64),
+        attraction: A,
+        contact_range: f64,
         sizes: &S,
         laws: &ForceLaws,
     ) {

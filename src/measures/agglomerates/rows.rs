@@ -124,7 +124,8 @@ fn single(all: &[Agglomerate], lag: f64, ranks: &dyn Communicator) -> Rows {
 
 /// The row of a window that has ended. Collective.
 pub(super) fn window(
-    (time, at_lags): (f64, &[AtLag]),
+    time: f64,
+    at_lags: &[AtLag],
     found: &Found,
     search: &Search<'_>,
     settings: &Agglomerates,

@@ -54,8 +54,9 @@ fn write(
     run_on_threads(ranks, |ranks| {
         let provenance = Provenance::here_and_now("A bed", "dimensionless", ranks);
         let continue_after = from.checked_sub(1).map(time);
-        let opening = (head(&provenance), continue_after);
-        let mut files = MeasureOutput::open(folder, &plan(), layout, opening, ranks).unwrap();
+        let head = head(&provenance);
+        let mut files =
+            MeasureOutput::open(folder, &plan(), layout, head, continue_after, ranks).unwrap();
         for step in from..COUNTS.len() {
             files.write(time(step), found(step, ranks), ranks).unwrap();
             if step == COMMITTED {

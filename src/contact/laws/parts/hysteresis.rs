@@ -187,7 +187,8 @@ impl Hysteresis {
         contact: &Contact,
         history: &mut ContactHistory,
         dt: f64,
-        (attraction, adhesion): (f64, f64),
+        attraction: f64,
+        adhesion: f64,
     ) -> ContactForce {
         let separation_speed = contact.normal.dot(&contact.relative_velocity);
         let root_of_mass = contact.reduced_mass.sqrt();
