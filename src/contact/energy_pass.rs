@@ -47,25 +47,43 @@ pub(crate) fn work_of_walls(
     laws: &ForceLaws,
     mut sink: impl FnMut(WallWork),
 ) {
-    for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
-        let wall = pair.wall as usize;
-        let contact = contact_with(
-            &walls.walls[wall],
-            &walls.poses[wall],
-            particles,
-            pair.particle as usize,
-            laws.cohesion,
-        );
-        let before = Remembered {
+    for slot in 0..contacts.wall_pairs.len() {
+        let WallContact { wall, contact, before, model } =
+            wall_contact(particles, contacts, walls, laws, slot);
+        let (work, force) = work_over_step(model, &contact, &before, laws.dt).unwrap_or_default();
+        let total = total_force(&contact, force.normal, force.tangential);
+        sink(WallWork { wall, work, force: laws.force_quantum.round_vector(total) });
+    }
+}
+
+/// A particle near a wall: the contact as it is now, what it remembers of the step before, and its model.
+struct WallContact<'a> {
+    wall: usize,
+    contact: Contact,
+    before: Remembered,
+    model: &'a ContactModel,
+}
+
+fn wall_contact<'a>(
+    particles: &Particles,
+    contacts: &Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws<'a>,
+    slot: usize,
+) -> WallContact<'a> {
+    let pair = &contacts.wall_pairs[slot];
+    let (particle, wall) = (pair.particle as usize, pair.wall as usize);
+    let (body, pose) = (&walls.walls[wall], &walls.poses[wall]);
+    WallContact {
+        wall,
+        contact: contact_with(body, pose, particles, particle, laws.cohesion),
+        before: Remembered {
             history: contacts.wall_history[slot],
             rolling_angle: contacts.wall_rolling_angle[slot],
             twisting_angle: contacts.wall_twisting_angle[slot],
             touching: contacts.wall_touching[slot],
-        };
-        let model = laws.at_walls.get(wall).unwrap_or(laws.contact);
-        let (work, force) = work_over_step(model, &contact, &before, laws.dt).unwrap_or_default();
-        let total = total_force(&contact, force.normal, force.tangential);
-        sink(WallWork { wall, work, force: laws.force_quantum.round_vector(total) });
+        },
+        model: laws.at_walls.get(wall).unwrap_or(laws.contact),
     }
 }
 
@@ -172,25 +190,10 @@ pub(crate) fn elastic_energy(
             sink(stored(laws.contact, &contact_of_pair(particles, pair, laws), &before));
         }
     }
-    for (slot, pair) in contacts.wall_pairs.iter().enumerate() {
-        if contacts.wall_touching[slot] {
-            let wall = pair.wall as usize;
-            let contact = contact_with(
-                &walls.walls[wall],
-                &walls.poses[wall],
-                particles,
-                pair.particle as usize,
-                laws.cohesion,
-            );
-            let before = Remembered {
-                history: contacts.wall_history[slot],
-                rolling_angle: contacts.wall_rolling_angle[slot],
-                twisting_angle: contacts.wall_twisting_angle[slot],
-                touching: true,
-            };
-            let model = laws.at_walls.get(wall).unwrap_or(laws.contact);
-            sink(stored(model, &contact, &before));
-        }
+    for slot in (0..contacts.wall_pairs.len()).filter(|&slot| contacts.wall_touching[slot]) {
+        let WallContact { contact, before, model, .. } =
+            wall_contact(particles, contacts, walls, laws, slot);
+        sink(stored(model, &contact, &before));
     }
 }
 

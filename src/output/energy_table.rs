@@ -18,11 +18,7 @@ impl EnergyTable {
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
         let format = format(&opening.head.units());
-        let table = match opening.continue_after {
-            Some(time) => TextTable::resume(path, time, opening.head, &format, ranks)?,
-            None => TextTable::create(path, opening.head, &format, ranks)?,
-        };
-        Ok(Some(Box::new(Self(table))))
+        Ok(Some(Box::new(Self(TextTable::open(path, opening, &format, ranks)?))))
     }
 }
 

@@ -17,11 +17,8 @@ impl Series {
         OutputKind { file_name: "series.csv", needs_momentum_before: true, open: Self::open };
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
-        let series = match opening.continue_after {
-            Some(time) => Self::resume(path, time, opening.head, ranks)?,
-            None => Self::create(path, opening.head, ranks)?,
-        };
-        Ok(Some(Box::new(series)))
+        let format = format(&opening.head.units());
+        Ok(Some(Box::new(Self(TextTable::open(path, opening, &format, ranks)?))))
     }
 
     /// Begins a table, in the place of one that is there. Collective.

@@ -5,7 +5,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::output_file::{Obstacle, continue_or_create};
-use super::{Head, MessageResult, OutputError, free_name, on_root, sync_folder, with_suffix};
+use super::{
+    Head, MessageResult, Opening, OutputError, free_name, on_root, sync_folder, with_suffix,
+};
 use crate::parallel::Communicator;
 
 /// What a table looks like.
@@ -26,6 +28,22 @@ pub(super) struct TextTable {
 }
 
 impl TextTable {
+    /// Begins a table, or continues an earlier one, as the run does. Collective.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(super) fn open(
+        path: &Path,
+        opening: &Opening<'_>,
+        format: &TableFormat,
+        ranks: &dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        match opening.continue_after {
+            Some(time) => Self::resume(path, time, opening.head, format, ranks),
+            None => Self::create(path, opening.head, format, ranks),
+        }
+    }
+
     /// Begins a table, in the place of one that is there. Collective.
     ///
     /// # Errors
