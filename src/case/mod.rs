@@ -60,6 +60,7 @@ use context::ReadContext;
 use errors::Problems;
 use particles::Scales;
 use section::Section;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 use tree::Node;
@@ -172,6 +173,15 @@ impl Case {
     /// The volume-averaged gas of the first stage that has one; its cells are those of all stages.
     pub fn volume_averaged(&self) -> Option<&VolumeAveragedModel> {
         self.gas_on_cells().volume_averaged()
+    }
+
+    /// Each measure with the names of the numbers that it gives at each of its times.
+    pub fn measured_scalars(&self) -> BTreeMap<String, Vec<&'static str>> {
+        let gas_grid = self.volume_averaged().map(|gas| &gas.grid);
+        let scalars = |plan: &MeasurePlan| {
+            (plan.name.clone(), plan.scalar_names(&self.domain.bounds, gas_grid))
+        };
+        self.measures.iter().map(scalars).collect()
     }
 
     /// The same as the gas of a stage; no gas if there is no such stage.

@@ -15,6 +15,14 @@ pub struct Layout {
     pub lines: bool,
 }
 
+impl Layout {
+    /// The columns of `results` with one number in a row: those for tables over many runs.
+    pub fn scalars(&self) -> impl Iterator<Item = &Column> {
+        let results = self.tables.first().map(|table| table.columns.as_slice());
+        results.unwrap_or_default().iter().filter(|column| column.shape.is_empty())
+    }
+}
+
 /// An array that does not change.
 #[derive(Clone, Debug)]
 pub struct Fixed {

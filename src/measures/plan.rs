@@ -1,6 +1,9 @@
 //! When a measure looks at the bed.
 
-use super::MeasureKind;
+use super::{MeasureKind, Setting};
+use crate::domain::Bounds;
+use crate::grid::{BoxGrid, ColumnGrid};
+use crate::state::SizeRange;
 
 /// One measure of a case: its name, its times and its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +22,18 @@ impl MeasurePlan {
     /// Names of its files in the folder of results: the table, and the fields or lines for ParaView.
     pub fn file_names(&self) -> [String; 2] {
         [format!("measure-{}.h5", self.name), format!("measure-{}.vtkhdf", self.name)]
+    }
+
+    /// Names of the columns of its table `results` with one number in a row.
+    pub fn scalar_names(&self, bounds: &Bounds, gas_grid: Option<&BoxGrid>) -> Vec<&'static str> {
+        // Sizes and heights decide how long arrays are, not which columns there are.
+        let height = bounds.lengths().z;
+        let sizes =
+            &SizeRange { smallest_diameter: height, largest_diameter: height, largest_mass: 1.0 };
+        let column = &ColumnGrid::new(bounds, height, 1.0);
+        let Self { every, start, .. } = *self;
+        let setting = Setting { bounds, sizes, column, gas_grid, every, start };
+        self.kind.begin(&setting).layout().scalars().map(|column| column.name).collect()
     }
 
     /// Its settings as text. A file, or a stored measure, with other settings cannot be continued.

@@ -53,6 +53,11 @@ pub struct MeasureResults {
 }
 
 impl MeasureResults {
+    /// The file of a measure of this name in a folder of results.
+    pub fn file_of(measure: &str, results: &Path) -> PathBuf {
+        results.join(format!("measure-{measure}.h5"))
+    }
+
     /// Reads the scalar results of a file `measure-NAME.h5`.
     ///
     /// # Errors
@@ -174,9 +179,7 @@ fn make(path: &Path, plan: &MeasurePlan, layout: &Layout, head: Head<'_>) -> Mes
     for (name, entry) in head.provenance.entries() {
         file.set_text("/", name, &entry)?;
     }
-    let results = layout.tables.first().map(|table| &table.columns[..]).unwrap_or_default();
-    let scalars = results.iter().filter(|column| column.shape.is_empty());
-    let scalars: Vec<&str> = scalars.map(|column| column.name).collect();
+    let scalars: Vec<&str> = layout.scalars().map(|column| column.name).collect();
     let described = [
         ("case", head.case_text),
         ("measure", &plan.name),

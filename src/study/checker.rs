@@ -3,6 +3,7 @@
 use crate::case::Case;
 use crate::study::case_text::EffectiveCase;
 use crate::study::problem::CaseProblem;
+use crate::study::run_outline::RunOutline;
 use crate::study::setting::Setting;
 use std::path::{Path, PathBuf};
 
@@ -33,11 +34,12 @@ pub(crate) trait CaseChecker {
         EffectiveCase::parse(&text).map_err(of_file)
     }
 
-    /// Validates a case in full. The state with which the run starts may not be there yet.
+    /// Validates a case in full, and says what its run will measure. The state with which the run starts may not be there
+    /// yet.
     ///
     /// # Errors
     /// All that is wrong with it.
-    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>>;
+    fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>>;
 }
 
 /// Validates cases as `talcum run` does when it reads them.
@@ -45,9 +47,10 @@ pub(crate) trait CaseChecker {
 pub(crate) struct CaseReader;
 
 impl CaseChecker for CaseReader {
-    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>> {
+    fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>> {
         let case = Case::read(&request.case, &overrides(&request.settings));
-        case.map(drop).map_err(CaseProblem::all_of)
+        let case = case.map_err(CaseProblem::all_of)?;
+        Ok(RunOutline { end_time: case.end_time(), measures: case.measured_scalars() })
     }
 }
 
@@ -60,7 +63,7 @@ mod tests {
     use super::*;
     use crate::study::setting::Value;
 
-    fn checked(key: &str, value: f64) -> Result<(), Vec<CaseProblem>> {
+    fn checked(key: &str, value: f64) -> Result<RunOutline, Vec<CaseProblem>> {
         let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/study/bed.toml");
         let value = Value::from_number(value);
         let settings = vec![Setting { key: key.to_owned(), value, line: 7 }];
@@ -69,7 +72,8 @@ mod tests {
 
     #[test]
     fn errors_find_their_setting() {
-        assert_eq!(checked("contact.friction", 0.2), Ok(()));
+        let outline = checked("contact.friction", 0.2).unwrap();
+        assert_eq!((outline.end_time, outline.measures.len()), (6.0, 0));
         let found = checked("contact.friction", -1.0).unwrap_err();
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].setting.as_deref(), Some("contact.friction=-1.0"));

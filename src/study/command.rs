@@ -11,6 +11,7 @@ use crate::study::measure::Registry;
 use crate::study::scheduler::{Outcome, PAUSE, Scheduler};
 use crate::study::session::{Session, count_of};
 use crate::study::signals::StopSignals;
+use crate::study::starting_states::starting_states;
 use crate::study::table::{collect, csv};
 use crate::study::task::{Progress, Task};
 use crate::study::{status, templates};
@@ -83,7 +84,8 @@ impl StudyCommand {
         let mut study = file::read(&options.study, &Registry::default())?;
         options.apply(&mut study);
         let folder = StudyFolder::at(&options.folder());
-        let session = Session::new(&study, &folder, &CaseReader)?;
+        let starts = starting_states(&study, &CaseReader)?;
+        let session = Session::new(&study, &folder, starts, &CaseReader)?;
         if options.only_list {
             print!("{}", status::list(&session).map_err(anyhow::Error::msg)?);
         } else if options.status {
@@ -186,8 +188,7 @@ impl StudyOptions {
     }
 
     fn folder(&self) -> PathBuf {
-        let name = self.study.file_stem().unwrap_or_default();
-        self.output.clone().unwrap_or_else(|| Path::new("results").join(name))
+        self.output.clone().unwrap_or_else(|| StudyFolder::default_of(&self.study))
     }
 
     /// The tasks to work on.

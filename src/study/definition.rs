@@ -3,6 +3,7 @@
 use crate::study::bisection::Bisection;
 use crate::study::measure::NamedMeasure;
 use crate::study::setting::{Setting, Value};
+use crate::study::start::Start;
 use std::path::PathBuf;
 
 /// A study as its file describes it.
@@ -20,6 +21,8 @@ pub(crate) struct Study {
     pub(crate) axes: Vec<Axis>,
     /// What is varied to measure scatter, usually the seed.
     pub(crate) replicates: Option<Axis>,
+    /// The other study with whose ends runs begin.
+    pub(crate) start: Option<Start>,
     /// Whether runs start with the last state of the one before.
     pub(crate) continuation: Option<Continuation>,
     /// The search for a critical value.
@@ -94,9 +97,6 @@ impl Default for Resources {
         Self { ranks: 1, at_a_time: 1, launcher }
     }
 }
-
-/// The key of the case that seeds all random numbers.
-pub(crate) const SEED: &str = "particles.seed";
 
 impl Study {
     /// All keys of the case that the study varies, in the order of its axes; seeds come last.

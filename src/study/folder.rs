@@ -40,6 +40,11 @@ impl StudyFolder {
         Self { root: root.to_owned(), by_mark: by_mark.collect(), complete: RefCell::default() }
     }
 
+    /// Where that of a study file is unless the user says otherwise.
+    pub(crate) fn default_of(study: &Path) -> PathBuf {
+        Path::new("results").join(study.file_stem().unwrap_or_default())
+    }
+
     /// Where it is.
     pub(crate) fn root(&self) -> &Path {
         &self.root
@@ -140,8 +145,7 @@ fn read_state(folder: &Path, member: &Member) -> RunState {
             Err(_) => return RunState::Waiting,
         },
     };
-    let before = member.predecessor.as_deref().map(|before| before.identity.as_str());
-    let identity = EffectiveCase::parse(&case).map(|case| case.identity(before));
+    let identity = EffectiveCase::parse(&case).map(|case| case.identity(member.origin_identity()));
     if identity.as_ref() != Ok(&member.identity) {
         return RunState::Failed(format!(
             "{} holds the results of another case: has the case been changed while the study ran? \

@@ -5,6 +5,7 @@ use crate::study::checker::{CaseChecker, CaseRequest};
 use crate::study::definition::Study;
 use crate::study::problem::CaseProblem;
 use crate::study::setting::{Setting, Value};
+use crate::study::start::{StartState, relative};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,6 +20,8 @@ pub(crate) struct Member {
     pub(crate) settings: Vec<Setting>,
     /// The run whose last state it begins with.
     pub(crate) predecessor: Option<Arc<Member>>,
+    /// The end of a run of another study with which it begins.
+    pub(crate) start: Option<Arc<StartState>>,
     /// Hash of what decides its results.
     pub(crate) identity: String,
     /// Its folder: what differs from the other runs, and the first digits of the identity.
@@ -31,6 +34,12 @@ impl Member {
     /// The end of its name, by which a folder is found again when other keys are varied.
     pub(crate) fn mark(&self) -> &str {
         mark_of(&self.identity)
+    }
+
+    /// What decides the state with which it begins, if that is the end of another run.
+    pub(crate) fn origin_identity(&self) -> Option<&str> {
+        let before = self.predecessor.as_deref().map(|before| before.identity.as_str());
+        before.or(self.start.as_deref().map(|start| start.identity.as_str()))
     }
 
     /// The value that the study gives to a key here.
@@ -56,17 +65,22 @@ pub(crate) struct MemberFactory<'a> {
     checker: &'a dyn CaseChecker,
     /// The case of continued runs.
     continued_case: PathBuf,
+    /// Ends of runs of another study with which runs begin.
+    starts: Vec<Arc<StartState>>,
     /// Keys that differ between runs, with their short names.
     labels: Vec<(String, String)>,
 }
 
 impl<'a> MemberFactory<'a> {
-    /// A factory; `continued_case` is where the case of continued runs lies.
+    /// A factory; `continued_case` is where the case of continued runs lies, `starts` are the ends of runs of another study
+    /// with which runs begin.
     pub(crate) fn new(
         study: &'a Study,
         checker: &'a dyn CaseChecker,
         continued_case: PathBuf,
+        starts: Vec<StartState>,
     ) -> Self {
+        let starts = starts.into_iter().map(Arc::new).collect();
         let varied = study.axes.iter().chain(&study.replicates);
         let differing = varied.filter(|axis| axis.values.len() > 1);
         let mut keys: Vec<String> = differing.flat_map(|axis| axis.keys.iter().cloned()).collect();
@@ -76,7 +90,7 @@ impl<'a> MemberFactory<'a> {
             |key: &String| study.replicates.as_ref().is_some_and(|axis| axis.keys.contains(key));
         keys.sort_by_key(replicated);
         let labels = keys.iter().map(|key| (key.clone(), short_name(key, &keys))).collect();
-        Self { study, checker, continued_case, labels }
+        Self { study, checker, continued_case, starts, labels }
     }
 
     /// A run.
@@ -90,16 +104,20 @@ impl<'a> MemberFactory<'a> {
         settings: Vec<Setting>,
         predecessor: Option<Arc<Member>>,
     ) -> Result<Member, CaseProblem> {
-        let before = predecessor.as_deref();
-        let request = self.request(&settings, before, None);
+        let request = self.request(&settings, predecessor.as_deref(), None);
         let case = self.checker.effective(&request.case, &request.settings)?;
-        let identity = case.identity(before.map(|member| member.identity.as_str()));
-        let name = self.name(&settings, &identity);
-        let end_time = case.end_time();
-        Ok(Member { point, replicate, settings, predecessor, identity, name, end_time })
+        let belongs = |start: &&Arc<StartState>| start.belongs_to(&settings);
+        let start = self.starts.iter().find(belongs).filter(|_| predecessor.is_none()).cloned();
+        let (identity, name, end_time) = (String::new(), String::new(), case.end_time());
+        let mut member =
+            Member { point, replicate, settings, predecessor, start, identity, name, end_time };
+        member.identity = case.identity(member.origin_identity());
+        member.name = self.name(&member.settings, &member.identity);
+        Ok(member)
     }
 
-    /// The case of a run and all that is set in it; `start` is the state that a continued run begins with.
+    /// The case of a run and all that is set in it; `start` is the checkpoint that it begins with, if that is the end of
+    /// another run.
     pub(crate) fn request(
         &self,
         settings: &[Setting],
@@ -109,17 +127,22 @@ impl<'a> MemberFactory<'a> {
         let all = self.study.common.iter().chain(settings).cloned();
         let Some(predecessor) = predecessor else {
             let case = self.study.case.clone();
-            return CaseRequest { case, settings: all.collect() };
+            let start = start.map(|checkpoint| self.start_path(checkpoint));
+            return CaseRequest { case, settings: all.chain(start).collect() };
         };
         let of_continued = self.study.continuation.iter().flat_map(|c| c.settings.iter().cloned());
         let mut settings: Vec<Setting> = all.chain(of_continued).collect();
         settings.retain(|setting| !belongs_to_a_new_bed(&setting.key));
         // Relative to the case of continued runs, so that a study folder may be moved.
         let pending = Path::new("runs").join(&predecessor.name).join("checkpoint");
-        let path = start.unwrap_or(&pending).display().to_string();
-        let value = Value::new(&format!("{path:?}"), None);
-        settings.push(Setting { key: "particles.start.path".to_owned(), value, line: 0 });
+        settings.push(start_setting(start.unwrap_or(&pending)));
         CaseRequest { case: self.continued_case.clone(), settings }
+    }
+
+    /// The start of a run that begins with a checkpoint of another study.
+    fn start_path(&self, checkpoint: &Path) -> Setting {
+        let folder = self.study.case.parent().unwrap_or(Path::new(""));
+        start_setting(&relative(checkpoint, folder))
     }
 
     /// A title that says what differs from the case, and where the run begins.
@@ -157,6 +180,11 @@ impl<'a> MemberFactory<'a> {
         }
         format!("{name}__{}", mark_of(identity))
     }
+}
+
+fn start_setting(path: &Path) -> Setting {
+    let value = Value::new(&format!("{:?}", path.display().to_string()), None);
+    Setting { key: "particles.start.path".to_owned(), value, line: 0 }
 }
 
 /// The shortest end of a path of keys that no other key shares.

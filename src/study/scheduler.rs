@@ -5,6 +5,7 @@ use crate::study::folder::{Results, StudyFolder, newest_checkpoint};
 use crate::study::job::{Exit, Job, Runner, Running};
 use crate::study::member::{Member, MemberFactory};
 use crate::study::session::count_of;
+use crate::study::start::StartState;
 use crate::study::task::{Progress, RunState, Task};
 use std::sync::Arc;
 use std::time::Duration;
@@ -220,12 +221,15 @@ impl Scheduler<'_> {
             return Ok(true);
         }
         let before = member.predecessor.as_deref();
-        let start = before.and_then(|before| folder.last_checkpoint(before));
-        if let (Some(before), None) = (before, &start) {
-            return Err(format!("{}: it has no checkpoint to continue from", before.name));
-        }
+        let start = match (before, &member.start) {
+            (Some(before), _) => Some(folder.last_checkpoint(before).ok_or_else(|| {
+                format!("{}: it has no checkpoint to continue from", before.name)
+            })?),
+            (None, Some(start)) => Some(start.checkpoint()?),
+            (None, None) => None,
+        };
         let mut request = self.factory.request(&member.settings, before, start.as_deref());
-        request.settings.extend(self.factory.title(&member, self.origin(before)));
+        request.settings.extend(self.factory.title(&member, self.origin(&member)));
         let (run, name) = (folder.run(&member), folder.name_of(&member));
         let checkpoint = newest_checkpoint(&run);
         let verb = if checkpoint.is_some() { "going on" } else { "beginning" };
@@ -236,8 +240,11 @@ impl Scheduler<'_> {
     }
 
     /// The run that another begins with, and its digest.
-    fn origin(&self, before: Option<&Member>) -> Option<String> {
-        let (name, state) = (self.folder().name_of(before?), self.folder().state(before?));
+    fn origin(&self, member: &Member) -> Option<String> {
+        let Some(before) = member.predecessor.as_deref() else {
+            return member.start.as_deref().map(StartState::describe);
+        };
+        let (name, state) = (self.folder().name_of(before), self.folder().state(before));
         match state {
             RunState::Done(digest) => {
                 Some(format!("begins with the end of {name}, digest {digest}"))

@@ -8,6 +8,7 @@ use crate::study::member::{Member, MemberFactory};
 use crate::study::plan::Plan;
 use crate::study::problem::{Problem, Problems, Refusal};
 use crate::study::setting::{Setting, Value};
+use crate::study::start::StartState;
 use crate::study::task::{Records, RunState, Task, TaskKind};
 
 /// A study with its folder and its runs.
@@ -24,17 +25,18 @@ pub(crate) struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Expands a study. Nothing but the case of continued runs is written.
+    /// Expands a study whose runs begin with these states of another one, if there are any. Nothing but the case of continued runs is written.
     ///
     /// # Errors
     /// If the study has no meaning, or the folder cannot be written.
     pub(crate) fn new(
         study: &'a Study,
         folder: &'a StudyFolder,
+        starts: Vec<StartState>,
         checker: &'a dyn CaseChecker,
     ) -> Result<Self, Refusal> {
         write_continued_case(study, folder)?;
-        let factory = MemberFactory::new(study, checker, folder.continued_case());
+        let factory = MemberFactory::new(study, checker, folder.continued_case(), starts);
         let plan = Plan::new(study, &factory, checker)?;
         Ok(Self { study, folder, factory, plan, checker })
     }
@@ -83,16 +85,27 @@ impl<'a> Session<'a> {
     }
 
     fn check_member(&self, member: &Member, problems: &Problems) {
+        let start = member.start.as_deref().map(StartState::checkpoint).transpose();
+        let start = start.unwrap_or_else(|message| {
+            let (line, key) =
+                (self.study.start.as_ref().map(|start| start.line), "start.study".to_owned());
+            problems.add(Problem { line, key, value: None, message });
+            None
+        });
+        let before = member.predecessor.as_deref();
+        let request = self.factory.request(&member.settings, before, start.as_deref());
+        let run = match self.checker.check(&request) {
+            Ok(run) => run,
+            Err(wrong) => {
+                wrong.into_iter().for_each(|it| problems.add(it.place(&request.settings)));
+                return;
+            }
+        };
         for measure in &self.study.measures {
-            let wrong = member.end_time.and_then(|end| measure.measure.check(end).err());
-            if let Some(message) = wrong {
+            if let Err(message) = measure.measure.check(&run) {
                 let (line, key) = (Some(measure.line), format!("measure.{}", measure.name));
                 problems.add(Problem { line, key, value: None, message });
             }
-        }
-        let request = self.factory.request(&member.settings, member.predecessor.as_deref(), None);
-        for problem in self.checker.check(&request).err().unwrap_or_default() {
-            problems.add(problem.place(&request.settings));
         }
     }
 }

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// The key of the case that seeds all random numbers.
+pub(crate) const SEED: &str = "particles.seed";
+
 /// One key of the case and its value: what `--set KEY=VALUE` takes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setting {

@@ -4,7 +4,7 @@ use crate::output::readers::SeriesTable;
 use crate::output::{Cells, Column, ResultTable};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
-use crate::study::measure::{Statistic, Value, Window, statistic_of};
+use crate::study::measure::{Reduction, Statistic, Value, Window, reduced};
 use crate::study::member::short_name;
 use crate::study::table::{Replicates, csv};
 use anyhow::{Context, bail};
@@ -99,7 +99,7 @@ fn read(folder: &Path) -> anyhow::Result<Run> {
 }
 
 /// The seed, and what follows from it: runs that differ in nothing else are replicates.
-const REPLICATE_KEYS: [&str; 1] = [crate::study::definition::SEED];
+const REPLICATE_KEYS: [&str; 1] = [crate::study::setting::SEED];
 
 struct Summary<'o> {
     runs: Vec<Run>,
@@ -119,13 +119,11 @@ impl<'o> Summary<'o> {
     ) -> anyhow::Result<Self> {
         let columns = columns(&runs, options)?;
         let SummaryOptions { from, to, last, .. } = *options;
-        let window = Window { from, to, last };
+        let reduction = Reduction { statistic, window: Window { from, to, last } };
         let mut values = Vec::new();
         for run in &runs {
-            let row: Result<Vec<f64>, String> = columns
-                .iter()
-                .map(|(name, _)| value_of(&run.series, name, statistic, &window))
-                .collect();
+            let row: Result<Vec<f64>, String> =
+                columns.iter().map(|(name, _)| value_of(&run.series, name, &reduction)).collect();
             values
                 .push(row.map_err(|error| anyhow::anyhow!("{}/series.csv: {error}", run.folder))?);
         }
@@ -228,13 +226,8 @@ impl<'o> Summary<'o> {
     }
 }
 
-fn value_of(
-    series: &SeriesTable,
-    column: &str,
-    statistic: Statistic,
-    window: &Window,
-) -> Result<f64, String> {
-    match statistic_of(series, column, statistic, window)?.value {
+fn value_of(series: &SeriesTable, column: &str, reduction: &Reduction) -> Result<f64, String> {
+    match reduced(series, column, reduction)?.value {
         Value::Number(value) => Ok(value),
         Value::Text(_) | Value::Nothing(_) => Ok(f64::NAN),
     }

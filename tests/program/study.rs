@@ -139,3 +139,37 @@ fn the_case_and_the_study_are_those_of_the_docs() {
         assert!(docs.contains(&format!("```toml\n{text}```")), "{name}");
     }
 }
+
+#[test]
+fn what_the_case_measures_stands_in_the_tables_of_a_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("measured.toml");
+    let bed = std::fs::read_to_string(data("bed.toml")).unwrap();
+    let measures = "[measure.touching]\nkind = \"coordination\"\nevery = 0.25\n\
+                    [measure.sets]\nkind = \"agglomerates\"\nevery = 0.25\nwindow = 1.0\nsmallest = 400\n";
+    std::fs::write(folder.path().join("bed.toml"), format!("{bed}\n{measures}")).unwrap();
+    let of_case = |name: &str, measure: &str, column: &str, window: &str| {
+        format!(
+            "[measure.{name}]\nsource = \"case\"\nmeasure = \"{measure}\"\ncolumn = \"{column}\"\n\
+             statistic = \"mean\"\nwindow = {window}\n"
+        )
+    };
+    let measures = of_case("contacts", "touching", "coordination_number", "{ last = 1.0 }")
+        + &of_case("agglomerates", "sets", "diameter", "{ from = 0.5 }");
+    let head = "title = \"measured\"\ncase = \"bed.toml\"\n";
+    std::fs::write(&study, format!("{head}{measures}")).unwrap();
+    let output = folder.path().join("out");
+    assert_code(&run(&study, &output, &[]), 0);
+    let runs = std::fs::read_to_string(output.join("runs.csv")).unwrap();
+    let row: Vec<&str> = runs.lines().last().unwrap().split(',').collect();
+    let [.., contacts, diameter] = row[..] else { panic!("{runs}") };
+    // A bed of 500 particles that settles: some touch, none of its agglomerates has 400 members.
+    assert!((0.1..6.0).contains(&contacts.parse::<f64>().unwrap()), "{runs}");
+    assert_eq!(diameter, "", "{runs}");
+
+    let wrong = std::fs::read_to_string(&study).unwrap().replace("= \"sets\"", "= \"set\"");
+    std::fs::write(&study, wrong).unwrap();
+    let refused = run(&study, &folder.path().join("other"), &[]);
+    let refused = refused.error();
+    assert!(refused.contains("the case has no [measure.set]: did you mean sets?"), "{refused}");
+}

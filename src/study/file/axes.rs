@@ -1,9 +1,9 @@
 //! The axes of a study: lists, ranges, keys that move together, and replicates.
 
-use crate::study::definition::{Axis, SEED, Study};
+use crate::study::definition::{Axis, Study};
 use crate::study::problem::Problem;
 use crate::study::section::{Entry, Section, advice, number_of};
-use crate::study::setting::{Setting, Value, rounded};
+use crate::study::setting::{SEED, Setting, Value, rounded};
 use toml::de::DeValue;
 
 /// An axis, and whether it holds replicates of each point instead of points.

@@ -4,11 +4,13 @@ mod axes;
 mod search;
 
 use crate::study::definition::{Axis, Continuation, Resources, Study};
+use crate::study::folder::StudyFolder;
 use crate::study::measure::{NamedMeasure, Registry};
 use crate::study::problem::{Problem, Problems, Refusal};
 use crate::study::section::{Entry, Section, Source};
 use crate::study::setting::Setting;
-use std::path::Path;
+use crate::study::start::Start;
+use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 /// Reads a study file.
@@ -48,6 +50,7 @@ fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> 
     let axes = axes::axes(root);
     let replicates = axes::replicates(root, &axes);
     let grid: Vec<Axis> = axes.into_iter().filter(|axis| !axis.replicate).map(|a| a.axis).collect();
+    let start = root.optional("start").map(|entry| start(&entry, path));
     let mut measures = measures(root, registry);
     let bisection = root.optional("bisection").map(|entry| search::bisection(&entry, &grid));
     measures.extend(search::own_measure(bisection.as_ref(), &measures, registry));
@@ -61,6 +64,7 @@ fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> 
         common,
         axes: grid,
         replicates,
+        start: unless_wrong(start)?,
         continuation: unless_wrong(continuation)?,
         bisection: unless_wrong(bisection)?,
         measures,
@@ -107,6 +111,10 @@ fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
     }
 }
 
+/// Columns that every table of runs or points has, whatever is varied and measured.
+const COLUMNS: [&str; 7] =
+    ["run", "point", "runs", "state", "digest", "begins_with", "identity_blake3"];
+
 /// The list `measures`, then the sections `[measure.NAME]`.
 fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
     let listed = root.optional("measures");
@@ -127,6 +135,11 @@ fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
     for (name, entry) in sections.iter().flat_map(|entry| measure_sections(entry)) {
         if measures.iter().any(|known| known.name == name) {
             entry.fail("is in the list measures already");
+        }
+        if COLUMNS.contains(&name.as_str()) {
+            entry.fail(
+                "is the name of another column of the tables: call the measure something else",
+            );
         }
         if let Some(measure) = entry.section().and_then(|keys| registry.prepare(&keys)) {
             measures.push(NamedMeasure { name, measure, line: entry.line });
@@ -158,6 +171,20 @@ fn measure_sections<'a>(entry: &Entry<'a>) -> Vec<(String, Entry<'a>)> {
         entry.fail("must hold at least one measure, [measure.NAME]");
     }
     sections
+}
+
+/// `[start]`; paths are relative to the study file at `path`.
+fn start(entry: &Entry<'_>, path: &Path) -> Option<Start> {
+    let section = entry.section()?;
+    let study = section.required("study", "the path of a study file, relative to this one");
+    let results = section.optional("results").map(|entry| entry.text());
+    section.finish();
+    let study = path.parent().unwrap_or(Path::new("")).join(study?.text()?);
+    let results = match results {
+        Some(given) => PathBuf::from(given?),
+        None => StudyFolder::default_of(&study),
+    };
+    Some(Start { study, results, line: entry.line })
 }
 
 fn continuation(entry: &Entry<'_>, axes: &[Axis]) -> Option<Continuation> {

@@ -3,6 +3,7 @@
 use super::{Measure, MeasureSource, Measured, Value, Window, window};
 use crate::output::OutputError;
 use crate::post_processing::{self, Kind, Results, ScalarName, TimeWindow};
+use crate::study::run_outline::RunOutline;
 use crate::study::section::{Section, advice};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -95,8 +96,8 @@ impl Measure for Quantity {
         format!("{} by talcum analyse ({meaning}){}", self.scalar, self.window)
     }
 
-    fn check(&self, end_time: f64) -> Result<(), String> {
-        self.window.check(end_time)
+    fn check(&self, run: &RunOutline) -> Result<(), String> {
+        self.window.check(run.end_time)
     }
 
     fn texts(&self) -> Option<&'static [&'static str]> {

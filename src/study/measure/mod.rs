@@ -5,15 +5,20 @@
 //! elsewhere.
 
 mod analysis;
+mod case_measures;
+mod reduction;
 mod series;
 mod window;
 
-pub(crate) use series::{Series, Statistic, statistic_of};
+pub(crate) use reduction::{Reduction, Statistic};
+pub(crate) use series::{Series, reduced};
 pub(crate) use window::Window;
 
 use crate::output::OutputError;
+use crate::study::run_outline::RunOutline;
 use crate::study::section::{Section, advice};
 use analysis::Analysis;
+use case_measures::CaseMeasures;
 use std::fmt;
 use std::path::Path;
 use window::window;
@@ -56,11 +61,11 @@ pub(crate) trait Measure: fmt::Debug {
     /// What is taken, for the head of a table.
     fn describe(&self) -> String;
 
-    /// Refuses a measure that no run of this length can give.
+    /// Refuses a measure that this run cannot give.
     ///
     /// # Errors
     /// What is wrong, and what is allowed.
-    fn check(&self, end_time: f64) -> Result<(), String>;
+    fn check(&self, run: &RunOutline) -> Result<(), String>;
 
     /// The texts that it may give; `None` if it gives numbers.
     fn texts(&self) -> Option<&'static [&'static str]> {
@@ -108,9 +113,9 @@ pub(crate) struct NamedMeasure {
 pub(crate) struct Registry(Vec<Box<dyn MeasureSource>>);
 
 impl Default for Registry {
-    /// The columns of `series.csv`, and what `talcum analyse` measures.
+    /// The columns of `series.csv`, what the runs measure themselves, and what `talcum analyse` measures.
     fn default() -> Self {
-        Self(vec![Box::new(Series), Box::new(Analysis::default())])
+        Self(vec![Box::new(Series), Box::new(CaseMeasures), Box::new(Analysis::default())])
     }
 }
 

@@ -123,10 +123,11 @@ impl Collector<'_> {
             text_column(rows, "state", "of the run", &|row| state_name(&row.state).to_owned()),
             text_column(rows, "digest", "of the last state", &digest),
         ];
-        if self.session.study.continuation.is_some() {
-            let before = |row: &Row| {
-                let before = row.member.predecessor.as_deref();
-                before.map(|run| self.session.folder.name_of(run).to_owned()).unwrap_or_default()
+        if self.session.study.continuation.is_some() || self.session.study.start.is_some() {
+            let before = |row: &Row| match (&row.member.predecessor, &row.member.start) {
+                (Some(run), _) => self.session.folder.name_of(run).to_owned(),
+                (None, Some(start)) => start.name.clone(),
+                (None, None) => String::new(),
             };
             columns.push(text_column(rows, "begins_with", "run whose end it begins with", &before));
         }

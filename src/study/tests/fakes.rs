@@ -6,8 +6,10 @@ use crate::study::folder::StudyFolder;
 use crate::study::job::{Exit, Job, Runner, Running};
 use crate::study::measure::Registry;
 use crate::study::problem::{CaseProblem, Refusal};
+use crate::study::run_outline::RunOutline;
 use crate::study::scheduler::{Outcome, Scheduler, StopRequest};
 use crate::study::session::Session;
+use crate::study::starting_states::starting_states;
 use crate::study::table::{collect, csv};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -22,7 +24,7 @@ pub(super) const CASE: &str = "title = \"bed\"\n[particles]\ncount = 10\nseed = 
 pub(super) struct FakeChecker;
 
 impl CaseChecker for FakeChecker {
-    fn check(&self, request: &CaseRequest) -> Result<(), Vec<CaseProblem>> {
+    fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>> {
         let plain = self.effective(&request.case, &[]).unwrap().flat();
         let settings = request.settings.iter();
         let problems = settings.filter_map(|setting| {
@@ -35,7 +37,12 @@ impl CaseChecker for FakeChecker {
             Some(CaseProblem { setting: Some(setting.argument()), message })
         });
         let problems: Vec<CaseProblem> = problems.collect();
-        if problems.is_empty() { Ok(()) } else { Err(problems) }
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let end_time = self.effective(&request.case, &request.settings).unwrap().end_time();
+        let measures = [("network".to_owned(), vec!["contacts", "mean_age"])].into();
+        Ok(RunOutline { end_time: end_time.unwrap(), measures })
     }
 }
 
@@ -164,10 +171,10 @@ impl Desk {
             Err(refusal) => return short(&refusal, self.folder.path()),
         };
         let folder = StudyFolder::at(&self.path("out"));
-        let refused = match Session::new(&study, &folder, &FakeChecker) {
-            Ok(session) => session.check(&session.plan.tasks),
-            Err(refusal) => Err(refusal),
-        };
+        let refused = starting_states(&study, &FakeChecker).and_then(|starts| {
+            let session = Session::new(&study, &folder, starts, &FakeChecker)?;
+            session.check(&session.plan.tasks)
+        });
         refused.map_or_else(|refusal| short(&refusal, self.folder.path()), |()| String::new())
     }
 
@@ -183,17 +190,16 @@ impl Desk {
                     _ => StopRequest::None,
                 }
             };
-            let scheduler = Scheduler {
-                factory: &session.factory,
-                search: session.study.bisection.as_ref(),
-                results: session.results(),
-                runner,
-                at_a_time: usize::try_from(session.study.resources.at_a_time).unwrap(),
-                stop: &stop,
-                pause: Duration::from_micros(100),
-            };
-            scheduler.run(&session.plan.tasks).unwrap()
+            run_to_the_end(session, runner, &stop)
         })
+    }
+
+    /// Works on another study of the desk to its end.
+    pub(super) fn work_on(&self, study: &str, output: &str, runner: &FakeRunner) {
+        let study = crate::study::file::read(&self.path(study), &Registry::default()).unwrap();
+        let folder = StudyFolder::at(&self.path(output));
+        let session = Session::new(&study, &folder, Vec::new(), &FakeChecker).unwrap();
+        run_to_the_end(&session, runner, &|| StopRequest::None);
     }
 
     /// All tables, one after another.
@@ -208,7 +214,8 @@ impl Desk {
     pub(super) fn with_session<T>(&self, function: impl FnOnce(&Session<'_>) -> T) -> T {
         let study = self.read().unwrap();
         let folder = StudyFolder::at(&self.path("out"));
-        let session = Session::new(&study, &folder, &FakeChecker).unwrap();
+        let starts = starting_states(&study, &FakeChecker).unwrap();
+        let session = Session::new(&study, &folder, starts, &FakeChecker).unwrap();
         function(&session)
     }
 }
@@ -220,4 +227,22 @@ fn short(refusal: &Refusal, folder: &Path) -> String {
 /// A number of a case.
 pub(super) fn number(keys: &BTreeMap<String, String>, key: &str) -> f64 {
     keys[key].parse().unwrap()
+}
+
+/// Runs all tasks until nothing is left or a stop is requested.
+fn run_to_the_end(
+    session: &Session<'_>,
+    runner: &FakeRunner,
+    stop: &dyn Fn() -> StopRequest,
+) -> Outcome {
+    let scheduler = Scheduler {
+        factory: &session.factory,
+        search: session.study.bisection.as_ref(),
+        results: session.results(),
+        runner,
+        at_a_time: usize::try_from(session.study.resources.at_a_time).unwrap(),
+        stop,
+        pause: Duration::from_micros(100),
+    };
+    scheduler.run(&session.plan.tasks).unwrap()
 }

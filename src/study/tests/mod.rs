@@ -3,4 +3,5 @@
 mod expansion;
 mod fakes;
 mod refusals;
+mod start;
 mod work;

@@ -75,6 +75,22 @@ const REFUSED: &[(&str, &str)] = &[
         "[measure.x]\nsource = \"analysis\"\nquantity = \"u_mf\"\nwindow = { from = 50 }\n",
         "study.toml:3: measure.x: the window begins at 50, but the run ends at 4",
     ),
+    (
+        "[measure.x]\nsource = \"case\"\nmeasure = \"net\"\ncolumn = \"contacts\"\nstatistic = \"mean\"\n",
+        "study.toml:3: measure.x: the case has no [measure.net]: did you mean network?",
+    ),
+    (
+        "[measure.x]\nsource = \"case\"\nmeasure = \"network\"\ncolumn = \"mean_ages\"\nstatistic = \"mean\"\n",
+        "study.toml:3: measure.x: measure.network has no number mean_ages: did you mean mean_age?",
+    ),
+    (
+        "[measure.x]\nsource = \"case\"\nmeasure = \"network\"\nstatistic = \"mean\"\n",
+        "study.toml:3: measure.x.column: missing: must be a number that this measure gives (docs/measures.md)",
+    ),
+    (
+        "[measure.state]\ncolumn = \"bed_top\"\nstatistic = \"mean\"\n",
+        "study.toml:3: measure.state: is the name of another column of the tables",
+    ),
     ("[run]\nranks = 0\n", "study.toml:4: run.ranks = 0: must be a whole number from 1 to 65536"),
     ("[continuation]\naxis = \"x\"\n", "study.toml:4: continuation.axis = \"x\": there is no axis"),
     (

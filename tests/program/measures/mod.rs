@@ -1,6 +1,7 @@
 //! Measures of runs: their files, and that they are the same bits on any number of ranks and through any restart.
 
 mod fields;
+mod known_beds;
 mod one_answer;
 
 use std::collections::BTreeMap;

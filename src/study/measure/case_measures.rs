@@ -1,0 +1,86 @@
+//! A number that the run measured itself, by a section `[measure.NAME]` of its case.
+
+use super::{Measure, MeasureSource, Measured, Reduction, Value};
+use crate::output::{MeasureResults, OutputError};
+use crate::study::run_outline::RunOutline;
+use crate::study::section::{Section, advice};
+use std::path::Path;
+
+/// The source `case`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CaseMeasures;
+
+impl MeasureSource for CaseMeasures {
+    fn name(&self) -> &'static str {
+        "case"
+    }
+
+    fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>> {
+        let measure =
+            section.required("measure", "the NAME of a section [measure.NAME] of the case");
+        let column =
+            section.required("column", "a number that this measure gives (docs/measures.md)");
+        let reduction = Reduction::of_section(section);
+        let (measure, column) = (measure?.text()?, column?.text()?);
+        Some(Box::new(ResultStatistic { measure, column, reduction: reduction? }))
+    }
+}
+
+/// One statistic of one column of the table `results` of a measure.
+#[derive(Clone, Debug, PartialEq)]
+struct ResultStatistic {
+    measure: String,
+    column: String,
+    reduction: Reduction,
+}
+
+impl Measure for ResultStatistic {
+    /// Rows that are not defined, such as the mean size of no agglomerates, do not count.
+    fn value(&self, results: &Path) -> Result<Measured, OutputError> {
+        let path = MeasureResults::file_of(&self.measure, results);
+        let table = MeasureResults::read(&path)?;
+        let column = table.columns.iter().find(|column| column.name == self.column);
+        let Some(column) = column else {
+            let message = format!("it has no column {} in its table results", self.column);
+            return Err(OutputError { path, message });
+        };
+        let rows = table.times.iter().copied().zip(column.values.iter().copied());
+        let end = table.times.last().copied().unwrap_or(f64::NAN);
+        let value = self.reduction.value(rows.filter(|(_, value)| value.is_finite()), end);
+        Ok(Measured {
+            value: value.map_or_else(Value::Nothing, Value::Number),
+            unit: column.unit.clone(),
+        })
+    }
+
+    fn describe(&self) -> String {
+        let column = format!("{}.{}", self.measure, self.column);
+        format!("{} as the run measured it", self.reduction.describe(&column))
+    }
+
+    fn check(&self, run: &RunOutline) -> Result<(), String> {
+        let Some(columns) = run.measures.get(&self.measure) else {
+            let known: Vec<&str> = run.measures.keys().map(String::as_str).collect();
+            return Err(match known.is_empty() {
+                true => "the case has no section [measure.NAME]".to_owned(),
+                false => format!(
+                    "the case has no [measure.{}]: {}",
+                    self.measure,
+                    advice(&self.measure, &known)
+                ),
+            });
+        };
+        if !columns.contains(&self.column.as_str()) {
+            let advice = advice(&self.column, columns);
+            return Err(format!(
+                "measure.{} has no number {}: {advice}",
+                self.measure, self.column
+            ));
+        }
+        self.reduction.window.check(run.end_time)
+    }
+
+    fn may_be_nothing(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,204 @@
+//! Measures of whole runs of beds that were made by hand, so that the answer is known.
+
+use super::{Part, run};
+use std::f64::consts::PI;
+use std::fmt::Write;
+use talcum::case::Case;
+use talcum::output::MeasureResults;
+
+/// Runs a case whose particles are the rows of `bed.csv` on so many ranks; the scalars of its measure `known`.
+fn measured(text: &str, bed: &str, ranks: usize) -> MeasureResults {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bed.csv"), bed).unwrap();
+    let case = Case::from_text(text, "case.toml", folder.path(), &[]);
+    let case = case.unwrap_or_else(|errors| panic!("{errors}"));
+    let until = case.end_time();
+    run(&case, folder.path(), &Part { ranks, resume: false, until });
+    MeasureResults::read(&folder.path().join("measure-known.h5")).unwrap()
+}
+
+/// The last value of a column.
+#[track_caller]
+fn last(results: &MeasureResults, name: &str) -> f64 {
+    let column = results.columns.iter().find(|column| column.name == name).unwrap();
+    *column.values.last().unwrap()
+}
+
+/// Two blocks of particles on a cubic lattice in a periodic box of 8^3 cells with edges of 2 d: one of 3^3 cells that
+/// rises at 1, and one of 2^3 cells across a face of the box that falls at 2.
+fn two_blocks() -> String {
+    let mut text = "id,x,y,z,vx,vy,vz\n".to_owned();
+    let mut id = 0;
+    let mut block = |lowest: [i32; 3], edge: i32, velocity: f64| {
+        for site in 0..edge.pow(3) {
+            let offsets = [site % edge, site / edge % edge, site / edge / edge];
+            let [x, y, z] =
+                [0, 1, 2].map(|k| f64::from((lowest[k] + offsets[k]).rem_euclid(16)) + 0.5);
+            writeln!(text, "{id},{x},{y},{z},0,0,{velocity}").unwrap();
+            id += 1;
+        }
+    };
+    block([4, 4, 4], 6, 1.0);
+    block([14, 4, 12], 4, -2.0);
+    text
+}
+
+fn clusters(threshold: f64, smallest: u64, ranks: usize) -> MeasureResults {
+    let text = format!(
+        r#"
+title = "Two blocks"
+units = "dimensionless"
+[box]
+lengths = [16.0, 16.0, 16.0]
+x = "periodic"
+y = "periodic"
+z = "periodic"
+[particles]
+diameter = 1.0
+density = 1.0
+[particles.start]
+kind = "file"
+path = "bed.csv"
+format = "csv"
+[gravity]
+magnitude = 0.0
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 1.0e4
+poisson_ratio = 0.3
+restitution = 0.9
+friction = 0.1
+[gas]
+kind = "volume_averaged"
+cells = [8, 8, 8]
+density = 1.0e-3
+viscosity = 1.0e-6
+drag = "wen_yu"
+substeps = 1
+[time]
+step = 1.0e-5
+end = 2.0e-5
+[output]
+series = 1.0e-5
+[measure.known]
+kind = "clusters"
+every = 1.0e-5
+threshold = {threshold}
+smallest = {smallest}
+"#
+    );
+    measured(&text, &two_blocks(), ranks)
+}
+
+#[test]
+fn clusters_of_two_blocks_are_found_with_their_volumes_and_velocities() {
+    // With hat weights a row of particles half a diameter from a cell's face gives a quarter to the next cell: in a block
+    // of n cells along an edge, the part (n - 1/4) / n of each direction lies in its own cells.
+    let inside = |n: f64| 8.0 * n.powi(3) * ((n - 0.25) / n).powi(3);
+    let (large, small) = (inside(3.0), inside(2.0));
+    let all = 216.0 + 64.0;
+    // One step of a gas of a thousandth of the solids' density changes velocities by less than 1e-6, and moves particles by
+    // 4e-5 of a cell at most.
+    let tolerance = 1.0e-4;
+    for ranks in [1, 2] {
+        // A corner cell of a block has 0.52 * (7/8)^3 = 0.35, the cells beside it 0.52 / 8 = 0.07.
+        let found = clusters(0.2, 4, ranks);
+        let expected = [
+            ("clusters", 2.0),
+            ("volume_fraction", 35.0 / 512.0),
+            ("solids_part", (large + small) / all),
+            ("largest", 27.0 * 8.0),
+            ("mean_volume", 17.5 * 8.0),
+            ("solids_fraction", (large + small) * PI / 6.0 / (35.0 * 8.0)),
+            ("vertical_velocity", (large - 2.0 * small) / (large + small)),
+            ("velocity_outside", ((216.0 - large) - 2.0 * (64.0 - small)) / (all - large - small)),
+        ];
+        for (name, value) in expected {
+            let got = last(&found, name);
+            assert!(
+                (got - value).abs() < tolerance * value.abs().max(1.0),
+                "{name}: {got}, {value}"
+            );
+        }
+    }
+    // Controls: blocks of fewer cells than asked for, and cells less dense than asked for, are none.
+    assert_eq!(last(&clusters(0.2, 9, 1), "clusters"), 1.0);
+    assert_eq!(last(&clusters(0.53, 1, 1), "clusters"), 0.0);
+    // Above the solids fraction of edges and corners only the middle cells are left: 7 of 27 with at least 0.45.
+    let dense = clusters(0.45, 1, 1);
+    assert_eq!((last(&dense, "clusters"), last(&dense, "largest")), (1.0, 7.0 * 8.0));
+}
+
+/// One particle that rests on a plate, which vibrates with Gamma 0.5 at f 0.16.
+const ON_A_PLATE: &str = r#"
+title = "A particle on a vibrating plate"
+units = "dimensionless"
+[box]
+lengths = [4.0, 4.0, 8.0]
+x = "periodic"
+y = "periodic"
+z = "wall"
+[particles]
+diameter = 1.0
+density = 1.0
+[particles.start]
+kind = "file"
+path = "bed.csv"
+format = "csv"
+[gravity]
+magnitude = 1.0
+[vibration]
+gamma = 0.5
+frequency = 0.16
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 1.0e4
+poisson_ratio = 0.3
+restitution = 0.1
+friction = 0.1
+[time]
+step = 1.25e-3
+end = 31.2625
+[output]
+series = 1.0
+[measure.known]
+kind = "phase_average"
+every = 0.0125
+cycles = 2
+phases = 20
+"#;
+
+#[test]
+fn the_stress_below_a_resting_particle_follows_the_plate() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bed.csv"), "id,x,y,z\n0,2,2,0.5\n").unwrap();
+    let case = Case::from_text(ON_A_PLATE, "case.toml", folder.path(), &[]).unwrap();
+    run(&case, folder.path(), &Part { ranks: 1, resume: false, until: case.end_time() });
+    let file = hdf5::File::open(folder.path().join("measure-known.h5")).unwrap();
+    let column = |name: &str| -> Vec<f64> {
+        let all = file.dataset(&format!("results/{name}")).unwrap().read_raw().unwrap();
+        let rows = file.dataset("results/time").unwrap().size();
+        let width = all.len() / rows;
+        all[(rows - 1) * width..].to_vec()
+    };
+    let stress = column("plate_stress");
+    assert_eq!(stress.len(), 20);
+    // The particle moves with the plate, whose stress is 1 + Gamma sin(2 pi f t); a bin of 1/20 of the cycle holds 25 looks about
+    // its middle, over which the mean of the sine is sin(pi/20) / (pi/20) of it. What is left is the acceleration of the particle
+    // on its spring, Gamma (2 pi f)^2 m / k_n = 3e-5, and half a step between force and velocity, 3e-4.
+    let mean_of_bin = (PI / 20.0).sin() / (PI / 20.0);
+    let phase = |bin: usize| 2.0 * PI * bin as f64 / 20.0;
+    let worst = |shift: f64| {
+        let expected = |bin: usize| 1.0 + 0.5 * mean_of_bin * (phase(bin) + shift).sin();
+        stress.iter().enumerate().map(|(b, s)| (s - expected(b)).abs()).fold(0.0, f64::max)
+    };
+    assert!(worst(0.0) < 1.0e-3, "{} {stress:?}", worst(0.0));
+    // Control: a twentieth of a cycle off would be seen.
+    assert!(worst(2.0 * PI / 20.0) > 0.1);
+    // Every cycle is like the one before, and the plate bears the weight in the mean.
+    let [mean, error] =
+        ["plate_stress_mean", "plate_stress_mean_error"].map(|name| column(name)[0]);
+    assert!((mean - 1.0).abs() < 1.0e-3 && error < 1.0e-3, "{mean} {error}");
+    let lift = column("bed_bottom");
+    assert!(lift.iter().all(|lift| lift.abs() < 1.0), "{lift:?}");
+}
