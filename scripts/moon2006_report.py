@@ -1,0 +1,205 @@
+"""The page of Moon, Kevrekidis & Sundaresan (2006): every figure that was run, beside what the paper says of it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from report import Section, Statement
+from study_tables import StudyTable, read_study_table
+from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure, read_profiles
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.figure import Figure
+
+TITLE = "Moon, Kevrekidis & Sundaresan (2006) with Talcum"
+INTRODUCTION = (
+    "Beds of 3,000 particles, 5 d x 5 d wide and about 100 d deep, in a column of gas; all numbers are dimensionless "
+    "(rho_s = d = g = 1; St 55, k_n 2e5, e 0.9, mu 0.1). Intervals are those of 95 % confidence over the seeds of the bed."
+)
+KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
+STATES = {"waves": BLUE, "partly_frozen": "#7fb3d5", "intermittent": ORANGE, "frozen": GREY, "rising_plug": RED,
+          "disordered": "#333333"}  # fmt: skip
+
+
+def table(results: Path, study: str, kind: str) -> StudyTable | None:
+    """A table of a study: of the runs made here, else the one that is kept; None if there is neither."""
+    for file in (results / study / f"{kind}.csv", KEPT / f"{study}-{kind}.csv"):
+        if file.exists():
+            return read_study_table(file)
+    return None
+
+
+def source(study: str, points: StudyTable) -> str:
+    """Where the numbers of a section come from, and how to make them again."""
+    commit = points.provenance.get("commit", "unknown")[:12]
+    return f"Made by: talcum study cases/moon2006/studies/{study}.toml (Talcum commit {commit}, {points.file.name})."
+
+
+def within(value: float, paper: float, part: float) -> bool:
+    """Whether a value is within a part of the paper's."""
+    return math.isfinite(value) and abs(value - paper) <= part * abs(paper)
+
+
+def space_time(results: Path, run: str, study: str, start: float) -> Figure | None:
+    """The solids fraction of a run over time and height; None if the run is not here."""
+    folder = results / study / "runs" / run
+    if not (folder / "profiles.h5").exists():
+        return None
+    profiles = read_profiles(folder).between(start, None)
+    figure, panels = new_figure(size=(9.0, 3.6))
+    panel = panels[0, 0]
+    panel.grid(False)
+    bed: Array = np.ma.masked_less(profiles.solids_fraction, 0.02)
+    colours = colormaps["cividis"].with_extremes(bad="white")
+    mesh = panel.pcolormesh(profiles.time, profiles.height, bed.T, cmap=colours, vmin=0.3, vmax=0.63,
+                            shading="nearest", rasterized=True)  # fmt: skip
+    panel.set_ylim(0.0, 135.0)
+    panel.set_xlabel("time [sqrt(d/g)]")
+    panel.set_ylabel("height [d]")
+    figure.colorbar(mesh, label="solids fraction")
+    return figure
+
+
+def pictures(results: Path, study: str, runs: StudyTable | None, start: float, **chosen: float | str):
+    """The picture over height and time of the first run with these values, if it is here."""
+    for row in runs.where(**chosen).rows[:1] if runs else []:
+        figure = space_time(results, row["run"], study, start)
+        if figure is not None:
+            named = ", ".join(f"{name} {value}" for name, value in chosen.items())
+            yield figure, f"Solids fraction over height and time: {named}."
+
+
+def figure_1(results: Path) -> Section | None:
+    """Travelling waves without cohesion."""
+    points = table(results, "developed-bed", "points")
+    if points is None:
+        return None
+    row = points.rows[0]
+    speed, length, period = (points.estimate(row, name) for name in ("speed", "wavelength", "period"))
+    gas, front = points.estimate(row, "gas_force"), points.estimate(row, "front_speed")
+    statements = [
+        Statement("bed at U_s 0.12", "alternating plugs and voids that rise periodically", row["waves"], None),
+        Statement("speed of the waves", "not given in words", str(speed), None),
+        Statement("wavelength; period", "not given in words", f"{length}; {period}", None),
+        Statement("gas force over the weight", "1 above minimum fluidisation", str(gas), within(gas.mean, 1.0, 0.02)),
+        Statement("front by which waves climb through the poured bed", "not shown", str(front), None),
+    ]
+    figures = list(pictures(results, "developed-bed", table(results, "developed-bed", "runs"), 0.0, seed=1))
+    text = "Poured without gas for 25 time units, then fluidised at U_s 0.12 for 300: measured from 225 on."
+    return Section("Fig. 1: waves without cohesion", text, statements, figures, [source("developed-bed", points)])
+
+
+def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:
+    """Measures over a key, a panel each, a line for each group."""
+    figure, panels = new_figure(1, len(measures), size=(4.6 * len(measures), 3.8))
+    for panel, (measure, label) in zip(panels[0], measures.items()):
+        for (name, group), colour in zip(groups, (BLUE, ORANGE, RED, GREY)):
+            found = group.estimates(measure)
+            x = np.array(group.numbers(axis))
+            y = np.array([e.mean for e in found])
+            error = np.array([[e.mean - e.lower, e.upper - e.mean] for e in found]).T
+            panel.errorbar(x, y, yerr=np.nan_to_num(error), fmt="o-", color=colour, label=name, capsize=3)
+        panel.set_xlabel(axis.replace("_", " "))
+        panel.set_ylabel(label)
+        panel.set_ylim(bottom=0.0)
+    panels[0, 0].legend()
+    return figure
+
+
+def states(points: StudyTable, axis: str) -> str:
+    """What the beds of each point do, in words."""
+    parts = [f"{float(row[axis]):g}: {row['waves'].replace('_', ' ')}" for row in points.rows]
+    return "; ".join(parts)
+
+
+def figure_2(results: Path) -> Section | None:
+    """Cohesion switched on in the developed bed."""
+    points, runs = (table(results, "fig2", kind) for kind in ("points", "runs"))
+    if points is None:
+        return None
+    groups = [(f"friction cap: {cap}", points.where(friction_cap=cap)) for cap in ("net", "contact")]
+    groups = [(name, group) for name, group in groups if group.rows]
+    statements = []
+    for name, group in groups:
+        statements.append(Statement(f"Bond number and state ({name})",
+                                    "waves up to 4, intermittent at 6, one plug above 7",
+                                    states(group, "bond_number"), None))  # fmt: skip
+        speeds = [e.mean for e in group.estimates("speed")][:2]
+        falls = len(speeds) == 2 and speeds[1] < speeds[0]
+        statements.append(Statement(f"speed from Bo 2 to Bo 4 ({name})", "falls",
+                                    " to ".join(f"{speed:.3g}" for speed in speeds), falls))  # fmt: skip
+        still = group.where(bond_number=8.0)
+        share = still.estimates("share")[0] if still.rows else None
+        if share:
+            statements.append(Statement(f"part of the bed with waves at Bo 8 ({name})", "none", str(share),
+                                        share.mean < 0.1))  # fmt: skip
+    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "frozen_share": "part that stands still"}
+    figures = [(over(points, "bond_number", measures, groups), "Over the Bond number; means and intervals over seeds.")]
+    for bond in (4.0, 6.0, 8.0):
+        figures += list(pictures(results, "fig2", runs, 0.0, bond_number=bond, friction_cap="net"))
+    text = (
+        "Cohesion is switched on in the developed bed (the ends of Fig. 1); measured 75 to 150 time units later. The paper's "
+        "words allow two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
+    )
+    return Section("Fig. 2: waves slow down and freeze as cohesion grows", text, statements, figures, [source("fig2", points)])
+
+
+def figure_3(results: Path) -> Section | None:
+    """Vibration brings the waves back."""
+    points, runs = (table(results, "fig3", kind) for kind in ("points", "runs"))
+    if points is None:
+        return None
+    speeds = [e.mean for e in points.estimates("speed")]
+    gammas = points.numbers("gamma")
+    strong = [speed for gamma, speed in zip(gammas, speeds) if gamma >= 3.0 and math.isfinite(speed)]
+    spread = (max(strong) - min(strong)) / (sum(strong) / len(strong)) if strong else float("nan")
+    statements = [
+        Statement("Gamma and state", "a plug up to 2, waves above", states(points, "gamma"), None),
+        Statement("speed for Gamma of 3 and more", "nearly the same",
+                  ", ".join(f"{speed:.3g}" for speed in strong), spread < 0.3 if strong else None),
+    ]  # fmt: skip
+    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "agitation": "kinetic energy of fluctuations"}
+    figures = [(over(points, "gamma", measures, [("Bo 20", points)]), "Over Gamma; means and intervals over seeds.")]
+    for gamma in (1.0, 2.0, 3.0, 6.0):
+        figures += list(pictures(results, "fig3", runs, 0.0, gamma=gamma))
+    text = (
+        "Cohesion (Bo 20) and vibration (f 0.16) are switched on in the developed bed; measured from 25 to 100 time units "
+        "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same."
+    )
+    return Section("Fig. 3: vibration brings the waves back", text, statements, figures, [source("fig3", points)])
+
+
+def figure_7(results: Path) -> Section | None:
+    """The cycle of a shaken bed."""
+    points = table(results, "fig7", "points")
+    if points is None:
+        return None
+    statements = []
+    names = {0.0: "Bo_p 0", 40.0: "Bo_p 40"}
+    groups = [(names[bond], points.where(wall_bond_number=bond)) for bond in names]
+    groups = [(name, group) for name, group in groups if group.rows]
+    for name, group in groups:
+        velocities = group.numbers("superficial_velocity")
+        peaks = [e.mean for e in group.estimates("peak")]
+        shrinks = all(later < earlier for earlier, later in zip(peaks, peaks[1:5]))
+        text = "; ".join(f"{u:g}: {peak:.3g}" for u, peak in zip(velocities, peaks))
+        statements.append(Statement(f"peak of the plate's stress over U_s ({name})", "shrinks as U_s grows", text, shrinks))
+        sums = [a.mean + b.mean for a, b in zip(group.estimates("plate_stress"), group.estimates("gas_force"))]
+        text = f"{min(sums):.4f} to {max(sums):.4f}"
+        statements.append(Statement(f"mean plate stress + gas force ({name})", "1, by eq. (17)", text,
+                                    all(within(total, 1.0, 0.01) for total in sums)))  # fmt: skip
+        plateau = group.estimates("pressure_drop")[-1]
+        statements.append(Statement(f"mean pressure drop at U_s {velocities[-1]:g} ({name})", "1", str(plateau),
+                                    within(plateau.mean, 1.0, 0.02)))  # fmt: skip
+    measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "lift": "lift [d]"}
+    figures = [(over(points, "superficial_velocity", measures, groups), "Over U_s; means and intervals over seeds.")]
+    text = "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8."
+    return Section("Figs 6 to 9: the cycle", text, statements, figures, [source("fig7", points)])
+
+
+def sections(results: Path) -> list[Section]:
+    """All figures of which there are tables."""
+    found = (make(results) for make in (figure_1, figure_2, figure_3, figure_7))
+    return [section for section in found if section is not None]

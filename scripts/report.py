@@ -1,0 +1,122 @@
+"""Builds one self-contained page of a paper's figures as Talcum gives them, beside the paper's statements.
+
+    scripts/report moon2006                    into results/moon2006.html
+
+Tables of studies are read from results/STUDY where the study was run, else from those that are kept with the cases. Pictures
+over height and time are drawn from the runs, so that they are there only after `talcum study` has made them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import html
+import io
+from dataclasses import dataclass, field
+from pathlib import Path
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import ResultsError, run_script
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #1b1f24; }
+h1 { line-height: 1.2; } h2 { margin-top: 2.5rem; border-top: 1px solid #d0d7de; padding-top: 1rem; }
+table { border-collapse: collapse; width: 100%; font-size: 0.9rem; margin: 1rem 0; }
+th, td { border: 1px solid #d0d7de; padding: 0.35rem 0.6rem; text-align: left; vertical-align: top; }
+th { background: #f3f5f7; } tr.agrees td:last-child { background: #e6f4ea; } tr.differs td:last-child { background: #fdecea; }
+img { max-width: 100%; } figure { margin: 1rem 0; } figcaption, .source { color: #57606a; font-size: 0.85rem; }
+code { background: #f3f5f7; padding: 0.1rem 0.3rem; }
+"""
+
+
+@dataclass
+class Statement:
+    """What a paper says about a quantity, what was measured, and whether the two agree; None if that cannot be told."""
+
+    quantity: str
+    paper: str
+    measured: str
+    agrees: bool | None
+
+    def row(self) -> str:
+        """Its row of a table."""
+        verdict = {True: "agrees", False: "differs", None: "cannot be compared"}[self.agrees]
+        kind = {True: "agrees", False: "differs", None: "open"}[self.agrees]
+        cells = "".join(f"<td>{html.escape(text)}</td>" for text in (self.quantity, self.paper, self.measured, verdict))
+        return f'<tr class="{kind}">{cells}</tr>'
+
+
+@dataclass
+class Section:
+    """A part of the page: what the paper shows, what was measured, pictures, and how to make it again."""
+
+    title: str
+    text: str
+    statements: list[Statement] = field(default_factory=list)
+    figures: list[tuple[Figure, str]] = field(default_factory=list)
+    sources: list[str] = field(default_factory=list)
+
+    def html(self) -> str:
+        """Its part of the page."""
+        parts = [f"<h2>{html.escape(self.title)}</h2>", f"<p>{html.escape(self.text)}</p>"]
+        if self.statements:
+            head = "<tr><th>quantity</th><th>paper</th><th>Talcum</th><th></th></tr>"
+            rows = "".join(statement.row() for statement in self.statements)
+            parts.append(f"<table>{head}{rows}</table>")
+        for figure, caption in self.figures:
+            described = html.escape(caption)
+            parts.append(
+                f'<figure><img alt="{described}" src="{embedded(figure)}"><figcaption>{described}</figcaption></figure>'
+            )
+        parts += [f'<p class="source">{html.escape(source)}</p>' for source in self.sources]
+        return "\n".join(parts)
+
+
+def embedded(figure: Figure) -> str:
+    """A figure as a data URL, so that the page is one file."""
+    image = io.BytesIO()
+    figure.savefig(image, format="png", dpi=110, bbox_inches="tight")
+    plt.close(figure)
+    return "data:image/png;base64," + base64.b64encode(image.getvalue()).decode()
+
+
+def page(title: str, introduction: str, sections: list[Section]) -> str:
+    """The whole page."""
+    body = "\n".join(section.html() for section in sections)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en-GB"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
+        f"<style>{STYLE}</style></head><body>\n<h1>{html.escape(title)}</h1>\n<p>{html.escape(introduction)}</p>\n"
+        f"{body}\n</body></html>\n"
+    )
+
+
+def write(path: Path, text: str) -> None:
+    """Writes the page."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    print(f"page: {path}")
+
+
+def main(command_line: list[str] | None = None) -> None:
+    """Builds the page of a paper."""
+    import moon2006_report
+
+    papers = {"moon2006": moon2006_report}
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("paper", choices=sorted(papers), help="whose figures")
+    parser.add_argument("--results", type=Path, default=Path("results"), metavar="FOLDER", help="where studies were run")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="the page (default: RESULTS/PAPER.html)")
+    arguments = parser.parse_args(command_line)
+    paper = papers[arguments.paper]
+    text = page(paper.TITLE, paper.INTRODUCTION, paper.sections(arguments.results))
+    write(arguments.output or arguments.results / f"{arguments.paper}.html", text)
+
+
+if __name__ == "__main__":
+    run_script(main)

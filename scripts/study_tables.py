@@ -1,0 +1,94 @@
+"""Reads the tables of a study: runs.csv and points.csv, as `talcum study` writes them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from talcum_results import ResultsError, split_heading
+
+
+@dataclass
+class Estimate:
+    """A mean over the seeds with its interval of confidence, and how many seeds gave a value."""
+
+    mean: float
+    lower: float
+    upper: float
+    runs: int
+
+    def __str__(self) -> str:
+        if self.runs == 0:
+            return "none"
+        if self.runs == 1:
+            return f"{self.mean:.3g} (one seed)"
+        return f"{self.mean:.3g} ({self.lower:.3g} to {self.upper:.3g}; {self.runs} seeds)"
+
+
+@dataclass
+class StudyTable:
+    """Rows of a table by their headings, without units, and what stands in the comment lines above them."""
+
+    file: Path
+    provenance: dict[str, str]
+    rows: list[dict[str, str]]
+
+    def where(self, **values: float | str) -> StudyTable:
+        """The rows in which these columns have these values."""
+        rows = [row for row in self.rows if all(same(self.cell(row, name), value) for name, value in values.items())]
+        return StudyTable(self.file, self.provenance, rows)
+
+    def cell(self, row: dict[str, str], name: str) -> str:
+        """A cell as text."""
+        if name not in row:
+            raise ResultsError(f"{self.file}: has no column {name}")
+        return row[name]
+
+    def numbers(self, name: str) -> list[float]:
+        """A column as numbers; what is empty is not a number."""
+        return [number_of(self.cell(row, name)) for row in self.rows]
+
+    def texts(self, name: str) -> list[str]:
+        """A column as texts."""
+        return [self.cell(row, name) for row in self.rows]
+
+    def estimates(self, measure: str) -> list[Estimate]:
+        """A measure of every point with its interval."""
+        return [self.estimate(row, measure) for row in self.rows]
+
+    def estimate(self, row: dict[str, str], measure: str) -> Estimate:
+        """A measure of one point with its interval."""
+        mean, lower, upper = (number_of(self.cell(row, measure + end)) for end in ("", "_lower", "_upper"))
+        given = row.get(f"{measure}_runs", row.get("runs", "0"))
+        runs = int(given) if mean == mean else 0
+        return Estimate(mean, lower, upper, runs)
+
+
+def number_of(text: str) -> float:
+    """A number, or not a number for an empty cell."""
+    return float(text) if text else float("nan")
+
+
+def same(cell: str, value: float | str) -> bool:
+    """Whether a cell holds a value."""
+    return cell == value if isinstance(value, str) else bool(cell) and float(cell) == value
+
+
+def read_study_table(file: Path) -> StudyTable:
+    """Reads a table of a study."""
+    try:
+        lines = file.read_text().splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ResultsError(f"{file}: cannot be read: {error}") from error
+    notes = [line[2:].split(": ", 1) for line in lines if line.startswith("# ")]
+    # Of several lines of one name, such as the measures, the first counts.
+    provenance = {note[0]: note[-1] for note in reversed(notes)}
+    table = list(csv.reader(line for line in lines if not line.startswith("#")))
+    if not table:
+        raise ResultsError(f"{file}: has no heading: is it a table of talcum study?")
+    names = [split_heading(heading)[0] for heading in table[0]]
+    for row in table[1:]:
+        if len(row) != len(names):
+            raise ResultsError(f"{file}: a row has {len(row)} cells in place of {len(names)}")
+    return StudyTable(file, provenance, [dict(zip(names, row)) for row in table[1:]])

@@ -1,0 +1,90 @@
+"""Tests of the page of a paper and of the tables of studies, with negative controls."""
+
+from __future__ import annotations
+
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import moon2006_report
+import report
+from made_up_results import CASE, ScriptTest, write_profiles
+from study_tables import Estimate, read_study_table
+from talcum_results import ResultsError
+
+HEAD = "# title: t\n# commit: 0123456789abcdef\n# measure: one\n# measure: two\n"
+COLUMNS = ("speed", "period", "wavelength", "gas_force", "front_speed")
+
+
+def points(gas_force: float) -> str:
+    """The table of points of the developed bed, with this gas force."""
+    headings = [f"{name}{end}" for name in COLUMNS for end in (" [u]", "_lower [u]", "_upper [u]")]
+    values = [number for name in COLUMNS for number in ((gas_force if name == "gas_force" else 0.4),) * 3]
+    return f"{HEAD}point,runs,waves,{','.join(headings)}\n1,5,\"1 frozen, 4 waves\",{','.join(map(str, values))}\n"
+
+
+class TestReport(ScriptTest):
+    """A study of one point, with and without its runs."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        kept = moon2006_report.KEPT
+        self.addCleanup(setattr, moon2006_report, "KEPT", kept)
+        moon2006_report.KEPT = self.folder / "kept"  # none: only what this test writes
+
+    def write_study(self, gas_force: float = 0.99) -> None:
+        """The tables of the study."""
+        folder = self.folder / "developed-bed"
+        folder.mkdir(exist_ok=True)
+        (folder / "points.csv").write_text(points(gas_force))
+        (folder / "runs.csv").write_text(f"{HEAD}run,point,seed,state\nseed=1__abc,1,1,complete\n")
+
+    def page(self) -> str:
+        """The page of the studies in the folder."""
+        report.main(["moon2006", "--results", str(self.folder)])
+        return (self.folder / "moon2006.html").read_text()
+
+    def test_statements_say_whether_they_agree(self) -> None:
+        self.write_study()
+        page = self.page()
+        self.assertIn("<td>1 frozen, 4 waves</td>", page)
+        self.assertIn("<td>0.4 (0.4 to 0.4; 5 seeds)</td>", page)
+        self.assertIn('<tr class="agrees"><td>gas force over the weight</td>', page)
+        self.assertIn("commit 0123456789ab", page)
+        self.assertNotIn("<img", page)  # the runs are not there
+        self.write_study(gas_force=0.9)
+        self.assertIn('<tr class="differs"><td>gas force over the weight</td>', self.page())
+
+    def test_pictures_are_in_the_page(self) -> None:
+        self.write_study()
+        run = self.folder / "developed-bed/runs/seed=1__abc"
+        run.mkdir(parents=True)
+        time, height = np.arange(0.0, 20.0), np.arange(0.0, 30.0, 1.5)
+        write_profiles(run, time, height, np.full((len(time), len(height)), 0.5), CASE)
+        page = self.page()
+        self.assertIn('src="data:image/png;base64,', page)
+        self.assertNotIn('src="http', page)
+
+    def test_tables_are_read_by_heading(self) -> None:
+        file = self.folder / "points.csv"
+        file.write_text(f"{HEAD}gamma,cap,speed [c],speed_lower [c],speed_upper [c],speed_runs\n2.0,net,,,,0\n3,net,1,0.5,1.5,2\n")
+        table = read_study_table(file)
+        self.assertEqual(table.provenance["measure"], "one")
+        self.assertEqual(str(table.estimates("speed")[0]), "none")
+        self.assertEqual(table.where(gamma=3.0, cap="net").estimates("speed"), [Estimate(1.0, 0.5, 1.5, 2)])
+        self.assertEqual(table.where(gamma=4.0).rows, [])
+        with self.assertRaisesRegex(ResultsError, "no column spead"):
+            table.numbers("spead")
+        file.write_text("a,b\n1\n")
+        with self.assertRaisesRegex(ResultsError, "1 cells in place of 2"):
+            read_study_table(file)
+
+    def test_every_study_of_the_page_is_there(self) -> None:
+        cases = Path(__file__).resolve().parent.parent / "cases/moon2006"
+        studies = {path.stem for path in (cases / "studies").glob("*.toml")}
+        self.assertLessEqual({"developed-bed", "fig2", "fig3", "fig7"}, studies)
+
+
+if __name__ == "__main__":
+    unittest.main()
