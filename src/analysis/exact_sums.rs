@@ -2,7 +2,7 @@
 //! particles over the ranks: every sum is exact and rounded once.
 
 use super::rendezvous::send_to_rendezvous;
-use crate::numbers::ExactSum;
+use crate::numbers::{ExactSum, QuickSum};
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 
@@ -11,11 +11,12 @@ pub(crate) fn totals<const N: usize>(
     items: impl IntoIterator<Item = [f64; N]>,
     ranks: &dyn Communicator,
 ) -> [f64; N] {
-    let mut sums = [(); N].map(|()| ExactSum::default());
+    let mut sums = [(); N].map(|()| QuickSum::default());
     for item in items {
         sums.iter_mut().zip(item).for_each(|(sum, value)| sum.add(value));
     }
-    let mut integers: Vec<i64> = sums.iter().flat_map(ExactSum::to_integers).collect();
+    let mut integers: Vec<i64> =
+        sums.into_iter().flat_map(|sum| sum.exact().to_integers()).collect();
     ranks.sum_integers(&mut integers);
     let mut totals = integers.chunks(ExactSum::INTEGERS).map(ExactSum::from_integers);
     [(); N].map(|()| totals.next().map_or(0.0, |sum| sum.value()))

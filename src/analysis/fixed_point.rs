@@ -1,98 +1,160 @@
-//! Sums on cells as integers: the same bits for any distribution of the addends over ranks, in little memory.
+//! Sums by key as integers: the same bits for any distribution of the addends over ranks, in little memory.
 //!
 //! All addends of one quantity are rounded to multiples of one quantum, which the largest of them fixes: 2^-51 of it
-//! at most. A sum of n addends is wrong by less than n 2^-52 of the largest.
+//! at most. A sum of n addends is wrong by less than n 2^-52 of the largest. Addends are counted in 64 bits, and carried
+//! into 128 bits before these could overflow: 2^76 addends have room.
 
-use super::rendezvous::send_to_rendezvous;
-use crate::numbers::Quantum;
+use super::exact_sums::Keyed;
+use super::rendezvous::send_keyed;
+use crate::numbers::{Quantum, sorted_by_key};
 use crate::parallel::Communicator;
-use bytemuck::{Pod, Zeroable};
-use std::collections::BTreeMap;
 
 /// Addends no larger than this count as zero: the spacing of their quantum would not be a normal number.
 const SMALLEST: f64 = 1.0e-280;
 
-/// Sums of N quantities on cells.
-#[derive(Clone, Debug)]
-pub(crate) struct FixedPointSums<const N: usize> {
-    /// None if all addends of a quantity are zero.
-    quanta: [Option<Quantum>; N],
+/// The quanta of N quantities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quanta<const N: usize> {
+    /// 0 if all addends of a quantity are zero.
+    spacing: [f64; N],
+    /// 1.5 * 2^52 quanta: the bits of a number that was added to it count quanta.
+    shift: [f64; N],
     undefined: [bool; N],
-    cells: BTreeMap<u64, [i128; N]>,
 }
 
-/// One sum of one cell.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Term {
-    cell: u64,
-    quantity: u64,
-    low: u64,
-    high: i64,
-}
-
-impl<const N: usize> FixedPointSums<N> {
-    /// Empty sums of addends whose magnitudes on this rank are up to `largest`. Collective.
+impl<const N: usize> Quanta<N> {
+    /// Quanta of addends whose magnitudes on this rank are up to `largest`. Collective.
     pub(crate) fn new(mut largest: [f64; N], ranks: &dyn Communicator) -> Self {
         ranks.maximum(&mut largest);
-        let undefined = largest.map(|largest| !largest.is_finite());
-        let usable = |largest: f64| largest.is_finite() && largest > SMALLEST;
-        let quanta = largest.map(|x| usable(x).then(|| Quantum::spanning(x)));
-        Self { quanta, undefined, cells: BTreeMap::new() }
+        let quantum = largest.map(|largest| {
+            let is_usable = largest.is_finite() && largest > SMALLEST;
+            is_usable.then(|| Quantum::spanning(largest))
+        });
+        let of_one = Quantum::spanning(1.0).shift();
+        Self {
+            spacing: quantum.map(|quantum| quantum.map_or(0.0, Quantum::spacing)),
+            shift: quantum.map(|quantum| quantum.map_or(of_one, Quantum::shift)),
+            undefined: largest.map(|largest| !largest.is_finite()),
+        }
     }
 
-    /// The integers that stand for these numbers.
+    /// Whether all addends of all ranks are zero.
+    pub(crate) fn are_zero(&self) -> bool {
+        self.spacing == [0.0; N] && self.undefined == [false; N]
+    }
+
+    /// The integers that stand for these numbers: x + 1.5 * 2^52 quanta is rounded to quanta, and is between 2^52 and 2^53
+    /// of them, where the last bit of a double is one.
+    #[inline(always)]
     pub(crate) fn counts_of(&self, values: &[f64; N]) -> [i64; N] {
         std::array::from_fn(|k| {
-            self.quanta[k].map_or(0, |quantum| quantum.count(quantum.round(values[k])))
+            let counted = (values[k] + self.shift[k]).to_bits();
+            counted.wrapping_sub(self.shift[k].to_bits()) as i64
         })
     }
 
-    /// Adds to the sums of a cell.
-    pub(crate) fn add(&mut self, cell: u64, counts: &[i64; N]) {
-        let sums = self.cells.entry(cell).or_insert([0; N]);
-        sums.iter_mut().zip(counts).for_each(|(sum, &count)| *sum += i128::from(count));
-    }
-
-    /// The sums over all ranks, each cell on its rendezvous rank. Collective.
-    pub(crate) fn totals(self, ranks: &dyn Communicator) -> BTreeMap<u64, [f64; N]> {
-        let mut terms = Vec::new();
-        for (&cell, sums) in &self.cells {
-            for (quantity, &sum) in sums.iter().enumerate() {
-                let (low, high) = (sum as u64, (sum >> 64) as i64);
-                // A cell without a number but with addends is known by its first quantity.
-                if sum != 0 || quantity == 0 {
-                    terms.push(Term { cell, quantity: quantity as u64, low, high });
-                }
-            }
-        }
-        let mut sums: BTreeMap<u64, [i128; N]> = BTreeMap::new();
-        for Term { cell, quantity, low, high } in send_to_rendezvous(terms, |term| term.cell, ranks)
-        {
-            let sum = (i128::from(high) << 64) + i128::from(low);
-            let of_cell = sums.entry(cell).or_insert([0; N]);
-            if let Some(total) = of_cell.get_mut(quantity as usize) {
-                *total += sum;
-            }
-        }
-        sums.into_iter().map(|(cell, sums)| (cell, self.values_of(&sums))).collect()
-    }
-
-    fn values_of(&self, sums: &[i128; N]) -> [f64; N] {
-        std::array::from_fn(|k| match self.quanta[k] {
-            _ if self.undefined[k] => f64::NAN,
-            Some(quantum) => sums[k] as f64 * quantum.spacing(),
-            None => 0.0,
+    pub(crate) fn values_of(&self, sums: &[i128; N]) -> [f64; N] {
+        std::array::from_fn(|k| match self.undefined[k] {
+            true => f64::NAN,
+            false => sums[k] as f64 * self.spacing[k],
         })
     }
+}
+
+/// Sums of N quantities, in quanta.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FixedPointSum<const N: usize> {
+    recent: [i64; N],
+    /// Addends since the last carry.
+    additions: u32,
+    carried: [i128; N],
+}
+
+/// Counts are at most 2^51: so many have room in 64 bits.
+const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 11;
+
+impl<const N: usize> Default for FixedPointSum<N> {
+    fn default() -> Self {
+        Self { recent: [0; N], additions: 0, carried: [0; N] }
+    }
+}
+
+impl<const N: usize> FixedPointSum<N> {
+    #[inline(always)]
+    pub(crate) fn add(&mut self, counts: &[i64; N]) {
+        // Those of an undefined number have no meaning, and may be of any size.
+        self.recent.iter_mut().zip(counts).for_each(|(sum, &count)| *sum = sum.wrapping_add(count));
+        self.additions += 1;
+        if self.additions == ADDITIONS_BETWEEN_CARRIES {
+            *self = Self { carried: self.total(), ..Self::default() };
+        }
+    }
+
+    fn total(&self) -> [i128; N] {
+        std::array::from_fn(|k| self.carried[k] + i128::from(self.recent[k]))
+    }
+}
+
+/// The keys that were met, each with a place of its own: keys below a number, such as cells.
+#[derive(Clone, Debug)]
+pub(crate) struct Slots {
+    keys: Vec<u64>,
+    /// By key: 1 + its place, or 0. Memory of keys that are far from all that were met is never touched.
+    of_key: Vec<u32>,
+}
+
+impl Slots {
+    /// For keys from 0 up to a number, which is left out.
+    pub(crate) fn new(keys: usize) -> Self {
+        Self { keys: Vec::new(), of_key: vec![0; keys] }
+    }
+
+    /// The place of a key.
+    #[inline(always)]
+    pub(crate) fn of(&mut self, key: u64) -> usize {
+        let slot = &mut self.of_key[key as usize];
+        if *slot == 0 {
+            self.keys.push(key);
+            *slot = self.keys.len() as u32;
+        }
+        *slot as usize - 1
+    }
+
+    /// The keys by their places.
+    pub(crate) fn keys(&self) -> &[u64] {
+        &self.keys
+    }
+}
+
+/// The sums of each key over all ranks, on the rendezvous rank of the key, by ascending key. Collective.
+pub(crate) fn sums_by_key<const N: usize>(
+    keys: &[u64],
+    sums: &[FixedPointSum<N>],
+    quanta: &Quanta<N>,
+    ranks: &dyn Communicator,
+) -> Vec<Keyed<N>> {
+    let halves = |sum: i128| [sum as u64, (sum >> 64) as u64];
+    let records = keys.iter().zip(sums).map(|(&key, sum)| (key, sum.total().map(halves)));
+    let records = sorted_by_key(send_keyed(records, ranks), |record| record.0);
+    let of_key = |group: &[(u64, [[u64; 2]; N])]| {
+        let mut total = [0_i128; N];
+        for (_, halves) in group {
+            for (total, &[low, high]) in total.iter_mut().zip(halves) {
+                *total += (i128::from(high as i64) << 64) + i128::from(low);
+            }
+        }
+        Keyed { key: group[0].0, values: quanta.values_of(&total) }
+    };
+    records.chunk_by(|a, b| a.0 == b.0).map(of_key).collect()
 }
 
 /// The largest magnitude of each quantity; infinite if a number is undefined.
+#[inline(always)]
 pub(crate) fn largest<const N: usize>(values: impl IntoIterator<Item = [f64; N]>) -> [f64; N] {
     let mut largest = [0.0_f64; N];
     for value in values {
         for (largest, x) in largest.iter_mut().zip(value) {
-            *largest = largest.max(if x.is_finite() { x.abs() } else { f64::INFINITY });
+            *largest = if x.is_nan() { f64::INFINITY } else { largest.max(x.abs()) };
         }
     }
     largest
@@ -102,6 +164,23 @@ pub(crate) fn largest<const N: usize>(values: impl IntoIterator<Item = [f64; N]>
 mod tests {
     use super::*;
     use crate::parallel::run_on_threads;
+    use std::collections::BTreeMap;
+
+    fn sums_of<const N: usize>(
+        addends: impl Iterator<Item = (u64, [f64; N])> + Clone,
+        ranks: &dyn Communicator,
+    ) -> Vec<(u64, [f64; N])> {
+        let quanta = Quanta::new(largest(addends.clone().map(|(_, values)| values)), ranks);
+        let mut slots = Slots::new(20);
+        let mut sums = Vec::new();
+        for (key, values) in addends {
+            let slot = slots.of(key);
+            sums.resize(slots.keys().len(), FixedPointSum::default());
+            sums[slot].add(&quanta.counts_of(&values));
+        }
+        let found = sums_by_key(slots.keys(), &sums, &quanta, ranks);
+        found.into_iter().map(|sums| (sums.key, sums.values)).collect()
+    }
 
     #[test]
     fn sums_of_both_signs_meet_with_the_same_bits() {
@@ -109,12 +188,7 @@ mod tests {
         let on = |n: usize| {
             let made = run_on_threads(n, |ranks| {
                 let here = || (0..1000_u64).filter(|k| (k * k % 7) as usize % n == ranks.rank());
-                let mut sums = FixedPointSums::new(largest(here().map(values)), ranks);
-                for k in here() {
-                    let counts = sums.counts_of(&values(k));
-                    sums.add(k % 13, &counts);
-                }
-                sums.totals(ranks)
+                sums_of(here().map(|k| (k % 13, values(k))), ranks)
             });
             made.into_iter().flatten().collect::<BTreeMap<_, _>>()
         };
@@ -133,13 +207,19 @@ mod tests {
     fn undefined_addends_make_the_quantity_undefined() {
         run_on_threads(2, |ranks| {
             let value = [[f64::NAN, 1.0], [2.0, 1.0]][ranks.rank()];
-            let mut sums = FixedPointSums::new(largest([value]), ranks);
-            let counts = sums.counts_of(&value);
-            sums.add(3, &counts);
-            for sums in sums.totals(ranks).values() {
+            for (_, sums) in sums_of([(3, value)].into_iter(), ranks) {
                 assert!(sums[0].is_nan());
                 assert_eq!(sums[1], 2.0);
             }
+        });
+    }
+
+    #[test]
+    fn many_addends_are_carried() {
+        // Both at the limit of 2^51 quanta, 5000 times: above 64 bits.
+        run_on_threads(1, |ranks| {
+            let addends = (0..10_000).map(|k| (7, [1.0, if k % 3 == 0 { 1.0 } else { -1.0 }]));
+            assert_eq!(sums_of(addends, ranks), [(7, [10_000.0, -3_332.0])]);
         });
     }
 }

@@ -18,6 +18,10 @@ impl Periodicity {
     pub fn wrapped(&self, mut position: Vector3<f64>) -> Vector3<f64> {
         for (axis, length) in self.periodic_axes() {
             let x = position[axis];
+            if (0.0..length).contains(&x) {
+                position[axis] = x + 0.0;
+                continue;
+            }
             let inside = x - length * (x / length).floor();
             // Rounding may take a coordinate just below 0 to the length itself. A zero has no sign.
             position[axis] = if inside < length { inside + 0.0 } else { 0.0 };
@@ -29,7 +33,11 @@ impl Periodicity {
     pub fn nearest_image(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Image {
         let mut image = [0; 3];
         for (axis, length) in self.periodic_axes() {
-            image[axis] = -((to[axis] - from[axis]) / length).round() as i32;
+            let along = to[axis] - from[axis];
+            // Most pairs are in the same image: no division.
+            if 2.0 * along.abs() >= length {
+                image[axis] = -(along / length).round() as i32;
+            }
         }
         image
     }

@@ -2,7 +2,8 @@
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), section 2.4.
 
-use super::pair::{Pair, at_rendezvous};
+use super::ownership::Ownership;
+use super::pair::Pair;
 use crate::parallel::Communicator;
 
 /// What counts as a contact that has been kept from t_0 to t.
@@ -17,24 +18,31 @@ pub enum Persistence {
 
 /// The contacts of a reference time t_0, and which of them were kept.
 ///
-/// A pair is held by one rank, the rendezvous rank of its lower id, wherever its particles are.
+/// A pair is held by the rank that owned its lower id at the last look.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PersistentContacts {
     persistence: Persistence,
-    /// Ascending: of t_0, or those kept at every look so far.
+    /// Of t_0, or those kept at every look so far; ascending from the first look on.
     candidates: Vec<Pair>,
 }
 
 impl PersistentContacts {
-    /// Takes all ranks' touching pairs at t_0; each may be named by one rank or by several. Collective.
-    pub fn begin(persistence: Persistence, touching: &[Pair], ranks: &dyn Communicator) -> Self {
-        Self { persistence, candidates: at_rendezvous(touching, ranks) }
+    /// Takes all ranks' touching pairs at t_0, each on one rank, or goes on from pairs that were
+    /// [stored](Self::stored) by whatever ranks.
+    pub fn begin(persistence: Persistence, touching: &[Pair]) -> Self {
+        Self { persistence, candidates: touching.to_vec() }
     }
 
-    /// Looks at the pairs that touch now: returns those that have been kept since t_0, each on one rank, ascending
-    /// there. Collective.
-    pub fn look(&mut self, touching: &[Pair], ranks: &dyn Communicator) -> Vec<Pair> {
-        let kept = common(&self.candidates, &at_rendezvous(touching, ranks));
+    /// Looks at the pairs that touch now, ascending, each once and on the rank that owns its lower id: returns those
+    /// that have been kept since t_0, likewise. Collective.
+    pub fn look(
+        &mut self,
+        touching: &[Pair],
+        owned: &Ownership,
+        ranks: &dyn Communicator,
+    ) -> Vec<Pair> {
+        owned.align(&mut self.candidates, Pair::ends, ranks);
+        let kept = common(&self.candidates, touching);
         if self.persistence == Persistence::AtEveryLook {
             self.candidates.clone_from(&kept);
         }
@@ -46,11 +54,6 @@ impl PersistentContacts {
         &self.candidates
     }
 
-    /// Goes on from pairs that were stored, by whatever ranks. Collective.
-    pub fn restore(persistence: Persistence, stored: &[Pair], ranks: &dyn Communicator) -> Self {
-        Self::begin(persistence, stored, ranks)
-    }
-
     /// Number of the pairs that a look compares with, on all ranks. Collective.
     pub fn count(&self, ranks: &dyn Communicator) -> usize {
         ranks.total(self.candidates.len())
@@ -59,13 +62,13 @@ impl PersistentContacts {
 
 /// The pairs that both ascending lists hold.
 fn common(a: &[Pair], b: &[Pair]) -> Vec<Pair> {
-    let mut rest = b;
-    let held = |pair: &&Pair| {
-        let below = rest.partition_point(|other| other < *pair);
-        rest = &rest[below..];
-        rest.first() == Some(*pair)
-    };
-    a.iter().filter(held).copied().collect()
+    let mut rest = b.iter().peekable();
+    let mut found = Vec::with_capacity(a.len().min(b.len()));
+    for pair in a {
+        while rest.next_if(|other| *other < pair).is_some() {}
+        found.extend(rest.next_if_eq(&pair));
+    }
+    found
 }
 
 #[cfg(test)]
@@ -75,29 +78,28 @@ mod tests {
     use crate::parallel::run_on_threads;
     use std::collections::BTreeSet;
 
-    fn part(all: &[Pair], rank: usize, n: usize, salt: usize) -> Vec<Pair> {
-        // Every third pair is named by two ranks, and in the wrong order.
-        let mut here = Vec::new();
-        for (place, &Pair { lower, higher }) in all.iter().enumerate() {
-            let owner = place * salt % 11 % n;
-            if owner == rank {
-                here.push(Pair { lower, higher });
-            }
-            if place % 3 == 0 && (owner + 1) % n == rank {
-                here.push(Pair { lower: higher, higher: lower });
-            }
-        }
-        here
+    /// Which of the particles 0 to 59 a rank owns at a look.
+    fn owned(look: usize, rank: usize, n: usize) -> Ownership {
+        let mine = |id: &u64| (*id as usize * (3 + look) % 11 % n) == rank;
+        Ownership::of((0..60).filter(mine).collect())
+    }
+
+    fn part(all: &[Pair], owned: &Ownership) -> Vec<Pair> {
+        let here = all.iter().filter(|pair| owned.place_of(pair.lower).is_some());
+        let here: BTreeSet<Pair> = here.copied().collect();
+        here.into_iter().collect()
     }
 
     /// The pairs kept at each of several looks (the first is t_0), with another distribution at each.
     fn kept(n: usize, persistence: Persistence, looks: &[Vec<Pair>]) -> Vec<Vec<Pair>> {
         let made = run_on_threads(n, |ranks| {
-            let part = |k: usize| part(&looks[k], ranks.rank(), n, 3 + k);
-            let mut contacts = PersistentContacts::begin(persistence, &part(0), ranks);
+            let owned = |k: usize| owned(k, ranks.rank(), n);
+            let first = part(&looks[0], &owned(0));
+            let mut contacts = PersistentContacts::begin(persistence, &first);
             let mut kept = Vec::new();
-            for k in 1..looks.len() {
-                kept.push(contacts.look(&part(k), ranks));
+            for (k, touching) in looks.iter().enumerate().skip(1) {
+                let owned = owned(k);
+                kept.push(contacts.look(&part(touching, &owned), &owned, ranks));
                 // Written and read again, by other ranks.
                 let stored = contacts.stored().to_vec();
                 let moved = ranks.sparse_exchange(&[crate::parallel::Message::of(
@@ -108,7 +110,7 @@ mod tests {
                     .iter()
                     .flat_map(|message| crate::parallel::records_of_bytes(&message.bytes))
                     .collect();
-                contacts = PersistentContacts::restore(persistence, &moved, ranks);
+                contacts = PersistentContacts::begin(persistence, &moved);
             }
             kept
         });

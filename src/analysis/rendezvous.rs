@@ -3,8 +3,10 @@
 //! Nobody needs to know which rank owns a particle. Keys are spread over the ranks by a hash, so that about equally
 //! many meet on each rank, and what a rank finds out about its keys does not depend on who sent it the records.
 
+use crate::numbers::sorted_by_key;
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use bytemuck::Pod;
+use rustc_hash::FxHashMap;
 
 /// A well-mixed number, another one for each key (the finaliser of SplitMix64: Steele, Lea & Flood, OOPSLA 2014,
 /// doi:10.1145/2660193.2660195).
@@ -31,8 +33,58 @@ pub(crate) fn send_to_rendezvous<T: Pod>(
     for record in records {
         outgoing[rendezvous_rank(key_of(&record), ranks)].push(record);
     }
-    let incoming = ranks.sparse_exchange(&messages(&outgoing));
-    incoming.iter().flat_map(|message| records_of_bytes(&message.bytes)).collect()
+    exchanged(outgoing, ranks)
+}
+
+/// The same of keys and what belongs to them. Collective.
+pub(crate) fn send_keyed<T: Pod>(
+    records: impl IntoIterator<Item = (u64, T)>,
+    ranks: &dyn Communicator,
+) -> Vec<(u64, T)> {
+    let mut keys = vec![Vec::new(); ranks.size()];
+    let mut values = vec![Vec::new(); ranks.size()];
+    for (key, value) in records {
+        let rank = rendezvous_rank(key, ranks);
+        keys[rank].push(key);
+        values[rank].push(value);
+    }
+    // Both come in the order of their senders.
+    exchanged(keys, ranks).into_iter().zip(exchanged(values, ranks)).collect()
+}
+
+/// What all ranks send here, by rank; what stays here is not copied. Collective.
+fn exchanged<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
+    let mut here = std::mem::take(&mut outgoing[ranks.rank()]);
+    if ranks.size() > 1 {
+        let incoming = ranks.sparse_exchange(&messages(&outgoing));
+        here.extend(incoming.iter().flat_map(|message| records_of_bytes::<T>(&message.bytes)));
+    }
+    here
+}
+
+/// Ranks that own particles.
+pub(crate) type OwnersOf = Answers<u64>;
+
+/// No rank owns the particle.
+const NO_OWNER: u64 = u64::MAX;
+
+/// The ranks that own these particles, each of which is in the list `owned` of one rank, or of none. Collective.
+pub(crate) fn owners_of(
+    ids: impl IntoIterator<Item = u64>,
+    owned: &[u64],
+    ranks: &dyn Communicator,
+) -> OwnersOf {
+    let rank = ranks.rank() as u64;
+    let here = send_keyed(owned.iter().map(|&id| (id, rank)), ranks);
+    let known: FxHashMap<u64, u64> = here.into_iter().collect();
+    ask(ids, |id| known.get(&id).copied().unwrap_or(NO_OWNER), ranks)
+}
+
+impl OwnersOf {
+    /// The owner of a particle that was asked for.
+    pub(crate) fn owner(&self, id: u64) -> Option<usize> {
+        self.get(id).filter(|&owner| owner != NO_OWNER).map(|owner| owner as usize)
+    }
 }
 
 fn messages<T: Pod>(by_rank: &[Vec<T>]) -> Vec<Message> {
@@ -65,6 +117,10 @@ pub(crate) fn ask<A: Pod>(
     let keys = distinct(keys);
     let mut outgoing = vec![Vec::new(); ranks.size()];
     keys.iter().for_each(|&key| outgoing[rendezvous_rank(key, ranks)].push(key));
+    if ranks.size() == 1 {
+        let values = keys.iter().map(|&key| answer(key)).collect();
+        return Answers { keys, values };
+    }
     let questions = ranks.sparse_exchange(&messages(&outgoing));
     let replies = questions.iter().map(|question| {
         let answers: Vec<A> = records_of_bytes(&question.bytes).map(&answer).collect();
@@ -84,8 +140,7 @@ pub(crate) fn ask<A: Pod>(
 
 /// The keys in ascending order, each once.
 pub(crate) fn distinct(keys: impl IntoIterator<Item = u64>) -> Vec<u64> {
-    let mut keys: Vec<u64> = keys.into_iter().collect();
-    keys.sort_unstable();
+    let mut keys = sorted_by_key(keys.into_iter().collect(), |&key: &u64| key);
     keys.dedup();
     keys
 }

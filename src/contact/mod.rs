@@ -34,7 +34,7 @@ pub use model::ContactModel;
 pub(crate) use pair_loop::add_pair_forces;
 pub use parting::{AttractionInContact, work_of_parting};
 pub use readout::{PairForce, WallForce};
-pub(crate) use readout::{pair_forces, wall_forces};
+pub(crate) use readout::{for_each_pair_force, wall_forces};
 pub use rolling::{ROLLING, RollingFriction, RollingKind};
 pub use softening::{SOFTENING, Softening};
 pub use twisting::{TWISTING, TwistingFriction};

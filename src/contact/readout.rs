@@ -68,21 +68,26 @@ impl PairForce {
     }
 }
 
-/// The forces of all pairs that touch or attract each other, each on one rank: that of two ranks' particles on the rank
-/// that owns the lower id.
+/// Passes on the forces of all pairs that touch or attract each other, each on one rank: that of two ranks' particles on
+/// the rank that owns the lower id.
 ///
 /// Before: ghosts have the velocities of their originals.
-pub(crate) fn pair_forces(
+#[inline]
+pub(crate) fn for_each_pair_force(
     particles: &Particles,
     contacts: &Contacts,
     model: &ContactModel,
     cohesion: Option<VanDerWaalsNow>,
-) -> Vec<PairForce> {
+    mut take: impl FnMut(PairForce),
+) {
     let attraction = |radii: [f64; 2], overlap: f64| {
         cohesion.map_or(0.0, |law| law.between_particles(radii[0], radii[1], -overlap))
     };
-    let mut found = Vec::new();
     for (pair, history) in contacts.near_pairs() {
+        // Most pairs of the list do not touch.
+        if history.is_none() && cohesion.is_none() {
+            continue;
+        }
         let Some(Ordered { pair, history }) = ordered(particles, pair, history) else { continue };
         let radii = pair.map(|index| particles.body[index].radius);
         let [position, other] = pair.map(|index| particles.body[index].position);
@@ -95,7 +100,7 @@ pub(crate) fn pair_forces(
         let force = history.map_or_else(ContactForce::zero, |mut history| {
             model.law.force(&contact, &mut history, 0.0)
         });
-        found.push(PairForce {
+        take(PairForce {
             lower: particles.id[pair[0]],
             higher: particles.id[pair[1]],
             touching: history.is_some(),
@@ -107,7 +112,6 @@ pub(crate) fn pair_forces(
             cohesion,
         });
     }
-    found
 }
 
 /// A pair by ascending ids, with its history seen from the first.

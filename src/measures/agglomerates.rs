@@ -154,10 +154,10 @@ impl Measure for Followed {
 
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         let Some(reference) = &mut self.reference else {
-            self.begin_window(view, ranks);
+            self.begin_window(view);
             return Findings::default();
         };
-        let bonds = reference.contacts.look(view.touching(), ranks);
+        let bonds = reference.contacts.look(view.touching(), view.ownership(), ranks);
         let lag = view.time() - reference.time;
         let search = Search {
             particles: view.samples(),
@@ -169,12 +169,11 @@ impl Measure for Followed {
         let found = search.run(ranks);
         let (rows, at_lag) = rows::of_look(&found, &search, lag, &self.settings, ranks);
         reference.at_lags.push(at_lag);
-        let ids: Vec<u64> = search.particles.iter().map(|particle| particle.id).collect();
-        self.last = Some(Look::take(&ids, &found.labels, ranks));
+        self.last = Some(Look::take(view.ownership().ids(), &found.labels));
         let mut findings = Findings { rows, ..Findings::default() };
         if reference.at_lags.len() as u64 >= self.settings.looks_per_window {
             findings.rows.extend(self.end_window(&found, &search, ranks));
-            self.begin_window(view, ranks);
+            self.begin_window(view);
         }
         findings
     }
@@ -210,7 +209,7 @@ impl Measure for Followed {
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
         let contacts: Vec<Pair> = stored.records("contacts")?;
         let persistence = self.settings.persistence;
-        let contacts = PersistentContacts::restore(persistence, &contacts, ranks);
+        let contacts = PersistentContacts::begin(persistence, &contacts);
         let window = stored.numbers("window", ranks)?;
         self.reference = window.split_first().map(|(&time, at_lags)| Reference {
             time,
@@ -223,7 +222,7 @@ impl Measure for Followed {
         let are_there = stored.numbers("are_there", ranks)?;
         let looks = [("before", &mut self.before), ("last", &mut self.last)];
         for ((name, look), is_there) in looks.into_iter().zip(are_there) {
-            let records = Look::of_records(stored.records(name)?, ranks);
+            let records = Look::of_records(stored.records(name)?);
             *look = (is_there == 1.0).then_some(records);
         }
         let counts = stored.numbers("rates", ranks)?;
@@ -236,10 +235,9 @@ impl Measure for Followed {
 }
 
 impl Followed {
-    /// Takes the contacts of now as those of t_0. Collective.
-    fn begin_window(&mut self, view: &View<'_>, ranks: &dyn Communicator) {
-        let persistence = self.settings.persistence;
-        let contacts = PersistentContacts::begin(persistence, view.touching(), ranks);
+    /// Takes the contacts of now as those of t_0.
+    fn begin_window(&mut self, view: &View<'_>) {
+        let contacts = PersistentContacts::begin(self.settings.persistence, view.touching());
         self.reference = Some(Reference { time: view.time(), contacts, at_lags: Vec::new() });
     }
 

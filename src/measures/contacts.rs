@@ -6,9 +6,9 @@
 use super::layout::{Column, Layout, Rows, Table};
 use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
-use super::view::View;
+use super::view::{View, ascending};
 use super::{ContactLine, Findings, Measure, Needs, Setting};
-use crate::analysis::{Quantity, send_to_rendezvous, totals};
+use crate::analysis::{Pair, Quantity, totals};
 use crate::contact::PairForce;
 use crate::parallel::Communicator;
 use crate::schema::{Allowed, Key, Value};
@@ -30,9 +30,16 @@ struct Birth {
     time: f64,
 }
 
-/// The pairs that touch, on the rendezvous ranks of their lower ids, ascending.
+impl Birth {
+    fn ids(&self) -> [u64; 2] {
+        [self.lower, self.higher]
+    }
+}
+
+/// The pairs that touch, each on the rank that owned its lower id at the last look.
 struct Followed {
     settings: Contacts,
+    /// Ascending from the first look on.
     births: Vec<Birth>,
     /// Looks since lines were written.
     looks: u64,
@@ -83,40 +90,27 @@ impl Measure for Followed {
     }
 
     fn needs(&self) -> Needs {
-        Needs { contact_forces: true, ..Needs::default() }
+        Needs {
+            contact_forces: self.looks + 1 >= self.settings.looks_per_write,
+            ..Needs::default()
+        }
     }
 
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         self.looks += 1;
-        let is_written = self.looks >= self.settings.looks_per_write;
-        let touching = view.pair_forces().iter().filter(|pair| pair.touching);
-        let lines = touching.map(|pair| line_of(pair, view));
-        if !is_written {
-            let pairs = lines.map(|line| Birth {
-                lower: line.lower,
-                higher: line.higher,
-                time: view.time(),
-            });
-            let mut pairs = send_to_rendezvous(pairs, |pair| pair.lower, ranks);
-            pairs.sort_unstable_by_key(|pair| (pair.lower, pair.higher));
-            self.follow(&mut pairs);
-            self.births = pairs;
+        view.ownership().align(&mut self.births, Birth::ids, ranks);
+        if self.looks < self.settings.looks_per_write {
+            let pairs = view.touching().iter().map(Pair::ends);
+            self.births = self.followed(pairs, view.time());
             return Findings::default();
         }
         self.looks = 0;
-        let mut lines = send_to_rendezvous(lines, |line| line.lower, ranks);
-        lines.sort_unstable_by_key(|line| (line.lower, line.higher));
-        let birth = |line: &ContactLine| Birth {
-            lower: line.lower,
-            higher: line.higher,
-            time: view.time(),
-        };
-        let mut births: Vec<Birth> = lines.iter().map(birth).collect();
-        self.follow(&mut births);
-        for (line, birth) in lines.iter_mut().zip(&births) {
+        let mut lines = lines_of(view);
+        self.births =
+            self.followed(lines.iter().map(|line| [line.lower, line.higher]), view.time());
+        for (line, birth) in lines.iter_mut().zip(&self.births) {
             line.age = view.time() - birth.time;
         }
-        self.births = births;
         let rows = vec![summary(&lines, ranks)];
         Findings { rows, lines: Some(lines), ..Findings::default() }
     }
@@ -129,26 +123,38 @@ impl Measure for Followed {
     }
 
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
-        let births: Vec<Birth> = stored.records("births")?;
-        self.births = send_to_rendezvous(births, |birth| birth.lower, ranks);
-        self.births.sort_unstable_by_key(|birth| (birth.lower, birth.higher));
+        self.births = stored.records("births")?;
         self.looks = *stored.numbers("looks", ranks)?.first()? as u64;
         Some(())
     }
 }
 
 impl Followed {
-    /// Gives those of ascending pairs that touched at the last look the time at which they began to.
-    fn follow(&self, pairs: &mut [Birth]) {
-        let key = |birth: &Birth| (birth.lower, birth.higher);
-        let mut rest = &self.births[..];
-        for pair in pairs {
-            rest = &rest[rest.partition_point(|known| key(known) < key(pair))..];
-            if let Some(known) = rest.first().filter(|known| key(known) == key(pair)) {
-                pair.time = known.time;
-            }
-        }
+    /// Ascending pairs of now: those that touched at the last look have the time at which they began to.
+    fn followed(&self, pairs: impl Iterator<Item = [u64; 2]>, now: f64) -> Vec<Birth> {
+        let mut known = self.births.iter().peekable();
+        let birth = |ids: [u64; 2]| {
+            while known.next_if(|birth| birth.ids() < ids).is_some() {}
+            let time = known.peek().filter(|birth| birth.ids() == ids).map_or(now, |it| it.time);
+            Birth { lower: ids[0], higher: ids[1], time }
+        };
+        pairs.map(birth).collect()
     }
+}
+
+/// The lines of this rank's touching pairs, ascending.
+fn lines_of(view: &View<'_>) -> Vec<ContactLine> {
+    let mut lines = Vec::with_capacity(view.touching().len());
+    view.for_each_pair_force(|pair| {
+        if pair.touching {
+            lines.push(line_of(&pair, view));
+        }
+    });
+    // Lines are large: their places are sorted.
+    let places =
+        lines.iter().enumerate().map(|(place, line)| [line.lower, line.higher, place as u64]);
+    let places = ascending(places.collect(), |&[lower, higher, _]| [lower, higher]);
+    places.into_iter().map(|[_, _, place]| lines[place as usize]).collect()
 }
 
 fn line_of(pair: &PairForce, view: &View<'_>) -> ContactLine {

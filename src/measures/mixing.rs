@@ -162,11 +162,11 @@ impl Measure for Followed {
             .map(|particle| Positioned { id: particle.id, position: particle.position })
             .collect();
         let Some(displacements) = &mut self.displacements else {
-            self.displacements = Some(Displacements::begin(&positions, view.periodicity(), ranks));
+            self.displacements = Some(Displacements::begin(&positions, view.periodicity()));
             self.reference_time = view.time();
             return Findings::default();
         };
-        displacements.look(&positions, ranks);
+        displacements.look(&positions, view.ownership(), ranks);
         let lag = view.time() - self.reference_time;
         let Some(moved) = displacements.mean(ranks) else { return Findings::default() };
         let half =
@@ -197,8 +197,7 @@ impl Measure for Followed {
         let [begun, reference_time] = stored.numbers("window", ranks)?[..] else { return None };
         let tracks: Vec<[u64; 7]> = stored.records("tracks")?;
         let periodicity = self.tracers.periodicity();
-        let displacements =
-            Displacements::restore(bytemuck::cast_slice(&tracks), periodicity, ranks);
+        let displacements = Displacements::restore(bytemuck::cast_slice(&tracks), periodicity);
         self.displacements = (begun == 1.0).then_some(displacements);
         self.reference_time = reference_time;
         self.curve = rows_of(&stored.numbers("curve", ranks)?);

@@ -13,9 +13,8 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Layout, Measure, Needs, Setting};
-use crate::analysis::stress::{CellGrid, CellStress, ContactForce, MovingParticle};
+use crate::analysis::stress::{CellGrid, CellStress};
 use crate::parallel::Communicator;
-use crate::particles::sphere_volume;
 use crate::schema::{Key, Kind, Value};
 use frame::{FRAMES, FrameSettings};
 use profile::Profiles;
@@ -156,8 +155,7 @@ impl Measure for Layers {
 
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         let measurement = self.frame.measurement(self.grid, view);
-        let (particles, contacts) = (particles(view), contacts(view));
-        let field = measurement.run(&particles, &contacts, ranks);
+        let field = measurement.run(view.moving_particles(), view.contact_forces(), ranks);
         let phase = self.frame.phase_at(view.time());
         let cells = field.gathered(ranks);
         self.profiles.add(view.time(), phase, &cells, self.waves);
@@ -177,36 +175,6 @@ impl Measure for Layers {
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
         self.profiles.restore(&stored.numbers("profiles", ranks)?)
     }
-}
-
-/// The particles of this rank.
-fn particles(view: &View<'_>) -> Vec<MovingParticle> {
-    let sample = view.samples().iter();
-    sample
-        .map(|particle| MovingParticle {
-            mass: particle.mass,
-            volume: sphere_volume(particle.radius),
-            position: particle.position,
-            velocity: particle.velocity,
-        })
-        .collect()
-}
-
-/// The forces of pairs and walls, each on one rank.
-fn contacts(view: &View<'_>) -> Vec<ContactForce> {
-    let pairs = view.pair_forces().iter().map(|pair| ContactForce {
-        position: pair.position,
-        branch: pair.branch,
-        contact: pair.contact_on_lower(),
-        cohesive: pair.cohesion_on_lower(),
-    });
-    let walls = view.wall_forces().iter().map(|wall| ContactForce {
-        position: view.position(wall.particle as usize),
-        branch: wall.branch,
-        contact: wall.contact,
-        cohesive: wall.cohesive,
-    });
-    pairs.chain(walls).collect()
 }
 
 /// What Rumpf's estimate needs beside the solids fraction: the coordination number, the attraction of two particles of the

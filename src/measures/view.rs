@@ -1,10 +1,13 @@
 //! A run as measures see it: read only, at one instant.
 
 use crate::analysis::agglomerates::ParticleSample;
-use crate::analysis::{BedProfile, Measures, Pair, Periodicity, RunView};
-use crate::contact::{PairForce, WallForce, pair_forces, wall_forces};
+use crate::analysis::stress::{ContactForce, MovingParticle};
+use crate::analysis::{BedProfile, Measures, Ownership, Pair, Periodicity, RunView};
+use crate::contact::{PairForce, WallForce, for_each_pair_force, wall_forces};
 use crate::domain::{Bounds, PosedWalls};
+use crate::numbers::sorted_by_key;
 use crate::parallel::CellSample;
+use crate::particles::sphere_volume;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 
@@ -17,10 +20,12 @@ pub struct View<'a> {
     pub series: Option<&'a Measures>,
     /// The volume-averaged gas on this rank's cells, if a measure needs it and the stage has such a gas.
     pub gas_cells: Option<&'a [CellSample]>,
-    pair_forces: OnceCell<Vec<PairForce>>,
     wall_forces: OnceCell<Vec<WallForce>>,
     touching: OnceCell<Vec<Pair>>,
     samples: OnceCell<Vec<ParticleSample>>,
+    ownership: OnceCell<Ownership>,
+    contact_forces: OnceCell<Vec<ContactForce>>,
+    moving: OnceCell<Vec<MovingParticle>>,
 }
 
 impl<'a> View<'a> {
@@ -36,10 +41,12 @@ impl<'a> View<'a> {
             profile,
             series,
             gas_cells,
-            pair_forces: OnceCell::new(),
             wall_forces: OnceCell::new(),
             touching: OnceCell::new(),
             samples: OnceCell::new(),
+            ownership: OnceCell::new(),
+            contact_forces: OnceCell::new(),
+            moving: OnceCell::new(),
         }
     }
 
@@ -63,7 +70,7 @@ impl<'a> View<'a> {
         periodicity_of(self.bounds())
     }
 
-    /// The particles that this rank owns, positions wrapped into the box.
+    /// The particles that this rank owns, by ascending id, positions wrapped into the box.
     pub fn samples(&self) -> &[ParticleSample] {
         self.samples.get_or_init(|| {
             let particles = &self.run.state.particles;
@@ -73,26 +80,76 @@ impl<'a> View<'a> {
                 let (mass, radius, velocity) = (body.mass, body.radius, body.velocity);
                 ParticleSample { id: particles.id[i], mass, radius, position, velocity }
             };
-            (0..particles.owned_count()).map(sample).collect()
+            let order: Vec<usize> = (0..particles.owned_count()).collect();
+            let order = sorted_by_key(order, |&i| particles.id[i]);
+            order.into_iter().map(sample).collect()
         })
     }
 
-    /// The touching pairs, each on one rank.
+    /// The ids of the particles that this rank owns, at the places that they have in [`View::samples`].
+    pub fn ownership(&self) -> &Ownership {
+        self.ownership.get_or_init(|| {
+            Ownership::of(self.samples().iter().map(|particle| particle.id).collect())
+        })
+    }
+
+    /// The touching pairs of different particles, each once, on the rank that owns the lower id, in ascending order.
     pub fn touching(&self) -> &[Pair] {
         self.touching.get_or_init(|| {
             let state = self.run.state;
             let pairs = state.contacts.touching_pairs(&state.particles);
-            pairs.map(|[lower, higher]| Pair { lower, higher }).collect()
+            let two = pairs.filter(|[lower, higher]| lower != higher);
+            let pairs = two.map(|[lower, higher]| Pair { lower, higher }).collect();
+            let mut pairs = ascending(pairs, Pair::ends);
+            // In a narrow box two particles may touch in two images.
+            pairs.dedup();
+            pairs
         })
     }
 
-    /// The forces of all pairs that touch or attract each other, each on one rank.
-    pub fn pair_forces(&self) -> &[PairForce] {
-        self.pair_forces.get_or_init(|| {
-            let RunView { state, models, .. } = self.run;
-            let cohesion = models.physics.cohesion.as_ref().map(|law| law.at(self.time()));
-            pair_forces(&state.particles, &state.contacts, &models.physics.contact, cohesion)
+    /// The particles that this rank owns, as far as stress is concerned.
+    pub fn moving_particles(&self) -> &[MovingParticle] {
+        self.moving.get_or_init(|| {
+            let moving = |particle: &ParticleSample| MovingParticle {
+                mass: particle.mass,
+                volume: sphere_volume(particle.radius),
+                position: particle.position,
+                velocity: particle.velocity,
+            };
+            self.samples().iter().map(moving).collect()
         })
+    }
+
+    /// The forces of pairs and walls, each on one rank.
+    pub fn contact_forces(&self) -> &[ContactForce] {
+        self.contact_forces.get_or_init(|| {
+            let mut forces = Vec::with_capacity(4 * self.run.state.particles.owned_count());
+            self.for_each_pair_force(|pair| {
+                let direction = pair.direction();
+                forces.push(ContactForce {
+                    position: pair.position,
+                    branch: pair.branch,
+                    contact: -(direction * pair.normal + pair.tangential),
+                    cohesive: direction * pair.cohesion,
+                });
+            });
+            let walls = self.wall_forces().iter().map(|wall| ContactForce {
+                position: self.position(wall.particle as usize),
+                branch: wall.branch,
+                contact: wall.contact,
+                cohesive: wall.cohesive,
+            });
+            forces.extend(walls);
+            forces
+        })
+    }
+
+    /// Passes on the forces of all pairs that touch or attract each other, each on one rank.
+    pub fn for_each_pair_force(&self, take: impl FnMut(PairForce)) {
+        let RunView { state, models, .. } = self.run;
+        let cohesion = models.physics.cohesion.as_ref().map(|law| law.at(self.time()));
+        let law = &models.physics.contact;
+        for_each_pair_force(&state.particles, &state.contacts, law, cohesion, take);
     }
 
     /// The forces of particles and walls that touch or attract each other.
@@ -117,4 +174,9 @@ impl<'a> View<'a> {
 pub(super) fn periodicity_of(bounds: &Bounds) -> Periodicity {
     let length = |axis: usize| bounds.is_periodic(axis).then(|| bounds.lengths()[axis]);
     Periodicity { lengths: [length(0), length(1), length(2)] }
+}
+
+/// Records by the two ids of a pair, the lower first.
+pub(super) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
+    sorted_by_key(sorted_by_key(records, |record| ids(record)[1]), |record| ids(record)[0])
 }

@@ -64,6 +64,18 @@ impl ExactSum {
         }
     }
 
+    /// Adds an integer times 2^exponent, exactly; the exponent is -1074 at least, the product no larger than the largest
+    /// double.
+    pub(crate) fn add_integer(&mut self, integer: i128, exponent: i32) {
+        let mut rest = integer;
+        for part in 0..4 {
+            // The last part has the sign.
+            let digits = if part == 3 { rest } else { rest & 0xffff_ffff };
+            self.add(scale(digits as f64, exponent + part * CHUNK_BITS));
+            rest >>= CHUNK_BITS;
+        }
+    }
+
     /// Adds another sum, exactly.
     pub fn add_sum(&mut self, other: &Self) {
         let mut carried = other.clone();

@@ -76,6 +76,11 @@ impl Quantum {
         (value + self.shift) - self.shift
     }
 
+    /// What is added to a number, and subtracted again, to round it: 1.5 * 2^52 quanta.
+    pub(crate) fn shift(self) -> f64 {
+        self.shift
+    }
+
     /// Rounds each of four numbers.
     #[inline(always)]
     pub(crate) fn round_four<Q: F64x4>(self, values: Q) -> Q {

@@ -100,7 +100,7 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let partners = self.inner.active.touching().map(|([_, partner], _)| partner as usize);
+        let partners = self.inner.active.touching_indices().map(|[_, partner]| partner as usize);
         partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
     }
 

@@ -2,8 +2,9 @@
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), sections 2.3 and 2.4.
 //!
-//! No rank gathers an agglomerate: a bed may be one. Members find label and image by [`components`]; sums over
-//! members (exact, rounded once) meet on the rendezvous rank of the label. Results depend on ids, positions and
+//! No rank gathers an agglomerate: a bed may be one. Members find label and image as those of
+//! [connected sets](super::components); sums over members are made of integers, part by part of a rank, and meet on the
+//! rendezvous rank of the label. Results depend on ids, positions and
 //! contacts alone.
 
 mod distribution;
@@ -14,15 +15,17 @@ mod tests;
 pub use distribution::{MassWeightedMeans, SizeDistribution};
 pub use properties::Agglomerate;
 
-use super::components::{Link, Membership, components};
-use super::exact_sums::{Keyed, totals_by_key};
-use super::pair::{Pair, at_rendezvous};
+use super::components::{ConnectedSets, NodeIds, NodeLink};
+use super::ownership::{Foreign, Ownership};
+use super::pair::Pair;
 use super::periodicity::Periodicity;
-use super::rendezvous::{Answers, ask, send_to_rendezvous};
+use super::rendezvous::{ask, send_keyed, send_to_rendezvous};
+use crate::numbers::sorted_by_key;
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
-use properties::Body;
+use properties::Members;
+use rustc_hash::FxHashMap;
 
 /// What is known of a particle at the time of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -43,11 +46,11 @@ pub struct ParticleSample {
 /// How agglomerates are found at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
-    /// The particles that this rank owns.
+    /// The particles that this rank owns, by ascending id.
     pub particles: &'a [ParticleSample],
-    /// Pairs that make agglomerates: the contacts kept since t_0. Held by any rank.
+    /// Pairs that make agglomerates: the contacts kept since t_0. Each on one rank, best on one that owns a particle of it.
     pub bonds: &'a [Pair],
-    /// Pairs that touch now, for the coordination number. Held by any rank, or by several.
+    /// Pairs that touch now, for the coordination number. Each on one rank, likewise.
     pub touching: &'a [Pair],
     /// The box.
     pub periodicity: Periodicity,
@@ -68,83 +71,153 @@ pub struct Agglomerates {
     pub found: Vec<Agglomerate>,
 }
 
+/// Bonds, contacts of two members, contacts of a member.
+type Counts = [i64; 3];
+
 impl Search<'_> {
     /// Finds all agglomerates. A bond or contact of a particle that no rank owns is left out. Collective.
     pub fn run(&self, ranks: &dyn Communicator) -> Agglomerates {
-        let links = self.links(ranks);
-        let ids: Vec<u64> = self.particles.iter().map(|particle| particle.id).collect();
-        let sets = components(&ids, &links, ranks);
-        let sizes = sizes_by_label(&sets, ranks);
-        let size = |set: &Membership| sizes.get(set.label).unwrap_or(0);
-        let large = |set: &Membership| (size(set) >= self.smallest).then_some(set.label);
-        let labels: Vec<Option<u64>> = sets.iter().map(large).collect();
-        let contacts = self.contacts_by_label(&ids, &labels, &links, ranks);
-        let bodies = self.particles.iter().zip(&sets);
-        let bodies = bodies.map(|(particle, set)| Body::new(particle, set, &self.periodicity));
-        let bodies: Vec<Body> = bodies.collect();
-        let unwrapped = bodies.iter().map(|body| body.position).collect();
-        let members = bodies.into_iter().zip(&labels).filter(|(_, label)| label.is_some());
-        let members: Vec<Body> = members.map(|(body, _)| body).collect();
-        let mut found = properties::of_bodies(&members, &self.periodicity, ranks);
+        let owned = Ownership::of(self.particles.iter().map(|particle| particle.id).collect());
+        let ends = self.bonds.iter().chain(self.touching).flat_map(Pair::ends);
+        let foreign = ends.filter(|&id| owned.place_of(id).is_none()).collect();
+        let foreign = Foreign::find(foreign, &owned, ranks);
+        let nodes = NodeIds::of(&owned, &foreign);
+        let links = self.links(&nodes, ranks);
+        let sets = ConnectedSets::of(&nodes, &links, ranks);
+        let large = self.large_parts(&sets, ranks);
+        let label = |place: usize| sets.part_of(place).and_then(|part| large[part]);
+        let labels: Vec<Option<u64>> = (0..self.particles.len()).map(label).collect();
+        let contacts = self.contacts_by_label(&nodes, &labels, &links, ranks);
+        let unwrapped = self.particles.iter().enumerate().map(|(place, particle)| {
+            let wrapped = self.periodicity.wrapped(particle.position);
+            self.periodicity.shifted(wrapped, sets.image_of(place))
+        });
+        let unwrapped: Vec<Vector3<f64>> = unwrapped.collect();
+        let members = Members {
+            particles: self.particles,
+            positions: &unwrapped,
+            sets: &sets,
+            large: &large,
+            periodicity: self.periodicity,
+        };
+        let mut found = members.agglomerates(ranks);
         properties::add_contacts(&mut found, &contacts);
         Agglomerates { labels, unwrapped, found }
     }
 
-    /// The bonds with the images of their ends, on the rendezvous rank of the lower id. Collective.
-    fn links(&self, ranks: &dyn Communicator) -> Vec<Link> {
-        #[derive(Clone, Copy, Pod, Zeroable)]
-        #[repr(C)]
-        struct Place {
-            id: u64,
-            known: u64,
-            position: Vector3<f64>,
-        }
-        let places = self.particles.iter().map(|particle| {
-            let position = self.periodicity.wrapped(particle.position);
-            Place { id: particle.id, known: 1, position }
-        });
-        let mut places = send_to_rendezvous(places, |place| place.id, ranks);
-        places.sort_unstable_by_key(|place| place.id);
-        let place_of = |id: u64| {
-            let place = places.binary_search_by_key(&id, |place| place.id);
-            place.map_or_else(|_| Place::zeroed(), |place| places[place])
+    /// The bonds with the images of their ends. Collective.
+    fn links(&self, nodes: &NodeIds<'_>, ranks: &dyn Communicator) -> Vec<NodeLink> {
+        let wrapped = |place: usize| self.periodicity.wrapped(self.particles[place].position);
+        let foreign = nodes.foreign.ask(nodes.owned, wrapped, ranks);
+        let first = self.particles.len();
+        let position = |node: u32| match node as usize {
+            place if place < first => wrapped(place),
+            place => foreign[place - first],
         };
-        let bonds = at_rendezvous(self.bonds, ranks);
-        let known = ask(bonds.iter().flat_map(Pair::ends), place_of, ranks);
         let link = |bond: &Pair| {
-            let [a, b] = bond.ends().map(|id| known.get(id).filter(|place| place.known == 1));
-            let image = self.periodicity.nearest_image(&a?.position, &b?.position);
-            Some(Link::new(bond.ends(), image))
+            let [a, b] = bond.ends().map(|id| nodes.node_of(id));
+            let ends = [a?, b?];
+            let [from, to] = ends.map(position);
+            Some(NodeLink { ends, image: self.periodicity.nearest_image(&from, &to) })
         };
-        bonds.iter().filter_map(link).collect()
+        self.bonds.iter().filter_map(link).collect()
+    }
+
+    /// The labels of the parts whose sets are large enough. Collective.
+    fn large_parts(&self, sets: &ConnectedSets, ranks: &dyn Communicator) -> Vec<Option<u64>> {
+        let mut members = vec![0_u64; sets.parts.len()];
+        for part in (0..self.particles.len()).filter_map(|place| sets.part_of(place)) {
+            members[part] += 1;
+        }
+        let counted = sets.parts.iter().zip(&members).map(|(part, &count)| (part.label, count));
+        let here = sorted_by_key(send_keyed(counted, ranks), |count| count.0);
+        let size = |label: u64| {
+            let first = here.partition_point(|count| count.0 < label);
+            let of_label = here[first..].iter().take_while(|count| count.0 == label);
+            of_label.map(|count| count.1).sum::<u64>()
+        };
+        let labels = sets.parts.iter().map(|part| part.label);
+        let sizes = ask(labels.clone(), size, ranks);
+        labels
+            .map(|label| sizes.get(label).filter(|&size| size >= self.smallest).map(|_| label))
+            .collect()
     }
 
     /// Counts [bonds, contacts of two members, contacts of a member] as seen from members, on the rendezvous rank of
-    /// the label: a bond of two members counts twice. Collective.
+    /// the label: a bond of two members counts twice. By ascending label. Collective.
     fn contacts_by_label(
         &self,
-        ids: &[u64],
+        nodes: &NodeIds<'_>,
         labels: &[Option<u64>],
-        bonds: &[Link],
+        bonds: &[NodeLink],
         ranks: &dyn Communicator,
-    ) -> Vec<Keyed<3>> {
-        let touching = at_rendezvous(self.touching, ranks);
-        let ends = touching.iter().flat_map(Pair::ends);
-        let ends = ends.chain(bonds.iter().flat_map(|bond| bond.ends));
-        let labels = labels_of(ends, ids, labels, ranks);
-        let label = |id: u64| labels.get(id).and_then(LabelOfParticle::label);
-        let mut counts = Vec::new();
+    ) -> Vec<(u64, Counts)> {
+        let known = |place: usize| LabelOfParticle::of(labels[place]);
+        let foreign = nodes.foreign.ask(nodes.owned, known, ranks);
+        let label = |node: u32| match labels.get(node as usize) {
+            Some(label) => *label,
+            None => foreign[node as usize - labels.len()].label(),
+        };
+        let mut counts = LabelCounts::default();
         for [a, b] in bonds.iter().map(|bond| bond.ends.map(label)) {
             // Both ends of a bond have one label.
-            counts.extend(a.and(b).map(|key| Keyed { key, values: [2.0, 0.0, 0.0] }));
+            if let Some(label) = a.and(b) {
+                counts.add(label, [2, 0, 0]);
+            }
         }
-        for [a, b] in touching.iter().map(|pair| pair.ends().map(label)) {
-            let within = f64::from(a == b);
-            let of_end = |key: u64| Keyed { key, values: [0.0, within, 1.0] };
-            counts.extend([a, b].into_iter().flatten().map(of_end));
+        let touching = self.touching.iter().filter_map(|pair| {
+            let [a, b] = pair.ends().map(|id| nodes.node_of(id));
+            Some([label(a?), label(b?)])
+        });
+        for ends in touching {
+            let within = i64::from(ends[0] == ends[1]);
+            ends.into_iter().flatten().for_each(|label| counts.add(label, [0, within, 1]));
         }
-        totals_by_key(counts, ranks)
+        counts.totals(ranks)
     }
+}
+
+/// Counts by label.
+#[derive(Default)]
+struct LabelCounts {
+    counts: FxHashMap<u64, Counts>,
+    /// The last label is often the next: its counts that are not among the others yet.
+    last: Option<(u64, Counts)>,
+}
+
+impl LabelCounts {
+    #[inline]
+    fn add(&mut self, label: u64, counts: Counts) {
+        match &mut self.last {
+            Some((last, sums)) if *last == label => add_counts(sums, counts),
+            _ => {
+                self.put_back();
+                self.last = Some((label, counts));
+            }
+        }
+    }
+
+    fn put_back(&mut self) {
+        if let Some((label, counts)) = self.last.take() {
+            add_counts(self.counts.entry(label).or_default(), counts);
+        }
+    }
+
+    /// Sums over ranks, on the rendezvous ranks of the labels, ascending. Collective.
+    fn totals(mut self, ranks: &dyn Communicator) -> Vec<(u64, Counts)> {
+        self.put_back();
+        let records = sorted_by_key(send_keyed(self.counts, ranks), |record| record.0);
+        let of_label = |group: &[(u64, Counts)]| {
+            let sum = |k: usize| group.iter().map(|(_, counts)| counts[k]).sum();
+            (group[0].0, [sum(0), sum(1), sum(2)])
+        };
+        records.chunk_by(|a, b| a.0 == b.0).map(of_label).collect()
+    }
+}
+
+#[inline]
+fn add_counts(sums: &mut Counts, counts: Counts) {
+    sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
 }
 
 impl Agglomerates {
@@ -177,47 +250,16 @@ impl Agglomerates {
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct LabelOfParticle {
-    id: u64,
     label: u64,
     in_agglomerate: u64,
 }
 
 impl LabelOfParticle {
+    fn of(label: Option<u64>) -> Self {
+        label.map_or_else(Self::zeroed, |label| Self { label, in_agglomerate: 1 })
+    }
+
     fn label(self) -> Option<u64> {
         (self.in_agglomerate == 1).then_some(self.label)
     }
-}
-
-/// The labels of particles that any rank owns. Collective.
-fn labels_of(
-    asked: impl Iterator<Item = u64>,
-    ids: &[u64],
-    labels: &[Option<u64>],
-    ranks: &dyn Communicator,
-) -> Answers<LabelOfParticle> {
-    let records = ids.iter().zip(labels).filter_map(|(&id, label)| {
-        label.map(|label| LabelOfParticle { id, label, in_agglomerate: 1 })
-    });
-    let mut here = send_to_rendezvous(records, |record| record.id, ranks);
-    here.sort_unstable_by_key(|record| record.id);
-    let answer = |id: u64| {
-        let place = here.binary_search_by_key(&id, |record| record.id);
-        place.map_or_else(|_| LabelOfParticle::zeroed(), |place| here[place])
-    };
-    ask(asked, answer, ranks)
-}
-
-/// Number of members of the sets of this rank's particles. Collective.
-fn sizes_by_label(sets: &[Membership], ranks: &dyn Communicator) -> Answers<u64> {
-    let mut labels: Vec<u64> = sets.iter().map(|set| set.label).collect();
-    labels.sort_unstable();
-    let counted = labels.chunk_by(|a, b| a == b).map(|group| [group[0], group.len() as u64]);
-    let mut here = send_to_rendezvous(counted, |count| count[0], ranks);
-    here.sort_unstable();
-    let size = |label: u64| {
-        let first = here.partition_point(|count| count[0] < label);
-        let of_label = here[first..].iter().take_while(|count| count[0] == label);
-        of_label.map(|count| count[1]).sum()
-    };
-    ask(labels, size, ranks)
 }

@@ -1,14 +1,19 @@
 //! Mass, place, motion, size and coordination of agglomerates.
 
-use super::ParticleSample;
-use crate::analysis::components::Membership;
-use crate::analysis::exact_sums::{Keyed, totals_by_key};
+use super::{Counts, ParticleSample};
+use crate::analysis::components::ConnectedSets;
+use crate::analysis::exact_sums::Keyed;
+use crate::analysis::fixed_point::{FixedPointSum, Quanta, largest, sums_by_key};
 use crate::analysis::periodicity::Periodicity;
 use crate::analysis::rendezvous::ask;
 use crate::parallel::Communicator;
+use crate::particles::sphere_volume;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
+
+/// Sums over the members of an agglomerate that are made first.
+const MOMENTS: usize = 18;
 
 /// What one agglomerate is like.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -88,53 +93,51 @@ impl Agglomerate {
     }
 }
 
+/// The particles of a rank, and the parts of agglomerates that they make.
+#[derive(Clone, Copy)]
+pub(super) struct Members<'a> {
+    pub(super) particles: &'a [ParticleSample],
+    /// Unwrapped centres: in the frame of the particle whose id is the label; inside of the box along axes that are
+    /// wound around.
+    pub(super) positions: &'a [Vector3<f64>],
+    pub(super) sets: &'a ConnectedSets,
+    /// Labels of the parts that belong to agglomerates.
+    pub(super) large: &'a [Option<u64>],
+    pub(super) periodicity: Periodicity,
+}
+
 /// A member of an agglomerate.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Body {
-    label: u64,
+struct Body {
+    /// Number of its part.
+    part: usize,
     mass: f64,
     volume: f64,
     velocity: Vector3<f64>,
-    /// In the frame of the particle whose id is the label; inside of the box along axes that are wound around.
-    pub(super) position: Vector3<f64>,
+    position: Vector3<f64>,
     winds: [bool; 3],
 }
 
 impl Body {
-    pub(super) fn new(
-        particle: &ParticleSample,
-        set: &Membership,
-        periodicity: &Periodicity,
-    ) -> Self {
-        let wrapped = periodicity.wrapped(particle.position);
-        Self {
-            label: set.label,
-            mass: particle.mass,
-            volume: 4.0 / 3.0 * PI * particle.radius.powi(3),
-            velocity: particle.velocity,
-            position: periodicity.shifted(wrapped, set.image),
-            winds: set.winds,
-        }
-    }
-
     /// Mass times (cos, sin) of the angle on the circle that a periodic axis is; nothing along other axes.
     fn on_circle(&self, axis: usize, periodicity: &Periodicity) -> [f64; 2] {
         match periodicity.lengths[axis] {
             Some(length) if self.winds[axis] => {
                 let angle = TAU * self.position[axis] / length;
-                [self.mass * libm::cos(angle), self.mass * libm::sin(angle)]
+                let (sine, cosine) = libm::sincos(angle);
+                [self.mass * cosine, self.mass * sine]
             }
             _ => [0.0; 2],
         }
     }
 
     /// [count, mass, volume, m x (3), m v (3), m cos (3), m sin (3), winds (3)].
-    fn moments(&self, periodicity: &Periodicity) -> [f64; 18] {
+    fn moments(&self, periodicity: &Periodicity) -> [f64; MOMENTS] {
         let (x, v) = (self.mass * self.position, self.mass * self.velocity);
         let [a, b, c] = [0, 1, 2].map(|axis| self.on_circle(axis, periodicity));
         let winds = self.winds.map(f64::from);
         let [cosines, sines] = [0, 1].map(|part| [a[part], b[part], c[part]]);
-        let mut moments = [0.0; 18];
+        let mut moments = [0.0; MOMENTS];
         moments[..3].copy_from_slice(&[1.0, self.mass, self.volume]);
         for axis in 0..3 {
             moments[3 + axis] = x[axis];
@@ -148,7 +151,7 @@ impl Body {
 }
 
 /// Centre of mass in the frame of the label's particle.
-fn centre_of_moments(moments: &[f64; 18], periodicity: &Periodicity) -> Vector3<f64> {
+fn centre_of_moments(moments: &[f64; MOMENTS], periodicity: &Periodicity) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| match periodicity.lengths[axis] {
         Some(length) if moments[15 + axis] > 0.0 => {
             let angle = libm::atan2(moments[12 + axis], moments[9 + axis]);
@@ -158,39 +161,96 @@ fn centre_of_moments(moments: &[f64; 18], periodicity: &Periodicity) -> Vector3<
     })
 }
 
-/// Properties of the agglomerates of all ranks' bodies, contacts left out, on the rendezvous ranks of their labels by
-/// ascending label. Collective.
-pub(super) fn of_bodies(
-    bodies: &[Body],
-    periodicity: &Periodicity,
-    ranks: &dyn Communicator,
-) -> Vec<Agglomerate> {
-    let moments =
-        bodies.iter().map(|body| Keyed { key: body.label, values: body.moments(periodicity) });
-    let moments = totals_by_key(moments.collect(), ranks);
-    let centre = |label: u64| {
-        let place = moments.binary_search_by_key(&label, |sums| sums.key).ok();
-        place.map_or_else(Vector3::zeros, |place| {
-            centre_of_moments(&moments[place].values, periodicity)
-        })
-    };
-    let centres = ask(bodies.iter().map(|body| body.label), centre, ranks);
-    let second = bodies.iter().map(|body| {
-        let centre = centres.get(body.label).unwrap_or_default();
-        let mut displacement = body.position - centre;
-        let nearest = periodicity.displacement(&centre, &body.position);
-        (0..3).filter(|&axis| body.winds[axis]).for_each(|axis| displacement[axis] = nearest[axis]);
-        Keyed { key: body.label, values: [body.mass * displacement.norm_squared()] }
-    });
-    let second = totals_by_key(second.collect(), ranks);
-    moments
-        .iter()
-        .zip(&second)
-        .map(|(sums, second)| agglomerate(sums, second, periodicity))
-        .collect()
+impl Members<'_> {
+    /// Properties of the agglomerates of all ranks' members, contacts left out, on the rendezvous ranks of their labels by
+    /// ascending label. Collective.
+    pub(super) fn agglomerates(self, ranks: &dyn Communicator) -> Vec<Agglomerate> {
+        let periodicity = &self.periodicity;
+        let moments = self.moments(ranks);
+        let centre = |label: u64| {
+            let place = moments.binary_search_by_key(&label, |sums| sums.key).ok();
+            place.map_or_else(Vector3::zeros, |place| {
+                centre_of_moments(&moments[place].values, periodicity)
+            })
+        };
+        let centres = ask(self.large.iter().flatten().copied(), centre, ranks);
+        let of_part = |label: &Option<u64>| label.and_then(|label| centres.get(label));
+        let centres: Vec<_> = self.large.iter().map(|it| of_part(it).unwrap_or_default()).collect();
+        let second = self.second_moments(&centres, ranks);
+        let both = moments.iter().zip(&second);
+        both.map(|(sums, second)| agglomerate(sums, second, periodicity)).collect()
+    }
+
+    fn bodies(self) -> impl Iterator<Item = Body> + Clone {
+        let body = move |place: usize| {
+            let part = self.sets.part_of(place)?;
+            self.large[part]?;
+            let ParticleSample { mass, radius, velocity, .. } = self.particles[place];
+            let (position, winds) = (self.positions[place], self.sets.parts[part].winds);
+            Some(Body { part, mass, volume: sphere_volume(radius), velocity, position, winds })
+        };
+        (0..self.particles.len()).filter_map(body)
+    }
+
+    /// Sums of [`Body::moments`]. Collective.
+    fn moments(self, ranks: &dyn Communicator) -> Vec<Keyed<MOMENTS>> {
+        let magnitudes = self.bodies().map(|body| {
+            let (x, v) = (body.position, body.velocity);
+            [body.mass, body.volume, x.x, x.y, x.z, v.x, v.y, v.z]
+        });
+        let mut factors = largest(magnitudes);
+        // First over ranks: products of the largest of each rank would depend on who has which members.
+        ranks.maximum(&mut factors);
+        let [mass, volume, at_and_along @ ..] = factors;
+        let mut bounds = [1.0; MOMENTS];
+        (bounds[1], bounds[2]) = (mass, volume);
+        bounds[3..9].copy_from_slice(&at_and_along.map(|x| mass * x));
+        bounds[9..15].fill(mass);
+        let addends = self.bodies().map(|body| (body.part, body.moments(&self.periodicity)));
+        self.sums(addends, bounds, ranks)
+    }
+
+    /// Sums of m l^2, l being the distance from the centre of the part. Collective.
+    fn second_moments(self, centres: &[Vector3<f64>], ranks: &dyn Communicator) -> Vec<Keyed<1>> {
+        let addends = self.bodies().map(|body| {
+            let centre = &centres[body.part];
+            let mut displacement = body.position - centre;
+            if body.winds != [false; 3] {
+                let nearest = self.periodicity.displacement(centre, &body.position);
+                let wound = (0..3).filter(|&axis| body.winds[axis]);
+                wound.for_each(|axis| displacement[axis] = nearest[axis]);
+            }
+            (body.part, [body.mass * displacement.norm_squared()])
+        });
+        let bounds = largest(addends.clone().map(|(_, moment)| moment));
+        self.sums(addends, bounds, ranks)
+    }
+
+    /// Sums of addends by the label of their part, whose magnitudes are up to `bounds`, on the rendezvous ranks of the labels
+    /// by ascending label. Collective.
+    fn sums<const N: usize>(
+        self,
+        addends: impl Iterator<Item = (usize, [f64; N])>,
+        bounds: [f64; N],
+        ranks: &dyn Communicator,
+    ) -> Vec<Keyed<N>> {
+        // Parts that belong to no agglomerate have no sums.
+        let mut labels = Vec::new();
+        let mut slots = vec![usize::MAX; self.large.len()];
+        for (slot, label) in slots.iter_mut().zip(self.large) {
+            if let Some(label) = label {
+                *slot = labels.len();
+                labels.push(*label);
+            }
+        }
+        let quanta = Quanta::new(bounds, ranks);
+        let mut sums = vec![FixedPointSum::default(); labels.len()];
+        addends.for_each(|(part, values)| sums[slots[part]].add(&quanta.counts_of(&values)));
+        sums_by_key(&labels, &sums, &quanta, ranks)
+    }
 }
 
-fn agglomerate(sums: &Keyed<18>, second: &Keyed<1>, periodicity: &Periodicity) -> Agglomerate {
+fn agglomerate(sums: &Keyed<MOMENTS>, second: &Keyed<1>, periodicity: &Periodicity) -> Agglomerate {
     let [count, mass, volume] = [sums.values[0], sums.values[1], sums.values[2]];
     Agglomerate {
         label: sums.key,
@@ -206,10 +266,10 @@ fn agglomerate(sums: &Keyed<18>, second: &Keyed<1>, periodicity: &Periodicity) -
 }
 
 /// Adds what was counted on the same ranks.
-pub(super) fn add_contacts(found: &mut [Agglomerate], contacts: &[Keyed<3>]) {
+pub(super) fn add_contacts(found: &mut [Agglomerate], contacts: &[(u64, Counts)]) {
     for agglomerate in found {
-        if let Ok(place) = contacts.binary_search_by_key(&agglomerate.label, |count| count.key) {
-            let [bonds, within, all] = contacts[place].values.map(|count| count as u64);
+        if let Ok(place) = contacts.binary_search_by_key(&agglomerate.label, |count| count.0) {
+            let [bonds, within, all] = contacts[place].1.map(|count| count as u64);
             agglomerate.bonds = bonds;
             agglomerate.contacts_within = within;
             agglomerate.contacts = all;

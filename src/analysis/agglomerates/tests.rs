@@ -36,6 +36,7 @@ impl Bed {
                 here.map(|(_, &item)| item).collect()
             }
             let mut particles = part(&self.particles, mine);
+            particles.sort_by_key(|particle| particle.id);
             for particle in &mut particles {
                 let image = [(particle.id as usize % n) as i32 - 1, 0, 2];
                 particle.position = self.periodicity.shifted(particle.position, image);
@@ -43,7 +44,7 @@ impl Bed {
             let search = Search {
                 particles: &particles,
                 bonds: &part(&self.bonds, mine),
-                touching: &part(&self.touching, |place| mine(place) || mine(place + 1)),
+                touching: &part(&self.touching, |place| mine(place + 1)),
                 periodicity: self.periodicity,
                 smallest: self.smallest,
             };

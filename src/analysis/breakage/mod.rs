@@ -20,33 +20,33 @@ mod tests;
 pub use rates::{Crossing, Rate, RateCounts, RatesOfSize, crossing};
 pub use survival::{AtLag, CriticalTimes};
 
-use super::rendezvous::{ask, distinct, send_to_rendezvous};
+use super::rendezvous::{ask, send_to_rendezvous};
+use crate::numbers::sorted_by_key;
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
+use rustc_hash::FxHashMap;
 
 /// Stands for no agglomerate where labels travel.
 const NONE: u64 = u64::MAX;
 
-/// The agglomerates of all particles at one look, on the rendezvous ranks of the particles.
+/// The agglomerates of all particles at one look, on the ranks that owned the particles then.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Look {
-    /// [id, label], ascending ids.
+    /// [id, label].
     labels: Vec<[u64; 2]>,
 }
 
 impl Look {
-    /// Takes the labels of the particles that this rank owns, in the order of `ids`. Collective.
-    pub fn take(ids: &[u64], labels: &[Option<u64>], ranks: &dyn Communicator) -> Self {
+    /// Takes the labels of the particles that this rank owns, in the order of `ids`.
+    pub fn take(ids: &[u64], labels: &[Option<u64>]) -> Self {
         let records = ids.iter().zip(labels).map(|(&id, label)| [id, label.unwrap_or(NONE)]);
-        let mut labels = send_to_rendezvous(records, |record| record[0], ranks);
-        labels.sort_unstable();
-        labels.dedup_by_key(|record| record[0]);
-        Self { labels }
+        Self { labels: records.collect() }
     }
 
     /// The agglomerates of these particles; none for those that were not there. Collective.
     pub fn of(&self, ids: &[u64], ranks: &dyn Communicator) -> Vec<Option<u64>> {
-        let labels = ask(ids.iter().copied(), |id| self.label(id), ranks);
+        let here = self.at_rendezvous(ranks);
+        let labels = ask(ids.iter().copied(), |id| label(&here, id), ranks);
         ids.iter().map(|&id| labels.get(id).filter(|&label| label != NONE)).collect()
     }
 
@@ -55,17 +55,24 @@ impl Look {
         &self.labels
     }
 
-    /// Goes on from records that were stored, by whatever ranks. Collective.
-    pub fn of_records(records: Vec<[u64; 2]>, ranks: &dyn Communicator) -> Self {
-        let mut labels = send_to_rendezvous(records, |record| record[0], ranks);
-        labels.sort_unstable();
-        Self { labels }
+    /// Goes on from records that were stored, by whatever ranks.
+    pub fn of_records(records: Vec<[u64; 2]>) -> Self {
+        Self { labels: records }
     }
 
-    fn label(&self, id: u64) -> u64 {
-        let place = self.labels.binary_search_by_key(&id, |record| record[0]);
-        place.map_or(NONE, |place| self.labels[place][1])
+    /// The records on the rendezvous ranks of the particles, by ascending id, each once. Collective.
+    fn at_rendezvous(&self, ranks: &dyn Communicator) -> Vec<[u64; 2]> {
+        let labels = send_to_rendezvous(self.labels.iter().copied(), |record| record[0], ranks);
+        let mut labels = sorted_by_key(labels, |record| record[0]);
+        labels.dedup_by_key(|record| record[0]);
+        labels
     }
+}
+
+/// The label of a particle among records by ascending id.
+fn label(records: &[[u64; 2]], id: u64) -> u64 {
+    let place = records.binary_search_by_key(&id, |record| record[0]);
+    place.map_or(NONE, |place| records[place][1])
 }
 
 /// A number of particles that went from one agglomerate to another, or stayed in one.
@@ -160,7 +167,7 @@ pub struct Changes {
 impl Changes {
     /// Compares two looks. Collective.
     pub fn between(before: &Look, after: &Look, ranks: &dyn Communicator) -> Self {
-        let shares = shares(before, after);
+        let shares = shares(&before.at_rendezvous(ranks), &after.at_rendezvous(ranks));
         let to_after = shares.iter().copied().filter(|share| share.after != NONE);
         let at_after = merged(send_to_rendezvous(to_after, |share| share.after, ranks), |s| {
             (s.after, s.before)
@@ -183,12 +190,19 @@ impl Changes {
     }
 }
 
-/// How many of the particles that meet here went from where to where. A particle that has left is in none.
-fn shares(before: &Look, after: &Look) -> Vec<Share> {
-    let ids = before.labels.iter().chain(&after.labels).map(|record| record[0]);
-    let ids = distinct(ids);
-    let share = |id| Share { before: before.label(id), after: after.label(id), particles: 1 };
-    merged(ids.into_iter().map(share).collect(), |share| (share.before, share.after))
+/// How many of the particles that meet here went from where to where, of records by ascending id. A particle that has
+/// left is in none.
+fn shares(before: &[[u64; 2]], after: &[[u64; 2]]) -> Vec<Share> {
+    let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
+    let mut counted = FxHashMap::<[u64; 2], u64>::default();
+    while let Some(id) = [before.peek(), after.peek()].into_iter().flatten().map(|it| it[0]).min() {
+        let of = |record: Option<&[u64; 2]>| record.map_or(NONE, |record| record[1]);
+        let from = of(before.next_if(|record| record[0] == id));
+        let to = of(after.next_if(|record| record[0] == id));
+        *counted.entry([from, to]).or_default() += 1;
+    }
+    let share = |([before, after], particles): ([u64; 2], u64)| Share { before, after, particles };
+    merged(counted.into_iter().map(share).collect(), |share| (share.before, share.after))
 }
 
 /// One share for each pair of agglomerates, ascending by `key`.

@@ -28,9 +28,9 @@ fn changes(n: usize, before: &[Option<u64>], after: &[Option<u64>]) -> (Vec<Fate
             let ids: Vec<usize> = (0..labels.len()).filter(|&id| mine(id)).collect();
             let labels: Vec<_> = ids.iter().map(|&id| labels[id]).collect();
             let ids: Vec<u64> = ids.iter().map(|&id| id as u64).collect();
-            let look = Look::take(&ids, &labels, ranks);
+            let look = Look::take(&ids, &labels);
             let records = look.records().to_vec();
-            assert_eq!(Look::of_records(records, ranks), look);
+            assert_eq!(Look::of_records(records), look);
             look
         };
         let changes = Changes::between(&look(before, 3), &look(after, 5), ranks);

@@ -209,7 +209,8 @@ impl Nodes {
     }
 }
 
-fn alone(id: u64) -> SetOfNode {
+/// The set of a node without edges.
+pub(super) fn alone(id: u64) -> SetOfNode {
     SetOfNode { label: id, image: [0; 3], winds: [0; 3] }
 }
 

@@ -1,79 +1,93 @@
 //! Connected sets among the pairs that one rank holds: union-find with images.
 
-use super::{Link, minus, plus};
+use super::{minus, plus};
 use crate::analysis::periodicity::Image;
-use crate::analysis::rendezvous::distinct;
 
-/// A forest of particles, each of whose trees is a connected set (Tarjan 1975, doi:10.1145/321879.321884). Every
-/// particle knows its image in the frame of its parent: that of the nearest image of a partner, summed along the
-/// tree.
-pub(super) struct LocalForest {
-    /// Ascending.
-    pub(super) ids: Vec<u64>,
-    /// By index; a root is its own parent. The lower id is the parent.
-    parent: Vec<u32>,
-    /// Image relative to the parent.
-    image: Vec<Image>,
-    /// Roots at which a chain of links came back to its start in another image, and along which axes: 1 or 0.
-    pub(super) windings: Vec<(u64, Image)>,
+/// A forest of numbered nodes, each of whose trees is a connected set (Tarjan 1975, doi:10.1145/321879.321884). Every
+/// node knows its image in the frame of its parent: that of the nearest image of a partner, summed along the tree.
+pub(super) struct LocalForest<'a> {
+    /// Ids by node: of two roots that are joined, that of the lower id becomes the parent.
+    ids: &'a [u64],
+    nodes: Vec<Node>,
+    /// Nodes at which a chain of links came back to its start in another image, and along which axes: 1 or 0.
+    windings: Vec<(u32, Image)>,
 }
 
-impl LocalForest {
-    /// The sets that these links connect, of all particles named. Particles may be named again.
-    pub(super) fn new(ids: &[u64], links: &[Link]) -> Self {
-        let ends = links.iter().flat_map(|link| link.ends);
-        let ids = distinct(ids.iter().copied().chain(ends));
-        let parent = (0..ids.len() as u32).collect();
-        let image = vec![[0; 3]; ids.len()];
-        let mut forest = Self { ids, parent, image, windings: Vec::new() };
+#[derive(Clone, Copy)]
+struct Node {
+    /// A root is its own parent.
+    parent: u32,
+    /// Relative to the parent; that of a root is zero.
+    image: Image,
+}
+
+/// A node in its tree.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InTree {
+    pub(super) root: u32,
+    /// In the frame of the root.
+    pub(super) image: Image,
+}
+
+/// A link between numbered nodes: of the first to this image of the second.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeLink {
+    pub(crate) ends: [u32; 2],
+    pub(crate) image: Image,
+}
+
+impl<'a> LocalForest<'a> {
+    /// The sets that these links connect.
+    pub(super) fn new(ids: &'a [u64], links: &[NodeLink]) -> Self {
+        let nodes = (0..ids.len() as u32).map(|parent| Node { parent, image: [0; 3] }).collect();
+        let mut forest = Self { ids, nodes, windings: Vec::new() };
         for link in links {
             forest.join(link);
         }
         forest
     }
 
-    /// Index and image of the root of each particle, in the order of `ids`.
-    pub(super) fn roots(&mut self) -> Vec<(u64, Image)> {
-        let indices = 0..self.ids.len();
-        indices
-            .map(|index| {
-                let (root, image) = self.find(index);
-                (self.ids[root], image)
-            })
-            .collect()
-    }
-
-    fn find(&mut self, mut index: usize) -> (usize, Image) {
+    /// Root and image of a node.
+    #[inline]
+    pub(super) fn find(&mut self, node: u32) -> InTree {
+        let mut root = node;
         let mut image = [0; 3];
         loop {
-            let parent = self.parent[index] as usize;
-            if parent == index {
-                return (index, image);
+            let Node { parent, image: in_parent } = self.nodes[root as usize];
+            if parent == root {
+                return InTree { root, image };
             }
-            // Halves the path; a root's image is zero.
-            self.image[index] = plus(self.image[index], self.image[parent]);
-            self.parent[index] = self.parent[parent];
-            image = plus(image, self.image[index]);
-            index = self.parent[index] as usize;
+            let above = self.nodes[parent as usize];
+            // Halves the path.
+            let halved = Node { parent: above.parent, image: plus(in_parent, above.image) };
+            self.nodes[root as usize] = halved;
+            image = plus(image, halved.image);
+            root = halved.parent;
         }
     }
 
-    fn join(&mut self, link: &Link) {
-        let place = |id| self.ids.binary_search(&id);
-        let (Ok(a), Ok(b)) = (place(link.ends[0]), place(link.ends[1])) else { return };
-        let ((root_a, image_a), (root_b, image_b)) = (self.find(a), self.find(b));
+    fn join(&mut self, link: &NodeLink) {
+        let [a, b] = link.ends.map(|node| self.find(node));
         // Image of b's root in the frame of a's.
-        let shift = minus(plus(image_a, link.image), image_b);
-        if root_a == root_b {
+        let shift = minus(plus(a.image, link.image), b.image);
+        if a.root == b.root {
             if shift != [0; 3] {
-                self.windings.push((self.ids[root_a], shift.map(|n| i32::from(n != 0))));
+                self.windings.push((a.root, shift.map(|n| i32::from(n != 0))));
             }
-        } else if root_a < root_b {
-            self.parent[root_b] = root_a as u32;
-            self.image[root_b] = shift;
+        } else if self.ids[a.root as usize] < self.ids[b.root as usize] {
+            self.nodes[b.root as usize] = Node { parent: a.root, image: shift };
         } else {
-            self.parent[root_a] = root_b as u32;
-            self.image[root_a] = minus([0; 3], shift);
+            self.nodes[a.root as usize] = Node { parent: b.root, image: minus([0; 3], shift) };
         }
+    }
+
+    /// Roots of trees that wind around the box, and along which axes: 1 or 0. Each once for each kind.
+    pub(super) fn windings(&mut self) -> Vec<(u32, Image)> {
+        // A tree may have been joined to another since it was found to wind.
+        let mut windings = std::mem::take(&mut self.windings);
+        windings.iter_mut().for_each(|(node, _)| *node = self.find(*node).root);
+        windings.sort_unstable();
+        windings.dedup();
+        windings
     }
 }

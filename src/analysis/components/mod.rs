@@ -1,7 +1,7 @@
 //! Connected sets of particles, whatever ranks hold the particles and the pairs.
 //!
 //! 1. Each rank joins what its own pairs connect (`local_forest`).
-//! 2. A particle that two ranks know says that their local sets are one: an edge between the roots of these sets.
+//! 2. A particle that another rank's pairs name says that local sets of both ranks are one: an edge between their roots.
 //! 3. This much smaller graph is contracted in rounds over all ranks (`contraction`).
 //!
 //! The label of a set is its smallest id: it depends on the pairs alone. So does the image of a particle relative to
@@ -12,12 +12,14 @@ mod local_forest;
 #[cfg(test)]
 mod tests;
 
+use super::ownership::{Foreign, Ownership};
 use super::periodicity::Image;
-use super::rendezvous::{distinct, send_to_rendezvous};
+use super::rendezvous::distinct;
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 use contraction::Nodes;
-use local_forest::LocalForest;
+pub(crate) use local_forest::NodeLink;
+use local_forest::{InTree, LocalForest};
 
 /// Two particles that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
@@ -50,9 +52,9 @@ pub struct Membership {
 }
 
 /// The connected set of each of this rank's particles, in the order of `ids`. Each link is held by any rank, or by
-/// several. Collective.
+/// several; each of its ends is among the ids of one rank. Collective.
 ///
-/// Every rank needs memory for its own ids and links and its share of the ids that several ranks name. The number of
+/// Every rank needs memory for its own ids and links, and for those of other ranks that its links name. The number of
 /// rounds of messages grows with the logarithm of the number of sets that ranks share.
 pub fn components(ids: &[u64], links: &[Link], ranks: &dyn Communicator) -> Vec<Membership> {
     components_in_rounds(ids, links, ranks).0
@@ -63,27 +65,75 @@ fn components_in_rounds(
     links: &[Link],
     ranks: &dyn Communicator,
 ) -> (Vec<Membership>, u32) {
-    let mut forest = LocalForest::new(ids, links);
-    let roots = forest.roots();
-    let mut edges = edges_between_roots(&forest.ids, &roots, ranks);
-    let windings = forest.windings.iter();
-    edges.extend(windings.map(|&(root, axes)| Link::new([root; 2], axes)));
-    let nodes = Nodes::contract(edges, ranks);
-    let sets = nodes.sets_of(distinct(roots.iter().map(|&(root, _)| root)), ranks);
-    let membership = |id: &u64| {
-        let place = forest.ids.binary_search(id).unwrap_or(0);
-        let (root, image) = roots[place];
-        let set = sets.get(root);
-        let (label, frame, winds) =
-            set.map_or((root, [0; 3], [0; 3]), |set| (set.label, set.image, set.winds));
-        let image = plus(image, frame);
-        let image = std::array::from_fn(|axis| if winds[axis] == 0 { image[axis] } else { 0 });
-        Membership { label, image, winds: winds.map(|winds| winds != 0) }
-    };
-    (ids.iter().map(membership).collect(), nodes.rounds)
+    let owned = Ownership::of(distinct(ids.iter().copied()));
+    let ends = links.iter().flat_map(|link| link.ends);
+    let foreign = ends.filter(|&id| owned.place_of(id).is_none()).collect();
+    let foreign = Foreign::find(foreign, &owned, ranks);
+    let nodes = NodeIds::of(&owned, &foreign);
+    let links = links.iter().filter_map(|link| {
+        let [a, b] = link.ends.map(|id| nodes.node_of(id));
+        Some(NodeLink { ends: [a?, b?], image: link.image })
+    });
+    let sets = ConnectedSets::of(&nodes, &links.collect::<Vec<_>>(), ranks);
+    let membership = |&id: &u64| sets.membership(owned.place_of(id).unwrap_or_default(), id);
+    (ids.iter().map(membership).collect(), sets.rounds)
 }
 
-/// A particle in a rank's local set.
+/// The particles that a rank knows as numbered nodes: first its own, then those of other ranks.
+pub(crate) struct NodeIds<'a> {
+    pub(crate) owned: &'a Ownership,
+    pub(crate) foreign: &'a Foreign,
+    ids: Vec<u64>,
+}
+
+impl<'a> NodeIds<'a> {
+    pub(crate) fn of(owned: &'a Ownership, foreign: &'a Foreign) -> Self {
+        Self { owned, foreign, ids: [owned.ids(), foreign.ids()].concat() }
+    }
+
+    /// The node of a particle; none if this rank does not know it, or no rank owns it.
+    #[inline]
+    pub(crate) fn node_of(&self, id: u64) -> Option<u32> {
+        if let Some(place) = self.owned.place_of(id) {
+            return Some(place as u32);
+        }
+        let place = self.foreign.place_of(id)?;
+        Some((self.owned.ids().len() + place) as u32)
+    }
+}
+
+/// The connected sets of a rank's particles.
+pub(crate) struct ConnectedSets {
+    /// By place of the particle; none for particles without links.
+    in_set: Vec<InSet>,
+    /// The sets, of which several may have the same label: parts of a set that are connected on another rank.
+    pub(crate) parts: Vec<Part>,
+    rounds: u32,
+}
+
+/// A particle in a part of a set.
+#[derive(Clone, Copy, Debug)]
+struct InSet {
+    /// Number of the part, or none.
+    part: u32,
+    /// In the frame of the part's root.
+    image: Image,
+}
+
+const NO_PART: u32 = u32::MAX;
+
+/// A part of a connected set: what is connected on this rank.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    /// The smallest id of the set.
+    pub(crate) label: u64,
+    /// Image of the part's root in the frame of the particle with that id.
+    frame: Image,
+    /// Along which axes the set winds around the box.
+    pub(crate) winds: [bool; 3],
+}
+
+/// What a rank tells the owner of a particle about it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 struct InLocalSet {
@@ -94,20 +144,97 @@ struct InLocalSet {
     padding: u32,
 }
 
-/// Edges between the roots of ranks' local sets that share a particle, on the rendezvous rank of that particle.
-/// Collective.
-fn edges_between_roots(ids: &[u64], roots: &[(u64, Image)], ranks: &dyn Communicator) -> Vec<Link> {
-    let records = ids.iter().zip(roots);
-    let records = records.map(|(&id, &(root, image))| InLocalSet { id, root, image, padding: 0 });
-    let mut records = send_to_rendezvous(records, |record| record.id, ranks);
-    records.sort_unstable();
+impl ConnectedSets {
+    /// The sets that all ranks' links make. Collective.
+    pub(crate) fn of(nodes: &NodeIds<'_>, links: &[NodeLink], ranks: &dyn Communicator) -> Self {
+        let mut forest = LocalForest::new(&nodes.ids, links);
+        let mut is_linked = vec![false; nodes.ids.len()];
+        links
+            .iter()
+            .for_each(|link| link.ends.iter().for_each(|&end| is_linked[end as usize] = true));
+        let mut edges = shared_edges(nodes, &mut forest, &mut is_linked, ranks);
+        let windings = forest.windings().into_iter();
+        edges.extend(windings.map(|(root, axes)| Link::new([nodes.ids[root as usize]; 2], axes)));
+        let contracted = Nodes::contract(edges, ranks);
+
+        let mut part_of_root = vec![NO_PART; nodes.ids.len()];
+        let mut roots = Vec::new();
+        let in_set = (0..nodes.owned.ids().len()).map(|place| {
+            if !is_linked[place] {
+                return InSet { part: NO_PART, image: [0; 3] };
+            }
+            let InTree { root, image } = forest.find(place as u32);
+            let part = &mut part_of_root[root as usize];
+            if *part == NO_PART {
+                *part = roots.len() as u32;
+                roots.push(nodes.ids[root as usize]);
+            }
+            InSet { part: *part, image }
+        });
+        let in_set = in_set.collect();
+        let sets = contracted.sets_of(distinct(roots.iter().copied()), ranks);
+        let part = |&root: &u64| {
+            let set = sets.get(root).unwrap_or_else(|| contraction::alone(root));
+            Part { label: set.label, frame: set.image, winds: set.winds.map(|winds| winds != 0) }
+        };
+        Self { in_set, parts: roots.iter().map(part).collect(), rounds: contracted.rounds }
+    }
+
+    /// The part of the particle at a place; none for a particle without links.
+    #[inline]
+    pub(crate) fn part_of(&self, place: usize) -> Option<usize> {
+        let part = self.in_set[place].part;
+        (part != NO_PART).then_some(part as usize)
+    }
+
+    /// The image of the particle at a place where it lies in the unwrapped set.
+    #[inline]
+    pub(crate) fn image_of(&self, place: usize) -> Image {
+        let InSet { part, image } = self.in_set[place];
+        if part == NO_PART {
+            return [0; 3];
+        }
+        let Part { frame, winds, .. } = self.parts[part as usize];
+        let image = plus(image, frame);
+        std::array::from_fn(|axis| if winds[axis] { 0 } else { image[axis] })
+    }
+
+    /// The set of the particle at a place, which has this id.
+    fn membership(&self, place: usize, id: u64) -> Membership {
+        match self.part_of(place).map(|part| self.parts[part]) {
+            Some(Part { label, winds, .. }) => {
+                Membership { label, image: self.image_of(place), winds }
+            }
+            None => Membership { label: id, image: [0; 3], winds: [false; 3] },
+        }
+    }
+}
+
+/// Edges between the roots of local sets that share a particle, on the rank that owns it. Particles that other ranks
+/// know are linked from then on. Collective.
+fn shared_edges(
+    nodes: &NodeIds<'_>,
+    forest: &mut LocalForest<'_>,
+    is_linked: &mut [bool],
+    ranks: &dyn Communicator,
+) -> Vec<Link> {
+    let first = nodes.owned.ids().len();
+    let known: Vec<InTree> =
+        (first..nodes.ids.len()).map(|node| forest.find(node as u32)).collect();
+    let record = |place: usize| {
+        let InTree { root, image } = known[place];
+        let (id, root) = (nodes.foreign.ids()[place], nodes.ids[root as usize]);
+        InLocalSet { id, root, image, padding: 0 }
+    };
     let mut edges = Vec::new();
-    for group in records.chunk_by(|a, b| a.id == b.id) {
-        // Ascending roots.
-        edges.extend(group[1..].iter().filter_map(|other| {
-            let edge = Link::new([group[0].root, other.root], minus(group[0].image, other.image));
-            (edge.ends[0] != edge.ends[1] || edge.image != [0; 3]).then_some(edge)
-        }));
+    for InLocalSet { id, root: other, image: in_other, .. } in nodes.foreign.tell(record, ranks) {
+        let Some(place) = nodes.owned.place_of(id) else { continue };
+        is_linked[place] = true;
+        let InTree { root, image } = forest.find(place as u32);
+        let edge = Link::new([nodes.ids[root as usize], other], minus(image, in_other));
+        if edge.ends[0] != edge.ends[1] || edge.image != [0; 3] {
+            edges.push(edge);
+        }
     }
     edges.sort_unstable();
     edges.dedup();

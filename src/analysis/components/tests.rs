@@ -112,7 +112,8 @@ fn long_chains_across_ranks_take_few_rounds() {
             let mine = |place: usize| place % n == ranks.rank();
             let links = links.iter().enumerate().filter(|(place, _)| mine(*place));
             let links: Vec<Link> = links.map(|(_, &link)| link).collect();
-            components_in_rounds(ids, &links, ranks)
+            let ids: Vec<u64> = ids.iter().skip(ranks.rank()).step_by(n).copied().collect();
+            components_in_rounds(&ids, &links, ranks)
         });
         for (sets, rounds) in made {
             assert!(sets.iter().all(|set| set.label == 0));
@@ -126,7 +127,8 @@ fn long_chains_across_ranks_take_few_rounds() {
 fn a_star_takes_few_rounds() {
     // With fixed priorities a star around its highest id is slow to contract.
     let links = plain(&(0..5000).map(|k| [k, 9999]).collect::<Vec<_>>());
-    let (sets, rounds) = on_ranks(4, Spread::Scattered, &[9999, 77], &links);
+    let ids: Vec<u64> = (0..5000).chain([9999]).collect();
+    let (sets, rounds) = on_ranks(4, Spread::Scattered, &ids, &links);
     assert_eq!(sets[&9999].label, 0);
     assert_eq!(sets[&77].label, 0);
     assert!(rounds <= 6, "{rounds}");
@@ -189,6 +191,22 @@ fn a_set_that_winds_around_the_box_says_along_which_axes() {
     for n in 2..=4 {
         for spread in [Spread::Scattered, Spread::Blocks, Spread::AllOnLast] {
             assert_eq!(on_ranks(n, spread, &ids, &links).0, expected);
+        }
+    }
+}
+
+#[test]
+fn a_set_that_is_joined_to_another_after_it_was_found_to_wind_still_winds() {
+    // The ring is closed first; then a lower id takes its root's place.
+    let mut links: Vec<Link> =
+        (10..20).map(|k| Link::new([k, (k - 9) % 10 + 10], [i32::from(k == 19), 0, 0])).collect();
+    links.push(Link::new([15, 1], [0; 3]));
+    let ids: Vec<u64> = (10..20).chain([1]).collect();
+    for n in 1..=4 {
+        for spread in [Spread::Scattered, Spread::Blocks, Spread::AllOnLast] {
+            let (sets, _) = on_ranks(n, spread, &ids, &links);
+            let winds = sets.values().all(|set| set.winds == [true, false, false]);
+            assert!(winds && sets.values().all(|set| set.label == 1), "{n} {spread:?} {sets:?}");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Displacements of particles since a reference time, through periodic faces.
 
 use crate::analysis::exact_sums::totals;
+use crate::analysis::ownership::Ownership;
 use crate::analysis::periodicity::Periodicity;
-use crate::analysis::rendezvous::send_to_rendezvous;
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -27,14 +27,14 @@ struct Track {
     displacement: Vector3<f64>,
 }
 
-/// Displacements of all particles since a reference time, on the rendezvous ranks of the particles.
+/// Displacements of all particles since a reference time, on the ranks that owned the particles at the last look.
 ///
 /// The displacement between two looks is that to the nearest image, so looks must be so frequent that no particle
 /// moves half of a periodic length in between. Particles that leave are forgotten, new ones ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Displacements {
     periodicity: Periodicity,
-    /// Ascending ids.
+    /// Ascending ids from the first look on.
     tracks: Vec<Track>,
 }
 
@@ -62,33 +62,26 @@ impl MeanDisplacement {
 }
 
 impl Displacements {
-    /// Takes the particles that this rank owns at the reference time. Collective.
-    pub fn begin(
-        particles: &[Positioned],
-        periodicity: Periodicity,
-        ranks: &dyn Communicator,
-    ) -> Self {
-        let track = |particle: Positioned| Track {
+    /// Takes the particles that this rank owns at the reference time.
+    pub fn begin(particles: &[Positioned], periodicity: Periodicity) -> Self {
+        let track = |particle: &Positioned| Track {
             id: particle.id,
-            last: particle.position,
+            last: periodicity.wrapped(particle.position),
             displacement: Vector3::zeros(),
         };
-        let tracks = at_rendezvous(particles, &periodicity, ranks).into_iter().map(track).collect();
-        Self { periodicity, tracks }
+        Self { periodicity, tracks: particles.iter().map(track).collect() }
     }
 
-    /// Follows the particles that this rank owns now. Collective.
-    pub fn look(&mut self, particles: &[Positioned], ranks: &dyn Communicator) {
-        let now = at_rendezvous(particles, &self.periodicity, ranks);
-        let periodicity = self.periodicity;
-        self.tracks.retain_mut(|track| {
-            let found = now.binary_search_by_key(&track.id, |particle| particle.id);
-            if let Ok(place) = found {
-                track.displacement += periodicity.displacement(&track.last, &now[place].position);
-                track.last = now[place].position;
-            }
-            found.is_ok()
-        });
+    /// Follows the particles that this rank owns now: `owned` has their ids, at the same places. Collective.
+    pub fn look(&mut self, particles: &[Positioned], owned: &Ownership, ranks: &dyn Communicator) {
+        owned.align(&mut self.tracks, |track| [track.id, 0], ranks);
+        let mut now = particles.iter();
+        for track in &mut self.tracks {
+            let Some(particle) = now.find(|particle| particle.id == track.id) else { return };
+            let position = self.periodicity.wrapped(particle.position);
+            track.displacement += self.periodicity.displacement(&track.last, &position);
+            track.last = position;
+        }
     }
 
     /// Makes the last look the reference time: the next window begins.
@@ -115,29 +108,10 @@ impl Displacements {
         bytemuck::cast_slice(&self.tracks).to_vec()
     }
 
-    /// Goes on from what was stored, by whatever ranks. Collective.
-    pub fn restore(stored: &[u8], periodicity: Periodicity, ranks: &dyn Communicator) -> Self {
-        let tracks = crate::parallel::records_of_bytes(stored);
-        let mut tracks: Vec<Track> = send_to_rendezvous(tracks, |track: &Track| track.id, ranks);
-        tracks.sort_unstable_by_key(|track| track.id);
-        Self { periodicity, tracks }
+    /// Goes on from what was stored, by whatever ranks.
+    pub fn restore(stored: &[u8], periodicity: Periodicity) -> Self {
+        Self { periodicity, tracks: crate::parallel::records_of_bytes(stored).collect() }
     }
-}
-
-/// The particles inside of the box, on their rendezvous ranks by ascending id. Collective.
-fn at_rendezvous(
-    particles: &[Positioned],
-    periodicity: &Periodicity,
-    ranks: &dyn Communicator,
-) -> Vec<Positioned> {
-    let wrapped = particles.iter().map(|particle| Positioned {
-        position: periodicity.wrapped(particle.position),
-        ..*particle
-    });
-    let mut here = send_to_rendezvous(wrapped, |particle| particle.id, ranks);
-    here.sort_unstable_by_key(|particle| particle.id);
-    here.dedup_by_key(|particle| particle.id);
-    here
 }
 
 #[cfg(test)]
@@ -166,6 +140,10 @@ mod tests {
         all
     }
 
+    fn owned(particles: &[Positioned]) -> Ownership {
+        Ownership::of(particles.iter().map(|particle| particle.id).collect())
+    }
+
     /// Dispersion over windows of 10 steps of unit time, of walkers seen in the box on n ranks.
     fn dispersion(walks: &[Vec<Vector3<f64>>], n: usize) -> (Dispersion, MeanDisplacement) {
         let made = run_on_threads(n, |ranks| {
@@ -178,11 +156,11 @@ mod tests {
                 })
                 .collect()
             };
-            let mut displacements = Displacements::begin(&part(0), BOX, ranks);
+            let mut displacements = Displacements::begin(&part(0), BOX);
             let mut dispersion = Dispersion::default();
             let mut last = None;
             for step in 1..walks.len() {
-                displacements.look(&part(step), ranks);
+                displacements.look(&part(step), &owned(&part(step)), ranks);
                 last = displacements.mean(ranks);
                 let half_square = last.unwrap().half_square();
                 dispersion.add((step - 1) as f64 % 10.0 + 1.0, half_square.into());
@@ -193,7 +171,7 @@ mod tests {
                     }
                 }
                 if step == 13 {
-                    displacements = Displacements::restore(&displacements.stored(), BOX, ranks);
+                    displacements = Displacements::restore(&displacements.stored(), BOX);
                 }
             }
             (dispersion, last.unwrap())
@@ -246,10 +224,11 @@ mod tests {
                 let position = Vector3::zeros();
                 here.map(|&id| Positioned { id, position }).collect()
             };
-            let mut displacements = Displacements::begin(&of(&[1, 2, 3]), BOX, ranks);
-            displacements.look(&of(&[2, 3, 4]), ranks);
+            let mut displacements = Displacements::begin(&of(&[1, 2, 3]), BOX);
+            let now = of(&[2, 3, 4]);
+            displacements.look(&now, &owned(&now), ranks);
             assert_eq!(displacements.mean(ranks).unwrap().particles, 2);
-            displacements.look(&of(&[]), ranks);
+            displacements.look(&of(&[]), &owned(&of(&[])), ranks);
             assert_eq!(displacements.mean(ranks), None);
         });
     }

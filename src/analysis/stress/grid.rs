@@ -43,58 +43,178 @@ impl CellGrid {
     }
 
     /// The cell of a point: x fastest, then y. None outside of the grid.
+    #[inline]
     pub fn cell_of(&self, point: &Vector3<f64>) -> Option<u64> {
         self.cell_at(&self.coordinates(point))
     }
 
     /// A point in units of cells.
+    #[inline(always)]
     fn coordinates(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        (point - self.origin).component_div(&self.spacing)
+        (point - self.origin).component_mul(&self.spacing.map(f64::recip))
     }
 
+    #[inline(always)]
     fn cell_at(&self, coordinates: &Vector3<f64>) -> Option<u64> {
+        let are_countable = coordinates.iter().all(|&x| is_countable(x));
+        are_countable
+            .then(|| self.cell_of_index(std::array::from_fn(|axis| below(coordinates[axis]))))
+            .flatten()
+    }
+
+    /// The cell of an index along each axis.
+    #[inline(always)]
+    fn cell_of_index(&self, index: [i64; 3]) -> Option<u64> {
         let mut cell = 0;
         for axis in (0..3).rev() {
-            let count = self.counts[axis] as f64;
-            let mut index = coordinates[axis].floor();
-            if self.periodic[axis] {
+            let count = self.counts[axis] as i64;
+            let mut index = index[axis];
+            if !(0..count).contains(&index) {
+                if !self.periodic[axis] {
+                    return None;
+                }
                 index = index.rem_euclid(count);
             }
-            if !(0.0..count).contains(&index) {
-                return None;
-            }
-            cell = cell * self.counts[axis] as u64 + index as u64;
+            cell = cell * count + index;
         }
-        Some(cell)
+        Some(cell as u64)
     }
 
-    /// Where a line lies, in order. The pieces' ends meet exactly, from 0 to 1. None if the line is undefined.
-    pub(super) fn pieces(&self, start: &Vector3<f64>, line: &Vector3<f64>) -> Option<Vec<Piece>> {
-        let (from, along) = (self.coordinates(start), line.component_div(&self.spacing));
-        let mut ends = vec![0.0, 1.0];
-        for axis in 0..3 {
-            let (low, high) = {
-                let (a, b) = (from[axis], from[axis] + along[axis]);
-                (a.min(b), a.max(b))
-            };
-            let usable = low.is_finite() && along[axis].is_finite() && low.abs() < 1.0e15;
-            if !usable || high - low > MOST_PLANES {
-                return None;
-            }
-            let mut plane = low.floor() + 1.0;
-            while plane < high {
-                ends.push(((plane - from[axis]) / along[axis]).clamp(0.0, 1.0));
-                plane += 1.0;
-            }
-        }
-        ends.sort_by(f64::total_cmp);
-        let piece = |pair: &[f64]| {
-            let [first, last] = [pair[0], pair[1]];
-            let middle = from + 0.5 * (first + last) * along;
-            Piece { cell: self.cell_at(&middle), first, last }
-        };
-        Some(ends.windows(2).map(piece).filter(|piece| piece.last > piece.first).collect())
+    /// Number of cells.
+    pub(super) fn cells(&self) -> usize {
+        self.counts.iter().product()
     }
+
+    /// Where a line lies, in order, in place of what `pieces` held. The pieces' ends meet exactly, from 0 to 1. Nothing
+    /// if the line is undefined.
+    #[inline(always)]
+    pub(super) fn pieces(
+        &self,
+        start: &Vector3<f64>,
+        line: &Vector3<f64>,
+        pieces: &mut Vec<Piece>,
+    ) {
+        pieces.clear();
+        let per_length = self.spacing.map(f64::recip);
+        let (from, along) = (self.coordinates(start), line.component_mul(&per_length));
+        let to = from + along;
+        if !(0..3).all(|axis| is_usable(from[axis], to[axis])) {
+            return;
+        }
+        let [mut index, last] = ends_of(&from, &to, &along);
+        if index == last {
+            pieces.push(Piece { cell: self.cell_of_index(index), first: 0.0, last: 1.0 });
+            return;
+        }
+        let mut crossings = Crossings::default();
+        for axis in 0..3 {
+            crossings.insert_planes(axis, [from[axis], along[axis]], [index[axis], last[axis]]);
+        }
+        let mut first = 0.0;
+        for &Crossing { place, axis, step } in crossings.in_order() {
+            if place > first {
+                pieces.push(Piece { cell: self.cell_of_index(index), first, last: place });
+                first = place;
+            }
+            index[axis] += step;
+        }
+        if first < 1.0 {
+            pieces.push(Piece { cell: self.cell_of_index(index), first, last: 1.0 });
+        }
+    }
+}
+
+/// Indices of the cells in which a line begins and ends: an end on a plane belongs to the cell that the line is in.
+#[inline(always)]
+fn ends_of(from: &Vector3<f64>, to: &Vector3<f64>, along: &Vector3<f64>) -> [[i64; 3]; 2] {
+    let first = std::array::from_fn(|axis| {
+        if along[axis] < 0.0 { -below(-from[axis]) - 1 } else { below(from[axis]) }
+    });
+    let last = std::array::from_fn(|axis| {
+        if along[axis] > 0.0 { -below(-to[axis]) - 1 } else { below(to[axis]) }
+    });
+    [first, last]
+}
+
+/// Where a line crosses a plane between cells.
+#[derive(Clone, Copy, Debug, Default)]
+struct Crossing {
+    /// In units of the line's length from its start.
+    place: f64,
+    axis: usize,
+    /// 1 or -1.
+    step: i64,
+}
+
+/// Crossings of a branch are few.
+const FEW: usize = 4;
+
+/// Crossings by their places.
+#[derive(Default)]
+struct Crossings {
+    few: [Crossing; FEW],
+    count: usize,
+    /// All of them, if they are more.
+    many: Vec<Crossing>,
+}
+
+impl Crossings {
+    /// The planes between two indices along an axis; the line goes from a coordinate `from` on by `along`.
+    #[inline(always)]
+    fn insert_planes(&mut self, axis: usize, [from, along]: [f64; 2], [index, last]: [i64; 2]) {
+        let (step, above) = if along < 0.0 { (-1, 0) } else { (1, 1) };
+        for number in 0..(last - index) * step {
+            let plane = (index + number * step + above) as f64;
+            let place = ((plane - from) / along).clamp(0.0, 1.0);
+            self.insert(Crossing { place, axis, step });
+        }
+    }
+
+    #[inline(always)]
+    fn insert(&mut self, crossing: Crossing) {
+        if self.count == FEW {
+            self.many.extend(self.few);
+        }
+        if self.count < FEW {
+            let mut place = self.count;
+            while place > 0 && self.few[place - 1].place > crossing.place {
+                self.few[place] = self.few[place - 1];
+                place -= 1;
+            }
+            self.few[place] = crossing;
+        } else {
+            self.many.push(crossing);
+        }
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn in_order(&mut self) -> &[Crossing] {
+        if self.count <= FEW {
+            return &self.few[..self.count];
+        }
+        self.many.sort_by(|a, b| a.place.total_cmp(&b.place));
+        &self.many
+    }
+}
+
+/// The largest whole number that is not above x, which is within the range of integers.
+#[inline(always)]
+fn below(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
+/// Whether a coordinate is a number by which cells can be counted.
+#[inline(always)]
+fn is_countable(x: f64) -> bool {
+    x.abs() < 1.0e15
+}
+
+/// Whether the planes between two coordinates can be counted.
+#[inline(always)]
+fn is_usable(from: f64, to: f64) -> bool {
+    (to - from).abs() <= MOST_PLANES && is_countable(from)
 }
 
 #[cfg(test)]
@@ -116,7 +236,8 @@ mod tests {
             line in prop::array::uniform3(-2.0..2.0f64),
         ) {
             let (start, line) = (Vector3::from(start), Vector3::from(line));
-            let pieces = GRID.pieces(&start, &line).unwrap();
+            let mut pieces = Vec::new();
+            GRID.pieces(&start, &line, &mut pieces);
             prop_assert_eq!(pieces[0].first, 0.0);
             prop_assert_eq!(pieces[pieces.len() - 1].last, 1.0);
             for pair in pieces.windows(2) {
@@ -142,8 +263,17 @@ mod tests {
 
     #[test]
     fn undefined_lines_have_no_pieces() {
-        let start = Vector3::zeros();
-        assert_eq!(GRID.pieces(&start, &Vector3::new(f64::NAN, 0.0, 0.0)), None);
-        assert_eq!(GRID.pieces(&start, &Vector3::new(0.0, 0.0, f64::INFINITY)), None);
+        let start = Vector3::new(0.1, 0.1, 0.6);
+        let number_of = |start: &Vector3<f64>, line: Vector3<f64>| {
+            let mut pieces = Vec::new();
+            GRID.pieces(start, &line, &mut pieces);
+            pieces.len()
+        };
+        assert_eq!(number_of(&start, Vector3::new(f64::NAN, 0.0, 0.0)), 0);
+        assert_eq!(number_of(&start, Vector3::new(0.0, 0.0, f64::INFINITY)), 0);
+        let undefined = Vector3::new(0.0, f64::NAN, 0.0);
+        assert_eq!(number_of(&undefined, Vector3::zeros()), 0);
+        assert_eq!(GRID.cell_of(&undefined), None);
+        assert_eq!(number_of(&start, Vector3::zeros()), 1); // the control
     }
 }

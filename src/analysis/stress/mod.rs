@@ -31,13 +31,13 @@ mod tests;
 
 pub use grid::CellGrid;
 
-use super::fixed_point::{FixedPointSums, largest};
+use super::exact_sums::Keyed;
+use super::fixed_point::{FixedPointSum, Quanta, Slots, largest, sums_by_key};
 use super::periodicity::Periodicity;
-use super::rendezvous::ask;
+use super::rendezvous::{ask, distinct};
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
-use std::collections::BTreeMap;
 
 /// A particle, as far as stress is concerned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,116 +155,169 @@ impl StressMeasurement {
         contacts: &[ContactForce],
         ranks: &dyn Communicator,
     ) -> StressField {
-        let placed: Vec<_> = particles.iter().map(|particle| self.placed(particle)).collect();
-        let inside: Vec<_> = placed.iter().filter_map(|(cell, p)| Some(((*cell)?, *p))).collect();
-        let mut outside = (placed.len() - inside.len()) as i64;
-        let solids = self.solids(&inside, ranks);
-        let kinetic = self.kinetic(&inside, &solids, ranks);
-        let forces = self.forces(contacts, &mut outside, ranks);
-        let mut cells: BTreeMap<u64, CellStress> = BTreeMap::new();
+        let Placed { inside, cells } = self.placed(particles);
+        let mut outside = (particles.len() - inside.len()) as i64;
+        let solids = solids(&inside, &cells, ranks);
+        let kinetic = kinetic(&inside, &cells, &solids, ranks);
+        let contact = self.forces(contacts, |contact| &contact.contact, Some(&mut outside), ranks);
+        let cohesive = self.forces(contacts, |contact| &contact.cohesive, None, ranks);
         let volume = self.grid.cell_volume();
-        let mut cell = |number: u64, change: &dyn Fn(&mut CellStress)| {
-            let new = CellStress { cell: number, volume, ..CellStress::default() };
-            change(cells.entry(number).or_insert(new));
+        let known = solids.iter().map(|sums| sums.key);
+        let known = known.chain(contact.iter().chain(&cohesive).map(|sums| sums.key));
+        let known = distinct(known);
+        let [mut solids, mut kinetic] = [solids, kinetic].map(InOrder::of);
+        let [mut contact, mut cohesive] = [contact, cohesive].map(InOrder::of);
+        let cell = |cell: u64| {
+            let [count, mass, solid, px, py, pz] = solids.of_key(cell);
+            let momentum = Vector3::new(px, py, pz);
+            let stress = |sums: [f64; 9]| -Matrix3::from_column_slice(&sums) / volume;
+            CellStress {
+                cell,
+                count,
+                mass,
+                solids_fraction: solid / volume,
+                velocity: mean_velocity(mass, momentum),
+                kinetic: symmetric(&kinetic.of_key(cell)) / volume,
+                contact: stress(contact.of_key(cell)),
+                cohesive: stress(cohesive.of_key(cell)),
+                volume,
+            }
         };
-        for (number, [count, mass, solid, ..]) in &solids {
-            cell(*number, &|cell| {
-                (cell.count, cell.mass, cell.solids_fraction) = (*count, *mass, solid / volume);
-                cell.velocity = mean_velocity(&solids, *number);
-            });
-        }
-        for (&number, sums) in &kinetic {
-            cell(number, &|cell| cell.kinetic = symmetric(sums) / volume);
-        }
-        for (&number, sums) in &forces {
-            cell(number, &|cell| {
-                [cell.contact, cell.cohesive] = [0, 9]
-                    .map(|first| -Matrix3::from_column_slice(&sums[first..first + 9]) / volume);
-            });
-        }
+        let cells = known.into_iter().map(cell).collect();
         let mut total = [outside];
         ranks.sum_integers(&mut total);
-        StressField { cells: cells.into_values().collect(), outside: total[0] as u64 }
+        StressField { cells, outside: total[0] as u64 }
     }
 
-    /// A particle seen from the frame, and its cell.
-    fn placed(&self, particle: &MovingParticle) -> (Option<u64>, MovingParticle) {
-        let position = self.seen(&particle.position);
-        let velocity = particle.velocity - self.frame.velocity;
-        (self.grid.cell_of(&position), MovingParticle { position, velocity, ..*particle })
+    /// The particles inside of the grid, seen from the frame, and their cells.
+    fn placed(&self, particles: &[MovingParticle]) -> Placed {
+        let mut cells = Slots::new(self.grid.cells());
+        let inside = particles.iter().filter_map(|particle| {
+            let position = self.seen(&particle.position);
+            let velocity = particle.velocity - self.frame.velocity;
+            let slot = cells.of(self.grid.cell_of(&position)?);
+            Some((slot, MovingParticle { position, velocity, ..*particle }))
+        });
+        Placed { inside: inside.collect(), cells }
     }
 
     /// A position seen from the frame, the same for every image of a particle.
     fn seen(&self, position: &Vector3<f64>) -> Vector3<f64> {
         let wrapped = self.periodicity.wrapped(*position);
+        if self.frame.displacement == Vector3::zeros() {
+            return wrapped;
+        }
         self.periodicity.wrapped(wrapped - self.frame.displacement)
     }
 
-    /// [count, mass, volume, momentum (3)] by cell, each on its rendezvous rank. Collective.
-    fn solids(
-        &self,
-        particles: &[(u64, MovingParticle)],
-        ranks: &dyn Communicator,
-    ) -> BTreeMap<u64, [f64; 6]> {
-        let moments = |particle: &MovingParticle| {
-            let p = particle.mass * particle.velocity;
-            [1.0, particle.mass, particle.volume, p.x, p.y, p.z]
-        };
-        let all = particles.iter().map(|(cell, particle)| (*cell, moments(particle)));
-        sums_by_cell(all, ranks)
-    }
-
-    /// The six components of sum m v~ (x) v~ by cell, each on its rendezvous rank. Collective.
-    fn kinetic(
-        &self,
-        particles: &[(u64, MovingParticle)],
-        solids: &BTreeMap<u64, [f64; 6]>,
-        ranks: &dyn Communicator,
-    ) -> BTreeMap<u64, [f64; 6]> {
-        let cells = particles.iter().map(|(cell, _)| *cell);
-        let means = ask(cells, |cell| mean_velocity(solids, cell), ranks);
-        let moments = |cell: u64, particle: &MovingParticle| {
-            let v = particle.velocity - means.get(cell).unwrap_or_default();
-            let m = particle.mass;
-            [
-                m * v.x * v.x,
-                m * v.y * v.y,
-                m * v.z * v.z,
-                m * v.x * v.y,
-                m * v.x * v.z,
-                m * v.y * v.z,
-            ]
-        };
-        let all = particles.iter().map(|(cell, particle)| (*cell, moments(*cell, particle)));
-        sums_by_cell(all, ranks)
-    }
-
-    /// The components of sum w f (x) l of contact and cohesive forces by cell, each on its rendezvous rank. What a
-    /// branch gives its cells adds up to the whole exactly: differences of f (x) l times the pieces' ends, as
-    /// integers. Collective.
+    /// The components of sum w f (x) l by cell, by columns, each on its rendezvous rank; f is one of the forces of a
+    /// contact. What a branch gives its cells adds up to the whole exactly: differences of f (x) l times the pieces'
+    /// ends, as integers. Counts the branches that leave the grid. Collective.
     fn forces(
         &self,
         contacts: &[ContactForce],
-        outside: &mut i64,
+        force: impl Fn(&ContactForce) -> &Vector3<f64>,
+        outside: Option<&mut i64>,
         ranks: &dyn Communicator,
-    ) -> BTreeMap<u64, [f64; 18]> {
-        let mut sums = FixedPointSums::new(largest(contacts.iter().map(dyads)), ranks);
+    ) -> Vec<Keyed<9>> {
+        let quanta = quanta_of_dyads(contacts.iter().map(|it| (force(it), &it.branch)), ranks);
+        if quanta.are_zero() && outside.is_none() {
+            return Vec::new();
+        }
+        let (mut pieces, mut leaving) = (Vec::new(), 0);
+        let mut cells = Slots::new(self.grid.cells());
+        let mut sums = Vec::<FixedPointSum<9>>::new();
         for contact in contacts {
-            let dyads = dyads(contact);
-            let start = self.seen(&contact.position);
-            let pieces = self.grid.pieces(&start, &contact.branch).unwrap_or_default();
-            *outside += i64::from(pieces.is_empty() || pieces.iter().any(|p| p.cell.is_none()));
-            let mut before = [0; 18];
-            for piece in pieces {
-                let upto = sums.counts_of(&dyads.map(|component| component * piece.last));
+            self.grid.pieces(&self.seen(&contact.position), &contact.branch, &mut pieces);
+            leaving += i64::from(pieces.is_empty() || pieces.iter().any(|p| p.cell.is_none()));
+            let dyad = dyad(force(contact), &contact.branch);
+            let mut before = [0; 9];
+            for piece in &pieces {
+                let upto = quanta.counts_of(&dyad.map(|component| component * piece.last));
                 if let Some(cell) = piece.cell {
-                    sums.add(cell, &std::array::from_fn(|k| upto[k] - before[k]));
+                    let slot = cells.of(cell);
+                    if slot == sums.len() {
+                        sums.push(FixedPointSum::default());
+                    }
+                    sums[slot].add(&std::array::from_fn(|k| upto[k].wrapping_sub(before[k])));
                 }
                 before = upto;
             }
         }
-        sums.totals(ranks)
+        if let Some(outside) = outside {
+            *outside += leaving;
+        }
+        sums_by_key(cells.keys(), &sums, &quanta, ranks)
     }
+}
+
+/// Particles inside of the grid.
+struct Placed {
+    /// Each with the slot of its cell.
+    inside: Vec<(usize, MovingParticle)>,
+    cells: Slots,
+}
+
+/// Sums by ascending key, which are asked for in the same order.
+struct InOrder<const N: usize>(std::iter::Peekable<std::vec::IntoIter<Keyed<N>>>);
+
+impl<const N: usize> InOrder<N> {
+    fn of(sums: Vec<Keyed<N>>) -> Self {
+        Self(sums.into_iter().peekable())
+    }
+
+    /// Those of a key; zero if there are none.
+    fn of_key(&mut self, key: u64) -> [f64; N] {
+        self.0.next_if(|sums| sums.key == key).map_or([0.0; N], |sums| sums.values)
+    }
+}
+
+/// [count, mass, volume, momentum (3)] by cell, each on its rendezvous rank. Collective.
+fn solids(
+    particles: &[(usize, MovingParticle)],
+    cells: &Slots,
+    ranks: &dyn Communicator,
+) -> Vec<Keyed<6>> {
+    let moments = |(slot, particle): &(usize, MovingParticle)| {
+        let p = particle.mass * particle.velocity;
+        (*slot, [1.0, particle.mass, particle.volume, p.x, p.y, p.z])
+    };
+    sums_by_cell(particles.iter().map(moments), cells, ranks)
+}
+
+/// The six components of sum m v~ (x) v~ by cell, each on its rendezvous rank. Collective.
+fn kinetic(
+    particles: &[(usize, MovingParticle)],
+    cells: &Slots,
+    solids: &[Keyed<6>],
+    ranks: &dyn Communicator,
+) -> Vec<Keyed<6>> {
+    let mean = |cell: u64| {
+        let place = solids.binary_search_by_key(&cell, |sums| sums.key);
+        place.map_or_else(
+            |_| Vector3::zeros(),
+            |place| {
+                let [_, mass, _, x, y, z] = solids[place].values;
+                mean_velocity(mass, Vector3::new(x, y, z))
+            },
+        )
+    };
+    let means = ask(cells.keys().iter().copied(), mean, ranks);
+    let means: Vec<Vector3<f64>> =
+        cells.keys().iter().map(|&cell| means.get(cell).unwrap_or_default()).collect();
+    let moments = |(slot, particle): &(usize, MovingParticle)| {
+        let (m, v) = (particle.mass, particle.velocity - means[*slot]);
+        let moments = [
+            m * v.x * v.x,
+            m * v.y * v.y,
+            m * v.z * v.z,
+            m * v.x * v.y,
+            m * v.x * v.z,
+            m * v.y * v.z,
+        ];
+        (*slot, moments)
+    };
+    sums_by_cell(particles.iter().map(moments), cells, ranks)
 }
 
 impl StressField {
@@ -285,33 +338,41 @@ pub fn rumpf_strength(solids_fraction: f64, coordination: f64, force: f64, diame
     solids_fraction / std::f64::consts::PI * coordination * force / (diameter * diameter)
 }
 
+/// Sums of addends, each with the slot of its cell. Collective.
 fn sums_by_cell(
-    addends: impl Iterator<Item = (u64, [f64; 6])> + Clone,
+    addends: impl Iterator<Item = (usize, [f64; 6])> + Clone,
+    cells: &Slots,
     ranks: &dyn Communicator,
-) -> BTreeMap<u64, [f64; 6]> {
-    let mut sums = FixedPointSums::new(largest(addends.clone().map(|(_, values)| values)), ranks);
-    for (cell, values) in addends {
-        let counts = sums.counts_of(&values);
-        sums.add(cell, &counts);
-    }
-    sums.totals(ranks)
+) -> Vec<Keyed<6>> {
+    let quanta = Quanta::new(largest(addends.clone().map(|(_, values)| values)), ranks);
+    let mut sums = vec![FixedPointSum::default(); cells.keys().len()];
+    addends.for_each(|(slot, values)| sums[slot].add(&quanta.counts_of(&values)));
+    sums_by_key(cells.keys(), &sums, &quanta, ranks)
 }
 
-fn mean_velocity(solids: &BTreeMap<u64, [f64; 6]>, cell: u64) -> Vector3<f64> {
-    match solids.get(&cell) {
-        Some(&[_, mass, _, x, y, z]) if mass > 0.0 => Vector3::new(x, y, z) / mass,
-        _ => Vector3::zeros(),
-    }
+fn mean_velocity(mass: f64, momentum: Vector3<f64>) -> Vector3<f64> {
+    if mass > 0.0 { momentum / mass } else { Vector3::zeros() }
 }
 
 fn symmetric(&[xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
-/// The components of f (x) l by columns, of contact and cohesive force.
-fn dyads(contact: &ContactForce) -> [f64; 18] {
-    std::array::from_fn(|k| {
-        let force = if k < 9 { &contact.contact } else { &contact.cohesive };
-        force[k % 3] * contact.branch[k % 9 / 3]
-    })
+/// Quanta of the dyads of forces and branches, from the largest component of each. Collective.
+fn quanta_of_dyads<'a>(
+    factors: impl Iterator<Item = (&'a Vector3<f64>, &'a Vector3<f64>)>,
+    ranks: &dyn Communicator,
+) -> Quanta<9> {
+    let mut factors = largest(factors.map(|(f, l)| [f.x, f.y, f.z, l.x, l.y, l.z]));
+    // First over ranks: products of the largest of each rank would depend on who has which contacts.
+    ranks.maximum(&mut factors);
+    let [fx, fy, fz, lx, ly, lz] = factors;
+    let (force, branch) = (Vector3::new(fx, fy, fz), Vector3::new(lx, ly, lz));
+    Quanta::new(dyad(&force, &branch), ranks)
+}
+
+/// The components of f (x) l by columns.
+#[inline(always)]
+fn dyad(force: &Vector3<f64>, branch: &Vector3<f64>) -> [f64; 9] {
+    std::array::from_fn(|k| force[k % 3] * branch[k / 3])
 }

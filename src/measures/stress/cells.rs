@@ -1,7 +1,7 @@
 //! Stress and granular temperature on cells, averaged over looks: fields for ParaView.
 
 use super::columns::{Derived, fields};
-use super::{NUMBERS, contacts, numbers_of, particles};
+use super::{NUMBERS, numbers_of};
 use crate::analysis::Quantity::{Number, Pressure, SquaredSpeed, Time};
 use crate::analysis::stress::{CellGrid, Frame, StressMeasurement};
 use crate::analysis::totals;
@@ -86,7 +86,7 @@ impl Measure for Fields {
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         let (grid, periodicity) = (self.grid, view.periodicity());
         let measurement = StressMeasurement { grid, periodicity, frame: Frame::default() };
-        let field = measurement.run(&particles(view), &contacts(view), ranks);
+        let field = measurement.run(view.moving_particles(), view.contact_forces(), ranks);
         if self.looks == 0 {
             self.from = view.time();
         }

@@ -5,7 +5,7 @@ use crate::analysis::agglomerates::{
 };
 use crate::analysis::breakage::{Changes, Look, RateCounts, RatesOfSize};
 use crate::analysis::{
-    NoValue, Pair, Periodicity, Persistence, PersistentContacts, PopulationFit, Quantity,
+    NoValue, Ownership, Pair, Periodicity, Persistence, PersistentContacts, PopulationFit, Quantity,
 };
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{Cells, Column, ColumnUnits, ResultTable};
@@ -109,12 +109,17 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
+/// The touching pairs of different particles, ascending, each once.
 fn pairs(checkpoint: &Checkpoint) -> Vec<Pair> {
-    checkpoint.contacts.iter().map(|contact| Pair::of(contact.lower, contact.higher)).collect()
+    let pairs = checkpoint.contacts.iter().map(|contact| Pair::of(contact.lower, contact.higher));
+    let mut pairs: Vec<Pair> = pairs.filter(|pair| pair.lower != pair.higher).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
 }
 
 fn search(before: &Checkpoint, now: &Checkpoint, periodicity: Periodicity) -> AtTime {
-    let samples: Vec<ParticleSample> = now
+    let mut samples: Vec<ParticleSample> = now
         .particles
         .iter()
         .map(|record| ParticleSample {
@@ -125,9 +130,11 @@ fn search(before: &Checkpoint, now: &Checkpoint, periodicity: Periodicity) -> At
             velocity: record.velocity.into(),
         })
         .collect();
+    samples.sort_by_key(|sample| sample.id);
+    let ids: Vec<u64> = samples.iter().map(|sample| sample.id).collect();
     let touching = pairs(now);
-    let mut kept = PersistentContacts::begin(Persistence::AtBothTimes, &pairs(before), &OneRank);
-    let bonds = kept.look(&touching, &OneRank);
+    let mut kept = PersistentContacts::begin(Persistence::AtBothTimes, &pairs(before));
+    let bonds = kept.look(&touching, &Ownership::of(ids.clone()), &OneRank);
     let search = Search {
         particles: &samples,
         bonds: &bonds,
@@ -136,8 +143,7 @@ fn search(before: &Checkpoint, now: &Checkpoint, periodicity: Periodicity) -> At
         smallest: SMALLEST,
     };
     let agglomerates = search.run(&OneRank);
-    let ids: Vec<u64> = samples.iter().map(|sample| sample.id).collect();
-    let look = Look::take(&ids, &agglomerates.labels, &OneRank);
+    let look = Look::take(&ids, &agglomerates.labels);
     let mass = samples.iter().map(|sample| sample.mass).sum();
     AtTime { time: now.clock.time(), since: before.clock.time(), mass, agglomerates, look }
 }

@@ -4,7 +4,7 @@ use crate::analysis::mixing::{
     Dispersion, Displacements, LaceyIndex, MeanDisplacement, Positioned, Sample, lacey_index,
 };
 use crate::analysis::statistics::{SampleMean, median};
-use crate::analysis::{NoValue, Periodicity, Quantity};
+use crate::analysis::{NoValue, Ownership, Periodicity, Quantity};
 use crate::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use crate::output::{Column, ColumnUnits, ResultTable};
 use crate::parallel::OneRank;
@@ -125,7 +125,7 @@ impl Paths {
         let times = &snapshots.times;
         let steps = ((times.len() - 1) / WINDOWS).max(1);
         let start = positions(&snapshots.snapshot(0)?);
-        let mut since_start = Displacements::begin(&start, periodicity, &OneRank);
+        let mut since_start = Displacements::begin(&start, periodicity);
         let mut in_window = since_start.clone();
         let (mut dispersion, mut curve) = (Dispersion::default(), Vec::new());
         let (mut window_start, mut fastest) = (0, 0.0_f64);
@@ -134,8 +134,9 @@ impl Paths {
             let interval = times[number] - times[number - 1];
             fastest = fastest.max(interval * fastest_across(&snapshot, &periodicity));
             let now = positions(&snapshot);
-            since_start.look(&now, &OneRank);
-            in_window.look(&now, &OneRank);
+            let owned = Ownership::of(now.iter().map(|particle| particle.id).collect());
+            since_start.look(&now, &owned, &OneRank);
+            in_window.look(&now, &owned, &OneRank);
             let Some(total) = since_start.mean(&OneRank) else { break };
             curve.push((times[number] - times[0], total));
             if let Some(mean) = in_window.mean(&OneRank) {
@@ -158,9 +159,14 @@ impl Paths {
     }
 }
 
+/// By ascending id.
 fn positions(snapshot: &ParticleSnapshot) -> Vec<Positioned> {
     let particles = snapshot.ids.iter().zip(&snapshot.positions);
-    particles.map(|(&id, &position)| Positioned { id, position: position.into() }).collect()
+    let positioned =
+        |(&id, &position): (&u64, &[f64; 3])| Positioned { id, position: position.into() };
+    let mut positions: Vec<Positioned> = particles.map(positioned).collect();
+    positions.sort_by_key(|particle| particle.id);
+    positions
 }
 
 /// The largest component of a velocity over the periodic length of its axis.
