@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmark import agreement, floor, kernels, peers, runs, scaling, states, tables
+from benchmark import agreement, floor, kernels, measures, peers, runs, scaling, states, tables
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
 from made_up_results import ScriptTest
@@ -65,6 +65,21 @@ class TestReadingPrograms(unittest.TestCase):
     def test_waiting_for_a_core_is_told_from_sleeping(self) -> None:
         seen = runs.Watched(ran={1: (900, 100), 2: (1000, 0)}, memory=[5.0] * 5 + [7.0] * 4 + [9.0])
         self.assertEqual((seen.share_of_cores, seen.usual_memory), (0.95, 7.0))
+
+
+class TestMeasures(unittest.TestCase):
+    """What measures cost."""
+
+    def test_each_kind_stands_in_the_case_and_looks_at_the_interval(self) -> None:
+        text = measures.case_text(list(measures.KINDS), 100)
+        self.assertEqual(text.count("[measure."), len(measures.KINDS))
+        self.assertEqual(text.count("every = 0.025\n"), len(measures.KINDS))
+        self.assertNotIn("[measure.", measures.case_text([], 100))
+
+    def test_a_share_is_over_all_other_phases(self) -> None:
+        run = runs.Measured(1.0, stages={"contact forces": 0.6, "measures": 0.1, "output": 0.3})
+        self.assertAlmostEqual(measures.share(run), 0.1 / 0.6)
+        self.assertEqual(measures.share(runs.Measured(1.0, stages={"contact forces": 1.0})), 0.0)
 
 
 class TestDecks(ScriptTest):

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Callable
 
-from . import agreement, floor, kernels, peers, ranks, scaling, tables
+from . import agreement, floor, kernels, measures, peers, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
 from .runs import BenchmarkError, execute, on_cores
 from .states import state
@@ -101,6 +101,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "messages": lambda _: kernels.messages(),
     "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first),
     "model": lambda _: model(),
+    "measures": lambda wanted: measures.measures(wanted.rounds, wanted.first),
 }
 
 
