@@ -1,4 +1,4 @@
-"""Tries each kind of torture for a while and prints how it went."""
+"""Tries each kind of torture for a while, or as often as is asked for, and prints how it went."""
 
 from __future__ import annotations
 
@@ -9,22 +9,37 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
 from pathlib import Path
+from typing import Callable, NamedTuple
 
-from . import damage, decompositions, interruptions
-from .program import ROOT, Broken, Context
+from . import damage, decompositions, inputs, interruptions
+from .campaign import Campaign
+from .program import ROOT, TIMES, Broken, Context
+
+
+class Kind(NamedTuple):
+    """A kind of torture: an attempt or several at once, and how many a campaign has."""
+
+    attempt: Callable[[Context], dict[str, int]]
+    goal: int
+
 
 KINDS = {
-    "kills": interruptions.kills,
-    "kills-at-calls": interruptions.kills_at_calls,
-    "faults": interruptions.faults,
-    "two-at-once": interruptions.two_at_once,
-    "checkpoints": damage.checkpoints,
-    "results": damage.results,
-    "inputs": damage.inputs,
-    "decompositions": decompositions.decompositions,
+    "kills": Kind(interruptions.kills, 8_000),
+    "kills-at-calls": Kind(interruptions.kills_at_calls, 2_000),
+    "faults": Kind(interruptions.faults, 2_000),
+    "two-at-once": Kind(interruptions.two_at_once, 200),
+    "checkpoints": Kind(damage.checkpoints, 6_000),
+    "contents": Kind(damage.contents, 2_000),
+    "results": Kind(damage.results, 2_000),
+    "inputs": Kind(inputs.inputs, 2_000),
+    "cases": Kind(inputs.cases, 100_000),
+    "decompositions": Kind(decompositions.decompositions, 2_000),
 }
+# A kind that breaks so often in one call is left: the reason is most often the same.
+MOST_BROKEN = 20
+# Where files cost least to write.
+MEMORY = Path("/dev/shm")
 
 
 def build_library(folder: Path) -> Path:
@@ -35,46 +50,69 @@ def build_library(folder: Path) -> Path:
     return path
 
 
-def torture(kind: str, context: Context, seconds: float) -> tuple[Counter[str], list[str]]:
-    """One kind for so many seconds, once at least."""
-    counts: Counter[str] = Counter()
-    broken: list[str] = []
-    deadline = time.monotonic() + seconds
-    while True:
+def torture(kind: str, context: Context, campaign: Campaign, seconds: float, goal: float) -> int:
+    """One kind for so many seconds, once at least, or until there are enough; how many broke."""
+    tally, began, broken = campaign.of(kind), time.monotonic(), 0
+    while tally.attempts < goal and broken < MOST_BROKEN:
+        start = time.monotonic()
         try:
-            counts.update(KINDS[kind](context))
+            tally.counts.update(KINDS[kind].attempt(context))
         except Broken as error:
-            broken.append(str(error))
+            broken += 1
+            tally.broken.append(str(error))
             print(f"{kind}: BROKEN: {error}", flush=True)
-        if time.monotonic() >= deadline:
-            return counts, broken
+        now = time.monotonic()
+        tally.seconds += now - start
+        if now - began >= seconds:
+            break
+    return broken
 
 
-def main() -> int:
-    """All kinds that are asked for."""
+def options() -> argparse.Namespace:
+    """What is asked for."""
     parser = argparse.ArgumentParser(prog="scripts/torture", description=__doc__)
     parser.add_argument("--minutes", type=float, default=2.0, help="for each kind (default: 2)")
     parser.add_argument("--only", help=f"kinds, with commas between: {', '.join(KINDS)}")
     parser.add_argument("--seed", type=int, default=None, help="of the random choices (default: of the clock)")
+    parser.add_argument("--campaign", type=Path, metavar="FILE",
+                        help="keep the counts in this file, go on from those that are in it, and go round"
+                             " until each kind was tried as often as a campaign has it")  # fmt: skip
+    parser.add_argument("--patience", type=float, default=1.0,
+                        help="wait this many times as long for an end, on a machine that does other work")  # fmt: skip
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "talcum")
     wanted = parser.parse_args()
-    kinds = wanted.only.split(",") if wanted.only else list(KINDS)
-    unknown = [kind for kind in kinds if kind not in KINDS]
+    wanted.kinds = wanted.only.split(",") if wanted.only else list(KINDS)
+    unknown = [kind for kind in wanted.kinds if kind not in KINDS]
     if unknown:
         parser.error(f"unknown: {', '.join(unknown)}; there are {', '.join(KINDS)}")
+    return wanted
+
+
+def main() -> int:
+    """All kinds that are asked for; in a campaign in turn, until all have enough."""
+    wanted = options()
+    TIMES[0] = wanted.patience
+    campaign = Campaign.read(wanted.campaign)
     seed = time.time_ns() % 1_000_000 if wanted.seed is None else wanted.seed
-    folder = Path(tempfile.mkdtemp(prefix="talcum-torture-"))
+    campaign.seeds.append(seed)
+    folder = Path(tempfile.mkdtemp(prefix="talcum-torture-", dir=MEMORY if MEMORY.is_dir() else None))
     library = build_library(folder)
     print(f"seed {seed}; {wanted.minutes:g} minutes each; what breaks is kept in {folder}", flush=True)
-    all_broken: list[str] = []
-    for kind in kinds:
-        # Each kind has its own sequence, whatever ran before it.
-        context = Context(wanted.program, library, folder, random.Random(f"{seed} {kind}"))
-        counts, broken = torture(kind, context, 60.0 * wanted.minutes)
-        all_broken += broken
-        for name, count in sorted(counts.items()):
-            print(f"{kind}: {count} {name}", flush=True)
-        print(f"{kind}: {len(broken)} broken", flush=True)
+    # Each kind has its own sequence, whatever ran before it.
+    contexts = {kind: Context(wanted.program, library, folder, random.Random(f"{seed} {kind}")) for kind in wanted.kinds}
+    goals = {kind: KINDS[kind].goal if wanted.campaign else float("inf") for kind in wanted.kinds}
+    all_broken, left = 0, list(wanted.kinds)
+    while left:
+        for kind in left:
+            broken = torture(kind, contexts[kind], campaign, 60.0 * wanted.minutes, goals[kind])
+            all_broken += broken
+            campaign.write()
+            for name, count in sorted(campaign.of(kind).counts.items()):
+                print(f"{kind}: {count} {name}", flush=True)
+            print(f"{kind}: {campaign.of(kind)}", flush=True)
+            if not wanted.campaign or broken >= MOST_BROKEN:
+                goals[kind] = 0
+        left = [kind for kind in left if campaign.of(kind).attempts < goals[kind]]
     if not all_broken:
         shutil.rmtree(folder)
     return 1 if all_broken else 0

@@ -1,19 +1,25 @@
-"""Damaged files and wrong inputs: refused with a message, and never another answer."""
+"""Damaged checkpoints and results: refused with a message, mended or set aside, and never another answer."""
 
 from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from random import Random
 
-from .program import ROOT, Broken, Context, case_arguments, reference, require_decent_end, run
+import h5py
+import numpy as np
 
-# A damaged case is read and laid out within this time, or something has gone astray.
-LONGEST_CHECK = 10.0
+from .case_reader import CaseReader
+from .program import Broken, Context, Ended, case_arguments, few_ranks, reference, require_decent_end, run
+
+HALF, WHOLE = 0.1, 0.15
+RESULTS = ["series.csv", "energy.csv", "walls.csv", "profiles.h5", "particles.vtkhdf", "measure-coordination.h5",
+           "measure-contacts.vtkhdf", "profiles.h5.metadata", "particles.vtkhdf.metadata", "case.toml"]  # fmt: skip
 
 
-def damaged(context: Context, data: bytes) -> bytes:
+def damaged(random: Random, data: bytes) -> bytes:
     """Some bits, bytes, a block, or the length are others."""
-    random, changed = context.random, bytearray(data)
+    changed = bytearray(data)
     kind = random.choice(["bit", "bytes", "block", "shorter", "longer", "swap"])
     at = random.randrange(len(changed))
     if kind == "bit":
@@ -37,45 +43,115 @@ def damaged(context: Context, data: bytes) -> bytes:
     return bytes(changed)
 
 
-def checkpoint_of(context: Context) -> Path:
-    """A good checkpoint, made once."""
-    path = context.folder / "good.h5"
-    if not path.exists():
-        folder = context.new_folder()
-        ended = run(context, 0, case_arguments("walls", folder, 0.1))
+def half_a_run(context: Context) -> Path:
+    """The folder of a run that has come to its half, made once."""
+    folder = context.folder / "half"
+    if not folder.exists():
+        ended = run(context, 0, case_arguments(context, "walls", folder, HALF))
         if ended.code != 0:
             raise Broken(ended.errors)
-        sorted(folder.glob("checkpoint-*.h5"))[-1].replace(path)
-        shutil.rmtree(folder)
-    return path
+    return folder
+
+
+def good_checkpoint(context: Context) -> Path:
+    """Its last state."""
+    return sorted(half_a_run(context).glob("checkpoint-*.h5"))[-1]
+
+
+def ask(context: Context, path: Path, ranks: int) -> Ended:
+    """What the program says of a checkpoint."""
+    command = ["info", str(path)]
+    if context.random.random() < 0.3:
+        command = ["restart", str(path), "--output", str(path.parent / "on"), "--until", repr(HALF)]
+    ended = run(context, ranks, command)
+    require_decent_end(ended, f"{command[0]} {path}")
+    if ended.code != 0 and str(path) not in ended.errors:
+        raise Broken(f"the error does not name {path}: {ended.errors}")
+    return ended
 
 
 def checkpoints(context: Context) -> dict[str, int]:
     """A damaged checkpoint is refused."""
-    good = checkpoint_of(context).read_bytes()
-    bad = damaged(context, good)
+    good = good_checkpoint(context).read_bytes()
+    bad = damaged(context.random, good)
     path = context.new_folder() / "bad.h5"
     path.write_bytes(bad)
-    ended = run(context, context.random.choice([0, 0, 0, 2]), ["info", str(path)])
-    require_decent_end(ended, f"info {path}")
-    if bad != good and (ended.code == 0 or str(path) not in ended.errors):
-        raise Broken(f"{path} was taken, or its error does not name it: {ended.errors}")
+    ended = ask(context, path, few_ranks(context, alone=0.97))
+    if bad != good and ended.code == 0:
+        raise Broken(f"{path} was taken")
     shutil.rmtree(path.parent)
-    return {"damaged checkpoints refused" if ended.code else "undamaged": 1}
+    return {"damaged checkpoints refused" if ended.code else "damage that changed nothing": 1}
+
+
+ODD_NUMBERS = [0, 1, -1, 2, 1e300, -1e300, 1e-300, float("nan"), float("inf"), 2**63, 2**64 - 1, 10**9]
+
+
+def change_contents(random: Random, file: h5py.File) -> str:
+    """Removes an item, gives it another type or shape, or puts odd numbers into it."""
+    names: list[str] = []
+    file.visit(names.append)
+    name = random.choice([*names, "/"])
+    item = file[name]
+    if item.attrs and (not isinstance(item, h5py.Dataset) or random.random() < 0.2):
+        attribute = random.choice(sorted(item.attrs))
+        if random.random() < 0.2:
+            del item.attrs[attribute]
+        else:
+            item.attrs[attribute] = random.choice([*ODD_NUMBERS[:6], "x", "", np.zeros(3)])
+        return f"{name}@{attribute}"
+    if name == "/" or random.random() < 0.1 or not isinstance(item, h5py.Dataset):
+        name = random.choice(names)
+        del file[name]
+        return f"no {name}"
+    values = item[()]
+    how = random.choice(["number", "number", "type", "longer", "shorter", "wider"])
+    if how == "number" and values.dtype.kind in "fiu" and values.size:
+        odd = random.choice(ODD_NUMBERS)
+        kept = values.copy()
+        with np.errstate(all="ignore"):
+            kept.flat[random.randrange(values.size)] = odd if values.dtype.kind == "f" else int(
+                np.nan_to_num(odd, posinf=0)) % 2**63  # fmt: skip
+    elif how == "type":
+        kept = np.zeros(values.shape, random.choice(["f4", "i1", "u8", "S4"]))
+    elif how == "longer" and values.ndim:
+        kept = np.concatenate([values, values[:1]])
+    elif how == "shorter" and values.ndim:
+        kept = values[:-1]
+    else:
+        kept = np.zeros((*values.shape, 2))
+    attributes = dict(item.attrs)
+    del file[name]
+    file[name] = kept
+    file[name].attrs.update(attributes)
+    return f"{how} in {name}"
+
+
+def contents(context: Context) -> dict[str, int]:
+    """A checkpoint with a good checksum and odd contents: refused, or the digest is that of its state."""
+    folder = context.new_folder()
+    path = folder / "odd.h5"
+    shutil.copy(good_checkpoint(context), path)
+    with h5py.File(path, "r+", locking=False) as file:
+        what = change_contents(context.random, file)
+    CaseReader.of(context).seal(path)
+    ended = ask(context, path, few_ranks(context, alone=0.97))
+    expected = reference(context, "walls", HALF).digest
+    if ended.code == 0 and ended.digest != expected:
+        raise Broken(f"{path} ({what}) was taken with another state")
+    shutil.rmtree(folder)
+    return {"checkpoints with odd contents refused" if ended.code else "checkpoints with odd contents, the same state": 1}
 
 
 def results(context: Context) -> dict[str, int]:
     """Damaged results are mended, or set aside with a warning; the digest stays right."""
-    until = 0.15
-    expected = reference(context, "walls", until).digest
+    expected = reference(context, "walls", WHOLE).digest
     folder = context.new_folder()
-    arguments = case_arguments("walls", folder, 0.1)
-    run(context, 0, arguments)
-    name = context.random.choice(["series.csv", "profiles.h5", "particles.vtkhdf", "profiles.h5.metadata",
-                                  "particles.vtkhdf.metadata", "case.toml"])  # fmt: skip
-    path = folder / name
-    path.write_bytes(damaged(context, path.read_bytes()))
-    ended = run(context, context.random.choice([0, 2]), [*case_arguments("walls", folder, until), "--resume"])
+    shutil.copytree(half_a_run(context), folder, dirs_exist_ok=True)
+    path = folder / context.random.choice(RESULTS)
+    path.write_bytes(damaged(context.random, path.read_bytes()))
+    require_decent_end(run(context, 0, ["analyse", str(folder)]), f"analyse with {path} damaged")
+    arguments = [*case_arguments(context, "walls", folder, WHOLE), "--resume"]
+    ended = run(context, few_ranks(context, alone=0.97), arguments)
     require_decent_end(ended, f"{path} damaged")
     if ended.code != 0 or ended.digest != expected:
         raise Broken(f"{path}: code {ended.code}: {ended.errors}")
@@ -83,54 +159,4 @@ def results(context: Context) -> dict[str, int]:
     if aside and "WARN" not in ended.errors:
         raise Broken(f"{path} was set aside without a warning")
     shutil.rmtree(folder)
-    return {f"{name} damaged, {'set aside' if aside else 'mended'}": 1}
-
-
-WORDS = ["0", "-1", "1e300", "nan", "inf", "1e-300", "true", '""', '"x"', "[]", "[1, 2]", "{}", "[[", "]", "=", "\\u0000",
-         "9223372036854775807", "1e25", "[stage]", "[[wall]]", "a.b.c = 1"]  # fmt: skip
-
-
-def changed_case(context: Context, text: str) -> str:
-    """Some lines are gone, doubled, or have another value; or some characters are others."""
-    random, lines = context.random, text.splitlines()
-    for _ in range(random.randint(1, 4)):
-        at = random.randrange(len(lines))
-        kind = random.choice(["value", "value", "value", "remove", "double", "characters", "insert"])
-        if kind == "value" and "=" in lines[at]:
-            lines[at] = lines[at].split("=")[0] + "= " + random.choice(WORDS)
-        elif kind == "remove":
-            lines[at] = ""
-        elif kind == "double":
-            lines.insert(at, lines[at])
-        elif kind == "insert":
-            lines.insert(at, random.choice(WORDS))
-        elif lines[at]:
-            place = random.randrange(len(lines[at]))
-            lines[at] = lines[at][:place] + chr(random.choice([random.randrange(128), random.randrange(0x2000)])) + (
-                lines[at][place + 1:])  # fmt: skip
-    return "\n".join(lines) + "\n"
-
-
-def inputs(context: Context) -> dict[str, int]:
-    """Damaged case files and options: a message that names them, no panic, no endless work."""
-    random = context.random
-    cases = sorted((ROOT / "cases").glob("*/*.toml")) + sorted((ROOT / "tests" / "cases" / "good").glob("*.toml"))
-    source = random.choice(cases)
-    folder = context.new_folder()
-    path = folder / "case.toml"
-    text = source.read_text(encoding="utf-8")
-    options: list[str] = []
-    if random.random() < 0.7:
-        text = changed_case(context, text)
-    else:
-        keys = [line.split("=")[0].strip() for line in text.splitlines() if "=" in line and not line.startswith("#")]
-        sections = ["", "contact.", "gas.", "particles.", "box.", "stage.1.", "time.", "output."]
-        options = ["--set", f"{random.choice(sections)}{random.choice(keys)}={random.choice(WORDS)}"]
-    path.write_bytes(text.encode("utf-8", errors="replace"))
-    # Beds of many particles are legal, and cost what they cost: none is meant here.
-    ended = run(context, 0, ["check", str(path), *options, "--set", "run.wall_clock=1s"])
-    require_decent_end(ended, f"check {path} {options} (from {source})")
-    if ended.code == 1 and str(path) not in ended.errors and "--set" not in ended.errors:
-        raise Broken(f"{path} {options}: the error names neither file nor option: {ended.errors}")
-    shutil.rmtree(folder)
-    return {"inputs taken" if ended.code == 0 else "inputs refused": 1}
+    return {f"{path.name} damaged, {'set aside' if aside else 'mended'}": 1}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -20,8 +21,28 @@ SMOKE = ROOT / "cases" / "smoke"
 PATIENCE = 60.0
 # An error or a death on one rank must end all ranks within this time.
 END = 30.0
-OFTEN = ["--set", "output.series=0.005", "--set", "output.profiles=0.01", "--set", "output.particles=0.02",
-         "--set", "checkpoint.every_steps=60", "--set", "checkpoint.keep=2"]  # fmt: skip
+# By which these are multiplied on a machine that does other work.
+TIMES = [1.0]
+# Every kind of file that a bed without gas writes, often.
+OFTEN = ["output.series=0.005", "output.walls=0.01", "output.energy=0.01", "output.profiles=0.01", "output.particles=0.02",
+         "checkpoint.every_steps=60", "checkpoint.keep=2"]  # fmt: skip
+MEASURES = """
+[measure.coordination]
+kind = "coordination"
+every = 0.005
+average = 0.02
+[measure.contacts]
+kind = "contacts"
+every = 0.02
+write = 0.02
+"""
+# At the end of the name of what is told, but is no attempt.
+NOT_COUNTED = " (not counted)"
+# The transports that one machine needs: a start takes a tenth of a second instead of half of one.
+QUICK_START = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader", "OMPI_MCA_ess_singleton_isolated": "1",
+               "OMPI_MCA_plm": "isolated", "PMIX_MCA_gds": "hash"}  # fmt: skip
+# No attempt is a bed that needs more: beyond it memory is without bound.
+MOST_MEMORY = 4 << 30
 
 
 class Broken(Exception):
@@ -37,6 +58,9 @@ class Context:
     folder: Path
     random: random.Random
     references: dict[str, "Reference"] = field(default_factory=dict)
+    case_reader: object = None
+    # What has been done to the present run, so that it can be seen again.
+    history: list[str] = field(default_factory=list)
 
     def new_folder(self) -> Path:
         """An empty folder of its own for an attempt."""
@@ -73,7 +97,12 @@ def environment(more: dict[str, str]) -> dict[str, str]:
     """Ranks that wait leave their core to others: there may be more ranks than cores."""
     settings = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                 "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}  # fmt: skip
-    return {**os.environ, "RUST_LOG": "info", **settings, **more}
+    return {**os.environ, "RUST_LOG": "info", **settings, **QUICK_START, **more}
+
+
+def few_ranks(context: "Context", alone: float = 0.9) -> int:
+    """0 (without mpirun) so often, else 1, 2 or 3."""
+    return 0 if context.random.random() < alone else context.random.choice([1, 2, 2, 3])
 
 
 def command(context: Context, ranks: int, arguments: list[str]) -> list[str]:
@@ -90,21 +119,31 @@ def start(context: Context, ranks: int, arguments: list[str], more: dict[str, st
         # Set for the ranks alone: mpirun itself must stay whole.
         at = len(line) - len(arguments) - 1
         line = [*line[:at], "env", *(f"{name}={value}" for name, value in more.items()), *line[at:]]
-    return subprocess.Popen(line, env=environment({}), start_new_session=True, **pipes)
+    before = None if ranks else limit_memory
+    return subprocess.Popen(line, env=environment({}), start_new_session=True, preexec_fn=before, **pipes)
 
 
 def wait(process: subprocess.Popen[bytes], patience: float = PATIENCE) -> Ended:
-    """Waits for the end; ends it if it takes too long."""
+    """Waits for the end; ends it if it takes too long. Seconds in which this process was stopped do not count."""
     began = time.monotonic()
-    try:
-        output, errors = process.communicate(timeout=patience)
-        code: int | None = process.returncode
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        output, errors = process.communicate()
-        code = None
+    output, errors, code = b"", b"", None
+    patience *= TIMES[0]
+    for second in range(1, int(patience) + 1):
+        try:
+            output, errors = process.communicate(timeout=1.0)
+            code = process.returncode
+            break
+        except subprocess.TimeoutExpired:
+            if second == int(patience):  # it has had all of its time
+                os.killpg(process.pid, signal.SIGKILL)
+                output, errors = process.communicate()
     text = [part.decode(errors="replace") for part in (output, errors)]
     return Ended(code, *text, time.monotonic() - began)
+
+
+def limit_memory() -> None:
+    """Called in a new process: no more than this for it."""
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
 
 
 def run(context: Context, ranks: int, arguments: list[str], more: dict[str, str] | None = None) -> Ended:
@@ -134,15 +173,26 @@ def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
     return [number for number in [process.pid, *children(process.pid)] if name(number) == "talcum"]
 
 
-def case_arguments(case: str, folder: Path, until: float) -> list[str]:
+def case_file(context: Context, case: str) -> Path:
+    """A smoke case with measures."""
+    path = context.folder / f"{case}.toml"
+    if not path.exists():
+        path.write_text((SMOKE / path.name).read_text(encoding="utf-8") + MEASURES, encoding="utf-8")
+    return path
+
+
+def case_arguments(context: Context, case: str, folder: Path, until: float) -> list[str]:
     """A run of a smoke case with all outputs."""
-    return ["run", str(SMOKE / f"{case}.toml"), "--output", str(folder), "--until", repr(until), *OFTEN]
+    often = [argument for key in OFTEN for argument in ("--set", key)]
+    return ["run", str(case_file(context, case)), "--output", str(folder), "--until", repr(until), *often]
 
 
 def tables(folder: Path) -> dict[str, object]:
-    """The rows of all results: text of the series, numbers of every dataset."""
-    lines = (folder / "series.csv").read_text().splitlines()
-    found: dict[str, object] = {"series.csv": [line for line in lines if not line.startswith("#")]}
+    """The rows of all results: text of the tables, numbers of every dataset."""
+    found: dict[str, object] = {}
+    for path in sorted(folder.glob("*.csv")):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        found[path.name] = [line for line in lines if not line.startswith("#")]
     for path in sorted(folder.glob("*.h5")) + sorted(folder.glob("*.vtkhdf")):
         if path.name.startswith("checkpoint-"):
             continue
@@ -168,7 +218,7 @@ def reference(context: Context, case: str, until: float) -> Reference:
     key = f"{case} {until}"
     if key not in context.references:
         folder = context.new_folder()
-        ended = run(context, 0, case_arguments(case, folder, until))
+        ended = run(context, 0, case_arguments(context, case, folder, until))
         if ended.code != 0:
             raise Broken(f"{case} does not run: {ended.errors}")
         context.references[key] = Reference(ended.digest, tables(folder))
