@@ -68,7 +68,7 @@ impl fmt::Display for CaseErrors {
 const LONGEST: usize = 400;
 
 /// A text, or its beginning if it is long.
-fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{} ... ({} bytes in all)", &text[..end], text.len()),
         None => text.to_owned(),

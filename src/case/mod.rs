@@ -21,6 +21,7 @@ mod merging;
 mod overrides;
 mod own_laws;
 mod particles;
+mod places;
 mod plans;
 mod reference;
 mod schedules;
@@ -41,6 +42,7 @@ pub(crate) use changes::for_each_value;
 pub use changes::{Change, changes};
 pub use errors::{CaseError, CaseErrors, SourcePlace};
 pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
+pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
 pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub use sizes::SizeDistribution;
@@ -63,7 +65,7 @@ use section::Section;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
-use tree::Node;
+use tree::{NOT_UTF8, Node, utf8_text};
 
 /// A run as its case file describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,8 @@ pub struct Case {
     pub parallel: ParallelPlan,
     /// Choices of physics that the file leaves to a default, as messages.
     pub notes: Vec<String>,
+    /// Where in the file its values stand.
+    pub places: Places,
 }
 
 impl Case {
@@ -101,15 +105,25 @@ impl Case {
     /// All that is wrong with the file, not only the first.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, CaseErrors> {
         let name = path.display().to_string();
-        let text = std::fs::read(path).map_err(|error| error.to_string()).and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
-        });
-        let text = text.map_err(|reason| {
-            let problems = Problems::default();
-            problems.add_at(SourcePlace::File, format!("cannot be read: {reason}"));
-            problems.into_errors(&name)
-        })?;
+        let text = Self::read_text(path)?;
         Self::from_text(&text, &name, path.parent().unwrap_or(Path::new("")), overrides)
+    }
+
+    /// The text of a case file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read_text(path: &Path) -> Result<String, CaseErrors> {
+        let text = std::fs::read(path)
+            .map_err(|error| (SourcePlace::File, format!("cannot be read: {error}")))
+            .and_then(|bytes| {
+                utf8_text(bytes).map_err(|line| (SourcePlace::Line(line), NOT_UTF8.to_owned()))
+            });
+        text.map_err(|(place, reason)| {
+            let problems = Problems::default();
+            problems.add_at(place, reason);
+            problems.into_errors(&path.display().to_string())
+        })
     }
 
     /// Reads the text of a case, which errors call `file_name`; paths in it are relative to `folder`.
@@ -126,7 +140,10 @@ impl Case {
         let case = overrides::apply(text, overrides, &problems)
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
         match case {
-            Some(case) if problems.is_empty() => Ok(case),
+            Some(mut case) if problems.is_empty() => {
+                case.places.set_file_name(file_name);
+                Ok(case)
+            }
             _ => Err(problems.into_errors(file_name)),
         }
     }
@@ -245,6 +262,17 @@ impl Case {
         }
         wrong
     }
+
+    /// As [`Case::check_sizes`], with the place of each key.
+    ///
+    /// # Errors
+    /// All that is wrong.
+    pub fn require_sizes(&self, sizes: &SizeRange) -> Result<(), CaseErrors> {
+        match self.check_sizes(sizes) {
+            wrong if wrong.is_empty() => Ok(()),
+            wrong => Err(self.places.errors(wrong)),
+        }
+    }
 }
 
 /// The volume-averaged gas moves at whole multiples of its step, on cells that are the same for all stages
@@ -288,7 +316,7 @@ fn check_box(bounds: &Bounds, case: &Case, sizes: &SizeRange) -> Vec<(&'static s
             );
             wrong.push(("box.lengths", message));
         } else if length < largest {
-            let message = format!("is smaller along {name} than the largest particle, {largest}");
+            let message = format!("is smaller along {name} than the largest particle, {largest:?}");
             wrong.push(("box.lengths", message));
         } else if length > 1.0e9 * sizes.smallest_diameter {
             let message = format!("must be at most 1e9 of the smallest diameter along {name}");
@@ -323,6 +351,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         wall_clock: or_defaults("run")?.wall_time("wall_clock"),
         parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s))?,
         notes: problems.notes(),
+        places: Places::of(tree),
     };
     case.measures = measures::read_measures(&root, &case)?;
     if let Some(output) = root.table("output") {

@@ -12,7 +12,7 @@ pub(super) fn read_case(
 ) -> anyhow::Result<Case> {
     let name = path.display();
     let text = if ranks.is_root() {
-        std::fs::read_to_string(path).map_err(|error| format!("{name}: cannot be read: {error}"))
+        Case::read_text(path).map_err(|error| error.to_string())
     } else {
         Ok(String::new())
     };

@@ -2,7 +2,7 @@
 
 use super::layout::{lay_out, layout_of};
 use crate::analysis::Digest;
-use crate::case::{BedPart, BedStart, Case, Change, changes};
+use crate::case::{BedPart, BedStart, Case, CaseErrors, Change, RankLayout, changes};
 use crate::domain::{Decomposition, RankGrid, Wall};
 use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
@@ -36,14 +36,9 @@ pub enum StartError {
         /// Why it cannot be.
         reason: &'static str,
     },
-    /// The particles do not fit the case.
-    #[error("{key}: {message}")]
-    Sizes {
-        /// Which key of the case.
-        key: &'static str,
-        /// What is wrong.
-        message: String,
-    },
+    /// What the case says does not suit the sizes of the particles, or the number of ranks.
+    #[error(transparent)]
+    Case(#[from] CaseErrors),
 }
 
 /// Where an initial state comes from.
@@ -198,10 +193,15 @@ fn distribute(
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
     let sizes = snapshot.sizes;
-    if let Some((key, message)) = case.check_sizes(&sizes).into_iter().next() {
-        return Err(StartError::Sizes { key, message });
-    }
-    let mut decomposition = lay_out(case, &sizes, grid, ranks.size())?;
+    case.require_sizes(&sizes)?;
+    let laid_out = lay_out(case, &sizes, grid, ranks.size());
+    let mut decomposition = laid_out.map_err(|error| match (grid, case.parallel.layout) {
+        // The case names the grid that does not fit.
+        (None, RankLayout::Grid(_)) => {
+            StartError::Case(case.places.errors([("parallel.ranks", error.to_string())]))
+        }
+        _ => error.into(),
+    })?;
     if case.parallel.balance.is_some() {
         let layout = layout_of(case, &sizes);
         let balanced = balanced_at_start(&layout, &decomposition, &snapshot.particles, ranks);

@@ -1,6 +1,7 @@
 //! Particles from a file.
 
 use super::super::particles::BedFormat;
+use super::super::tree::{NOT_UTF8, utf8_text};
 use super::cells::Cells;
 use super::columns::{At, Row, Rows};
 use super::{BedError, InitialBed, Sphere, csv, diameter_of, lammps, record};
@@ -22,7 +23,7 @@ pub(super) fn read(
 ) -> Result<InitialBed, BedError> {
     let failed = |reason: String| BedError::File { file: file.to_owned(), reason };
     let bytes = std::fs::read(file).map_err(|error| failed(format!("cannot be read: {error}")))?;
-    let text = String::from_utf8(bytes).map_err(|_| failed("is not a text in UTF-8".to_owned()))?;
+    let text = utf8_text(bytes).map_err(|line| At { file, line }.error(NOT_UTF8))?;
     let Rows { mut rows, have_velocities } = match format {
         BedFormat::Csv => csv::parse(&text, file)?,
         BedFormat::Lammps => lammps::parse(&text, file)?,
@@ -40,7 +41,9 @@ pub(super) fn read(
         return Err(at.error(format!("id {} is that of line {} too", pair[0].id, pair[0].line)));
     }
     let bed = bed_of(case, &rows, offset, file)?;
-    check(case, &bed)?;
+    bed.size_range().map_or(Ok(()), |sizes| case.require_sizes(&sizes))?;
+    let lines: Vec<usize> = rows.iter().map(|row| row.line).collect();
+    check_overlaps(case, &bed, |number| At { file, line: lines[number] })?;
     Ok(bed)
 }
 
@@ -52,12 +55,12 @@ fn bed_of(
 ) -> Result<InitialBed, BedError> {
     let mut bed = InitialBed::default();
     for row in rows {
+        let at = At { file, line: row.line };
         let diameter = row.diameter.or_else(|| diameter_of(case, row.id)).ok_or_else(|| {
-            let words = "there is no diameter: give a column of it, or particles.diameter";
-            At { file, line: row.line }.error(words)
+            at.error("there is no diameter: give a column of it, or particles.diameter")
         })?;
         let position = Vector3::from(row.position) + offset;
-        require_inside(case, row.id, &position)?;
+        require_inside(case, row.id, &position).map_err(|reason| at.error(reason))?;
         let mut particle = record(case, row.id, &Sphere { position, diameter });
         if case.particles.granular_temperature == 0.0 {
             particle.velocity = row.velocity;
@@ -69,7 +72,7 @@ fn bed_of(
 }
 
 /// A position must not be beyond a face, but for a periodic one.
-fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), BedError> {
+fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), String> {
     let bounds = &case.domain.bounds;
     for (axis, name) in ['x', 'y', 'z'].into_iter().enumerate() {
         let (coordinate, length) = (position[axis], bounds.lengths()[axis]);
@@ -78,21 +81,19 @@ fn require_inside(case: &Case, id: u64, position: &Vector3<f64>) -> Result<(), B
             false => 0.0..=length,
         };
         if !allowed.contains(&coordinate) {
-            return Err(BedError::Outside { id, axis: name, coordinate });
+            return Err(format!("particle {id} is outside of the box: its {name} is {coordinate}"));
         }
     }
     Ok(())
 }
 
-/// Sizes must suit the case; overlaps must be small.
-fn check(case: &Case, bed: &InitialBed) -> Result<(), BedError> {
+/// Overlaps must be small. `place_of`: where the file has a particle, by its number.
+fn check_overlaps<'a>(
+    case: &Case,
+    bed: &InitialBed,
+    place_of: impl Fn(usize) -> At<'a>,
+) -> Result<(), BedError> {
     let Some(sizes) = bed.size_range() else { return Ok(()) };
-    let wrong = case.check_sizes(&sizes);
-    if !wrong.is_empty() {
-        let lines: Vec<String> =
-            wrong.iter().map(|(key, words)| format!("{key}: {words}")).collect();
-        return Err(BedError::Sizes(lines.join("\n")));
-    }
     let spheres = bed.particles.iter().map(|particle| Sphere {
         position: particle.position.into(),
         diameter: 2.0 * particle.radius,
@@ -101,18 +102,20 @@ fn check(case: &Case, bed: &InitialBed) -> Result<(), BedError> {
     let name = |number: usize| format!("particle {}", bed.particles[number].id);
     let mut cells = Cells::new(&case.domain.bounds, sizes.largest_diameter, spheres.len());
     for (number, sphere) in spheres.iter().enumerate() {
-        let mut partner = cells
-            .overlap(&spheres, sphere, MOST_OVERLAP)
-            .map(|(other, overlap)| (name(other), overlap));
+        let mut partner = cells.overlap(&spheres, sphere, MOST_OVERLAP).map(|(other, overlap)| {
+            (format!("{} of line {}", name(other), place_of(other).line), overlap)
+        });
         for wall in &case.domain.walls {
             let overlap = 0.5 - wall.height_of(&sphere.position) / sphere.diameter;
             if overlap > MOST_OVERLAP {
                 partner = Some((format!("wall {:?}", wall.name), overlap));
             }
         }
-        if let Some((second, overlap)) = partner {
-            let first = name(number);
-            return Err(BedError::Overlap { first, second, overlap, most: MOST_OVERLAP });
+        if let Some((partner, overlap)) = partner {
+            return Err(place_of(number).error(format!(
+                "{} and {partner} overlap by {overlap:.4} of the smaller diameter: must be at most {MOST_OVERLAP}",
+                name(number)
+            )));
         }
         cells.push(&sphere.position);
     }

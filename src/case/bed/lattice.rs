@@ -1,7 +1,7 @@
 //! Layers of a simple cubic lattice, from the bottom up.
 
 use super::super::particles::Amount;
-use super::{BedError, BedPart, Sphere, diameter_of};
+use super::{BedError, BedPart, Sphere, diameter_of, no_room, too_many};
 use crate::case::Case;
 use crate::numbers::{random_of, uniform};
 use nalgebra::Vector3;
@@ -52,10 +52,8 @@ pub(super) fn fill(
         }
     }
     match case.particles.amount {
-        Some(Amount::Count(asked)) if placed < asked => {
-            Err(BedError::TooMany { asked, room: placed })
-        }
-        _ if placed == 0 => Err(BedError::NoRoom("not one particle fits".to_owned())),
+        Some(Amount::Count(asked)) if placed < asked => Err(too_many(case, placed)),
+        _ if placed == 0 => Err(no_room(case, "not one particle fits")),
         _ => Ok(spheres),
     }
 }
@@ -63,14 +61,12 @@ pub(super) fn fill(
 /// How many particles the case wants, of so many that there is room for.
 fn wanted(case: &Case, room: f64) -> Result<f64, BedError> {
     match case.particles.amount {
-        Some(Amount::Count(asked)) if asked as f64 > room => {
-            Err(BedError::TooMany { asked, room: room as u64 })
-        }
+        Some(Amount::Count(asked)) if asked as f64 > room => Err(too_many(case, room as u64)),
         Some(Amount::Count(count)) => Ok(count as f64),
         _ if room > MOST => {
             let reason =
                 format!("{room} particles fit below fill_height: at most 1e9 are possible");
-            Err(BedError::NoRoom(reason))
+            Err(no_room(case, reason))
         }
         _ => Ok(room),
     }
@@ -112,7 +108,7 @@ impl Sites {
                 "not one particle fits between bottom = {bottom} and a height of {top} with \
                  spacing = {spacing}"
             );
-            return Err(BedError::NoRoom(reason));
+            return Err(no_room(case, reason));
         }
         Ok(Self { counts, spacings, bottom })
     }

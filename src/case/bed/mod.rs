@@ -8,8 +8,8 @@ mod lammps;
 mod lattice;
 mod random_fill;
 
-use super::Case;
 use super::particles::BedStart;
+use super::{Case, CaseErrors};
 use crate::numbers::{normal, random_of};
 use crate::parallel::ParticleRecord;
 use crate::state::SizeRange;
@@ -64,47 +64,23 @@ pub enum BedError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Not all particles fit.
-    #[error("particles.count = {asked}: only {room} fit into the box from such a start")]
-    TooMany {
-        /// How many the case wants.
-        asked: u64,
-        /// How many fit.
-        room: u64,
-    },
-    /// There is no room.
-    #[error("particles.start: {0}")]
-    NoRoom(String),
-    /// The sizes of the particles do not suit box or time step.
-    #[error("{0}")]
-    Sizes(String),
-    /// Two particles, or a particle and a wall, are too deep in each other.
-    #[error(
-        "{first} and {second} overlap by {overlap:.4} of the smaller diameter: must be at most {most}"
-    )]
-    Overlap {
-        /// The particle.
-        first: String,
-        /// The other one, or the wall.
-        second: String,
-        /// Overlap over the smaller diameter.
-        overlap: f64,
-        /// What is allowed.
-        most: f64,
-    },
-    /// A particle is outside.
-    #[error("particle {id} is outside of the box: its {axis} is {coordinate}")]
-    Outside {
-        /// Its id.
-        id: u64,
-        /// Along which axis.
-        axis: char,
-        /// Where.
-        coordinate: f64,
-    },
+    /// What the case asks for does not fit, or does not suit the sizes of the particles.
+    #[error(transparent)]
+    Case(#[from] CaseErrors),
     /// The start is the end of another run, which this module cannot read.
     #[error("the start is the end of another run, {}: it is read from that checkpoint", .0.display())]
     AnotherRun(PathBuf),
+}
+
+/// Not as many particles fit as the case asks for.
+fn too_many(case: &Case, room: u64) -> BedError {
+    let message = format!("only {room} fit into the box from such a start");
+    case.places.errors([("particles.count", message)]).into()
+}
+
+/// There is no room for such a start.
+fn no_room(case: &Case, reason: impl Into<String>) -> BedError {
+    case.places.errors([("particles.start", reason.into())]).into()
 }
 
 impl InitialBed {

@@ -2,7 +2,7 @@
 
 use super::super::particles::Amount;
 use super::cells::Cells;
-use super::{BedError, Sphere, diameter_of};
+use super::{BedError, Sphere, diameter_of, no_room, too_many};
 use crate::case::Case;
 use crate::numbers::{random_of, uniform};
 use nalgebra::Vector3;
@@ -29,7 +29,7 @@ pub(super) fn fill(
     let (top, reached) = (bounds.lengths().z, bottom + height);
     if reached > top * (1.0 + 1.0e-9) {
         let reason = format!("the bed would reach up to {reached:.6} in a box of {top}");
-        return Err(BedError::NoRoom(reason));
+        return Err(no_room(case, reason));
     }
     let thickness = height / (height / (LAYER * largest)).round().max(1.0);
     let mut cells = Cells::new(bounds, largest, diameters.len());
@@ -46,7 +46,7 @@ pub(super) fn fill(
                 "no room for particle {id} between heights of {lower:.6} and {upper:.6} after {TRIES} \
                  tries: lower solids_fraction"
             );
-            return Err(BedError::NoRoom(reason));
+            return Err(no_room(case, reason));
         };
         cells.push(&sphere.position);
         spheres.push(sphere);
@@ -65,7 +65,7 @@ fn diameters(case: &Case, per_height: f64, bottom: f64) -> Result<Vec<f64>, BedE
         Some(Amount::Count(count)) => {
             let room = per_height * (top - bottom).max(0.0) / volume_of(smallest);
             return match count as f64 > room * (1.0 + 1.0e-9) {
-                true => Err(BedError::TooMany { asked: count, room: room.min(1.0e9) as u64 }),
+                true => Err(too_many(case, room.min(1.0e9) as u64)),
                 false => Ok((0..count).map(diameter).collect()),
             };
         }
@@ -75,7 +75,7 @@ fn diameters(case: &Case, per_height: f64, bottom: f64) -> Result<Vec<f64>, BedE
     let mut room = per_height * height;
     if room / volume_of(smallest) > 1.0e9 {
         let reason = "more than 1e9 particles would fit below fill_height".to_owned();
-        return Err(BedError::NoRoom(reason));
+        return Err(no_room(case, reason));
     }
     let mut diameters = Vec::new();
     loop {
@@ -87,7 +87,7 @@ fn diameters(case: &Case, per_height: f64, bottom: f64) -> Result<Vec<f64>, BedE
         diameters.push(next);
     }
     match diameters.is_empty() {
-        true => Err(BedError::NoRoom("not one particle fits below fill_height".to_owned())),
+        true => Err(no_room(case, "not one particle fits below fill_height")),
         false => Ok(diameters),
     }
 }
