@@ -58,7 +58,7 @@ pub(crate) use cell_migration::send_cells_to_owners;
 pub use directory::send_histories_to_owners;
 pub(crate) use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
-pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator};
+pub use mpi_ranks::{AllocatorOfRanks, AlreadyStarted, MpiRanks, RawCommunicator};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
 pub use records::{

@@ -1,5 +1,6 @@
 //! Ranks as MPI processes. Only this module uses the `mpi` crate.
 
+mod allocator;
 mod file_errors;
 mod sparse_exchange;
 
@@ -16,6 +17,8 @@ use mpi::point_to_point::{Message as MatchedMessage, Status};
 use mpi::request::{WaitGuard, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
+
+pub use allocator::AllocatorOfRanks;
 
 use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
@@ -76,6 +79,7 @@ impl MpiRanks {
         let (universe, _) =
             mpi::initialize_with_threading(Threading::Funneled).ok_or(AlreadyStarted)?;
         let world = universe.world().duplicate();
+        allocator::set_rank(world.rank() as usize);
         RUNNING.store(true, Ordering::SeqCst);
         end_all_ranks_on_panic();
         file_errors::end_all_ranks_on_file_errors();

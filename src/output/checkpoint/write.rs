@@ -86,10 +86,12 @@ fn while_syncing<T>(path: &Path, write: impl FnOnce() -> T) -> (T, MessageResult
         Ok(())
     };
     std::thread::scope(|scope| {
-        let syncing = scope.spawn(sync);
+        // Where no thread can be had, the file is brought to the disk at the end only.
+        let syncing = std::thread::Builder::new().spawn_scoped(scope, sync);
         let written = write();
         drop(writing);
-        let synced = syncing.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let synced = syncing.map_or(Ok(Ok(())), |thread| thread.join());
+        let synced = synced.unwrap_or_else(|panic| resume_unwind(panic));
         (written, synced.map_err(|error| error.to_string()))
     })
 }

@@ -11,6 +11,7 @@ use super::flush_standard_streams;
 use mpi::ffi::{self, MPI_Errhandler, MPI_File};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator as _;
+use rustix::io::Errno;
 use std::ffi::c_int;
 use std::io::Write;
 use std::mem::MaybeUninit;
@@ -25,6 +26,24 @@ const CODE: i32 = 1;
 const PAUSE: Duration = Duration::from_millis(100);
 /// The longest such pause.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
+
+/// What may go wrong with a file. Other numbers are left from earlier calls.
+const OF_FILES: [Errno; 12] = [
+    Errno::NOSPC,
+    Errno::DQUOT,
+    Errno::IO,
+    Errno::FBIG,
+    Errno::ROFS,
+    Errno::MFILE,
+    Errno::NFILE,
+    Errno::NOMEM,
+    Errno::STALE,
+    Errno::ACCESS,
+    Errno::NODEV,
+    Errno::ISDIR,
+];
+/// Less room than this, in bytes, is told.
+const LITTLE: u64 = 100_000_000;
 
 /// The file that was opened last; the error names it.
 static FILE: Mutex<Option<PathBuf>> = Mutex::new(None);
@@ -54,16 +73,42 @@ pub(super) fn end_all_ranks_on_file_errors() {
 
 /// Called by MPI in the place where the operation has failed.
 unsafe extern "C" fn end_all_ranks(_: *mut MPI_File, code: *mut c_int) {
+    // Before anything else asks the system for something.
+    let cause = cause_of_failure(std::io::Error::last_os_error());
     let world = SimpleCommunicator::world();
     let rank = u32::try_from(world.rank()).unwrap_or(u32::MAX);
     std::thread::sleep(PAUSE.saturating_mul(rank).min(LONGEST_PAUSE));
     // SAFETY: MPI gives a pointer to the code.
     let reason = text_of(unsafe { *code });
     let file = FILE.lock().ok().and_then(|file| file.clone()).unwrap_or_default();
+    let room = free_space(&file);
     // Nothing is left to do if standard error is closed.
-    let _ = writeln!(std::io::stderr(), "error: {}: rank {rank}: {reason}", file.display());
+    let _ = writeln!(
+        std::io::stderr(),
+        "error: {}: rank {rank}: {reason}{cause}{room}",
+        file.display()
+    );
     flush_standard_streams();
     world.abort(CODE)
+}
+
+/// The system's error of the call that failed, where it is one of files: MPI itself keeps only that there was one.
+fn cause_of_failure(error: std::io::Error) -> String {
+    let kind = Errno::from_io_error(&error).filter(|kind| OF_FILES.contains(kind));
+    kind.map_or_else(String::new, |_| format!(": {error}"))
+}
+
+/// How much room there is, if it is little.
+fn free_space(path: &Path) -> String {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let Ok(found) = rustix::fs::statvfs(folder.unwrap_or(Path::new("."))) else {
+        return String::new();
+    };
+    let free = found.f_bavail.saturating_mul(found.f_frsize);
+    match free < LITTLE {
+        true => format!("; {:.1} MB are free on its file system", 1.0e-6 * free as f64),
+        false => String::new(),
+    }
 }
 
 /// MPI's words for an error code.

@@ -83,6 +83,7 @@ fn a_write_that_fails_on_one_rank_ends_all_ranks_and_the_run_goes_on_where_it_wa
         let message = ended.errors.clone();
         assert_eq!(ended.code(), Some(1), "{file}: {message}");
         assert!(ended.error().contains(file), "{file}: {message}");
+        assert!(ended.error().contains("No space left on device"), "{file}: {message}");
         let resumed = talcum(2, &arguments(&run_in(folder.path(), &["--resume"])));
         assert_eq!(resumed.digest(), expected, "{file}");
         assert_eq!(series(folder.path()), series(whole.path()), "{file}");

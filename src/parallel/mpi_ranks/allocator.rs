@@ -1,0 +1,97 @@
+//! What happens when there is no more memory: the rank says how much it asked for, and all ranks end.
+
+#![allow(unsafe_code, reason = "an allocator hands out raw memory")]
+
+use super::{RUNNING, flush_standard_streams};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::Communicator as _;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Exit code of all ranks, that of any other error.
+const CODE: i32 = 1;
+
+/// This process's rank, once it is known.
+static RANK: AtomicUsize = AtomicUsize::new(0);
+/// Whether the message is on its way.
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// The system's allocator. Where it has no memory left, a message is printed and all ranks of MPI end, while Rust's own way
+/// is to crash this process.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AllocatorOfRanks;
+
+/// Sets the rank that the message names.
+pub(super) fn set_rank(rank: usize) {
+    RANK.store(rank, Ordering::Relaxed);
+}
+
+// SAFETY: the system's allocator does all the work, and is asked for exactly what this one is asked for.
+unsafe impl GlobalAlloc for AllocatorOfRanks {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's promises are those that the system's allocator needs; so below.
+        or_end(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        or_end(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as above.
+        or_end(unsafe { System.realloc(memory, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[inline]
+fn or_end(memory: *mut u8, size: usize) -> *mut u8 {
+    if memory.is_null() {
+        end_all_ranks(size);
+    }
+    memory
+}
+
+/// Allocates nothing.
+#[cold]
+fn end_all_ranks(size: usize) -> ! {
+    if ENDING.swap(true, Ordering::SeqCst) {
+        std::process::abort();
+    }
+    let mut text = [0_u8; 400];
+    let mut rest = &mut text[..];
+    let megabytes = |bytes: usize| 1.0e-6 * bytes as f64;
+    let rank = RANK.load(Ordering::Relaxed);
+    // The text is short enough, and nothing is left to do if standard error is closed.
+    let _ = writeln!(
+        rest,
+        "error: rank {rank} is out of memory: it has {:.0} MB and was refused {:.0} MB more. Use more machines, or fewer \
+         ranks on each; talcum check estimates what a case needs",
+        megabytes(resident()),
+        megabytes(size)
+    );
+    let left = rest.len();
+    let _ = std::io::stderr().write_all(&text[..text.len() - left]);
+    flush_standard_streams();
+    if RUNNING.load(Ordering::SeqCst) {
+        SimpleCommunicator::world().abort(CODE);
+    }
+    std::process::exit(CODE)
+}
+
+/// Bytes of this process in the machine's memory; 0 where that is not known.
+fn resident() -> usize {
+    let mut text = [0_u8; 4096];
+    let read = File::open("/proc/self/status").and_then(|mut file| file.read(&mut text));
+    let text = std::str::from_utf8(&text[..read.unwrap_or(0)]).unwrap_or_default();
+    let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse().ok());
+    1024 * kilobytes.unwrap_or(0_usize)
+}
