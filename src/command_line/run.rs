@@ -9,9 +9,10 @@ use crate::case::{BedStart, Case, changes};
 use crate::output::checkpoint;
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
-    self, InitialState, Outcome, OutputFolder, RunOptions, start_from_case, start_from_checkpoint,
+    self, InitialState, Outcome, OutputFolder, RunError, RunOptions, start_from_case,
+    start_from_checkpoint,
 };
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use std::path::{Path, PathBuf};
 
 /// What happens to the results of an earlier run in the output folder.
@@ -193,14 +194,39 @@ fn run_to_end(
     say(ranks, report::head(case, particles, ranks.size()).trim_end());
     let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
     let mut progress = ProgressReport::new();
+    let results = folder.path.clone();
     let run_options =
         RunOptions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };
-    let outcome = simulation::run(case, initial, run_options, ranks)?;
+    let outcome = simulation::run(case, initial, run_options, ranks)
+        .map_err(|error| with_newest_checkpoint(error, &results, resume))?;
     progress.finish();
     let until = options.until.map(|time| format!(" --until {time}")).unwrap_or_default();
     let resume = resume(&outcome.checkpoint) + &until;
     say(ranks, &summary(&outcome, &resume, ranks.size()));
     Ok(())
+}
+
+/// A step that failed, and where to go on: what it has begun has no meaning and is written nowhere.
+fn with_newest_checkpoint(
+    error: RunError,
+    folder: &Path,
+    resume: &dyn Fn(&Path) -> String,
+) -> anyhow::Error {
+    if !matches!(error, RunError::Step(_)) {
+        return error.into();
+    }
+    let newest = checkpoint::files_in(folder).ok().and_then(|files| files.into_iter().next_back());
+    let advice = match newest {
+        Some(path) => format!(
+            "the state of this step is not written; the newest checkpoint is {}: go on from it with another time.step, or \
+             what else is to change, by: {} --set time.step=...",
+            path.display(),
+            resume(&path)
+        ),
+        None => "the state of this step is not written, and there is no checkpoint from before"
+            .to_owned(),
+    };
+    anyhow!("{error}\n{advice}")
 }
 
 fn summary(outcome: &Outcome, resume: &str, ranks: usize) -> String {

@@ -125,6 +125,11 @@ impl GasSolver {
         }
     }
 
+    /// Whether the next step of the gas will most likely be refused as too long; the same on all ranks.
+    pub fn next_is_too_long(&self) -> bool {
+        matches!(self, Self::VolumeAveraged(solver) if solver.next_is_too_long())
+    }
+
     /// What the time series shows. Collective.
     pub fn observables(&self, state: &GasState, ranks: &dyn Communicator) -> GasObservables {
         let (superficial_velocity, pressure_drop) = match (self, state) {

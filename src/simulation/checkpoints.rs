@@ -3,6 +3,7 @@
 use super::interval::Interval;
 use crate::analysis::Digest;
 use crate::case::CheckpointPlan;
+use crate::gas::GasSolver;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{OutputError, Provenance};
 use crate::parallel::{Communicator, ParticleRecord, Records};
@@ -22,17 +23,22 @@ pub(super) struct WrittenCheckpoint {
 pub(super) struct Checkpoints {
     plan: CheckpointPlan,
     last: Instant,
+    /// Whether the gas is about to fail, and a checkpoint from before is written.
+    failure_is_near: bool,
 }
 
 impl Checkpoints {
     /// As the case plans them; the wall-clock time since the last one counts from now.
     pub(super) fn new(plan: &CheckpointPlan) -> Self {
-        Self { plan: plan.clone(), last: Instant::now() }
+        Self { plan: plan.clone(), last: Instant::now(), failure_is_near: false }
     }
 
-    /// Whether one is due now by simulated time or steps.
-    pub(super) fn due(&self, clock: &Clock) -> bool {
-        Interval(self.plan.every).due(clock, clock.step)
+    /// Whether one is due now: by simulated time or steps, or because the next step of the gas will be too long, which
+    /// leaves a state without meaning.
+    pub(super) fn due(&mut self, clock: &Clock, gas: &GasSolver) -> bool {
+        let was_near = std::mem::replace(&mut self.failure_is_near, gas.next_is_too_long());
+        (self.failure_is_near && !was_near)
+            || Interval(self.plan.every).due(clock, clock.step)
             || self.plan.every_steps.is_some_and(|steps| clock.step.is_multiple_of(steps))
     }
 

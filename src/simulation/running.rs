@@ -163,7 +163,7 @@ impl<'a> Simulation<'a> {
         self.work.timers.add(Phase::Measures, measures_start.elapsed());
         let output_start = Instant::now();
         self.write_due(probe)?;
-        if requests.checkpoint || self.checkpoints.due(self.state.clock()) {
+        if requests.checkpoint || self.checkpoints.due(self.state.clock(), &self.work.gas) {
             self.write_checkpoint()?;
         }
         self.work.timers.add(Phase::Output, output_start.elapsed());

@@ -1,6 +1,8 @@
 //! What goes wrong ends all ranks, with one message and a code, and never by a hang.
 
-use crate::launch::{Ended, checkpoints, signal, smoke, start, talcum, wait_for_end_of};
+use crate::launch::{
+    Ended, checkpoints, signal, smoke, start, start_program, talcum, wait_for_end_of,
+};
 use std::fs;
 use std::path::Path;
 
@@ -27,9 +29,9 @@ fn an_unreadable_case_stops_with_an_error_message() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.toml");
-    fs::write(&path, b"title = \"\xff\"\n").unwrap();
+    fs::write(&path, b"# a case\ntitle = \"\xff\"\n").unwrap();
     let ended = talcum(2, &["check", &path.display().to_string()]);
-    assert!(failure(&ended).contains("cannot be read"), "{}", ended.errors);
+    assert!(failure(&ended).contains("case.toml:2: is not a text in UTF-8"), "{}", ended.errors);
 }
 
 #[test]
@@ -69,6 +71,23 @@ fn a_case_that_needs_more_memory_than_there_is_is_refused_at_once() {
     }
 }
 
+/// The bed needs 2 GB, and a process may have one.
+#[test]
+fn a_machine_without_memory_is_said_so_in_one_message() {
+    let arguments = "--any-memory --set particles.count=10000000 --set box.lengths=[2000,2000,12]";
+    for launcher in ["", "mpirun -n 2"] {
+        let program = env!("CARGO_BIN_EXE_talcum");
+        let script =
+            format!("ulimit -v 1000000; {launcher} {program} check {} {arguments}", smoke("walls"));
+        let ended = start_program(Path::new("/bin/sh"), 0, &["-c", &script]).wait();
+        let messages = ended.errors.matches("error: rank").count();
+        assert_eq!(ended.code(), Some(1), "{}", ended.errors);
+        assert!((1..=2).contains(&messages), "{}", ended.errors);
+        assert!(ended.errors.contains("is out of memory: it has"), "{}", ended.errors);
+        assert!(!ended.errors.contains("panicked"), "{}", ended.errors);
+    }
+}
+
 #[test]
 fn a_rank_grid_that_does_not_fit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -81,7 +100,12 @@ fn a_rank_grid_that_does_not_fit_is_refused() {
     let message = failure(&ended);
     assert!(message.contains("the rank grid 2,2,1 needs 4 ranks, but 2 were started"), "{message}");
     let ended = run(0, "staged", folder.path(), &["--set", "parallel.ranks=[1,1,2]"]);
-    assert!(failure(&ended).contains("(mpirun -n 2)"), "{ended:?}");
+    let message = failure(&ended);
+    assert!(
+        message.contains("--set parallel.ranks=[1,1,2]: parallel.ranks = [1, 1, 2]: "),
+        "{message}"
+    );
+    assert!(message.contains("(mpirun -n 2)"), "{message}");
     // Nothing was begun.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -94,6 +118,32 @@ fn an_unstable_run_advises_a_shorter_time_step() {
         let message = failure(&ended);
         assert!(message.contains("step ") && message.contains("shorten time.step"), "{message}");
         assert!(checkpoints(folder.path()).is_empty(), "no checkpoint of a state without meaning");
+        assert!(message.contains("there is no checkpoint from before"), "{message}");
+    }
+}
+
+/// The inlet becomes faster until a gas step of 20 of the particles' is too long, at the third.
+#[test]
+fn a_gas_step_that_is_too_long_leaves_the_state_of_the_gas_step_before() {
+    let faster = ["--set", "gas.inlet_velocity={from=0.02, to=2000.0}"];
+    for ranks in [0, 2] {
+        let folder = tempfile::tempdir().unwrap();
+        let go_on =
+            |more: &[&str]| run(ranks, "fluidised", folder.path(), &[&faster, more].concat());
+        let message = failure(&go_on(&[])).to_owned();
+        let step = number_after(&message, "step ") as u64;
+        assert!(message.contains("the gas's step of 5.000e-6 is too long"), "{message}");
+        let newest = checkpoints(folder.path()).pop().unwrap();
+        assert!(message.contains("the newest checkpoint is"), "{message}");
+        assert!(message.contains(&newest.display().to_string()), "{message}");
+        assert_eq!(
+            newest.file_name().unwrap(),
+            format!("checkpoint-{:012}.h5", step - 20).as_str()
+        );
+        // The same step fails again, a shorter one goes on.
+        assert_eq!(failure(&go_on(&["--resume"])).lines().next(), message.lines().next());
+        let shorter = ["--resume", "--set", "time.step=1.25e-7", "--until", "1.1e-5"];
+        go_on(&shorter).digest();
     }
 }
 

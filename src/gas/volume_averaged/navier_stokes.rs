@@ -196,6 +196,22 @@ impl NavierStokesSolver {
         Ok(NavierStokesReport { courant, viscous, convergence })
     }
 
+    /// Whether a step like the last one would be too long for the velocity that the last one has led to, the voidage as it
+    /// is. Collective.
+    pub fn next_is_too_long(
+        &mut self,
+        state: &GasFields,
+        last: &NavierStokesReport,
+        dt: f64,
+        ranks: &dyn Communicator,
+    ) -> bool {
+        self.explicit.set_fluxes(&state.velocity, &state.voidage, &self.part);
+        let rate = courant_rate(&self.explicit.flux, &state.voidage, &self.part, self.spacing);
+        let mut courant = [dt * rate];
+        ranks.maximum(&mut courant);
+        step_number(courant[0], last.viscous) > LARGEST_STEP_NUMBER
+    }
+
     fn complete_bed(
         &mut self,
         gas: &VolumeAveragedGas,

@@ -17,6 +17,7 @@ pub struct VolumeAveragedSolver {
     limits: ParticleLimits,
     exchange: ParticleExchange,
     equations: NavierStokesSolver,
+    next_is_too_long: bool,
 }
 
 impl VolumeAveragedSolver {
@@ -36,7 +37,7 @@ impl VolumeAveragedSolver {
         model.gas.check(&model.grid)?;
         let exchange = ParticleExchange::new(&model.coupling, limits, &model.grid, subdomain)?;
         let equations = NavierStokesSolver::new(&model.grid, subdomain);
-        Ok(Self { model, limits, exchange, equations })
+        Ok(Self { model, limits, exchange, equations, next_is_too_long: false })
     }
 
     /// Gas at rest between the particles. Collective.
@@ -79,6 +80,7 @@ impl VolumeAveragedSolver {
         let bed = &mut self.exchange.bed;
         let solved = self.equations.advance(gas, fields, bed, &step, ranks)?;
         let forces = self.exchange.set_forces(particles, fields, gravity, ranks);
+        self.next_is_too_long = self.equations.next_is_too_long(fields, &solved, dt, ranks);
         self.update_report(&mut state.report, &solved, time, ranks);
         Ok(deposited.and(forces)?)
     }
@@ -102,6 +104,11 @@ impl VolumeAveragedSolver {
         }
         let iterations = solved.convergence.iterations as u64;
         *report = GasReport { iterations, raised_cells, courant: solved.courant, momentum_error };
+    }
+
+    /// Whether the next step will be refused as too long, if the voidage stays what it is; the same on all ranks.
+    pub fn next_is_too_long(&self) -> bool {
+        self.next_is_too_long
     }
 
     /// Adds the force of the last gas step to each owned particle; returns their sum here, in quanta of force.
