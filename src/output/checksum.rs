@@ -10,7 +10,7 @@ use std::path::Path;
 
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::{MessageResult, OutputError, agreed, on_root};
+use super::{OutputError, agreed, on_root};
 use crate::parallel::Communicator;
 
 /// How checksums are made, or were.
@@ -100,31 +100,73 @@ fn append_kind(kind: Kind, path: &Path, ranks: &dyn Communicator) -> Result<(), 
     agreed(path, synced.map_err(|error| error.to_string()), ranks)
 }
 
-/// Refuses a file that is not, byte for byte, what its trailer covers. Collective.
-pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), OutputError> {
-    let Trailer { kind, length, hash } = agreed(path, read_trailer(path), ranks)?;
-    let same = hash_of(kind, path, length, ranks)? == hash;
-    let message = "the file is damaged: its bytes are not those that were written";
-    agreed(path, if same { Ok(()) } else { Err(message.to_owned()) }, ranks)
+/// Why a file is refused. The same on all ranks.
+#[derive(Debug)]
+pub(super) enum Refusal {
+    /// It cannot be read now; nothing is wrong with it as far as is known.
+    Unreadable(OutputError),
+    /// It is damaged, or not such a file.
+    Damaged(OutputError),
 }
 
-fn read_trailer(path: &Path) -> MessageResult<Trailer> {
-    let unopened = |error: std::io::Error| format!("cannot be opened: {error}");
-    let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
+impl From<Refusal> for OutputError {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Unreadable(error) | Refusal::Damaged(error) => error,
+        }
+    }
+}
+
+/// Refuses a file that is not, byte for byte, what its trailer covers. Collective.
+pub(super) fn check(path: &Path, ranks: &dyn Communicator) -> Result<(), Refusal> {
+    let trailer = read_trailer(path);
+    let is_unreadable = ranks.any(matches!(trailer, Err(Flaw::Unreadable(_))));
+    let trailer = agreed(path, trailer.map_err(Flaw::message), ranks);
+    let refuse = if is_unreadable { Refusal::Unreadable } else { Refusal::Damaged };
+    let Trailer { kind, length, hash } = trailer.map_err(refuse)?;
+    let same = hash_of(kind, path, length, ranks).map_err(Refusal::Unreadable)? == hash;
+    let message = "the file is damaged: its bytes are not those that were written";
+    agreed(path, if same { Ok(()) } else { Err(message.to_owned()) }, ranks)
+        .map_err(Refusal::Damaged)
+}
+
+/// What one rank finds wrong with a file.
+enum Flaw {
+    Unreadable(String),
+    Damaged(String),
+}
+
+impl Flaw {
+    fn message(self) -> String {
+        match self {
+            Self::Unreadable(message) | Self::Damaged(message) => message,
+        }
+    }
+}
+
+impl From<String> for Flaw {
+    fn from(message: String) -> Self {
+        Self::Damaged(message)
+    }
+}
+
+fn read_trailer(path: &Path) -> Result<Trailer, Flaw> {
+    let unopened = |error: std::io::Error| Flaw::Unreadable(format!("cannot be opened: {error}"));
+    let unreadable = |error: std::io::Error| Flaw::Unreadable(format!("cannot be read: {error}"));
     // Before it is opened: opening a pipe waits for its other end.
     let metadata = std::fs::metadata(path).map_err(unopened)?;
     if !metadata.is_file() {
-        return Err("this is not a file".to_owned());
+        return Err("this is not a file".to_owned().into());
     }
     let mut file = File::open(path).map_err(unopened)?;
     let length = metadata.len();
     if length == 0 {
-        return Err("the file is empty".to_owned());
+        return Err("the file is empty".to_owned().into());
     }
     let mut start = Vec::new();
     Read::by_ref(&mut file).take(64).read_to_end(&mut start).map_err(unreadable)?;
     if !start.starts_with(HDF5_SIGNATURE) {
-        return Err("this is not an HDF5 file".to_owned());
+        return Err("this is not an HDF5 file".to_owned().into());
     }
     let mut end = Vec::new();
     file.seek(SeekFrom::Start(length.saturating_sub(LONGEST))).map_err(unreadable)?;
@@ -134,12 +176,13 @@ fn read_trailer(path: &Path) -> MessageResult<Trailer> {
     }
     match promised_length(&start) {
         Some(promised) if promised > length => {
-            Err(format!("the file was cut short: it has {length} of {promised} bytes"))
+            Err(format!("the file was cut short: it has {length} of {promised} bytes").into())
         }
         _ => Err(
             "the file does not end in Talcum's checksum: it was cut short or damaged, or is an HDF5 \
                   file of another program, not a checkpoint"
-                .to_owned(),
+                .to_owned()
+                .into(),
         ),
     }
 }
@@ -219,7 +262,8 @@ mod tests {
             damaged[BLOCK as usize + 5] ^= 1;
             std::fs::write(&path, &damaged).unwrap();
             run_on_threads(3, |ranks| {
-                assert!(check(&path, ranks).unwrap_err().message.contains("damaged"));
+                let Err(Refusal::Damaged(error)) = check(&path, ranks) else { panic!("taken") };
+                assert!(error.message.contains("damaged"));
             });
         }
     }

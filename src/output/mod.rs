@@ -75,6 +75,11 @@ pub(crate) fn on_root<T>(
     agreed(path, result, ranks)
 }
 
+/// Whether HDF5 says that a call of the system has failed: then nothing is wrong with the file as far as is known.
+fn is_error_of_system(message: &str) -> bool {
+    message.contains("errno = ")
+}
+
 /// A path with something appended to its file name.
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();

@@ -1,9 +1,9 @@
 //! What every file of results can do: begin or go on, write an instant, and be safe against a kill.
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::path::Path;
 
-use super::{ColumnUnits, MessageResult, OutputError, Provenance, set_aside};
+use super::{ColumnUnits, MessageResult, OutputError, Provenance, is_error_of_system, set_aside};
 use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
@@ -119,31 +119,43 @@ impl Obstacle {
 /// If the file cannot be read or changed, or a new one not be made.
 pub(super) fn continue_or_create<T>(
     path: &Path,
-    go_on: impl FnOnce() -> Result<T, Obstacle>,
+    go_on: impl Fn() -> Result<T, Obstacle>,
     create: impl FnOnce() -> MessageResult<T>,
 ) -> MessageResult<T> {
-    match require_access(path) {
-        Ok(true) => match go_on() {
-            Ok(opened) => return Ok(opened),
-            Err(Obstacle::Unusable(reason)) => set_aside(path, &reason)?,
-            Err(Obstacle::Failed(reason)) => return Err(reason),
-        },
-        Ok(false) => {
-            log::warn!("{} is not there: it begins at the time of the checkpoint", path.display());
-        }
-        Err(error) => return Err(error.to_string()),
+    if !is_there(path).map_err(|error| error.to_string())? {
+        log::warn!("{} is not there: it begins at the time of the checkpoint", path.display());
+        return create();
     }
-    create()
+    let mut opened = go_on();
+    if let Err(Obstacle::Unusable(reason)) = &opened {
+        // HDF5 calls a file damaged too that could not be read just now.
+        if is_error_of_system(reason) {
+            return Err(reason.clone());
+        }
+        read_through(path).map_err(|error| error.to_string())?;
+        opened = go_on();
+    }
+    match opened {
+        Ok(opened) => Ok(opened),
+        Err(Obstacle::Failed(reason)) => Err(reason),
+        Err(Obstacle::Unusable(reason)) => {
+            set_aside(path, &reason)?;
+            create()
+        }
+    }
 }
 
-/// Whether a file is there; an error if it cannot be read throughout, or not be written. HDF5 would call that damage.
-fn require_access(path: &Path) -> std::io::Result<bool> {
-    let mut file = match OpenOptions::new().read(true).write(true).open(path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(false),
-        opened => opened?,
-    };
-    std::io::copy(&mut file, &mut std::io::sink())?;
-    Ok(true)
+/// Whether a file is there; an error if it may not be read and written.
+fn is_there(path: &Path) -> std::io::Result<bool> {
+    match OpenOptions::new().read(true).write(true).open(path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        opened => opened.map(|_| true),
+    }
+}
+
+/// An error if a file cannot be read from its start to its end.
+fn read_through(path: &Path) -> std::io::Result<()> {
+    std::io::copy(&mut File::open(path)?, &mut std::io::sink()).map(|_| ())
 }
 
 /// How many rows a run has written up to and including a time, from the times that stand in its file. Times ascend; where
@@ -151,4 +163,32 @@ fn require_access(path: &Path) -> std::io::Result<bool> {
 pub(super) fn rows_up_to(times: &[f64], time: f64) -> usize {
     let ascending = 1 + times.windows(2).take_while(|pair| pair[0] < pair[1]).count();
     times.iter().take(ascending).take_while(|&&row_time| row_time <= time).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// What becomes of a file that `failures` attempts find unusable.
+    fn after(failures: u32) -> (&'static str, bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("profiles.h5");
+        std::fs::write(&path, "rows").unwrap();
+        let attempts = Cell::new(0);
+        let go_on = || {
+            attempts.set(attempts.get() + 1);
+            let is_damaged = attempts.get() <= failures;
+            if is_damaged { Err(Obstacle::Unusable("HDF5 says so".to_owned())) } else { Ok("old") }
+        };
+        let opened = continue_or_create(&path, go_on, || Ok("new")).unwrap();
+        (opened, folder.path().join("profiles.h5.unreadable-1").exists())
+    }
+
+    #[test]
+    fn a_file_is_set_aside_only_if_it_is_unusable_twice() {
+        assert_eq!(after(0), ("old", false));
+        assert_eq!(after(1), ("old", false));
+        assert_eq!(after(2), ("new", true));
+    }
 }

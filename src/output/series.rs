@@ -118,6 +118,27 @@ mod tests {
     }
 
     #[test]
+    fn a_table_that_is_removed_or_replaced_is_written_again_with_all_its_rows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("series.csv");
+        let provenance = provenance("si");
+        let head = Head { case_text: "", provenance: &provenance };
+        let mut series = Series::create(&path, head, &OneRank).unwrap();
+        series.append(&row(0.0), &OneRank).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        series.append(&row(0.1), &OneRank).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        std::fs::write(&path, "edited").unwrap();
+        series.append(&row(0.2), &OneRank).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let rows: Vec<&str> =
+            text.lines().rev().take(3).map(|line| line.split(',').next().unwrap()).collect();
+        assert_eq!(rows, ["0.2", "0.1", "0"], "{text}");
+        let aside = folder.path().join("series.csv.unreadable-1");
+        assert_eq!(std::fs::read_to_string(aside).unwrap(), "edited");
+    }
+
+    #[test]
     fn a_foreign_table_is_set_aside() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("series.csv");

@@ -1,12 +1,14 @@
 //! A table as text: comments with what was run, a header with units, and rows over time, written by rank 0.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{ErrorKind, Read, Seek, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use super::output_file::{Obstacle, continue_or_create};
 use super::{
-    Head, MessageResult, Opening, OutputError, free_name, on_root, sync_folder, with_suffix,
+    Head, MessageResult, Opening, OutputError, free_name, on_root, set_aside, sync_folder,
+    with_suffix,
 };
 use crate::parallel::Communicator;
 
@@ -89,6 +91,9 @@ impl TextTable {
     ) -> Result<(), OutputError> {
         on_root(&self.path, ranks, || {
             let file = self.file.as_mut().ok_or("the file is not open")?;
+            if !leads_to(&self.path, file).map_err(|error| error.to_string())? {
+                *file = put_back(&self.path, file)?;
+            }
             file.write_all(lines.as_bytes()).map_err(|error| error.to_string())
         })?;
         Ok(())
@@ -138,7 +143,33 @@ fn replace(path: &Path, text: &str) -> MessageResult<File> {
     };
     replace().map_err(|error: std::io::Error| error.to_string())?;
     sync_folder(path)?;
-    OpenOptions::new().append(true).open(path).map_err(|error| error.to_string())
+    let opened = OpenOptions::new().read(true).append(true).open(path);
+    opened.map_err(|error| error.to_string())
+}
+
+/// Whether a path leads to an open file: it may have been removed, or another file put into its place.
+fn leads_to(path: &Path, file: &File) -> std::io::Result<bool> {
+    let open = file.metadata()?;
+    match std::fs::metadata(path) {
+        Ok(there) => Ok((there.dev(), there.ino()) == (open.dev(), open.ino())),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// Writes the rows of an open table to its path again, to which it does not lead any more. What is there is set aside.
+fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
+    let mut text = String::new();
+    let read = file.rewind().and_then(|()| file.read_to_string(&mut text));
+    read.map_err(|error| error.to_string())?;
+    if path.exists() {
+        set_aside(path, "it is not the one that this run has begun")?;
+    }
+    log::warn!(
+        "{} was removed or replaced while the run went on: it is written again",
+        path.display()
+    );
+    replace(path, &text)
 }
 
 /// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Checkpoint, read};
+use super::Checkpoint;
+use super::read::read_whole;
 use crate::analysis::Digest;
-use crate::output::{MessageResult, OutputError, Provenance, on_root};
+use crate::output::checksum::{self, Refusal};
+use crate::output::{MessageResult, OutputError, Provenance, is_error_of_system, on_root};
 use crate::parallel::Communicator;
 
 /// What is appended to the name of a checkpoint of another future.
@@ -37,17 +39,6 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
     ["", ".partial", SUPERSEDED].into_iter().any(of_suffix)
 }
 
-/// An error if a file cannot be read from its start to its end: then it may be good, and must not be passed over.
-fn require_readable(path: &Path) -> MessageResult<()> {
-    if !path.is_file() {
-        return Ok(());
-    }
-    let mut file =
-        std::fs::File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
-    let read = std::io::copy(&mut file, &mut std::io::sink());
-    read.map(|_| ()).map_err(|error| format!("cannot be read: {error}"))
-}
-
 /// Reads the newest checkpoint of a folder that is whole, trying from the newest to the oldest.
 /// Collective.
 ///
@@ -62,12 +53,18 @@ pub fn newest_good(folder: &Path, ranks: &dyn Communicator) -> Result<Search, Ou
     let mut refused = Vec::new();
     for &step in steps.iter().rev() {
         let path = folder.join(file_name(step));
-        on_root(&path, ranks, || require_readable(&path))?;
-        match read(&path, ranks) {
+        let read = match checksum::check(&path, ranks) {
+            Ok(()) => read_whole(&path, ranks),
+            Err(Refusal::Damaged(error)) => Err(error),
+            // It may be good, and must not be passed over.
+            Err(Refusal::Unreadable(error)) => return Err(error),
+        };
+        match read {
             Ok((checkpoint, provenance, digest)) => {
                 let found = Some((path, checkpoint, provenance, digest));
                 return Ok(Search { found, refused });
             }
+            Err(error) if is_error_of_system(&error.message) => return Err(error),
             Err(error) => refused.push(error),
         }
     }

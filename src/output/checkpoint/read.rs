@@ -36,6 +36,14 @@ pub fn read(
     ranks: &dyn Communicator,
 ) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
     checksum::check(path, ranks)?;
+    read_whole(path, ranks)
+}
+
+/// The same for a file whose checksum is right. Collective.
+pub(super) fn read_whole(
+    path: &Path,
+    ranks: &dyn Communicator,
+) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
     let Head { mut checkpoint, provenance, digest: stored, version, rows, measures } =
         agreed(path, read_head(path), ranks)?;
     let file = SharedFile::open_to_read(path, ranks)?;
