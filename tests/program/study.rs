@@ -2,6 +2,7 @@
 //! before anything runs.
 
 use crate::launch::{Ended, in_repository, signal, start, talcum, turn_of_mpirun};
+use crate::toml_files::toml_files;
 use std::path::{Path, PathBuf};
 
 /// Exit code of a study that was stopped and can go on.
@@ -172,4 +173,16 @@ fn what_the_case_measures_stands_in_the_tables_of_a_study() {
     let refused = run(&study, &folder.path().join("other"), &[]);
     let refused = refused.error();
     assert!(refused.contains("the case has no [measure.set]: did you mean sets?"), "{refused}");
+}
+
+#[test]
+fn every_study_of_the_repository_is_read_and_expanded() {
+    let files = toml_files("cases/moon2006/studies");
+    assert!(files.len() >= 4);
+    for file in files {
+        let folder = tempfile::tempdir().unwrap();
+        let listed = run(&file, folder.path(), &["--only-list"]);
+        assert_code(&listed, 0);
+        assert!(listed.output.contains("   1  not complete  "), "{}", listed.output);
+    }
 }

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// All TOML files in a folder of the repository and in the folders in it, by ascending path.
+/// All TOML files in a folder of the repository and in the folders in it, by ascending path; those in folders `studies` are
+/// no cases.
 pub(crate) fn toml_files(folder: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
@@ -10,7 +11,7 @@ pub(crate) fn toml_files(folder: &str) -> Vec<PathBuf> {
         for entry in std::fs::read_dir(folder).expect("folders of the repository are readable") {
             let path = entry.expect("folders of the repository are readable").path();
             if path.is_dir() {
-                folders.push(path);
+                folders.extend((!path.ends_with("studies")).then_some(path));
             } else if path.extension().is_some_and(|extension| extension == "toml") {
                 found.push(path);
             }
