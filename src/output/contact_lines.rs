@@ -139,7 +139,7 @@ impl ContactLines {
         let begin = || metadata_copy::create(path, &growing(), |path| make(path, head));
         let found = on_root(path, ranks, || {
             let Some(time) = continue_after else { return begin().map(|()| Extent::default()) };
-            let go_on = || cut_after(path, time);
+            let go_on = |found| cut_after(path, time, found);
             let kept = continue_or_create(path, go_on, || Ok(Extent::default()))?;
             match kept.steps {
                 0 => begin()?,
@@ -294,8 +294,8 @@ fn append_step(path: &Path, time: f64, before: Extent, added: u64) -> MessageRes
 
 /// Drops the lines after a time; returns what is kept. If that is nothing, the file is as it was: a new one takes its
 /// place.
-fn cut_after(path: &Path, time: f64) -> Result<Extent, Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+fn cut_after(path: &Path, time: f64, found_length: u64) -> Result<Extent, Obstacle> {
+    metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let kept = extent_to_keep(path, time, found_length).map_err(Obstacle::Unusable)?;
     if kept.steps > 0 {
         cut(path, kept).map_err(Obstacle::Failed)?;

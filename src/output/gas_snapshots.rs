@@ -77,7 +77,7 @@ impl GasSnapshots {
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
             let tables = tables();
-            let go_on = || image_file::cut_after(path, time, &tables);
+            let go_on = |found| image_file::cut_after(path, time, &tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
             if kept > 0 { metadata_copy::commit(path, &tables) } else { create(path, grid, head) }
         })?;

@@ -124,8 +124,13 @@ pub(super) fn append<'a>(
 
 /// Drops the snapshots after a time; returns how many are left. If none are, the file is as it was: a new one takes its
 /// place.
-pub(super) fn cut_after(path: &Path, time: f64, tables: &[String]) -> Result<u64, Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+pub(super) fn cut_after(
+    path: &Path,
+    time: f64,
+    tables: &[String],
+    found_length: u64,
+) -> Result<u64, Obstacle> {
+    metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let steps = steps_to_keep(path, time, tables, found_length).map_err(Obstacle::Unusable)?;
     if steps > 0 {
         cut(path, steps, tables).map_err(Obstacle::Failed)?;

@@ -101,7 +101,7 @@ impl MeasureFile {
         on_root(path, ranks, || {
             let Some(time) = continue_after else { return begin() };
             let tables = &layout.tables;
-            let go_on = || cut_after(path, time, plan, tables);
+            let go_on = |found| cut_after(path, time, plan, tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
             if kept > 0 { metadata_copy::commit(path, &growing(tables)) } else { begin() }
         })?;
@@ -223,8 +223,9 @@ fn cut_after(
     time: f64,
     plan: &MeasurePlan,
     tables: &[Table],
+    found_length: u64,
 ) -> Result<u64, Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+    metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let rows = rows_to_keep(path, time, plan, tables).map_err(Obstacle::Unusable)?;
     require_rows(path, tables, &rows, found_length).map_err(Obstacle::Unusable)?;
     let all = rows.iter().sum();

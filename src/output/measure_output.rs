@@ -103,7 +103,7 @@ impl ImageOutput {
         let (path, tables) = (&self.path, self.tables());
         on_root(path, ranks, || {
             let Some(time) = continue_after else { return self.create(head) };
-            let go_on = || image_file::cut_after(path, time, &tables);
+            let go_on = |found| image_file::cut_after(path, time, &tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
             if kept > 0 { metadata_copy::commit(path, &tables) } else { self.create(head) }
         })?;

@@ -104,20 +104,19 @@ fn gaps(mut ranges: Vec<Range<u64>>, length: u64) -> Vec<Range<u64>> {
     gaps
 }
 
-/// Makes a file again the one that was committed. Returns the length that was found: rows that lay beyond it are
-/// lost. Without a copy nothing is done.
-pub(super) fn restore(path: &Path) -> MessageResult<u64> {
-    let found = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+/// Makes a file again the one that was committed, as long as it was then: rows that lay beyond the length in which the file
+/// was found are lost, and are zeros now. Without a copy nothing is done.
+pub(super) fn restore(path: &Path) -> MessageResult<()> {
     let place = path_of_copy(path);
     if !place.exists() {
-        return Ok(found);
+        return Ok(());
     }
     let copy = std::fs::read(&place).map_err(|error| error.to_string())?;
     match Copy::of_bytes(&copy) {
         Some(copy) => copy.put_into(path).map_err(|error| error.to_string())?,
         None => log::warn!("{} is damaged: it is not used", place.display()),
     }
-    Ok(found)
+    Ok(())
 }
 
 /// A whole copy, taken apart.
@@ -216,7 +215,8 @@ mod tests {
 
     /// A resumed run: the first `rows` rows are wanted, and must be as they were written.
     fn resume(path: &Path, rows: u64) -> MessageResult<()> {
-        let found = restore(path)?;
+        let found = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
+        restore(path)?;
         let file = SerialFile::open_to_change(path)?;
         tables().iter().try_for_each(|name| require_rows(&file, name, rows, found))?;
         for (name, width) in tables().iter().zip(WIDTHS) {

@@ -112,28 +112,29 @@ impl Obstacle {
     }
 }
 
-/// Continues a file if there is one. A file that is unusable is set aside with a warning, and a new one begun; one that
-/// cannot be read or written is left as it is.
+/// Continues a file if there is one, by a function of the length in which it was found. A file that is unusable is set aside
+/// with a warning, and a new one begun; one that cannot be read or written is left as it is.
 ///
 /// # Errors
 /// If the file cannot be read or changed, or a new one not be made.
 pub(super) fn continue_or_create<T>(
     path: &Path,
-    go_on: impl Fn() -> Result<T, Obstacle>,
+    go_on: impl Fn(u64) -> Result<T, Obstacle>,
     create: impl FnOnce() -> MessageResult<T>,
 ) -> MessageResult<T> {
-    if !is_there(path).map_err(|error| error.to_string())? {
+    // Before the first attempt, which may make the file longer.
+    let Some(found_length) = found_length(path).map_err(|error| error.to_string())? else {
         log::warn!("{} is not there: it begins at the time of the checkpoint", path.display());
         return create();
-    }
-    let mut opened = go_on();
+    };
+    let mut opened = go_on(found_length);
     if let Err(Obstacle::Unusable(reason)) = &opened {
         // HDF5 calls a file damaged too that could not be read just now.
         if is_error_of_system(reason) {
             return Err(reason.clone());
         }
         read_through(path).map_err(|error| error.to_string())?;
-        opened = go_on();
+        opened = go_on(found_length);
     }
     match opened {
         Ok(opened) => Ok(opened),
@@ -145,11 +146,11 @@ pub(super) fn continue_or_create<T>(
     }
 }
 
-/// Whether a file is there; an error if it may not be read and written.
-fn is_there(path: &Path) -> std::io::Result<bool> {
+/// The length of a file if it is there; an error if it may not be read and written.
+fn found_length(path: &Path) -> std::io::Result<Option<u64>> {
     match OpenOptions::new().read(true).write(true).open(path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
-        opened => opened.map(|_| true),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        opened => Ok(Some(opened?.metadata()?.len())),
     }
 }
 
@@ -168,7 +169,7 @@ pub(super) fn rows_up_to(times: &[f64], time: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::cell::Cell;
+    use std::cell::{Cell, RefCell};
 
     /// What becomes of a file that `failures` attempts find unusable.
     fn after(failures: u32) -> (&'static str, bool) {
@@ -176,7 +177,7 @@ mod tests {
         let path = folder.path().join("profiles.h5");
         std::fs::write(&path, "rows").unwrap();
         let attempts = Cell::new(0);
-        let go_on = || {
+        let go_on = |_| {
             attempts.set(attempts.get() + 1);
             let is_damaged = attempts.get() <= failures;
             if is_damaged { Err(Obstacle::Unusable("HDF5 says so".to_owned())) } else { Ok("old") }
@@ -190,5 +191,20 @@ mod tests {
         assert_eq!(after(0), ("old", false));
         assert_eq!(after(1), ("old", false));
         assert_eq!(after(2), ("new", true));
+    }
+
+    #[test]
+    fn a_second_attempt_knows_the_length_before_the_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("profiles.h5");
+        std::fs::write(&path, "half").unwrap();
+        let lengths = RefCell::new(Vec::new());
+        let go_on = |found| -> Result<(), Obstacle> {
+            lengths.borrow_mut().push(found);
+            std::fs::write(&path, "as long as it was committed").unwrap();
+            Err(Obstacle::Unusable("rows are lost".to_owned()))
+        };
+        continue_or_create(&path, go_on, || Ok(())).unwrap();
+        assert_eq!(*lengths.borrow(), [4, 4]);
     }
 }

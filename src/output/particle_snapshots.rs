@@ -107,7 +107,11 @@ impl ParticleSnapshots {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let found = on_root(path, ranks, || {
-            let kept = continue_or_create(path, || cut_after(path, time, contents), || Ok([0, 0]))?;
+            let kept = continue_or_create(
+                path,
+                |found| cut_after(path, time, contents, found),
+                || Ok([0, 0]),
+            )?;
             match kept {
                 [0, _] => create(path, head, contents)?,
                 _ => metadata_copy::commit(path, &contents.tables())?,
@@ -338,8 +342,13 @@ fn append_step(
 }
 
 /// Drops the snapshots after a time; returns the number of those kept, and of their rows.
-fn cut_after(path: &Path, time: f64, contents: Contents) -> Result<[u64; 2], Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+fn cut_after(
+    path: &Path,
+    time: f64,
+    contents: Contents,
+    found_length: u64,
+) -> Result<[u64; 2], Obstacle> {
+    metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let kept = rows_to_keep(path, time, contents, found_length).map_err(Obstacle::Unusable)?;
     if kept[0] > 0 {
         cut(path, kept, contents).map_err(Obstacle::Failed)?;

@@ -81,7 +81,8 @@ impl Profiles {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         on_root(path, ranks, || {
-            let kept = continue_or_create(path, || cut_after(path, time, heights), || Ok(0))?;
+            let kept =
+                continue_or_create(path, |found| cut_after(path, time, heights, found), || Ok(0))?;
             if kept > 0 {
                 metadata_copy::commit(path, &tables())
             } else {
@@ -166,8 +167,8 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
 }
 
 /// Drops the rows after a time; returns how many are left. If none are, the file is as it was: a new one takes its place.
-fn cut_after(path: &Path, time: f64, heights: &[f64]) -> Result<u64, Obstacle> {
-    let found_length = metadata_copy::restore(path).map_err(Obstacle::Failed)?;
+fn cut_after(path: &Path, time: f64, heights: &[f64], found_length: u64) -> Result<u64, Obstacle> {
+    metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let rows = rows_to_keep(path, time, heights, found_length).map_err(Obstacle::Unusable)?;
     if rows > 0 {
         cut(path, rows).map_err(Obstacle::Failed)?;
@@ -235,7 +236,7 @@ mod tests {
         // Cut within a piece, and over several, without the commit that would have followed.
         for kept in [190_u32, 100, 41] {
             let time = 0.1 * f64::from(kept - 1);
-            cut_after(&path, time, &heights).unwrap();
+            cut_after(&path, time, &heights, u64::MAX).unwrap();
             assert!(metadata_copy::restore(&path).is_ok());
             Profiles::resume(&path, time, &heights, head(&provenance), &OneRank).unwrap();
             let times = contents(&path).swap_remove(0);

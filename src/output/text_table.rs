@@ -73,8 +73,11 @@ impl TextTable {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let file = on_root(path, ranks, || {
-            let rows =
-                continue_or_create(path, || rows_up_to(path, time, format).map(Some), || Ok(None))?;
+            let rows = continue_or_create(
+                path,
+                |_| rows_up_to(path, time, format).map(Some),
+                || Ok(None),
+            )?;
             rows.map_or_else(|| create(path, head, format), |text| replace(path, &text))
         })?;
         Ok(Self { path: path.to_owned(), file })
