@@ -24,10 +24,13 @@ STATES = {"waves": BLUE, "partly_frozen": "#7fb3d5", "intermittent": ORANGE, "fr
 
 
 def table(results: Path, study: str, kind: str) -> StudyTable | None:
-    """A table of a study: of the runs made here, else the one that is kept; None if there is neither."""
+    """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
+    complete run nothing is known."""
     for file in (results / study / f"{kind}.csv", KEPT / f"{study}-{kind}.csv"):
         if file.exists():
-            return read_study_table(file)
+            found = read_study_table(file)
+            rows = [row for row in found.rows if row.get("runs") != "0"]
+            return StudyTable(found.file, found.provenance, rows)
     return None
 
 
