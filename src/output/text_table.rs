@@ -176,12 +176,13 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
 }
 
 /// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
-/// was is kept; a last row that a kill has cut short is not damage.
+/// was is kept; a last row that a kill has cut short is not damage. Rows that end long before that time are told.
 fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
     let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
     let mut kept = String::new();
     let mut damaged = Vec::new();
     let mut columns = None;
+    let mut times = Vec::new();
     for (number, line) in (1..).zip(text.split_inclusive('\n')) {
         if line.starts_with('#') {
             kept += line;
@@ -195,8 +196,10 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
             break;
         } else if !is_row(line, columns, format) {
             damaged.push(number.to_string());
-        } else if line.split(',').next().and_then(|first| first.parse().ok()) <= Some(time) {
-            kept += line;
+        } else {
+            let row_time = line.split(',').next().and_then(|first| first.parse().ok());
+            kept += if row_time <= Some(time) { line } else { "" };
+            times.extend(row_time);
         }
     }
     if columns.is_none() {
@@ -205,7 +208,22 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
     if !damaged.is_empty() {
         keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
     }
+    if let Some(last) = end_long_before(time, &times) {
+        let path = path.display();
+        log::warn!(
+            "{path}: its last row is at time {last}, long before {time}: rows in between are lost"
+        );
+    }
     Ok(kept)
+}
+
+/// The last time of rows if there should be rows between it and `time`: their last interval would have passed by then. Rows
+/// are brought to the disk with each checkpoint.
+fn end_long_before(time: f64, times: &[f64]) -> Option<f64> {
+    let last = *times.last()?;
+    let before = times.iter().rev().find(|&&row_time| row_time < last)?;
+    // Rows fall on the first step after a multiple of their interval.
+    (last + 1.5 * (last - before) < time).then_some(last)
 }
 
 /// Whether a line has so many cells, numbers in all but those of texts.
@@ -255,6 +273,16 @@ mod tests {
             assert_eq!(shortest(value).parse::<f64>().unwrap(), value);
         }
         assert_eq!(shortest(3000.0), "3000");
+    }
+
+    #[test]
+    fn rows_that_end_long_before_a_time_are_noticed() {
+        let times = [0.0, 0.1, 0.1, 0.2, 0.2];
+        assert_eq!(end_long_before(0.36, &times), Some(0.2));
+        assert_eq!(end_long_before(0.34, &times), None);
+        // Later rows than the time are dropped; one row tells no interval.
+        assert_eq!(end_long_before(0.05, &times), None);
+        assert_eq!(end_long_before(9.0, &[0.0, 0.0]), None);
     }
 
     #[test]

@@ -257,6 +257,30 @@ fn earlier_results_are_kept_continued_or_replaced_as_asked() {
 }
 
 /// A short run of a smoke case, and the arguments that restart it in a folder of its own.
+/// Half of a table is cut off, as when a disk loses what was on it.
+#[test]
+fn rows_that_are_lost_before_the_checkpoint_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = text(folder.path());
+    let case = smoke("walls");
+    let run = |until: &str| {
+        let words = ["run", &case, "--output", &output, "--until", until, "--resume"];
+        talcum(0, &[&words[..], &["--set", "output.series=0.01"]].concat())
+    };
+    run("0.2").digest();
+    let whole = run("0.3");
+    assert!(!whole.errors.contains("rows in between are lost"), "{}", whole.errors);
+    let path = folder.path().join("series.csv");
+    let rows = std::fs::read_to_string(&path).unwrap();
+    let header = rows.find("\ntime").unwrap();
+    std::fs::write(&path, &rows[..header + (rows.len() - header) / 2]).unwrap();
+    let told = run("0.4");
+    let digest = told.digest();
+    assert!(told.errors.contains("series.csv: its last row is at time 0.1"), "{}", told.errors);
+    assert!(told.errors.contains("rows in between are lost"), "{}", told.errors);
+    assert!(!digest.is_empty());
+}
+
 fn stopped_at(name: &str, until: &str, folder: &Path) -> String {
     let output = text(&folder.join("start"));
     talcum(0, &["run", &smoke(name), "--output", &output, "--until", until]).digest();

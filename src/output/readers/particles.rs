@@ -65,7 +65,7 @@ impl ParticleSnapshotReader {
     /// Reads the particles of a snapshot.
     ///
     /// # Errors
-    /// If its rows cannot be read.
+    /// If its rows cannot be read, or are not those of particles by ascending id.
     pub fn snapshot(&self, number: usize) -> Result<ParticleSnapshot, OutputError> {
         let Range { start, end } = self.rows[number];
         reading(&self.path, |file| {
@@ -75,6 +75,10 @@ impl ParticleSnapshotReader {
                 Ok(numbers(name)?.chunks_exact(3).map(vector).collect())
             };
             let ids: Vec<i64> = file.read_rows("/VTKHDF/PointData/id", start, end - start)?;
+            if !ids.is_sorted_by(|a, b| a < b) || ids.first().is_some_and(|&first| first < 0) {
+                let time = self.times[number];
+                return Err(format!("the ids at time {time} do not ascend: the file is damaged"));
+            }
             Ok(ParticleSnapshot {
                 ids: ids.into_iter().map(|id| id as u64).collect(),
                 positions: vectors("/VTKHDF/Points")?,

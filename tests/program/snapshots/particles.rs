@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{check_by_vtk, head, time};
 use bytemuck::Zeroable;
+use talcum::output::readers::ParticleSnapshotReader;
 use talcum::output::{Output, ParticleSnapshots, Provenance};
 use talcum::parallel::{Communicator, ParticleRecord, run_on_threads};
 
@@ -108,6 +109,25 @@ fn a_file_damaged_by_a_kill_is_continued_from_its_last_commit() {
         check(&path);
         assert!(!folder.path().join("particles.vtkhdf.unreadable-1").exists());
     }
+}
+
+#[test]
+fn ids_that_do_not_ascend_are_told_when_snapshots_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    write_all(&path, 1);
+    let last = COUNTS.len() - 1;
+    let read = || ParticleSnapshotReader::open(&path).unwrap().snapshot(last);
+    assert!(read().is_ok());
+    {
+        let file = hdf5::File::open_rw(&path).unwrap();
+        let dataset = file.dataset("VTKHDF/PointData/id").unwrap();
+        let mut ids = dataset.read_raw::<i64>().unwrap();
+        *ids.last_mut().unwrap() = -1;
+        dataset.write_raw(&ids).unwrap();
+    }
+    let error = read().unwrap_err().to_string();
+    assert!(error.contains("particles.vtkhdf: the ids at time"), "{error}");
 }
 
 #[test]
