@@ -176,7 +176,7 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
 }
 
 /// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
-/// was is kept; a last row that a kill has cut short is not damage. Rows that end long before that time are told.
+/// was is kept; a last row that a kill has cut short is not damage. Rows that end too early are told.
 fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
     let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
     let mut kept = String::new();
@@ -208,22 +208,25 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
     if !damaged.is_empty() {
         keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
     }
-    if let Some(last) = end_long_before(time, &times) {
+    if let Some(last) = missing_after(time, &times) {
         let path = path.display();
         log::warn!(
-            "{path}: its last row is at time {last}, long before {time}: rows in between are lost"
+            "{path}: its last row is at time {last}, before {time}: rows in between are lost"
         );
     }
     Ok(kept)
 }
 
-/// The last time of rows if there should be rows between it and `time`: their last interval would have passed by then. Rows
-/// are brought to the disk with each checkpoint.
-fn end_long_before(time: f64, times: &[f64]) -> Option<f64> {
-    let last = *times.last()?;
-    let before = times.iter().rev().find(|&&row_time| row_time < last)?;
-    // Rows fall on the first step after a multiple of their interval.
-    (last + 1.5 * (last - before) < time).then_some(last)
+/// The last time of rows if there should be another one up to `time`: rows are brought to the disk with each checkpoint. Rows
+/// fall on the first step after a multiple of their interval, so that the longest of the last intervals counts.
+fn missing_after(time: f64, times: &[f64]) -> Option<f64> {
+    let mut distinct = times.to_vec();
+    distinct.dedup();
+    let last_ones = &distinct[distinct.len().saturating_sub(10)..];
+    let longest = last_ones.windows(2).map(|pair| pair[1] - pair[0]).reduce(f64::max)?;
+    let last = *last_ones.last()?;
+    // Times are sums of steps: one part in 10^9 is far below any interval.
+    (last + (1.0 - 1.0e-9) * longest <= time).then_some(last)
 }
 
 /// Whether a line has so many cells, numbers in all but those of texts.
@@ -276,13 +279,14 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_end_long_before_a_time_are_noticed() {
+    fn rows_that_end_too_early_are_noticed() {
         let times = [0.0, 0.1, 0.1, 0.2, 0.2];
-        assert_eq!(end_long_before(0.36, &times), Some(0.2));
-        assert_eq!(end_long_before(0.34, &times), None);
+        assert_eq!(missing_after(0.3, &times), Some(0.2));
+        assert_eq!(missing_after(0.29, &times), None);
+        assert_eq!(missing_after(0.3, &[0.0, 0.11, 0.2]), None);
         // Later rows than the time are dropped; one row tells no interval.
-        assert_eq!(end_long_before(0.05, &times), None);
-        assert_eq!(end_long_before(9.0, &[0.0, 0.0]), None);
+        assert_eq!(missing_after(0.05, &times), None);
+        assert_eq!(missing_after(9.0, &[0.0, 0.0]), None);
     }
 
     #[test]
