@@ -20,11 +20,16 @@ use super::table::{Rows, TableHead};
 use super::{MessageResult, OutputError, agreed};
 use crate::parallel::{Communicator, FileAccess, records_of_bytes};
 
-/// How all files are opened: without a lock. Many file systems of clusters have none, and a script that
-/// reads a table while it grows must not end the run.
+/// How all files are opened.
+///
+/// Without a lock: many file systems of clusters have none, and a script that reads a table while it grows must not end
+/// the run. And without the library's buffers for numbers: what waits in one is written as its dataset is closed, where a
+/// write that fails is told to nobody.
 fn options() -> FileBuilder {
     let mut options = File::with_options();
-    options.with_fapl(|properties| properties.file_locking(false));
+    options.with_fapl(|properties| {
+        properties.file_locking(false).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
+    });
     options
 }
 
@@ -277,7 +282,6 @@ impl SerialFile {
             let dataset = self.0.dataset(name)?;
             set_rows(&dataset, rows + added)?;
             write(&dataset, rows, values, false)?;
-            // While the dataset is open: what fails as it is closed is told to nobody.
             self.0.flush()
         };
         written(append())

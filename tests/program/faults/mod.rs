@@ -91,6 +91,31 @@ fn a_write_that_fails_on_one_rank_ends_all_ranks_and_the_run_goes_on_where_it_wa
 }
 
 #[test]
+fn no_single_write_that_fails_goes_unnoticed() {
+    // Small datasets would wait in buffers of HDF5, and be written as they are closed. One checkpoint, with a ledger.
+    let short = ["--until", "0.01", "--set", "output.energy=0.01"];
+    let mut written = 0;
+    loop {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().display().to_string();
+        let case = smoke("walls");
+        let mut command = vec!["run", &case, "--output", &output];
+        command.extend(short);
+        let from = written + 1;
+        let fault = Fault { call: "write", file: ".h5.partial", from, count: Some(1), rank: 0 };
+        let ended = fault.run(0, &command);
+        if ended.code() == Some(0) {
+            break;
+        }
+        assert_eq!(ended.code(), Some(1), "write {from}: {}", ended.errors);
+        assert!(ended.error().contains("No space left on device"), "{from}: {}", ended.errors);
+        written += 1;
+    }
+    // The control: all writes of the checkpoint were met, not the first few.
+    assert!(written > 10, "{written}");
+}
+
+#[test]
 fn a_read_that_fails_is_an_error_and_the_same_command_goes_on_later() {
     let whole = tempfile::tempdir().unwrap();
     let expected = talcum(0, &arguments(&run_in(whole.path(), &[]))).digest();
