@@ -44,9 +44,8 @@ class Statement:
     def row(self) -> str:
         """Its row of a table."""
         verdict = {True: "agrees", False: "differs", None: "cannot be compared"}[self.agrees]
-        kind = {True: "agrees", False: "differs", None: "open"}[self.agrees]
         cells = "".join(f"<td>{html.escape(text)}</td>" for text in (self.quantity, self.paper, self.measured, verdict))
-        return f'<tr class="{kind}">{cells}</tr>'
+        return f'<tr class="{verdict}">{cells}</tr>'
 
 
 @dataclass

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from statistics import median
 
-from .beds import RESULTS, ROOT, TIME_STEP
+from .beds import RESULTS, TIME_STEP
 from .runs import Measured, execute, measured, on_cores, read_talcum
-from .states import box_lengths, state, usual_contact
+from .states import CASES, box_lengths, case_text, state
 from .tables import table
 from .talcum import PROGRAM
 
@@ -37,36 +37,18 @@ def section(name: str, interval: int) -> str:
     return f'[measure.{name.replace(", ", "-")}]\nkind = "{name.split(",")[0]}"\nevery = {every}\n{keys}\n'
 
 
-def case_text(names: list[str], interval: int) -> str:
-    """The settled bed, without gas and cohesion, with these measures."""
-    lengths = ", ".join(map(repr, box_lengths((ROOT / "cases/benchmark/bed-24000.toml").read_text("utf-8")).tolist()))
-    sections = "".join(section(name, interval) for name in names)
-    return f"""title = "What measures cost"
-units = "dimensionless"
-[box]
-lengths = [{lengths}]
-x = "periodic"
-y = "periodic"
-z = {{ lower = "wall", upper = "wall" }}
-[particles]
-density = 1.0
-[particles.start]
-kind = "run"
-path = "states/{STATE}.h5"
-[gravity]
-magnitude = 1.0
-{usual_contact()}[time]
-step = {TIME_STEP}
-end = {LOOKS * interval * TIME_STEP}
-[output]
-series = 1000.0
-{sections}"""
+def case_with(names: list[str], interval: int) -> str:
+    """The settled bed with these measures."""
+    box = box_lengths((CASES / "bed-24000.toml").read_text("utf-8"))
+    start = f'kind = "run"\npath = "states/{STATE}.h5"'
+    bed = case_text("What measures cost", box, start, end=LOOKS * interval * TIME_STEP)
+    return bed + "".join(section(name, interval) for name in names)
 
 
 def run_with(names: list[str], interval: int, first: bool) -> Measured:
     """One run with these measures."""
     case, output = RESULTS / "measures.toml", RESULTS / "measures"
-    case.write_text(case_text(names, interval), encoding="utf-8")
+    case.write_text(case_with(names, interval), encoding="utf-8")
     command = [str(PROGRAM), "run", str(case), "--output", str(output), "--force"]
     return measured(read_talcum, on_cores(command, 1, first), 1, output)
 

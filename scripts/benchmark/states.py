@@ -110,33 +110,34 @@ def usual_contact() -> str:
     return contact[0]
 
 
-def write_case(bed: Particles, csv: Path, path: Path, contact: str | None = None) -> None:
-    """A case that begins with such a file, without gas and cohesion."""
-    lengths = ", ".join(map(repr, bed.box.tolist()))
-    path.write_text(
-        f"""title = "Benchmark: {bed.count} particles from a file"
+def case_text(title: str, box: Array, start: str, end: float = 1000.0, contact: str | None = None) -> str:
+    """A case of a bed in such a box, without gas and cohesion; `start` are the keys of [particles.start]."""
+    return f"""title = "{title}"
 units = "dimensionless"
 [box]
-lengths = [{lengths}]
+lengths = [{", ".join(map(repr, box.tolist()))}]
 x = "periodic"
 y = "periodic"
 z = {{ lower = "wall", upper = "wall" }}
 [particles]
 density = 1.0
 [particles.start]
-kind = "file"
-format = "csv"
-path = "{csv.name}"
+{start}
 [gravity]
 magnitude = 1.0
 {contact or usual_contact()}[time]
 step = {TIME_STEP}
-end = 1000.0
+end = {end}
 [output]
 series = 1000.0
-""",
-        encoding="utf-8",
-    )
+"""
+
+
+def write_case(bed: Particles, csv: Path, path: Path, contact: str | None = None) -> None:
+    """A case that begins with such a file."""
+    start = f'kind = "file"\nformat = "csv"\npath = "{csv.name}"'
+    text = case_text(f"Benchmark: {bed.count} particles from a file", bed.box, start, contact=contact)
+    path.write_text(text, encoding="utf-8")
 
 
 def write_lammps_data(bed: Particles, types: int, height: float, path: Path) -> None:

@@ -15,6 +15,7 @@ pub struct Periodicity {
 impl Periodicity {
     /// A position brought into [0, length) along each periodic axis. Which image of a particle a rank holds depends
     /// on the decomposition; this does not.
+    #[inline(always)]
     pub fn wrapped(&self, mut position: Vector3<f64>) -> Vector3<f64> {
         for (axis, length) in self.periodic_axes() {
             let x = position[axis];
@@ -56,6 +57,7 @@ impl Periodicity {
     }
 
     /// Number and length of each periodic axis.
+    #[inline(always)]
     pub fn periodic_axes(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let axes = self.lengths.iter().enumerate();
         axes.filter_map(|(axis, length)| length.map(|length| (axis, length)))

@@ -52,19 +52,12 @@ pub struct WallForce {
 }
 
 impl PairForce {
-    /// Unit vector from the lower to the higher.
-    pub fn direction(&self) -> Vector3<f64> {
-        self.branch * (1.0 / self.branch.norm())
-    }
-
-    /// Force on the lower by spring, dashpot and friction.
-    pub fn contact_on_lower(&self) -> Vector3<f64> {
-        -(self.direction() * self.normal + self.tangential)
-    }
-
-    /// Force on the lower by van der Waals attraction.
-    pub fn cohesion_on_lower(&self) -> Vector3<f64> {
-        self.direction() * self.cohesion
+    /// Forces on the lower: by spring, dashpot and friction, and by van der Waals attraction.
+    #[inline(always)]
+    pub fn on_lower(&self) -> [Vector3<f64>; 2] {
+        // Unit vector from the lower to the higher.
+        let direction = self.branch * (1.0 / self.branch.norm());
+        [-(direction * self.normal + self.tangential), direction * self.cohesion]
     }
 }
 
@@ -89,8 +82,8 @@ pub(crate) fn for_each_pair_force(
             continue;
         }
         let Some(Ordered { pair, history }) = ordered(particles, pair, history) else { continue };
-        let radii = pair.map(|index| particles.body[index].radius);
-        let [position, other] = pair.map(|index| particles.body[index].position);
+        let (one, two) = (&particles.body[pair[0]], &particles.body[pair[1]]);
+        let (radii, position, other) = ([one.radius, two.radius], one.position, two.position);
         let (overlap, normal) = overlap_and_normal(other - position, radii);
         let cohesion = attraction(radii, overlap);
         if history.is_none() && cohesion == 0.0 {
@@ -121,6 +114,7 @@ struct Ordered {
 }
 
 /// A pair by ascending ids; `None` if it is left to the rank that owns the lower id.
+#[inline(always)]
 fn ordered(
     particles: &Particles,
     [first, second]: [u32; 2],
@@ -139,6 +133,7 @@ fn ordered(
 }
 
 /// The contact of two particles, the second body being the one of the higher id.
+#[inline(always)]
 fn contact_of(
     particles: &Particles,
     pair: [usize; 2],
@@ -146,7 +141,7 @@ fn contact_of(
     normal: Vector3<f64>,
     cohesion: f64,
 ) -> Contact {
-    let [i, j] = pair.map(|index| &particles.body[index]);
+    let (i, j) = (&particles.body[pair[0]], &particles.body[pair[1]]);
     let surface_spin = i.angular_velocity * i.radius + j.angular_velocity * j.radius;
     let reduced = |one: f64, other: f64| one * other / (one + other);
     Contact {

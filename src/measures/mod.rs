@@ -30,7 +30,7 @@ mod time_average;
 
 pub use layout::{Column, Fixed, Image, Layout, Rows, Table};
 pub use measure::{CellValues, ContactLine, Findings, Measure, Needs, Setting};
-pub use plan::MeasurePlan;
+pub use plan::{MeasurePlan, table_file_name};
 pub use registered::{MeasureValues, RegisteredMeasure};
 pub use stored::{MeasureState, Stored, StoredTable, WIDEST};
 pub use view::View;

@@ -21,7 +21,7 @@ pub struct MeasurePlan {
 impl MeasurePlan {
     /// Names of its files in the folder of results: the table, and the fields or lines for ParaView.
     pub fn file_names(&self) -> [String; 2] {
-        [format!("measure-{}.h5", self.name), format!("measure-{}.vtkhdf", self.name)]
+        [table_file_name(&self.name), format!("measure-{}.vtkhdf", self.name)]
     }
 
     /// Names of the columns of its table `results` with one number in a row.
@@ -40,4 +40,9 @@ impl MeasurePlan {
     pub fn settings(&self) -> String {
         format!("every {:?} from {:?}: {:?}", self.every, self.start, self.kind)
     }
+}
+
+/// Name of the table file of a measure in the folder of results.
+pub fn table_file_name(measure: &str) -> String {
+    format!("measure-{measure}.h5")
 }

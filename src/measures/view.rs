@@ -125,13 +125,9 @@ impl<'a> View<'a> {
         self.contact_forces.get_or_init(|| {
             let mut forces = Vec::with_capacity(4 * self.run.state.particles.owned_count());
             self.for_each_pair_force(|pair| {
-                let direction = pair.direction();
-                forces.push(ContactForce {
-                    position: pair.position,
-                    branch: pair.branch,
-                    contact: -(direction * pair.normal + pair.tangential),
-                    cohesive: direction * pair.cohesion,
-                });
+                let PairForce { position, branch, .. } = pair;
+                let [contact, cohesive] = pair.on_lower();
+                forces.push(ContactForce { position, branch, contact, cohesive });
             });
             let walls = self.wall_forces().iter().map(|wall| ContactForce {
                 position: self.position(wall.particle as usize),

@@ -55,7 +55,7 @@ pub struct MeasureResults {
 impl MeasureResults {
     /// The file of a measure of this name in a folder of results.
     pub fn file_of(measure: &str, results: &Path) -> PathBuf {
-        results.join(format!("measure-{measure}.h5"))
+        results.join(measures::table_file_name(measure))
     }
 
     /// Reads the scalar results of a file `measure-NAME.h5`.

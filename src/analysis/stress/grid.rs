@@ -45,21 +45,16 @@ impl CellGrid {
     /// The cell of a point: x fastest, then y. None outside of the grid.
     #[inline]
     pub fn cell_of(&self, point: &Vector3<f64>) -> Option<u64> {
-        self.cell_at(&self.coordinates(point))
+        self.ruler().cell_of(point)
     }
 
-    /// A point in units of cells.
+    /// To find the cells of many points.
     #[inline(always)]
-    fn coordinates(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        (point - self.origin).component_mul(&self.spacing.map(f64::recip))
-    }
-
-    #[inline(always)]
-    fn cell_at(&self, coordinates: &Vector3<f64>) -> Option<u64> {
-        let are_countable = coordinates.iter().all(|&x| is_countable(x));
-        are_countable
-            .then(|| self.cell_of_index(std::array::from_fn(|axis| below(coordinates[axis]))))
-            .flatten()
+    pub(super) fn ruler(&self) -> Ruler<'_> {
+        // Every point lies in the one cell of an axis that repeats: its coordinate there is 0.
+        let is_whole = |axis: usize| self.counts[axis] == 1 && self.periodic[axis];
+        let per_length = |axis: usize| if is_whole(axis) { 0.0 } else { 1.0 / self.spacing[axis] };
+        Ruler { grid: self, per_length: Vector3::new(per_length(0), per_length(1), per_length(2)) }
     }
 
     /// The cell of an index along each axis.
@@ -84,6 +79,31 @@ impl CellGrid {
     pub(super) fn cells(&self) -> usize {
         self.counts.iter().product()
     }
+}
+
+/// A grid with the reciprocals of its spacing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruler<'a> {
+    grid: &'a CellGrid,
+    per_length: Vector3<f64>,
+}
+
+impl Ruler<'_> {
+    /// The cell of a point. None outside of the grid.
+    #[inline(always)]
+    pub(super) fn cell_of(&self, point: &Vector3<f64>) -> Option<u64> {
+        let [x, y, z] = self.coordinates(point).into();
+        if !(is_countable(x) && is_countable(y) && is_countable(z)) {
+            return None;
+        }
+        self.grid.cell_of_index([below(x), below(y), below(z)])
+    }
+
+    /// A point in units of cells.
+    #[inline(always)]
+    fn coordinates(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        (point - self.grid.origin).component_mul(&self.per_length)
+    }
 
     /// Where a line lies, in order, in place of what `pieces` held. The pieces' ends meet exactly, from 0 to 1. Nothing
     /// if the line is undefined.
@@ -95,15 +115,15 @@ impl CellGrid {
         pieces: &mut Vec<Piece>,
     ) {
         pieces.clear();
-        let per_length = self.spacing.map(f64::recip);
-        let (from, along) = (self.coordinates(start), line.component_mul(&per_length));
+        let (from, along) = (self.coordinates(start), line.component_mul(&self.per_length));
         let to = from + along;
-        if !(0..3).all(|axis| is_usable(from[axis], to[axis])) {
+        if !(is_usable(from.x, to.x) && is_usable(from.y, to.y) && is_usable(from.z, to.z)) {
             return;
         }
-        let [mut index, last] = ends_of(&from, &to, &along);
+        let ends = [0, 1, 2].map(|axis| ends_of(from[axis], to[axis], along[axis]));
+        let [mut index, last] = [0, 1].map(|end| [ends[0][end], ends[1][end], ends[2][end]]);
         if index == last {
-            pieces.push(Piece { cell: self.cell_of_index(index), first: 0.0, last: 1.0 });
+            pieces.push(Piece { cell: self.grid.cell_of_index(index), first: 0.0, last: 1.0 });
             return;
         }
         let mut crossings = Crossings::default();
@@ -113,26 +133,23 @@ impl CellGrid {
         let mut first = 0.0;
         for &Crossing { place, axis, step } in crossings.in_order() {
             if place > first {
-                pieces.push(Piece { cell: self.cell_of_index(index), first, last: place });
+                pieces.push(Piece { cell: self.grid.cell_of_index(index), first, last: place });
                 first = place;
             }
             index[axis] += step;
         }
         if first < 1.0 {
-            pieces.push(Piece { cell: self.cell_of_index(index), first, last: 1.0 });
+            pieces.push(Piece { cell: self.grid.cell_of_index(index), first, last: 1.0 });
         }
     }
 }
 
-/// Indices of the cells in which a line begins and ends: an end on a plane belongs to the cell that the line is in.
+/// Indices of the cells in which a line begins and ends, along one axis: an end on a plane belongs to the cell that the
+/// line is in.
 #[inline(always)]
-fn ends_of(from: &Vector3<f64>, to: &Vector3<f64>, along: &Vector3<f64>) -> [[i64; 3]; 2] {
-    let first = std::array::from_fn(|axis| {
-        if along[axis] < 0.0 { -below(-from[axis]) - 1 } else { below(from[axis]) }
-    });
-    let last = std::array::from_fn(|axis| {
-        if along[axis] > 0.0 { -below(-to[axis]) - 1 } else { below(to[axis]) }
-    });
+fn ends_of(from: f64, to: f64, along: f64) -> [i64; 2] {
+    let first = if along < 0.0 { -below(-from) - 1 } else { below(from) };
+    let last = if along > 0.0 { -below(-to) - 1 } else { below(to) };
     [first, last]
 }
 
@@ -237,7 +254,7 @@ mod tests {
         ) {
             let (start, line) = (Vector3::from(start), Vector3::from(line));
             let mut pieces = Vec::new();
-            GRID.pieces(&start, &line, &mut pieces);
+            GRID.ruler().pieces(&start, &line, &mut pieces);
             prop_assert_eq!(pieces[0].first, 0.0);
             prop_assert_eq!(pieces[pieces.len() - 1].last, 1.0);
             for pair in pieces.windows(2) {
@@ -266,7 +283,7 @@ mod tests {
         let start = Vector3::new(0.1, 0.1, 0.6);
         let number_of = |start: &Vector3<f64>, line: Vector3<f64>| {
             let mut pieces = Vec::new();
-            GRID.pieces(start, &line, &mut pieces);
+            GRID.ruler().pieces(start, &line, &mut pieces);
             pieces.len()
         };
         assert_eq!(number_of(&start, Vector3::new(f64::NAN, 0.0, 0.0)), 0);

@@ -35,6 +35,7 @@ use super::exact_sums::Keyed;
 use super::fixed_point::{FixedPointSum, Quanta, Slots, largest, sums_by_key};
 use super::periodicity::Periodicity;
 use super::rendezvous::{ask, distinct};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
@@ -202,6 +203,7 @@ impl StressMeasurement {
     }
 
     /// A position seen from the frame, the same for every image of a particle.
+    #[inline(always)]
     fn seen(&self, position: &Vector3<f64>) -> Vector3<f64> {
         let wrapped = self.periodicity.wrapped(*position);
         if self.frame.displacement == Vector3::zeros() {
@@ -211,8 +213,7 @@ impl StressMeasurement {
     }
 
     /// The components of sum w f (x) l by cell, by columns, each on its rendezvous rank; f is one of the forces of a
-    /// contact. What a branch gives its cells adds up to the whole exactly: differences of f (x) l times the pieces'
-    /// ends, as integers. Counts the branches that leave the grid. Collective.
+    /// contact. Counts the branches that leave the grid. Collective.
     fn forces(
         &self,
         contacts: &[ContactForce],
@@ -224,11 +225,42 @@ impl StressMeasurement {
         if quanta.are_zero() && outside.is_none() {
             return Vec::new();
         }
-        let (mut pieces, mut leaving) = (Vec::new(), 0);
-        let mut cells = Slots::new(self.grid.cells());
+        let shared = in_wide_vectors(Share { measurement: self, contacts, force, quanta: &quanta });
+        if let Some(outside) = outside {
+            *outside += shared.leaving;
+        }
+        sums_by_key(shared.cells.keys(), &shared.sums, &quanta, ranks)
+    }
+}
+
+/// Shares the dyads f (x) l of contacts among the cells through which their branches pass. What a branch gives its cells
+/// adds up to the whole exactly: differences of f (x) l times the pieces' ends, as integers.
+struct Share<'a, F> {
+    measurement: &'a StressMeasurement,
+    contacts: &'a [ContactForce],
+    force: F,
+    quanta: &'a Quanta<9>,
+}
+
+/// The shares of the cells, and the number of branches that leave the grid.
+struct Shared {
+    cells: Slots,
+    sums: Vec<FixedPointSum<9>>,
+    leaving: i64,
+}
+
+impl<F: Fn(&ContactForce) -> &Vector3<f64>> VectorWork for Share<'_, F> {
+    type Output = Shared;
+
+    #[inline(always)]
+    fn run(self) -> Shared {
+        let Self { measurement, contacts, force, quanta } = self;
+        let ruler = measurement.grid.ruler();
+        let mut cells = Slots::new(measurement.grid.cells());
         let mut sums = Vec::<FixedPointSum<9>>::new();
+        let (mut pieces, mut leaving) = (Vec::new(), 0);
         for contact in contacts {
-            self.grid.pieces(&self.seen(&contact.position), &contact.branch, &mut pieces);
+            ruler.pieces(&measurement.seen(&contact.position), &contact.branch, &mut pieces);
             leaving += i64::from(pieces.is_empty() || pieces.iter().any(|p| p.cell.is_none()));
             let dyad = dyad(force(contact), &contact.branch);
             let mut before = [0; 9];
@@ -244,10 +276,7 @@ impl StressMeasurement {
                 before = upto;
             }
         }
-        if let Some(outside) = outside {
-            *outside += leaving;
-        }
-        sums_by_key(cells.keys(), &sums, &quanta, ranks)
+        Shared { cells, sums, leaving }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A number or text that `talcum analyse` measures.
 
-use super::{Measure, MeasureSource, Measured, Value, Window, window};
+use super::{Measure, MeasureSource, Measured, Value, Window, window_of};
 use crate::output::OutputError;
 use crate::post_processing::{self, Kind, Results, ScalarName, TimeWindow};
 use crate::study::run_outline::RunOutline;
@@ -27,7 +27,7 @@ impl MeasureSource for Analysis {
     fn prepare(&self, section: &Section<'_>) -> Option<Box<dyn Measure>> {
         let quantity = section
             .required("quantity", "what talcum analyse measures: waves.speed, bed.height, ...");
-        let window = section.optional("window").map(|entry| window(&entry));
+        let window = window_of(section);
         let entry = quantity?;
         let name = entry.text()?;
         let Some(scalar) = post_processing::scalar_named(&name) else {
@@ -36,11 +36,7 @@ impl MeasureSource for Analysis {
             entry.fail(format!("no such quantity: {}", advice(&name, &names)));
             return None;
         };
-        let window = match window {
-            Some(window) => window?,
-            None => Window::default(),
-        };
-        Some(Box::new(Quantity { scalar, window, found: Rc::clone(&self.found) }))
+        Some(Box::new(Quantity { scalar, window: window?, found: Rc::clone(&self.found) }))
     }
 
     fn names(&self) -> Vec<String> {

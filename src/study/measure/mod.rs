@@ -21,7 +21,7 @@ use analysis::Analysis;
 use case_measures::CaseMeasures;
 use std::fmt;
 use std::path::Path;
-use window::window;
+use window::window_of;
 
 /// What a run gave.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! From the values of a run over time to one number: a statistic over a window.
 
-use super::{Window, window};
+use super::{Window, window_of};
 use crate::study::section::Section;
 
 /// What is computed from the rows in the window.
@@ -68,18 +68,14 @@ impl Reduction {
     pub(super) fn of_section(section: &Section<'_>) -> Option<Self> {
         let statistic =
             section.required("statistic", "\"mean\", \"last\", \"max\", \"min\" or \"deviation\"");
-        let window = section.optional("window").map(|entry| window(&entry));
+        let window = window_of(section);
         let entry = statistic?;
         let Some(statistic) = Statistic::named(&entry.text()?) else {
             let names = Statistic::NAMES.map(|(name, _)| name);
             entry.fail(format!("must be one of {}", names.join(", ")));
             return None;
         };
-        let window = match window {
-            Some(window) => window?,
-            None => Window::default(),
-        };
-        Some(Self { statistic, window })
+        Some(Self { statistic, window: window? })
     }
 
     /// The number, from times in ascending order with their values; `end` is the last time of the run.

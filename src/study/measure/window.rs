@@ -1,6 +1,6 @@
 //! The part of a run that a measure is taken from.
 
-use crate::study::section::Entry;
+use crate::study::section::{Entry, Section};
 use std::fmt;
 
 /// Times of rows are sums of steps: one part in 10^9 is far below any interval between them.
@@ -53,8 +53,13 @@ impl fmt::Display for Window {
     }
 }
 
+/// The key `window` of a section, or a whole run; `None` if it is wrong, which has then been reported.
+pub(super) fn window_of(section: &Section<'_>) -> Option<Window> {
+    section.optional("window").map_or_else(|| Some(Window::default()), |entry| window(&entry))
+}
+
 /// `{ from, to }` or `{ last }`.
-pub(super) fn window(entry: &Entry<'_>) -> Option<Window> {
+fn window(entry: &Entry<'_>) -> Option<Window> {
     let section = entry.section()?;
     let number = |key| section.optional(key).map(|entry| entry.number());
     let (from, to, last) = (number("from"), number("to"), number("last"));

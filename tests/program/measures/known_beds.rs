@@ -1,20 +1,42 @@
 //! Measures of whole runs of beds that were made by hand, so that the answer is known.
 
 use super::{Part, run};
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fmt::Write;
+use std::path::Path;
 use talcum::case::Case;
 use talcum::output::MeasureResults;
 
-/// Runs a case whose particles are the rows of `bed.csv` on so many ranks; the scalars of its measure `known`.
-fn measured(text: &str, bed: &str, ranks: usize) -> MeasureResults {
+/// What the cases share: particles of diameter 1 and density 1, the rows of `bed.csv`.
+const PARTICLES: &str = r#"
+title = "A bed made by hand"
+units = "dimensionless"
+[particles]
+diameter = 1.0
+density = 1.0
+[particles.start]
+kind = "file"
+path = "bed.csv"
+format = "csv"
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 1.0e4
+poisson_ratio = 0.3
+restitution = 0.1
+friction = 0.1
+"#;
+
+/// Runs a case with these particles and sections on so many ranks; `read` takes the file of its measure `known`.
+fn measured<T>(bed: &str, sections: &str, ranks: usize, read: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bed.csv"), bed).unwrap();
-    let case = Case::from_text(text, "case.toml", folder.path(), &[]);
+    let text = format!("{PARTICLES}{sections}");
+    let case = Case::from_text(&text, "case.toml", folder.path(), &[]);
     let case = case.unwrap_or_else(|errors| panic!("{errors}"));
     let until = case.end_time();
     run(&case, folder.path(), &Part { ranks, resume: false, until });
-    MeasureResults::read(&folder.path().join("measure-known.h5")).unwrap()
+    read(&folder.path().join("measure-known.h5"))
 }
 
 /// The last value of a column.
@@ -44,30 +66,15 @@ fn two_blocks() -> String {
 }
 
 fn clusters(threshold: f64, smallest: u64, ranks: usize) -> MeasureResults {
-    let text = format!(
+    let sections = format!(
         r#"
-title = "Two blocks"
-units = "dimensionless"
 [box]
 lengths = [16.0, 16.0, 16.0]
 x = "periodic"
 y = "periodic"
 z = "periodic"
-[particles]
-diameter = 1.0
-density = 1.0
-[particles.start]
-kind = "file"
-path = "bed.csv"
-format = "csv"
 [gravity]
 magnitude = 0.0
-[contact]
-law = "linear_spring_dashpot"
-normal_stiffness = 1.0e4
-poisson_ratio = 0.3
-restitution = 0.9
-friction = 0.1
 [gas]
 kind = "volume_averaged"
 cells = [8, 8, 8]
@@ -87,7 +94,7 @@ threshold = {threshold}
 smallest = {smallest}
 "#
     );
-    measured(&text, &two_blocks(), ranks)
+    measured(&two_blocks(), &sections, ranks, |file| MeasureResults::read(file).unwrap())
 }
 
 #[test]
@@ -131,31 +138,16 @@ fn clusters_of_two_blocks_are_found_with_their_volumes_and_velocities() {
 
 /// One particle that rests on a plate, which vibrates with Gamma 0.5 at f 0.16.
 const ON_A_PLATE: &str = r#"
-title = "A particle on a vibrating plate"
-units = "dimensionless"
 [box]
 lengths = [4.0, 4.0, 8.0]
 x = "periodic"
 y = "periodic"
 z = "wall"
-[particles]
-diameter = 1.0
-density = 1.0
-[particles.start]
-kind = "file"
-path = "bed.csv"
-format = "csv"
 [gravity]
 magnitude = 1.0
 [vibration]
 gamma = 0.5
 frequency = 0.16
-[contact]
-law = "linear_spring_dashpot"
-normal_stiffness = 1.0e4
-poisson_ratio = 0.3
-restitution = 0.1
-friction = 0.1
 [time]
 step = 1.25e-3
 end = 31.2625
@@ -170,17 +162,19 @@ phases = 20
 
 #[test]
 fn the_stress_below_a_resting_particle_follows_the_plate() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("bed.csv"), "id,x,y,z\n0,2,2,0.5\n").unwrap();
-    let case = Case::from_text(ON_A_PLATE, "case.toml", folder.path(), &[]).unwrap();
-    run(&case, folder.path(), &Part { ranks: 1, resume: false, until: case.end_time() });
-    let file = hdf5::File::open(folder.path().join("measure-known.h5")).unwrap();
-    let column = |name: &str| -> Vec<f64> {
-        let all = file.dataset(&format!("results/{name}")).unwrap().read_raw().unwrap();
+    let columns = |path: &Path| -> HashMap<String, Vec<f64>> {
+        let file = hdf5::File::open(path).unwrap();
         let rows = file.dataset("results/time").unwrap().size();
-        let width = all.len() / rows;
-        all[(rows - 1) * width..].to_vec()
+        let names = file.group("results").unwrap().member_names().unwrap();
+        let last_row = |name: &String| {
+            let all: Vec<f64> =
+                file.dataset(&format!("results/{name}")).unwrap().read_raw().unwrap();
+            all[all.len() - all.len() / rows..].to_vec()
+        };
+        names.iter().map(|name| (name.clone(), last_row(name))).collect()
     };
+    let row = measured("id,x,y,z\n0,2,2,0.5\n", ON_A_PLATE, 1, columns);
+    let column = |name: &str| &row[name];
     let stress = column("plate_stress");
     assert_eq!(stress.len(), 20);
     // The particle moves with the plate, whose stress is 1 + Gamma sin(2 pi f t); a bin of 1/20 of the cycle holds 25 looks about
