@@ -84,6 +84,8 @@ measures! {
     /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight; for a
     /// volume-averaged gas its mean pressure at the bottom less that at the top, hydrostatic head left out.
     grid_pressure_drop: Number = |it| it.over_weight(it.pressure_force);
+    /// Pressure of the plenum from which a column gas comes, less that above the bed; 0 without a plenum.
+    plenum_pressure: Pressure = |it| it.gas.plenum_pressure;
     /// Vertical gas force on all particles, over weight.
     gas_force: Number = |it| it.over_weight(it.gas_force);
     /// Force on the base plate, downwards, over weight.

@@ -6,7 +6,8 @@ use super::drag::read_drag;
 use super::schedules::read_schedule;
 use super::section::Section;
 use crate::domain::{Bounds, Face};
-use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, WeightBalance};
+use crate::gas::{BaseNode, ColumnGas, DragCorrelation, Drive, Plenum, WeightBalance};
+use crate::numbers::Schedule;
 
 /// More grid nodes than this are a mistake.
 const MOST_NODES: f64 = 1.0e6;
@@ -78,7 +79,11 @@ fn read_drive(
 ) -> Option<Drive> {
     let key = section.given(&["superficial_velocity", "weight"])?;
     if key == "superficial_velocity" {
-        return read_schedule(section, key, context.times).map(Drive::Velocity);
+        let flow = read_schedule(section, key, context.times)?;
+        return match section.table("plenum") {
+            Some(table) => read_plenum(&table, flow, bounds).map(Drive::Plenum),
+            None => Some(Drive::Velocity(flow)),
+        };
     }
     if bounds.is_some_and(|bounds| !bounds.is_fully_periodic()) {
         section.fail(key, "needs a box that is periodic along x, y and z");
@@ -88,4 +93,18 @@ fn read_drive(
         ("grid_integral", WeightBalance::GridIntegral),
     ];
     section.choice(key, &balances).map(Drive::Weight)
+}
+
+/// The plenum from which a flow comes; it lies below a plate.
+fn read_plenum(section: &Section<'_>, supply: Schedule, bounds: Option<&Bounds>) -> Option<Plenum> {
+    if bounds.is_some_and(|bounds| bounds.is_periodic(2)) {
+        section.fail("height", "needs a plate: the box is periodic along z");
+    }
+    Some(Plenum {
+        supply,
+        height: section.number("height")?,
+        pressure: section.number("pressure")?,
+        linear_resistance: section.number("linear_resistance")?,
+        quadratic_resistance: section.number("quadratic_resistance")?,
+    })
 }

@@ -20,7 +20,7 @@ mod state;
 mod step;
 pub mod volume_averaged;
 
-pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, WeightBalance};
+pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, Plenum, WeightBalance};
 pub use drag::{
     Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow,
     ParticleDrag, RegisteredDragLaw, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,

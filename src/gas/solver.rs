@@ -1,5 +1,6 @@
 //! The gas in a run: it advances, acts on the particles, and is read off, whichever it is.
 
+use super::state::plenum_record;
 use super::step::GasStep;
 use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAveragedState};
 use super::{
@@ -46,6 +47,8 @@ pub struct GasObservables {
     /// Pressure drop over the column; of the volume-averaged gas the mean pressure at the bottom less that at the
     /// top, hydrostatic head left out.
     pub pressure_drop: f64,
+    /// Pressure of the plenum less that above the bed; 0 without a plenum.
+    pub plenum_pressure: f64,
     /// How the last step went.
     pub report: GasReport,
 }
@@ -72,6 +75,9 @@ impl GasSolver {
                 if !matches!(self, Self::Column(_)) {
                     let solver = ColumnSolver::new(gas, layout.subdomain.bounds, &layout.limits);
                     *self = Self::Column(solver);
+                }
+                if gas.plenum().is_some() && state.plenum().is_some() {
+                    return Ok(());
                 }
             }
             GasModel::VolumeAveraged(model) => {
@@ -105,11 +111,15 @@ impl GasSolver {
         ranks: &dyn Communicator,
     ) -> Result<(), GasError> {
         match (self, state) {
-            (Self::None, _) | (Self::VolumeAveraged(_), GasState::None) => Ok(()),
-            (Self::Column(solver), _) => Ok(solver.advance(particles, step, ranks)?),
+            (Self::Column(solver), state) => {
+                let pressure = solver.advance(state.plenum(), particles, step, ranks)?;
+                *state = pressure.map_or(GasState::None, GasState::Plenum);
+                Ok(())
+            }
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 solver.advance(state, particles, step, ranks)
             }
+            (Self::None | Self::VolumeAveraged(_), _) => Ok(()),
         }
     }
 
@@ -133,22 +143,31 @@ impl GasSolver {
     /// What the time series shows. Collective.
     pub fn observables(&self, state: &GasState, ranks: &dyn Communicator) -> GasObservables {
         let (superficial_velocity, pressure_drop) = match (self, state) {
-            (Self::None, _) | (Self::VolumeAveraged(_), GasState::None) => (0.0, 0.0),
             (Self::Column(solver), _) => (solver.superficial_velocity(), solver.pressure_drop()),
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 solver.flow_through(state, ranks)
             }
+            (Self::None | Self::VolumeAveraged(_), _) => (0.0, 0.0),
         };
-        GasObservables { superficial_velocity, pressure_drop, report: state.report() }
+        let plenum_pressure = state.plenum().unwrap_or(0.0);
+        GasObservables {
+            superficial_velocity,
+            pressure_drop,
+            plenum_pressure,
+            report: state.report(),
+        }
     }
 
-    /// What a checkpoint keeps of this rank's cells; nothing of a gas without cells.
-    pub fn records(&self, state: &GasState) -> Vec<CellRecord> {
+    /// What a checkpoint keeps of this rank's cells, and on rank 0 of a plenum.
+    pub fn records(&self, state: &GasState, ranks: &dyn Communicator) -> Vec<CellRecord> {
         match (self, state) {
+            (_, GasState::Plenum(pressure)) if ranks.is_root() => vec![plenum_record(*pressure)],
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 solver.records(state)
             }
-            (Self::None | Self::Column(_), _) | (_, GasState::None) => Vec::new(),
+            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Plenum(_)) => {
+                Vec::new()
+            }
         }
     }
 
@@ -163,7 +182,7 @@ impl GasSolver {
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 Some(solver.sample(state, particles, ranks))
             }
-            (Self::None | Self::Column(_), _) | (_, GasState::None) => None,
+            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Plenum(_)) => None,
         }
     }
 
@@ -188,7 +207,7 @@ fn volume_averaged(
     let solver = VolumeAveragedSolver::new(model, limits, walls, subdomain);
     let mut solver = solver.map_err(CollectiveError)?;
     let state = match state {
-        GasState::None => solver.at_rest(particles, time, ranks),
+        GasState::None | GasState::Plenum(_) => solver.at_rest(particles, time, ranks),
         GasState::VolumeAveraged(state) => {
             let before = before.subdomain(subdomain.bounds, ranks.rank());
             let records = state.records(&model.grid.local_cells(before));

@@ -160,7 +160,7 @@ impl Run<'_> {
             particles: self.particles().collect(),
             pairs: pairs.into_iter().map(ContactRecord::from).collect(),
             walls: walls.into_iter().map(WallContactRecord::from).collect(),
-            cells: self.work.gas.records(gas),
+            cells: self.work.gas.records(gas, self.ranks),
             gas_report: gas.report(),
         })
     }

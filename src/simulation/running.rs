@@ -291,7 +291,7 @@ impl<'a> Simulation<'a> {
             particles: records(case, state),
             contacts: pairs.into_iter().map(ContactRecord::from).collect(),
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
-            cells: work.gas.records(&state.gas),
+            cells: work.gas.records(&state.gas, *ranks),
             gas_report: state.gas.report(),
             energy: state.energy.as_deref().map(StoredLedger::of),
             measures,

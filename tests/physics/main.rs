@@ -12,5 +12,6 @@ mod integrator_order;
 mod measures;
 mod measures_never_panic;
 mod minimum_fluidisation;
+mod plenum;
 mod single_particle;
 mod wall_forces;

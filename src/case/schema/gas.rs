@@ -38,6 +38,31 @@ const WEIGHTS: &[Word] = &[
 const BASE_NODES: &[Word] =
     &[Word::new("full_cell", "a whole cell"), Word::new("half_cell", "half a cell")];
 
+/// `plenum` of a column gas.
+const PLENUM: &[Key] = &[
+    Key::number("height", Allowed::POSITIVE, "Volume of the plenum over the cross-section of the bed").unit("length"),
+    Key::number(
+        "pressure",
+        Allowed::POSITIVE,
+        "Absolute pressure P above the bed; the plenum's gas is ideal and isothermal, flows are volumes at P",
+    )
+    .unit("stress"),
+    Key::number(
+        "linear_resistance",
+        Allowed::NOT_NEGATIVE,
+        "Pressure drop of the distributor over U_s",
+    )
+    .unit("stress/speed")
+    .default(Value::Number(0.0)),
+    Key::number(
+        "quadratic_resistance",
+        Allowed::NOT_NEGATIVE,
+        "Pressure drop of the distributor over U_s squared",
+    )
+    .unit("stress/speed^2")
+    .default(Value::Number(0.0)),
+];
+
 /// A column of gas.
 const COLUMN: &[Key] = &[
     Key::number(
@@ -50,6 +75,14 @@ const COLUMN: &[Key] = &[
     Key::new("superficial_velocity", SIGNED_SCHEDULE, "Superficial velocity U_s, upwards")
         .unit("speed")
         .or(&["weight"]),
+    Key::new(
+        "plenum",
+        Kind::Table(PLENUM),
+        "The gas comes out of a plenum below the plate, through a distributor: `superficial_velocity` is then the flow into \
+         the plenum, and U_s follows the bed",
+    )
+    .with("superficial_velocity")
+    .optional(),
     Key::word("weight", WEIGHTS, "The gas carries the weight of a fully periodic bed")
         .or(&["superficial_velocity"]),
     Key::new("lateral_drag", Kind::Boolean, "Whether the gas resists lateral motion")
@@ -155,6 +188,12 @@ pub(super) const CHAPTER: Chapter = Chapter {
     before: "",
     after: "\
 `\"volume_averaged\"` always needs `density`, whatever the drag law.
+
+With `plenum`, (H / P) dp/dt = U_0 - U_s, where H is its `height`, P its `pressure`, p the pressure in it less P, and U_0 the
+`superficial_velocity` that the case asks for; and p = R_1 U_s + R_2 U_s^2 + (gas force on the bed per cross-section), R_1 and R_2
+the resistances of the distributor. The first gas flows at U_0. U_s follows the bed where H / P times the resistance of the bed
+(its pressure drop over U_s) is not short beside the period of the plate, and the distributor's resistance not large beside
+the bed's.
 
 The volume-averaged gas advances every `substeps` steps, with drag implicit in its own velocity; the force on each
 particle is kept until its next step. The run stops with an error message if that step is too long: 2 C + V / 2 must not

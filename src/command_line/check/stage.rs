@@ -123,6 +123,9 @@ fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParti
         Drive::Velocity(schedule) => {
             format!("superficial velocity up to {:.6e}", schedule.largest())
         }
+        Drive::Plenum(plenum) => {
+            format!("flow into the plenum up to {:.6e}", plenum.supply.largest())
+        }
         Drive::Weight(_) => "carries the weight of the bed".to_owned(),
     };
     lines.add("gas", &drive);

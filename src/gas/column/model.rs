@@ -1,5 +1,6 @@
 //! The column gas as a case chooses it: one-dimensional, incompressible, without inertia.
 
+use super::plenum::Plenum;
 use crate::domain::Bounds;
 use crate::gas::{DragLaw, ParticleDrag};
 use crate::grid::ColumnGrid;
@@ -33,6 +34,8 @@ pub struct ColumnGas {
 pub enum Drive {
     /// The case prescribes it.
     Velocity(Schedule),
+    /// Gas that comes out of a plenum.
+    Plenum(Plenum),
     /// The gas carries the weight of a fully periodic box at every instant (Moon 2006 eq. (18)).
     Weight(WeightBalance),
 }
@@ -57,6 +60,14 @@ pub enum BaseNode {
 }
 
 impl ColumnGas {
+    /// The plenum that it comes from, if it does.
+    pub fn plenum(&self) -> Option<&Plenum> {
+        match &self.drive {
+            Drive::Plenum(plenum) => Some(plenum),
+            Drive::Velocity(_) | Drive::Weight(_) => None,
+        }
+    }
+
     /// The grid that this gas lives on.
     pub fn grid(&self, bounds: &Bounds) -> ColumnGrid {
         let base_part = match self.base_node {

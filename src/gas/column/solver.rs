@@ -2,6 +2,7 @@
 
 use super::block::{AddForces, ParticlesInColumn, SumSlopes};
 use super::model::{ColumnFields, ColumnGas, Drive, WeightBalance};
+use super::plenum::{BedResistance, Plenum};
 use crate::coupling::{Bed, ColumnDeposition, interval_fields};
 use crate::domain::Bounds;
 use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
@@ -26,6 +27,21 @@ pub struct ColumnSolver {
     limit: f64,
     /// The bed between nodes: phi and u_s; then, only if sizes differ, diameters per volume and u_d.
     between_nodes: [Vec<[f64; 4]>; 2],
+}
+
+/// The gas force on all particles: `at_rest` + `slope` U_s.
+#[derive(Clone, Copy, Debug)]
+struct BedForce {
+    at_rest: f64,
+    slope: f64,
+    /// Their number.
+    particles: f64,
+}
+
+impl BedForce {
+    fn per(self, area: f64) -> BedResistance {
+        BedResistance { at_rest: self.at_rest / area, slope: self.slope / area }
+    }
 }
 
 impl ColumnSolver {
@@ -62,19 +78,28 @@ impl ColumnSolver {
         self.superficial_velocity
     }
 
-    /// The superficial velocity of a time, for the bed as it is now. Collective.
+    /// The superficial velocity of a time, for the bed as it is now. `plenum` is the pressure of the plenum at the beginning of
+    /// the step, none if the gas has just been turned on; the pressure at its end is returned, none without a plenum.
+    /// Collective.
     ///
     /// # Errors
     /// If no velocity carries the weight; the same on all ranks.
     pub fn advance(
         &mut self,
+        plenum: Option<f64>,
         particles: &Particles,
         step: &GasStep,
         ranks: &dyn Communicator,
-    ) -> Result<(), GasForceOutOfRange> {
+    ) -> Result<Option<f64>, GasForceOutOfRange> {
         self.deposit(particles, ranks);
+        let mut pressure = None;
         self.superficial_velocity = match &self.gas.drive {
             Drive::Velocity(schedule) => schedule.at(step.time),
+            Drive::Plenum(model) => {
+                let (velocity, after) = self.through(model, plenum, particles, step, ranks)?;
+                pressure = Some(after);
+                velocity
+            }
             Drive::Weight(balance) => {
                 let weight = self.weight_of(particles, step.gravity, ranks);
                 match balance {
@@ -85,7 +110,28 @@ impl ColumnSolver {
                 }
             }
         };
-        Ok(())
+        Ok(pressure)
+    }
+
+    /// U_s out of a plenum and the pressure of that after the step. The first gas flows as fast as it is supplied. Collective.
+    fn through(
+        &self,
+        plenum: &Plenum,
+        pressure: Option<f64>,
+        particles: &Particles,
+        step: &GasStep,
+        ranks: &dyn Communicator,
+    ) -> Result<(f64, f64), GasForceOutOfRange> {
+        let supply = plenum.supply.at(step.time);
+        let area = self.cross_section();
+        let Some(pressure) = pressure else {
+            let bed = self.force_on_bed(supply, particles, ranks).per(area);
+            return Ok((supply, plenum.pressure_for(supply, bed)));
+        };
+        let velocity = self.velocity_by(particles, pressure * area, ranks, |bed| {
+            plenum.outflow(pressure, supply, step.dt, bed.per(area))
+        })?;
+        Ok((velocity, plenum.pressure_after(pressure, supply, velocity, step.dt)))
     }
 
     /// phi and u_s of the bed now.
@@ -160,33 +206,37 @@ impl ColumnSolver {
         sum[0] as f64 * self.quantum.spacing()
     }
 
-    /// U_s from sum_i F_i = W, each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds number.
-    ///
-    /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
-    /// particles' forces: nearer than that the sums do not settle.
+    /// U_s from sum_i F_i = W.
     fn velocity_by_particle_force(
         &self,
         particles: &Particles,
         weight: f64,
         ranks: &dyn Communicator,
     ) -> Result<f64, GasForceOutOfRange> {
+        self.velocity_by(particles, weight, ranks, |bed| {
+            // Without particles there is nothing to carry.
+            if bed.particles == 0.0 { 0.0 } else { (weight - bed.at_rest) / bed.slope }
+        })
+    }
+
+    /// U_s by the force on the bed, sum_i F_i with each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds
+    /// number. `force` is about what it will be. Collective.
+    ///
+    /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
+    /// particles' forces: nearer than that the sums do not settle.
+    fn velocity_by(
+        &self,
+        particles: &Particles,
+        force: f64,
+        ranks: &dyn Communicator,
+        next: impl Fn(BedForce) -> f64,
+    ) -> Result<f64, GasForceOutOfRange> {
         let mut velocity = 0.0;
         for _ in 0..MOST_ITERATIONS {
-            let [constant, slope] = with_simd(SumSlopes {
-                column: self.particles_in(velocity),
-                quanta: [self.quantum, self.slope_quantum],
-                count: particles.owned_count(),
-            });
-            let mut sums = [constant, slope, particles.owned_count() as i64];
-            ranks.sum_integers(&mut sums);
-            if sums[2] == 0 {
-                return Ok(0.0); // nothing to carry
-            }
-            let constant = sums[0] as f64 * self.quantum.spacing();
-            let slope = sums[1] as f64 * self.slope_quantum.spacing();
-            let next = (weight - constant) / slope;
-            let rounding = (sums[2] as f64 * self.quantum.spacing()).max(1.0e-13 * weight.abs());
-            let converged = ((next - velocity) * slope).abs() <= rounding;
+            let bed = self.force_on_bed(velocity, particles, ranks);
+            let next = next(bed);
+            let rounding = (bed.particles * self.quantum.spacing()).max(1.0e-13 * force.abs());
+            let converged = ((next - velocity) * bed.slope).abs() <= rounding;
             velocity = next;
             if converged || !self.gas.drag.depends_on_reynolds() {
                 return self.finite(velocity);
@@ -195,9 +245,34 @@ impl ColumnSolver {
         Err(GasForceOutOfRange::NoBalance(velocity))
     }
 
+    /// The gas force on all particles with the drag of a superficial velocity. Collective.
+    fn force_on_bed(
+        &self,
+        velocity: f64,
+        particles: &Particles,
+        ranks: &dyn Communicator,
+    ) -> BedForce {
+        let [constant, slope] = with_simd(SumSlopes {
+            column: self.particles_in(velocity),
+            quanta: [self.quantum, self.slope_quantum],
+            count: particles.owned_count(),
+        });
+        let mut sums = [constant, slope, particles.owned_count() as i64];
+        ranks.sum_integers(&mut sums);
+        BedForce {
+            at_rest: sums[0] as f64 * self.quantum.spacing(),
+            slope: sums[1] as f64 * self.slope_quantum.spacing(),
+            particles: sums[2] as f64,
+        }
+    }
+
+    fn cross_section(&self) -> f64 {
+        self.grid.cell_volume() / self.grid.spacing()
+    }
+
     /// U_s from the grid integral = W / S, by the secant method: exact at once for a linear drag law.
     fn velocity_by_grid_integral(&self, weight: f64) -> Result<f64, GasForceOutOfRange> {
-        let target = weight / (self.grid.cell_volume() / self.grid.spacing());
+        let target = weight / self.cross_section();
         let excess =
             |velocity: f64| self.gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
         let (mut old, mut velocity) = (0.0, self.grid.spacing());

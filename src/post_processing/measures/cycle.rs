@@ -9,7 +9,7 @@ use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value
 pub(super) const MEASURE: Measure = Measure {
     name: "cycle",
     title: "The cycle of the vibrated plate",
-    scalars: || vec![FREQUENCY, CYCLES, PLATE_PEAK, PLATE_PEAK_PHASE, LIFT],
+    scalars: || vec![FREQUENCY, CYCLES, PLATE_PEAK, PLATE_PEAK_PHASE, LIFT, FLOW_SWING],
     find,
 };
 
@@ -22,11 +22,19 @@ const PLATE_PEAK_PHASE: Kind =
 const LIFT: Kind =
     Kind::number("lift", Quantity::Length, "largest less smallest mean height of the bed's bottom");
 
+const FLOW_SWING: Kind = Kind::number(
+    "flow_swing",
+    Quantity::Speed,
+    "largest less smallest mean superficial velocity: 0 if the gas is driven at a constant one",
+);
+
 /// Columns that are averaged.
-const COLUMNS: [&str; 8] = [
+const COLUMNS: [&str; 10] = [
     "plate_stress",
     "gas_force",
     "grid_pressure_drop",
+    "superficial_velocity",
+    "plenum_pressure",
     "effective_gravity",
     "bed_bottom",
     "bed_top",
@@ -69,7 +77,9 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let peak = of("plate_stress").and_then(peak);
     found.add(&PLATE_PEAK, peak.clone().map_or_else(nothing, |(_, value)| value));
     found.add(&PLATE_PEAK_PHASE, peak.map_or_else(nothing, |(phase, _)| phase.into()));
-    found.add(&LIFT, of("bed_bottom").and_then(lift).map_or_else(nothing, Value::from));
+    found.add(&LIFT, of("bed_bottom").and_then(swing).map_or_else(nothing, Value::from));
+    let flow = of("superficial_velocity").and_then(swing);
+    found.add(&FLOW_SWING, flow.map_or_else(nothing, Value::from));
     found.tables.push(ResultTable::new("cycle/phases", columns));
     Ok(found)
 }
@@ -108,7 +118,8 @@ fn peak(average: &PhaseAverage) -> Option<(f64, Value)> {
     Some((average.phases[bin], Value::Number { value, error: average.errors[bin] }))
 }
 
-fn lift(average: &PhaseAverage) -> Option<f64> {
+/// Largest less smallest mean.
+fn swing(average: &PhaseAverage) -> Option<f64> {
     let known = || average.means.iter().flatten().copied();
     let highest = known().reduce(f64::max)?;
     Some(highest - known().fold(highest, f64::min))

@@ -199,7 +199,9 @@ fn a_vibrated_bed_is_averaged_over_its_cycle() {
     let row = |time: f64| {
         let phase = 2.0 * PI * 0.16 * time;
         let plate_stress = 1.0 + 0.8 * (phase - 0.5 * PI).sin() + 0.1 * noise(0.0, time);
-        Measures { time, plate_stress, bed_bottom: 0.3 * (1.0 + phase.cos()), ..Default::default() }
+        let bed_bottom = 0.3 * (1.0 + phase.cos());
+        let superficial_velocity = 0.02 + 0.005 * phase.sin();
+        Measures { time, plate_stress, bed_bottom, superficial_velocity, ..Default::default() }
     };
     made.series(times(1600, 0.125).into_iter().map(row));
     let found = made.find("cycle", TimeWindow::WHOLE);
@@ -209,6 +211,7 @@ fn a_vibrated_bed_is_averaged_over_its_cycle() {
     assert!((peak - 1.8).abs() < 4.0 * error + 0.002, "{peak} +- {error}");
     assert!((number(&found, "cycle.plate_stress_peak_phase").0 - 0.5).abs() < 0.08);
     assert!((number(&found, "cycle.lift").0 - 0.6).abs() < 0.01);
+    assert!((number(&found, "cycle.flow_swing").0 - 0.01).abs() < 1.0e-4);
     // The control: the same series of a plate at rest has no cycle.
     let still = Made::of(CASE);
     still.series(times(1600, 0.125).into_iter().map(row));
