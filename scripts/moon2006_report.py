@@ -202,7 +202,39 @@ def figure_7(results: Path) -> Section | None:
     return Section("Figs 6 to 9: the cycle", text, statements, figures, [source("fig7", points)])
 
 
+def distributor(results: Path) -> Section | None:
+    """A plenum and a distributor below the shaken bed."""
+    points = table(results, "distributor", "points")
+    if points is None:
+        return None
+    resistances = sorted(set(points.numbers("linear_resistance")))
+    groups = [(f"resistance {resistance:g}", points.where(linear_resistance=resistance)) for resistance in resistances]
+    flow = {name: group.estimates("flow_swing") for name, group in groups}
+    text = "; ".join(f"{name}: " + ", ".join(f"{e.mean:.2g}" for e in found) for name, found in flow.items())
+    heights = ", ".join(f"{height:g}" for height in groups[0][1].numbers("height"))
+    sums = [a.mean + b.mean for a, b in zip(points.estimates("plate_stress"), points.estimates("gas_force"))]
+    statements = [
+        Statement(f"swing of U_s over the cycle, plenums {heights} d high", "0: U_s is taken as constant", text, None),
+        Statement("mean plate stress + gas force", "1, by eq. (17)", f"{min(sums):.4f} to {max(sums):.4f}",
+                  all(within(total, 1.0, 0.01) for total in sums)),
+    ]  # fmt: skip
+    measures = {"flow_swing": "swing of U_s [sqrt(g d)]", "flow": "mean U_s [sqrt(g d)]", "peak": "peak of plate stress / weight"}
+    figure = over(points, "height", measures, groups)
+    for panel in figure.axes:
+        panel.set_xscale("log")
+        panel.set_xlabel("height of the plenum [d]")
+    introduction = (
+        "The paper takes U_s as constant in the frame of the plate and wishes for a distributor of finite resistance. Here gas flows "
+        "at 0.016 into a plenum at atmospheric pressure (2.3e5 in these units) below the bed of Figs 6 to 9, and through a "
+        "distributor of linear resistance; that of the bed is about 1,900. U_s follows the cycle if the plenum is high and the "
+        "distributor weak."
+    )
+    caption = "Over the height of the plenum, for three resistances; means and intervals over seeds."
+    return Section("Beyond the paper: a distributor and a plenum", introduction, statements, [(figure, caption)],
+                   [source("distributor", points)])  # fmt: skip
+
+
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
-    found = (make(results) for make in (figure_1, figure_2, figure_3, figure_7))
+    found = (make(results) for make in (figure_1, figure_2, figure_3, figure_7, distributor))
     return [section for section in found if section is not None]
