@@ -43,7 +43,7 @@ class TestSlurmScript(ScriptTest):
         (self.tools / name).write_text(text)
         (self.tools / name).chmod(0o755)
 
-    def job(self, warning: signal.Signals | None, fake: str = "") -> tuple[int, str]:
+    def job(self, warning: signal.Signals | None, fake: str = "", options: tuple[str, ...] = ()) -> tuple[int, str]:
         """Runs the job script, warns it once the run has begun, and returns exit code and output."""
         environment = os.environ | {
             "PATH": f"{self.tools}:{os.environ['PATH']}",
@@ -51,7 +51,8 @@ class TestSlurmScript(ScriptTest):
             "SLURM_JOB_ID": "17",
             "FAKE": fake,
         }
-        command = ["bash", str(SCRIPTS.parent / "jobs/talcum.slurm"), str(self.folder / "case.toml"), str(self.output)]
+        script = SCRIPTS.parent / "jobs/talcum.slurm"
+        command = ["bash", str(script), str(self.folder / "case.toml"), str(self.output), *options]
         (self.output / "ready").unlink(missing_ok=True)
         with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as job:
             if warning is not None:
@@ -80,6 +81,12 @@ class TestSlurmScript(ScriptTest):
         self.assertIn("complete", self.job(None)[1])  # and nothing is run again
         calls = (self.output / "calls").read_text().splitlines()
         self.assertEqual(calls, [f"run {self.folder}/case.toml --output {self.output} --resume"] * 3)
+
+    def test_options_go_to_talcum(self) -> None:
+        self.job(None, "fail", ("--set", "gas.kind=column", "--until", "3.0"))
+        calls = (self.output / "calls").read_text().splitlines()
+        options = "--resume --set gas.kind=column --until 3.0"
+        self.assertEqual(calls, [f"run {self.folder}/case.toml --output {self.output} {options}"])
 
     def test_failure_is_not_queued_again(self) -> None:
         code, printed = self.job(None, "fail")

@@ -5,6 +5,7 @@ mod check;
 mod contact;
 mod info;
 mod keys;
+mod lone_ranks;
 mod memory;
 mod naming;
 mod progress;
@@ -18,6 +19,7 @@ use crate::output::write_failed;
 use crate::parallel::{Communicator, MpiRanks};
 use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, Parser, Subcommand};
+use lone_ranks::require_one_run;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -198,9 +200,13 @@ fn dispatch(command: RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()
     match command {
         RankCommand::Check { case, changes } => check::check(&case, &changes, ranks),
         RankCommand::Run { case, options, force, resume } => {
+            require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
             run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
         }
-        RankCommand::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
+        RankCommand::Restart { checkpoint, options } => {
+            require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
+            run::restart(&checkpoint, &options, ranks)
+        }
         RankCommand::Contact(options) => contact::contact(&options, ranks),
         RankCommand::Keys(options) => keys::keys(&options, ranks),
         RankCommand::Info { file } => info::info(&file, ranks),

@@ -19,7 +19,7 @@ pub struct OutputFolder {
     pub case_folder: PathBuf,
 }
 
-/// The mark of a run that came to its end: holds the digest.
+/// The mark of a run that came to the end that it was asked for: holds the digest.
 const COMPLETE: &str = "complete";
 /// Locked while a run goes on; says who runs.
 const RUNNING: &str = "running";

@@ -123,8 +123,7 @@ pub fn run(
     }
     let elapsed = began.elapsed();
     let complete = simulation.steps_done() >= last;
-    let whole_case = end_time >= case.end_time();
-    let written = simulation.finish(complete && whole_case)?;
+    let written = simulation.finish(complete)?;
     Ok(Outcome {
         complete,
         time: simulation.time(),

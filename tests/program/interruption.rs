@@ -64,6 +64,23 @@ fn assert_stops_on(name: &str, ranks: usize) {
 }
 
 #[test]
+fn a_run_is_marked_as_complete_until_it_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, output) = (smoke("rank-equality"), text(folder.path()));
+    let mark = || fs::read_to_string(folder.path().join("complete"));
+    let run = ["run", &case, "--output", &output, "--resume", "--until"];
+    for until in ["0.05", "0.1"] {
+        let digest = talcum(0, &[&run[..], &[until]].concat()).digest();
+        assert_eq!(mark().unwrap(), format!("digest {digest}\n"));
+    }
+    // The control: stopped before its end it is not complete.
+    let running = endless(0, &case, folder.path(), &["--resume"]);
+    signal("TERM", running.rank_processes()[0]);
+    stop_time(&running.wait());
+    assert!(mark().is_err());
+}
+
+#[test]
 fn signals_stop_one_process_with_a_checkpoint() {
     ["TERM", "INT", "USR1"].iter().for_each(|name| assert_stops_on(name, 0));
 }
