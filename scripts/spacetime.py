@@ -6,6 +6,7 @@ of height and time in which it was measured; the front between waves and still b
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
@@ -82,7 +83,7 @@ def draw(profiles: Profiles, found: Analysis, top: float | None, colours: str, p
     panel.set_xlim(profiles.time[0], profiles.time[-1])
     panel.set_xlabel(axis_label("time", profiles.units["time"]))
     panel.set_ylabel(axis_label("height", profiles.units["height"]))
-    panel.set_title(str(profiles.attributes.get("title", "")), loc="left")
+    panel.set_title(textwrap.fill(str(profiles.attributes.get("title", "")), 90), loc="left")
     figure.colorbar(mesh, ax=panel, label="solids fraction", extend="both", pad=0.015)
     draw_measured(panel, found)
     save_figure(figure, picture)

@@ -5,7 +5,7 @@ use super::correlation::SlownessGrid;
 use super::field::Rows;
 use super::map::{Examined, Tiling, examine};
 use super::motion::Bed;
-use super::pool::{Member, PooledWaves, pool};
+use super::pool::{Member, pool};
 
 /// Windows that are tried first, as parts of the record and of the bed.
 const PARTS_OF_RECORD: [usize; 6] = [1, 2, 4, 8, 16, 32];
@@ -15,6 +15,8 @@ const FEWEST_HEIGHTS: usize = 6;
 const FEWEST_TIMES: usize = 24;
 /// The part of the windows that must have waves: more than chance gives, of however many windows.
 pub(super) const LEAST_PART: f64 = 0.04;
+/// Chance of a pattern that counts though it does not repeat: a thousand windows of all sizes are tried.
+const CERTAIN: f64 = 1.0e-6;
 /// Sizes of a window in periods and wavelengths.
 const PERIODS: f64 = 3.0;
 const WAVELENGTHS: f64 = 2.5;
@@ -33,11 +35,47 @@ pub(super) struct Scale {
     pub(super) slowness: Option<f64>,
 }
 
-/// Tries windows of several sizes; those in most of which a pattern travels give period and wavelength, from which
-/// follow the windows that are used. The options' sizes go before all.
+/// Waves of the windows of one size.
+struct Trial {
+    tiling: Tiling,
+    /// Part of the windows in which a pattern travels.
+    share: f64,
+    slowness: f64,
+    /// None if the pattern does not repeat within a window.
+    period: Option<f64>,
+    /// Whether so many windows show it that chance does not: large windows are few, and one of few is soon met by chance among
+    /// so many sizes.
+    is_certain: bool,
+}
+
+/// Tries windows of several sizes; those in most of which a pattern travels and repeats give period and wavelength, from
+/// which follow the windows that are used. If none repeats, those are used in most of which a pattern travels. The options'
+/// sizes go before all.
 pub(super) fn find_scale(rows: &Rows, bed: &Bed, options: &WaveOptions) -> Scale {
     let extent = bed_heights(bed).clamp(FEWEST_HEIGHTS, rows.heights());
-    let mut best: Option<(f64, PooledWaves)> = None;
+    let trials = trials(rows, bed, extent, options);
+    let best = |of: &dyn Fn(&&Trial) -> bool| {
+        let found = trials.iter().filter(of);
+        found.reduce(|best, trial| if trial.share > best.share { trial } else { best })
+    };
+    let best = best(&|trial| trial.period.is_some()).or_else(|| best(&|trial| trial.is_certain));
+    let (period, slowness) = (best.and_then(|best| best.period), best.map(|best| best.slowness));
+    let wavelength = slowness.zip(period).map(|(slowness, period)| period / slowness.abs());
+    let tried = |size: fn(&Tiling) -> usize| best.map(|best| size(&best.tiling) as f64);
+    let times = period.map(|period| PERIODS * period).or(tried(|tiling| tiling.times));
+    let heights = wavelength.map(|length| WAVELENGTHS * length).or(tried(|tiling| tiling.heights));
+    let times = times.unwrap_or(rows.times() as f64 / 4.0);
+    let heights = heights.unwrap_or(extent as f64 / 6.0);
+    let heights = heights.max(ENOUGH_HEIGHTS.min(0.5 * extent as f64));
+    let times = options.window_duration.map_or(times, |duration| duration / rows.interval);
+    let heights = options.window_height.map_or(heights, |height| height / rows.spacing);
+    let tiling = tiling(rows, extent, times, heights, period);
+    Scale { tiling, period, slowness }
+}
+
+/// Windows of several sizes in some of which a pattern travels.
+fn trials(rows: &Rows, bed: &Bed, extent: usize, options: &WaveOptions) -> Vec<Trial> {
+    let mut trials = Vec::new();
     for part in PARTS_OF_RECORD {
         let times = rows.times() / part;
         for part in PARTS_OF_BED {
@@ -46,25 +84,10 @@ pub(super) fn find_scale(rows: &Rows, bed: &Bed, options: &WaveOptions) -> Scale
                 continue;
             }
             let tiling = Tiling { heights, times, height_step: heights, time_step: times };
-            let found = try_windows(rows, bed, &tiling, options);
-            let better = |share: f64| best.as_ref().is_none_or(|(other, _)| share > *other);
-            if let Some((share, waves)) = found.filter(|(share, _)| better(*share)) {
-                best = Some((share, waves));
-            }
+            trials.extend(try_windows(rows, bed, tiling, options));
         }
     }
-    let waves = best.map(|(_, waves)| waves);
-    let period =
-        waves.as_ref().and_then(|waves| waves.period.as_ref().ok()).map(|found| found.value);
-    let slowness = waves.map(|waves| waves.slowness.value);
-    let wavelength = slowness.zip(period).map(|(slowness, period)| period / slowness.abs());
-    let times = period.map_or(rows.times() as f64 / 4.0, |period| PERIODS * period);
-    let heights = wavelength.map_or(extent as f64 / 6.0, |length| WAVELENGTHS * length);
-    let heights = heights.max(ENOUGH_HEIGHTS.min(0.5 * extent as f64));
-    let times = options.window_duration.map_or(times, |duration| duration / rows.interval);
-    let heights = options.window_height.map_or(heights, |height| height / rows.spacing);
-    let tiling = tiling(rows, extent, times, heights, period);
-    Scale { tiling, period, slowness }
+    trials
 }
 
 fn tiling(rows: &Rows, extent: usize, times: f64, heights: f64, period: Option<f64>) -> Tiling {
@@ -86,23 +109,20 @@ fn bed_heights(bed: &Bed) -> usize {
     extents[extents.len() / 2]
 }
 
-/// The part of the windows in which a pattern travels, and its period and speed; None if there are too few, or no
-/// period.
-fn try_windows(
-    rows: &Rows,
-    bed: &Bed,
-    tiling: &Tiling,
-    options: &WaveOptions,
-) -> Option<(f64, PooledWaves)> {
-    let examined = examine(rows, bed, tiling);
-    let members = travelling(&examined, tiling, options);
+/// What windows of one size show; None if a pattern travels in too few.
+fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) -> Option<Trial> {
+    let examined = examine(rows, bed, &tiling);
+    let members = travelling(&examined, &tiling, options);
     let filled = examined.iter().filter(|examined| examined.filled).count();
     let share = members.len() as f64 / filled.max(1) as f64;
     if share < LEAST_PART {
         return None;
     }
     let waves = pool(&members, &SlownessGrid::new(tiling.times, tiling.heights - 1)).ok()?;
-    waves.period.is_ok().then_some((share, waves))
+    let period = waves.period.ok().map(|period| period.value);
+    let certain = members.iter().filter(|member| member.detection.chance(None) < CERTAIN).count();
+    let is_certain = certain >= 2 && 2 * certain >= filled;
+    Some(Trial { tiling, share, slowness: waves.slowness.value, period, is_certain })
 }
 
 /// The windows in which a pattern travels.

@@ -114,7 +114,9 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     let bed = Bed::of(rows);
     let Scale { tiling, period, slowness } = find_scale(rows, &bed, options);
     let examined = examine(rows, &bed, &tiling);
-    let activity = activity(rows, &examined, period, options);
+    // A pattern that does not repeat within a window takes longer than that.
+    let span = period.or(slowness.map(|_| tiling.times as f64));
+    let activity = activity(rows, &examined, span, options);
     let expected = slowness.filter(|_| activity.is_some());
     let flux = SolidsFlux::of(rows);
     let judge = Judge {
@@ -147,14 +149,15 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     })
 }
 
-/// Where the field varies as it does where waves travel; None if they travel hardly anywhere.
+/// Where the field varies over a span of time, the waves' period, as it does where they travel; None if they travel hardly
+/// anywhere.
 fn activity(
     rows: &Rows,
     examined: &[Examined],
-    period: Option<f64>,
+    span: Option<f64>,
     options: &WaveOptions,
 ) -> Option<Activity> {
-    let period = (libm::round(period?) as usize).clamp(2, rows.times());
+    let span = (libm::round(span?) as usize).clamp(2, rows.times());
     let filled = examined.iter().filter(|examined| examined.filled).count();
     let travelling: Vec<Window> = examined
         .iter()
@@ -167,7 +170,7 @@ fn activity(
     if (travelling.len() as f64) < LEAST_PART * filled.max(1) as f64 {
         return None;
     }
-    let mut activity = Activity::of(rows, period);
+    let mut activity = Activity::of(rows, span);
     activity.set_threshold(&travelling);
     Some(activity)
 }

@@ -250,6 +250,24 @@ fn beds_that_stand_or_swing_have_no_waves() {
 }
 
 #[test]
+fn waves_longer_than_the_record_are_found_without_a_period() {
+    // A void that rises every 20 d, in a record of one and a fifth of its periods.
+    for seed in [1, 2, 3] {
+        let drawn = Drawn::new(275, 0.02, seed, |z, t| {
+            0.55 + sine(z / 20.0 * LENGTH, t / 20.0 * LENGTH, SPEED)
+        });
+        let map = drawn.map(&WaveOptions::default());
+        assert_eq!(map.state, BedState::Waves, "{:?}", map.shares);
+        let waves = map.waves.unwrap();
+        assert!((waves.speed.value / SPEED - 1.0).abs() < 0.05, "{:?}", waves.speed);
+        assert!(waves.period.is_err());
+        // The control: the same pattern stands.
+        let stands = Drawn::new(275, 0.02, seed, |z, _| 0.55 + sine(z / 20.0 * LENGTH, 0.0, SPEED));
+        assert!(stands.map(&WaveOptions::default()).waves.is_err());
+    }
+}
+
+#[test]
 fn a_plug_that_rises_is_not_a_wave() {
     for speed in [0.01, 0.08] {
         let drawn = Drawn::new(600, 0.002, 11, |z, t| {
