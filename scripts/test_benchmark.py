@@ -71,10 +71,10 @@ class TestMeasures(unittest.TestCase):
     """What measures cost."""
 
     def test_each_kind_stands_in_the_case_and_looks_at_the_interval(self) -> None:
-        text = measures.case_text(list(measures.KINDS), 100)
+        text = measures.case_with(list(measures.KINDS), 100)
         self.assertEqual(text.count("[measure."), len(measures.KINDS))
         self.assertEqual(text.count("every = 0.025\n"), len(measures.KINDS))
-        self.assertNotIn("[measure.", measures.case_text([], 100))
+        self.assertNotIn("[measure.", measures.case_with([], 100))
 
     def test_a_share_is_over_all_other_phases(self) -> None:
         run = runs.Measured(1.0, stages={"contact forces": 0.6, "measures": 0.1, "output": 0.3})
