@@ -19,6 +19,8 @@ SECTIONS = ["", "contact.", "gas.", "particles.", "particles.start.", "box.", "s
             "checkpoint.", "parallel.", "measure.a.", "wall.1."]  # fmt: skip
 # File and line, the option, or a section or another file that is missing.
 PLACED = re.compile(r"^(bed: )?\S+?(:\d+(:\d+)?|, --set .*?): |.*(: missing: must be |cannot be opened: )", re.DOTALL)
+# An error may have several lines; the next one begins with the file again.
+EACH = re.compile(r"\n(?=case\.toml)")
 
 
 @cache
@@ -120,7 +122,7 @@ def cases(context: Context) -> dict[str, int]:
         text = text_of(source)
         folder = changed_bed(context, source, text)
     outcome, message = reader.ask({"text": text, "folder": folder, "set": values})
-    if outcome == "refused" and not all(PLACED.match(line) for line in message.split("\ncase.toml")):
+    if outcome == "refused" and not all(PLACED.match(error) for error in EACH.split(message)):
         return {f"{what}, refused without a place": 1}
     how = "refused" if outcome == "refused" else {"large": "good, too large to try"}.get(message, "good, tried")
     return {f"{what}, {how}": 1}
