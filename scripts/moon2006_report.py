@@ -19,8 +19,6 @@ INTRODUCTION = (
     "(rho_s = d = g = 1; St 55, k_n 2e5, e 0.9, mu 0.1). Intervals are those of 95 % confidence over the seeds of the bed."
 )
 KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
-STATES = {"waves": BLUE, "partly_frozen": "#7fb3d5", "intermittent": ORANGE, "frozen": GREY, "rising_plug": RED,
-          "disordered": "#333333"}  # fmt: skip
 
 
 def table(results: Path, study: str, kind: str) -> StudyTable | None:
@@ -226,7 +224,6 @@ def distributor(results: Path) -> Section | None:
     for panel in figure.axes:
         panel.set_xscale("log")
         panel.set_yscale("log", nonpositive="clip")
-        panel.autoscale(axis="y")
         means = [y for line in panel.lines for y in np.asarray(line.get_ydata(), float) if y > 0.0]
         panel.set_ylim(0.5 * min(means), 2.0 * max(means))
         panel.set_xlabel("height of the plenum [d]")

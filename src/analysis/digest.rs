@@ -22,8 +22,8 @@ use crate::state::Clock;
 /// hashed together with the number of records, the step and the time.
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
-/// or twisting spring that is not bent is left out, and what only a volume-averaged gas has, its cells and its force on
-/// particles, where there is none: the digest of a state without them is that of the time before there were any.
+/// or twisting spring that is not bent is left out, and what only some gases have, cells or a plenum and a force on
+/// particles that is kept, where there is none: the digest of a state without them is that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -35,7 +35,7 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub contacts: &'a [ContactRecord],
     /// Particles that touch a wall.
     pub wall_contacts: &'a [WallContactRecord],
-    /// Cells of a volume-averaged gas; none without such a gas.
+    /// Cells of a volume-averaged gas, or the plenum of a column gas; none without either.
     pub cells: &'a [CellRecord],
 }
 

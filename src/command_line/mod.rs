@@ -197,16 +197,15 @@ fn start_log(level: &str) {
 }
 
 fn dispatch(command: RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    if matches!(command, RankCommand::Run { .. } | RankCommand::Restart { .. }) {
+        require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
+    }
     match command {
         RankCommand::Check { case, changes } => check::check(&case, &changes, ranks),
         RankCommand::Run { case, options, force, resume } => {
-            require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
             run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
         }
-        RankCommand::Restart { checkpoint, options } => {
-            require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
-            run::restart(&checkpoint, &options, ranks)
-        }
+        RankCommand::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
         RankCommand::Contact(options) => contact::contact(&options, ranks),
         RankCommand::Keys(options) => keys::keys(&options, ranks),
         RankCommand::Info { file } => info::info(&file, ranks),

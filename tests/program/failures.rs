@@ -1,7 +1,7 @@
 //! What goes wrong ends all ranks, with one message and a code, and never by a hang.
 
 use crate::launch::{
-    Ended, checkpoints, signal, smoke, start, start_program, talcum, wait_for_end_of,
+    Ended, checkpoints, in_repository, signal, smoke, start, start_program, talcum, wait_for_end_of,
 };
 use std::fs;
 use std::path::Path;
@@ -303,54 +303,13 @@ fn check_prints_the_viscous_number_that_the_run_enforces() {
     assert!(!ended.output.contains("the gas step is too long"), "{}", ended.output);
 }
 
-/// A lattice of particles, one in each cell, that a driven gas takes along: the flow stays uniform.
-const UNIFORM_SUSPENSION: &str = r#"
-title = "Uniform suspension"
-units = "dimensionless"
-[box]
-lengths = [13.2, 19.799999999999997, 19.799999999999997]
-x = "periodic"
-y = "periodic"
-z = "periodic"
-[particles]
-diameter = 1.0
-density = 1.0
-count = 144
-[particles.start]
-kind = "lattice"
-spacing = 3.3
-[gravity]
-magnitude = 0.0
-[contact]
-law = "linear_spring_dashpot"
-normal_stiffness = 1.0e4
-poisson_ratio = 0.3
-restitution = 0.9
-friction = 0.1
-[gas]
-kind = "volume_averaged"
-cells = [4, 6, 6]
-density = 1.0
-viscosity = 0.1
-drag = "wen_yu"
-substeps = 1
-tolerance = 1e-14
-driving = [0.1, 0.0, 0.001]
-[time]
-step = 1.0e-3
-end = 0.1
-[output]
-series = 0.05
-"#;
-
 #[test]
 fn rounding_errors_of_a_uniform_flow_need_not_converge() {
     // The right-hand side of its pressure equation is rounding alone. The control: held to the tolerance relative to that, this
     // run ends at step 8 with "the pressure equation did not converge".
+    let case = in_repository("tests/cases/good/uniform-suspension.toml");
     let folder = tempfile::tempdir().unwrap();
-    let [case, output] = ["case.toml", "results"].map(|name| folder.path().join(name));
-    fs::write(&case, UNIFORM_SUSPENSION).unwrap();
-    let arguments = [case.display().to_string(), output.display().to_string()];
-    let ended = talcum(0, &["run", &arguments[0], "--output", &arguments[1]]);
+    let [case, output] = [&*case, folder.path()].map(|path| path.display().to_string());
+    let ended = talcum(0, &["run", &case, "--output", &output]);
     assert_eq!(ended.code(), Some(0), "{}", ended.errors);
 }

@@ -256,7 +256,6 @@ fn earlier_results_are_kept_continued_or_replaced_as_asked() {
     assert_eq!(std::fs::read_to_string(folder.path().join("notes.txt")).unwrap(), "mine");
 }
 
-/// A short run of a smoke case, and the arguments that restart it in a folder of its own.
 /// Half of a table is cut off, as when a disk loses what was on it.
 #[test]
 fn rows_that_are_lost_before_the_checkpoint_are_told() {
@@ -281,6 +280,7 @@ fn rows_that_are_lost_before_the_checkpoint_are_told() {
     assert!(!digest.is_empty());
 }
 
+/// A short run of a smoke case, and the arguments that restart it in a folder of its own.
 fn stopped_at(name: &str, until: &str, folder: &Path) -> String {
     let output = text(&folder.join("start"));
     talcum(0, &["run", &smoke(name), "--output", &output, "--until", until]).digest();
@@ -412,7 +412,7 @@ fn an_end_beyond_all_steps_is_not_reached_at_once() {
 #[test]
 fn the_pressure_of_a_plenum_goes_on_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cases/good/plenum.toml");
+    let case = &text(&crate::launch::in_repository("tests/cases/good/plenum.toml"));
     let [whole, part] = ["whole", "part"].map(|name| text(&folder.path().join(name)));
     // In vibration, from an empty plenum's first pressure on.
     let short =

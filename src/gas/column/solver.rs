@@ -92,24 +92,24 @@ impl ColumnSolver {
         ranks: &dyn Communicator,
     ) -> Result<Option<f64>, GasForceOutOfRange> {
         self.deposit(particles, ranks);
-        let mut pressure = None;
-        self.superficial_velocity = match &self.gas.drive {
-            Drive::Velocity(schedule) => schedule.at(step.time),
+        let (velocity, pressure) = match &self.gas.drive {
+            Drive::Velocity(schedule) => (schedule.at(step.time), None),
             Drive::Plenum(model) => {
                 let (velocity, after) = self.through(model, plenum, particles, step, ranks)?;
-                pressure = Some(after);
-                velocity
+                (velocity, Some(after))
             }
             Drive::Weight(balance) => {
                 let weight = self.weight_of(particles, step.gravity, ranks);
-                match balance {
+                let velocity = match balance {
                     WeightBalance::ParticleForce => {
                         self.velocity_by_particle_force(particles, weight, ranks)?
                     }
                     WeightBalance::GridIntegral => self.velocity_by_grid_integral(weight)?,
-                }
+                };
+                (velocity, None)
             }
         };
+        self.superficial_velocity = velocity;
         Ok(pressure)
     }
 
