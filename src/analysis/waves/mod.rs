@@ -3,7 +3,8 @@
 //! # Method
 //!
 //! The field is cut into overlapping windows of about three periods and two and a half wavelengths. (If no pattern repeats
-//! within the record, into windows of a size of which half show a travelling pattern with a chance below 1e-6.) In each,
+//! within the record, into windows of a size of which three quarters show a travelling pattern of one speed, as noise would with a chance
+//! below 1e-6.) In each,
 //! phi at every height, less its straight-line trend in time, is correlated with phi at the other heights over
 //! time lags; the covariances of all pairs of heights are averaged along straight rays, lag = slowness * distance
 //! (slant stack). The highest ray gives the slowness, 1 / speed.

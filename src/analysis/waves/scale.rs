@@ -4,7 +4,7 @@ use super::WaveOptions;
 use super::correlation::SlownessGrid;
 use super::field::Rows;
 use super::map::{Examined, Tiling, examine};
-use super::motion::Bed;
+use super::motion::{Bed, SolidsFlux};
 use super::pool::{Member, pool};
 
 /// Windows that are tried first, as parts of the record and of the bed.
@@ -15,8 +15,10 @@ const FEWEST_HEIGHTS: usize = 6;
 const FEWEST_TIMES: usize = 24;
 /// The part of the windows that must have waves: more than chance gives, of however many windows.
 pub(super) const LEAST_PART: f64 = 0.04;
-/// Chance of a pattern that counts though it does not repeat: a thousand windows of all sizes are tried.
+/// Chance, of the windows of one size together, of a pattern that counts though it does not repeat: a score of sizes is tried.
 const CERTAIN: f64 = 1.0e-6;
+/// Slownesses of windows with the same waves differ by less than this part of their mean.
+const AGREEMENT: f64 = 0.25;
 /// Sizes of a window in periods and wavelengths.
 const PERIODS: f64 = 3.0;
 const WAVELENGTHS: f64 = 2.5;
@@ -43,8 +45,7 @@ struct Trial {
     slowness: f64,
     /// None if the pattern does not repeat within a window.
     period: Option<f64>,
-    /// Whether so many windows show it that chance does not: large windows are few, and one of few is soon met by chance among
-    /// so many sizes.
+    /// Whether so many windows show it, with one speed, that chance does not, nor a plug that moves.
     is_certain: bool,
 }
 
@@ -120,9 +121,36 @@ fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) ->
     }
     let waves = pool(&members, &SlownessGrid::new(tiling.times, tiling.heights - 1)).ok()?;
     let period = waves.period.ok().map(|period| period.value);
-    let certain = members.iter().filter(|member| member.detection.chance(None) < CERTAIN).count();
-    let is_certain = certain >= 2 && 2 * certain >= filled;
+    // A wave has one speed; what windows take for waves in noise that neighbours share has any.
+    let agrees = |member: &&Member<'_>| {
+        (member.detection.slowness / waves.slowness.value - 1.0).abs() < AGREEMENT
+    };
+    let chances = members.iter().filter(agrees).map(|m| m.detection.chance(None)).collect();
+    let is_certain = chance_of_most(chances, filled) < CERTAIN
+        && !is_carried(rows, &examined, waves.slowness.value);
     Some(Trial { tiling, share, slowness: waves.slowness.value, period, is_certain })
+}
+
+/// Whether the material moves at half the pattern's speed or more: the pattern of a plug, whose speed such windows tell poorly.
+fn is_carried(rows: &Rows, examined: &[Examined], slowness: f64) -> bool {
+    let flux = SolidsFlux::of(rows);
+    let filled = examined.iter().filter(|examined| examined.filled);
+    let velocities: Vec<f64> = filled.map(|found| flux.velocity(&found.window).value).collect();
+    let velocity = velocities.iter().sum::<f64>() / velocities.len() as f64;
+    let speed = rows.spacing / (rows.interval * slowness);
+    2.0 * velocity * speed.signum() > speed.abs()
+}
+
+/// Probability that noise would show so clear a pattern in three quarters of `n` independent windows, and in two at least: the k-th
+/// lowest of n chances is below p with a probability of at most C(n, k) p^k. 1 if fewer show any.
+fn chance_of_most(mut chances: Vec<f64>, n: usize) -> f64 {
+    let most = (3 * n).div_ceil(4).max(2);
+    if chances.len() < most {
+        return 1.0;
+    }
+    chances.sort_unstable_by(f64::total_cmp);
+    let highest = chances[most - 1];
+    (0..most).map(|k| (n - k) as f64 / (k + 1) as f64 * highest).product()
 }
 
 /// The windows in which a pattern travels.
@@ -139,4 +167,22 @@ pub(super) fn travelling<'a>(
             detection.travels(options.criterion(None)).then_some(Member { detection, tile })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_windows_together_leave_chance_less_room_than_each_alone() {
+        // A vibrated bed whose voids merge on their way up: three parts of its height, each over the whole record.
+        let bed = vec![3.5e-9, 3.6e-6, 3.2e-6];
+        assert!(chance_of_most(bed.clone(), 3) < CERTAIN);
+        // One window alone is not enough, nor these three of five, nor two that just count.
+        assert_eq!(chance_of_most(vec![1.4e-10], 1), 1.0);
+        assert_eq!(chance_of_most(bed, 5), 1.0);
+        let barely = WaveOptions::default().greatest_chance;
+        let chance = chance_of_most(vec![barely, 1.0e-9], 2);
+        assert!((chance / (barely * barely) - 1.0).abs() < 1.0e-12);
+    }
 }
