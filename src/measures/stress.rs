@@ -75,7 +75,7 @@ impl RegisteredMeasure for Stress {
         if !is_room_for(cells, frame.as_ref(), values) {
             return None;
         }
-        if matches!(cells, Cells::Boxes(_)) && frame != Some(FrameSettings::Laboratory) {
+        if matches!(cells, Cells::Boxes(_)) && frame.is_some_and(|frame| !frame.is_laboratory()) {
             values.fail("cells", "are at rest: leave frame out, or give layers".to_owned());
             return None;
         }

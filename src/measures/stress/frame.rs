@@ -20,71 +20,79 @@ pub(super) const FRAMES: &[Word] = &[
                 "Wavelength, at most the height of the box",
             )
             .unit("length"),
+            Key::new("phases", PHASES, "Average by the phase of the vibration, in so many bins")
+                .optional(),
+            FREQUENCY,
         ],
     ),
     Word::with(
         "phase",
         "that of the box, but looks are averaged by the phase of the vibration",
-        &[
-            Key::new("phases", Kind::Count(2, 1000), "Bins of the phase").default(Value::Count(24)),
-            Key::number("frequency", Allowed::POSITIVE, "Cycles per time")
-                .unit("1/time")
-                .default(Value::Derived("that of `[vibration]`")),
-        ],
+        &[Key::new("phases", PHASES, "Bins of the phase").default(Value::Count(24)), FREQUENCY],
     ),
 ];
 
-/// The frame of a measure.
+const PHASES: Kind = Kind::Count(2, 1000);
+
+const FREQUENCY: Key = Key::number("frequency", Allowed::POSITIVE, "Cycles per time")
+    .unit("1/time")
+    .default(Value::Derived("that of `[vibration]`"));
+
+/// The frame of a measure, and the bins in which its looks are averaged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FrameSettings {
+    /// Moves upwards with a wave; None: at rest in the box.
+    wave: Option<Wave>,
+    /// Looks are averaged by the phase of the vibration.
+    cycle: Option<Cycle>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FrameSettings {
-    /// At rest in the box.
-    Laboratory,
-    /// Upwards with a wave.
-    Wave { speed: f64, wavelength: f64 },
-    /// At rest in the box, by phase f (t - start).
-    Phase { phases: usize, frequency: f64, start: f64 },
+struct Wave {
+    speed: f64,
+    wavelength: f64,
+}
+
+/// Bins of the phase f (t - start).
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cycle {
+    phases: usize,
+    frequency: f64,
+    start: f64,
 }
 
 impl FrameSettings {
     pub(super) fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
-        match values.word("frame")? {
-            "wave" => {
-                let (speed, wavelength) =
-                    (values.number("wave_speed")?, values.number("wavelength")?);
-                let height = values.bounds().lengths().z;
-                if wavelength > height {
-                    let message = format!("must be at most the height of the box, {height}");
-                    values.fail("wavelength", message);
-                    return None;
-                }
-                Some(Self::Wave { speed, wavelength })
-            }
-            "phase" => {
-                let vibration = values.vibration();
-                let frequency = match values.is_given("frequency") {
-                    true => values.number("frequency"),
-                    false => vibration.map(|vibration| vibration.frequency),
-                };
-                if frequency.is_none() {
-                    let message = "is needed: no stage has a [vibration]";
-                    values.fail("frequency", message.to_owned());
-                }
-                let start = vibration.map_or(0.0, |vibration| vibration.start);
-                let phases = values.count("phases")? as usize;
-                Some(Self::Phase { phases, frequency: frequency?, start })
-            }
-            _ => Some(Self::Laboratory),
+        let word = values.word("frame")?;
+        let wave = match word {
+            "wave" => Some(Wave::from_keys(values)?),
+            _ => None,
+        };
+        let has_phases = word == "phase" || word == "wave" && values.is_given("phases");
+        if !has_phases && values.is_given("frequency") {
+            values.fail("frequency", "needs phases".to_owned());
+            return None;
         }
+        let cycle = match has_phases {
+            true => Some(Cycle::from_keys(values)?),
+            false => None,
+        };
+        Some(Self { wave, cycle })
+    }
+
+    /// Whether cells at rest would be measured the same.
+    pub(super) fn is_laboratory(&self) -> bool {
+        *self == Self::default()
     }
 
     /// Height that the layers divide, in a box of a height.
     pub(super) fn extent(&self, height: f64) -> f64 {
-        if let Self::Wave { wavelength, .. } = self { *wavelength } else { height }
+        self.wave.map_or(height, |wave| wave.wavelength)
     }
 
     /// Whether the layers repeat above one another.
     pub(super) fn repeats(&self) -> bool {
-        matches!(self, Self::Wave { .. })
+        self.wave.is_some()
     }
 
     /// Number of wavelengths in a box of a height, of which each layer holds its part.
@@ -94,27 +102,56 @@ impl FrameSettings {
 
     /// Bins of the phase.
     pub(super) fn phases(&self) -> usize {
-        if let Self::Phase { phases, .. } = self { *phases } else { 1 }
+        self.cycle.map_or(1, |cycle| cycle.phases)
     }
 
     /// The bin of the phase at a time.
     pub(super) fn phase_at(&self, time: f64) -> usize {
-        let Self::Phase { phases, frequency, start } = *self else { return 0 };
-        let cycles = frequency * (time - start);
-        // Rounded, so that looks on the border of two bins fall into the same in every cycle.
-        let place = (phases as f64 * (cycles - cycles.floor()) * 1.0e6).round() * 1.0e-6;
-        (place as usize) % phases
+        self.cycle.map_or(0, |cycle| cycle.bin_at(time))
     }
 
     /// How stress is measured at the time of a view.
     pub(super) fn measurement(&self, grid: CellGrid, view: &View<'_>) -> StressMeasurement {
-        let frame = match *self {
-            Self::Wave { speed, .. } => {
-                let velocity = Vector3::new(0.0, 0.0, speed);
-                Frame { displacement: velocity * view.time(), velocity }
-            }
-            _ => Frame::default(),
-        };
+        let frame = self.wave.map_or_else(Frame::default, |wave| {
+            let velocity = Vector3::new(0.0, 0.0, wave.speed);
+            Frame { displacement: velocity * view.time(), velocity }
+        });
         StressMeasurement { grid, periodicity: view.periodicity(), frame }
+    }
+}
+
+impl Wave {
+    fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
+        let (speed, wavelength) = (values.number("wave_speed")?, values.number("wavelength")?);
+        let height = values.bounds().lengths().z;
+        if wavelength > height {
+            let message = format!("must be at most the height of the box, {height}");
+            values.fail("wavelength", message);
+            return None;
+        }
+        Some(Self { speed, wavelength })
+    }
+}
+
+impl Cycle {
+    fn from_keys(values: &dyn MeasureValues) -> Option<Self> {
+        let vibration = values.vibration();
+        let frequency = match values.is_given("frequency") {
+            true => values.number("frequency"),
+            false => vibration.map(|vibration| vibration.frequency),
+        };
+        if frequency.is_none() {
+            let message = "is needed: no stage has a [vibration]";
+            values.fail("frequency", message.to_owned());
+        }
+        let start = vibration.map_or(0.0, |vibration| vibration.start);
+        Some(Self { phases: values.count("phases")? as usize, frequency: frequency?, start })
+    }
+
+    fn bin_at(&self, time: f64) -> usize {
+        let cycles = self.frequency * (time - self.start);
+        // Rounded, so that looks on the border of two bins fall into the same in every cycle.
+        let place = (self.phases as f64 * (cycles - cycles.floor()) * 1.0e6).round() * 1.0e-6;
+        (place as usize) % self.phases
     }
 }

@@ -196,3 +196,61 @@ fn the_stress_below_a_resting_particle_follows_the_plate() {
     let lift = column("bed_bottom");
     assert!(lift.iter().all(|lift| lift.abs() < 1.0), "{lift:?}");
 }
+
+/// Solids fraction of each phase and layer of a sheet that rises at 1 through a periodic box, in a frame.
+fn rising_sheet(frame: &str) -> Vec<f64> {
+    let mut text = "id,x,y,z,vx,vy,vz\n".to_owned();
+    for site in 0..16 {
+        let (x, y) = (f64::from(site % 4) + 0.5, f64::from(site / 4) + 0.5);
+        writeln!(text, "{site},{x},{y},2.5,0,0,1").unwrap();
+    }
+    let sections = format!(
+        r#"
+[box]
+lengths = [4.0, 4.0, 10.0]
+x = "periodic"
+y = "periodic"
+z = "periodic"
+[gravity]
+magnitude = 0.0
+[time]
+step = 1.0e-3
+end = 12.0
+[output]
+series = 1.0
+[measure.known]
+kind = "stress"
+every = 0.125
+average = 12.0
+layers = 10
+phases = 4
+frequency = 0.25
+{frame}
+"#
+    );
+    measured(&text, &sections, 2, |file| {
+        let file = hdf5::File::open(file).unwrap();
+        let dataset = file.dataset("results/solids_fraction").unwrap();
+        assert_eq!(dataset.shape()[1..], [4, 10]);
+        dataset.read_raw::<f64>().unwrap()[..40].to_vec()
+    })
+}
+
+#[test]
+fn what_moves_with_the_wave_is_at_rest_in_its_frame_at_every_phase() {
+    let spread = |fractions: &[f64]| {
+        let of_layer = |layer: usize| {
+            let values = (0..4).map(|phase| fractions[10 * phase + layer]);
+            values.clone().fold(0.0, f64::max) - values.fold(f64::INFINITY, f64::min)
+        };
+        (0..10).map(of_layer).fold(0.0, f64::max)
+    };
+    let in_frame = rising_sheet("frame = \"wave\"\nwave_speed = 1.0\nwavelength = 10.0");
+    // Positions are rounded to their quantum at each of 12,000 steps.
+    assert!(spread(&in_frame) < 1.0e-6, "{in_frame:?}");
+    // All of the sheet, a layer thick, is there: 16 spheres over a cross-section of 16.
+    let total: f64 = in_frame[..10].iter().sum();
+    assert!((total - PI / 6.0).abs() < 1.0e-9, "{total}");
+    // The control: at rest in the box each phase of a cycle of 4 sees the sheet elsewhere.
+    assert!(spread(&rising_sheet("frame = \"phase\"")) > 0.05);
+}

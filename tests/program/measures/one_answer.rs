@@ -38,6 +38,15 @@ every = 0.02
 average = 0.5
 frame = "phase"
 phases = 5
+[measure.wave_by_phase]
+kind = "stress"
+every = 0.02
+average = 0.5
+frame = "wave"
+wave_speed = 1.5
+wavelength = 10.0
+phases = 5
+layers = 10
 [measure.cells]
 kind = "stress"
 every = 0.02
