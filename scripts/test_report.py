@@ -5,9 +5,12 @@ from __future__ import annotations
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 
+import moon2006_boxes
 import moon2006_report
+import moon2006_tables
 import report
 from made_up_results import CASE, ScriptTest, write_profiles
 from study_tables import Estimate, read_study_table
@@ -29,9 +32,9 @@ class TestReport(ScriptTest):
 
     def setUp(self) -> None:
         super().setUp()
-        kept = moon2006_report.KEPT
-        self.addCleanup(setattr, moon2006_report, "KEPT", kept)
-        moon2006_report.KEPT = self.folder / "kept"  # none: only what this test writes
+        kept = moon2006_tables.KEPT
+        self.addCleanup(setattr, moon2006_tables, "KEPT", kept)
+        moon2006_tables.KEPT = self.folder / "kept"  # none: only what this test writes
 
     def write_study(self, gas_force: float = 0.99) -> None:
         """The tables of the study."""
@@ -80,10 +83,40 @@ class TestReport(ScriptTest):
         with self.assertRaisesRegex(ResultsError, "1 cells in place of 2"):
             read_study_table(file)
 
+    def test_tension_is_found_in_the_frame_of_the_void(self) -> None:
+        for void in (1, 6):
+            file = self.folder / f"void-{void}.h5"
+            with h5py.File(file, "w") as measured:
+                measured["phase"] = np.array([0.125, 0.375, 0.625, 0.875])
+                measured["height"] = np.arange(8.0) + 0.5
+                fraction, stress = np.full((1, 4, 8), 0.6), np.zeros((1, 4, 8, 3, 3))
+                fraction[..., void] = 0.1
+                stress[0, 1, (void + 2) % 8, 2, 2] = -0.9
+                rows = measured.create_group("results")
+                rows["solids_fraction"], rows["granular_temperature"] = fraction, np.full((1, 4, 8), 0.01)
+                rows["kinetic"], rows["contact"], rows["cohesive"] = np.zeros_like(stress), stress, np.zeros_like(stress)
+        files = [self.folder / f"void-{void}.h5" for void in (1, 6)]
+        profiles = moon2006_boxes.read_wave_profiles(files)
+        assert profiles is not None
+        self.assertEqual(profiles.tension(), (0.9, 0.375, 2.0))
+        self.assertEqual(float(profiles.solids_fraction[0, 4]), 0.1)
+        self.assertIsNone(moon2006_boxes.read_wave_profiles([]))
+
+    def test_critical_values_lie_on_a_line(self) -> None:
+        folder = self.folder / "fig4"
+        folder.mkdir()
+        rows = "".join(f"{k},{gamma},5,{5 * gamma + off},1,{5 * gamma - 1},{5 * gamma + 1},0.5\n"
+                       for k, (gamma, off) in enumerate([(2, 0.1), (3, -0.1), (4, 0.0)], 1))  # fmt: skip
+        (folder / "points.csv").write_text(f"{HEAD}point,gamma,found,critical,deviation,lower,upper,resolution\n{rows}")
+        page = self.page()
+        self.assertIn("slope 4.95, intercept 0.15, R^2 1.000", page)
+        self.assertIn('<tr class="agrees"><td>straight line</td>', page)
+
     def test_every_study_of_the_page_is_there(self) -> None:
         cases = Path(__file__).resolve().parent.parent / "cases/moon2006"
         studies = {path.stem for path in (cases / "studies").glob("*.toml")}
-        self.assertLessEqual({"developed-bed", "fig2", "fig3", "fig7"}, studies)
+        on_page = {"developed-bed", "fig2", "bond-critical", "fig3", "fig4", "fig5", "fig7", "fig10", "fig11", "distributor", "wide"}
+        self.assertLessEqual(on_page, studies)
 
 
 if __name__ == "__main__":

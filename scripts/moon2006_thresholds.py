@@ -1,0 +1,92 @@
+"""Critical Bond numbers of Moon, Kevrekidis & Sundaresan (2006): Figs 2, 4 and 5."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from moon2006_tables import source, table
+from report import Section, Statement
+from study_tables import Estimate, StudyTable
+from talcum_results import BLUE, GREY, Array, new_figure
+
+import numpy as np
+from matplotlib.figure import Figure
+
+CRITERION = (
+    "The paper calls Bo_c the largest Bond number at which the bed can be fluidised, with waves that travel. Here it is the Bond number "
+    "at which waves fill half of the bed's heights and times, located by bisection, seed by seed."
+)
+
+
+def critical(points: StudyTable, row: dict[str, str]) -> Estimate:
+    """The critical value of a point; its interval holds the width of the last brackets."""
+    mean, lower, upper = (float(row[name] or "nan") for name in ("critical", "lower", "upper"))
+    return Estimate(mean, lower, upper, int(points.cell(row, "found")))
+
+
+def without_vibration(results: Path) -> Section | None:
+    """Bo_c of the bed that is not vibrated, by both readings of the friction's cap."""
+    points = table(results, "bond-critical", "points")
+    if points is None:
+        return None
+    statements = []
+    for row in points.rows:
+        found = critical(points, row)
+        agrees = 5.0 <= found.mean <= 8.0 if found.runs else None
+        statements.append(Statement(f"Bo_c (friction cap: {row['friction_cap']})", "between 6 and 8", str(found), agrees))
+    return Section("Fig. 2: the critical Bond number", CRITERION, statements, [], [source("bond-critical", points)])
+
+
+def line(x: Array, y: Array) -> tuple[float, float, float]:
+    """Slope and intercept of the least-squares line, and R^2."""
+    slope, intercept = np.polyfit(x, y, 1)
+    rest, spread = np.sum((y - slope * x - intercept) ** 2), np.sum((y - y.mean()) ** 2)
+    return float(slope), float(intercept), float(1.0 - rest / spread)
+
+
+def drawn(axis: str, x: Array, found: list[Estimate], fit: tuple[float, float] | None) -> Figure:
+    """Bo_c with its interval over a key, and a straight line."""
+    figure, panels = new_figure(size=(6.4, 4.2))
+    panel = panels[0, 0]
+    mean = np.array([e.mean for e in found])
+    error = np.array([[e.mean - e.lower, e.upper - e.mean] for e in found]).T
+    panel.errorbar(x, mean, yerr=np.nan_to_num(error), fmt="o", color=BLUE, capsize=3)
+    if fit is not None:
+        panel.plot(x, fit[0] * x + fit[1], "-", color=GREY)
+    panel.set_xlabel(axis)
+    panel.set_ylabel("critical Bond number")
+    panel.set_ylim(bottom=0.0)
+    return figure
+
+
+def over_gamma(results: Path) -> Section | None:
+    """Bo_c over the intensity of the vibration."""
+    points = table(results, "fig4", "points")
+    if points is None:
+        return None
+    rows = [row for row in points.rows if row["critical"]]
+    x, found = np.array([float(row["gamma"]) for row in rows]), [critical(points, row) for row in rows]
+    text = "; ".join(f"Gamma {gamma:g}: {estimate}" for gamma, estimate in zip(x, found))
+    statements = [Statement("Bo_c over Gamma at f 0.16", "grows almost linearly", text, None)]
+    fit = None
+    if len(rows) >= 3:
+        slope, intercept, explained = line(x, np.array([e.mean for e in found]))
+        fit = (slope, intercept)
+        told = f"slope {slope:.3g}, intercept {intercept:.3g}, R^2 {explained:.3f}"
+        statements.append(Statement("straight line", "almost linear", told, explained > 0.95))
+    figures = [(drawn("Gamma", x, found, fit), "Means and intervals over seeds; least-squares line.")]
+    return Section("Fig. 4: the critical Bond number over Gamma", CRITERION, statements, figures, [source("fig4", points)])
+
+
+def over_frequency(results: Path) -> Section | None:
+    """Bo_c over the frequency of the vibration."""
+    points = table(results, "fig5", "points")
+    if points is None:
+        return None
+    rows = [row for row in points.rows if row["critical"]]
+    x, found = np.array([float(row["frequency"]) for row in rows]), [critical(points, row) for row in rows]
+    text = "; ".join(f"f {frequency:g}: {estimate}" for frequency, estimate in zip(x, found))
+    overlap = max(e.lower for e in found) <= min(e.upper for e in found) if len(found) > 1 else None
+    statements = [Statement("Bo_c over f at Gamma 3", "virtually independent of f", text, overlap)]
+    figures = [(drawn("frequency [sqrt(g/d)]", x, found, None), "Means and intervals over seeds.")]
+    return Section("Fig. 5: the critical Bond number over the frequency", CRITERION, statements, figures, [source("fig5", points)])
