@@ -26,15 +26,15 @@ def figure_10(results: Path) -> Section | None:
     text = "; ".join(f"Bo {bond:g}: {estimate}" for bond, estimate in found.items())
     most = found.get(4.0)
     agrees = None if most is None or 0.0 not in found else most.lower > found[0.0].upper and most.mean > 2.0 * found[0.0].mean
-    statements.append(Statement("part of the particles in sets of three or more whose contacts last",
+    statements.append(Statement("part of the particles in pairs, strings and agglomerates",
                                 "strings and agglomerates at Bo 4, single particles at Bo 0", text, agrees))  # fmt: skip
     contacts = "; ".join(f"Bo {float(row['bond_number']):g}: {points.estimate(row, 'contacts')}" for row in points.rows)
     statements.append(Statement("contacts per particle", "not given", contacts, None))
     measures = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
     figures = [(over(points, "bond_number", measures, [("periodic box", points)]), "Over the Bond number; means and intervals over seeds.")]
     text = (
-        "A periodic box of 1,375 particles whose weight the gas carries; cohesion is switched on after 20 time units. Sets of three "
-        "particles or more that are connected by contacts which last up to a time unit, from 20 time units after that on."
+        "A periodic box of 1,375 particles whose weight the gas carries; cohesion is switched on after 20 time units. From 20 time units "
+        "later on: sets of two particles or more connected by contacts that last for 0.05, 14 times as long as a collision."
     )
     return Section("Fig. 10: strings and agglomerates", text, statements, figures, [source("fig10", points)])
 
@@ -94,10 +94,10 @@ def drawn(profiles: WaveProfiles) -> Figure:
         panel.plot(profiles.temperature[phase], profiles.height, color=ORANGE, label="granular temperature")
         panel.plot(profiles.pressure[phase], profiles.height, color=RED, label="solids pressure")
         panel.set_title(f"phase {profiles.phase[phase]:.2f}")
-        panel.set_xlim(-1.6, 2.2)
+        panel.set_xlim(-0.8, 3.2)
         panel.set_xlabel("rho_s = d = g = 1")
     panels[0, 0].set_ylabel("height above the middle of the void [d]")
-    panels[0, 0].legend(fontsize=7)
+    panels[0, 0].legend(fontsize=7, loc="center right")
     return figure
 
 
