@@ -109,6 +109,10 @@ impl Communicator for Counting<'_> {
     fn file_access(&self, path: &std::path::Path) -> FileAccess {
         self.inner.file_access(path)
     }
+
+    fn kind(&self) -> &'static str {
+        self.inner.kind()
+    }
 }
 
 /// The counts of one rank.

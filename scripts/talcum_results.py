@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -255,10 +256,11 @@ class Analysis:
 
 def program() -> str:
     """The program talcum: TALCUM of the environment, or what was built in this repository, or what is installed."""
+    beside = shutil.which("talcum", path=sysconfig.get_path("scripts"))  # where pip puts it
     target = Path(__file__).resolve().parent.parent / "target"
     built = [path for path in (target / "release/talcum", target / "debug/talcum") if path.is_file()]
     newest = max(built, key=lambda path: path.stat().st_mtime, default=None)
-    found = os.environ.get("TALCUM") or (str(newest) if newest else shutil.which("talcum"))
+    found = os.environ.get("TALCUM") or (str(newest) if newest else beside or shutil.which("talcum"))
     if not found:
         raise ResultsError("the program talcum is not built: call cargo build --release, or set TALCUM to its path")
     return found

@@ -1,14 +1,33 @@
-//! `talcum info`.
+//! `talcum info`: of a checkpoint, or of the program itself.
 
 use super::report::count_of;
 use super::run::say;
-use crate::output::checkpoint;
-use crate::parallel::Communicator;
+use crate::output::{checkpoint, hdf5_version};
+use crate::parallel::{Communicator, mpi_library};
 use std::fmt::Write;
 use std::path::Path;
 
+/// Describes how the program was built.
+pub(super) fn of_program(ranks: &dyn Communicator) {
+    let mut message = format!("talcum {}\n", env!("CARGO_PKG_VERSION"));
+    let ranks_are = match mpi_library() {
+        Some(library) => format!("processes of MPI ({library}), or threads (--threads N)"),
+        None => "threads (--threads N); built without MPI".to_owned(),
+    };
+    let entries = [
+        ("commit", env!("TALCUM_COMMIT").to_owned()),
+        ("ranks", ranks_are),
+        ("HDF5", hdf5_version()),
+        ("processor", std::env::consts::ARCH.to_owned()),
+    ];
+    for (name, entry) in entries {
+        let _ = writeln!(message, "  {name:<24}{entry}");
+    }
+    say(ranks, message.trim_end());
+}
+
 /// Describes what is in a checkpoint; the last line is the digest of its state.
-pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> {
+pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> {
     let (checkpoint, provenance, digest) = checkpoint::read(path, ranks)?;
     let particles = ranks.total(checkpoint.particles.len());
     let contacts = ranks.total(checkpoint.contacts.len());
@@ -30,7 +49,9 @@ pub(super) fn info(path: &Path, ranks: &dyn Communicator) -> anyhow::Result<()> 
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));
     line("diameters at the start", diameters(sizes.smallest_diameter, sizes.largest_diameter));
     line("written by", format!("talcum {}, commit {}", provenance.version, provenance.commit));
-    line("on", format!("{}, {}", count_of(provenance.ranks as usize, "rank"), provenance.machine));
+    let ranks_are = provenance.ranks_are.map(|kind| format!(" ({kind})")).unwrap_or_default();
+    let count = count_of(provenance.ranks as usize, "rank");
+    line("on", format!("{count}{ranks_are}, {}", provenance.machine));
     line("date", provenance.date);
     say(ranks, &format!("{message}digest {digest}"));
     Ok(())

@@ -5,28 +5,31 @@ mod check;
 mod contact;
 mod info;
 mod keys;
-mod lone_ranks;
+mod launchers;
+mod log;
 mod memory;
 mod naming;
 mod progress;
+mod ranks;
 mod reading;
 mod report;
 mod run;
 mod signals;
 
+use self::launchers::require_one_run;
+use self::log::start_log;
+use self::ranks::on_ranks;
 use crate::domain::RankGrid;
-use crate::output::write_failed;
-use crate::parallel::{Communicator, MpiRanks};
+use crate::parallel::Communicator;
 use crate::study::{self, StudyOptions, SummaryOptions};
-use clap::{Args, Parser, Subcommand};
-use lone_ranks::require_one_run;
+use clap::{Args, Parser, Subcommand, value_parser};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// CFD-DEM of fluidised beds of fine, cohesive powders: the same bits on any number of ranks.
 ///
-/// Start it alone, or on N ranks with `mpirun -n N talcum ...`.
+/// Start it alone, on N threads with `--threads N`, or on N ranks of MPI with `mpirun -n N talcum ...`.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 struct CommandLine {
@@ -46,7 +49,7 @@ enum Command {
     Summary(SummaryOptions),
 }
 
-/// What all ranks of MPI do together.
+/// What all ranks do together.
 #[derive(Debug, Subcommand)]
 enum RankCommand {
     /// Read and validate a case, and describe what would run.
@@ -80,10 +83,10 @@ enum RankCommand {
     Contact(contact::ContactOptions),
     /// Print the keys of the case file, or of one section, with unit, range, default and meaning.
     Keys(keys::KeysOptions),
-    /// Describe what is in a checkpoint.
+    /// Describe what is in a checkpoint, or how this program was built.
     Info {
-        /// The checkpoint.
-        file: PathBuf,
+        /// The checkpoint; without one, the program.
+        file: Option<PathBuf>,
     },
 }
 
@@ -95,6 +98,9 @@ struct Changes {
     /// Ranks along x, y and z, instead of what the case says.
     #[arg(long, value_name = "PX,PY,PZ", value_parser = rank_grid)]
     ranks: Option<RankGrid>,
+    /// Ranks as so many threads of this process, without MPI.
+    #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..=MOST_THREADS))]
+    threads: Option<u64>,
     /// Go on although the case seems to need more memory than is free.
     #[arg(long)]
     any_memory: bool,
@@ -120,8 +126,8 @@ fn rank_grid(text: &str) -> Result<RankGrid, String> {
     }
 }
 
-/// Exit code after any other error.
-const FAILURE: i32 = 1;
+/// More threads are a slip of the keyboard.
+const MOST_THREADS: u64 = 512;
 /// Exit code for a command line that cannot be understood.
 const USAGE: u8 = 2;
 
@@ -135,8 +141,10 @@ pub fn main() -> ExitCode {
         Ok(Command::Summary(options)) => {
             alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
         }
-        Ok(Command::OnRanks(command)) => on_ranks(Ok(command)),
-        Err(usage) => on_ranks(Err(usage)),
+        Ok(Command::OnRanks(command)) => {
+            on_ranks(command.threads(), |ranks| dispatch(&command, ranks))
+        }
+        Err(usage) => print_usage(&usage),
     }
 }
 
@@ -149,40 +157,16 @@ fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
     })
 }
 
-/// Does a command on the ranks of MPI, or prints how commands are written.
-fn on_ranks(parsed: Result<RankCommand, clap::Error>) -> ExitCode {
-    let ranks = match MpiRanks::start() {
-        Ok(ranks) => ranks,
-        Err(error) => {
-            complain(&error.into());
-            return ExitCode::FAILURE;
+/// Prints how commands are written, from one rank.
+fn print_usage(usage: &clap::Error) -> ExitCode {
+    let done = on_ranks(None, |ranks| {
+        if ranks.is_root() {
+            // Nothing is left to say if standard output is closed.
+            let _ = usage.print();
         }
-    };
-    // The other ranks speak only where RUST_LOG asks for it.
-    start_log(if ranks.is_root() { "info" } else { "off" });
-    let command = match parsed {
-        Ok(command) => command,
-        Err(usage) => {
-            if ranks.is_root() {
-                // Nothing is left to say if standard output is closed.
-                let _ = usage.print();
-            }
-            let code = if usage.use_stderr() { USAGE } else { 0 };
-            return ExitCode::from(code);
-        }
-    };
-    match dispatch(command, &ranks) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            if ranks.is_root() {
-                complain(&error);
-            }
-            if write_failed() {
-                ranks.abort(FAILURE);
-            }
-            ExitCode::FAILURE
-        }
-    }
+        Ok(())
+    });
+    if usage.use_stderr() { ExitCode::from(USAGE) } else { done }
 }
 
 /// Prints an error; nothing is left to do if standard error is closed.
@@ -190,24 +174,34 @@ fn complain(error: &anyhow::Error) {
     let _ = writeln!(std::io::stderr(), "error: {error:#}");
 }
 
-/// The log of this process, down to a level if RUST_LOG does not say which.
-fn start_log(level: &str) {
-    let environment = env_logger::Env::default().default_filter_or(level);
-    env_logger::Builder::from_env(environment).format_timestamp(None).format_target(false).init();
-}
-
-fn dispatch(command: RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
+fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
     if matches!(command, RankCommand::Run { .. } | RankCommand::Restart { .. }) {
         require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
     }
     match command {
-        RankCommand::Check { case, changes } => check::check(&case, &changes, ranks),
+        RankCommand::Check { case, changes } => check::check(case, changes, ranks),
         RankCommand::Run { case, options, force, resume } => {
-            run::run(&case, &options, run::Earlier::from_flags(force, resume), ranks)
+            run::run(case, options, run::Earlier::from_flags(*force, *resume), ranks)
         }
-        RankCommand::Restart { checkpoint, options } => run::restart(&checkpoint, &options, ranks),
-        RankCommand::Contact(options) => contact::contact(&options, ranks),
-        RankCommand::Keys(options) => keys::keys(&options, ranks),
-        RankCommand::Info { file } => info::info(&file, ranks),
+        RankCommand::Restart { checkpoint, options } => run::restart(checkpoint, options, ranks),
+        RankCommand::Contact(options) => contact::contact(options, ranks),
+        RankCommand::Keys(options) => keys::keys(options, ranks),
+        RankCommand::Info { file: Some(file) } => info::of_checkpoint(file, ranks),
+        RankCommand::Info { file: None } => {
+            info::of_program(ranks);
+            Ok(())
+        }
+    }
+}
+
+impl RankCommand {
+    /// How many threads it shall run on, if any.
+    fn threads(&self) -> Option<usize> {
+        let changes = match self {
+            Self::Check { changes, .. } => changes,
+            Self::Run { options, .. } | Self::Restart { options, .. } => &options.changes,
+            Self::Contact(_) | Self::Keys(_) | Self::Info { .. } => return None,
+        };
+        changes.threads.map(|threads| threads as usize)
     }
 }

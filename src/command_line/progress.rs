@@ -17,8 +17,9 @@ pub(super) struct ProgressReport {
 }
 
 impl ProgressReport {
-    pub(super) fn new() -> Self {
-        let bar = stderr().is_terminal().then(|| {
+    /// Only rank 0 has something to show.
+    pub(super) fn new(is_root: bool) -> Self {
+        let bar = (is_root && stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(1);
             let template = "{wide_bar} {percent:>3} %  {msg}";
             if let Ok(style) = ProgressStyle::with_template(template) {

@@ -193,7 +193,7 @@ fn run_to_end(
     let particles = ranks.total(initial.state.particles.owned_count());
     say(ranks, report::head(case, particles, ranks.size()).trim_end());
     let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
-    let mut progress = ProgressReport::new();
+    let mut progress = ProgressReport::new(ranks.is_root());
     let results = folder.path.clone();
     let run_options =
         RunOptions { end_time, folder, stop: &stop, watch: &mut |now| progress.show(now) };

@@ -31,7 +31,7 @@ mod wall_force_table;
 
 pub use energy_table::EnergyTable;
 pub use gas_snapshots::GasSnapshots;
-pub(crate) use hdf5_file::write_failed;
+pub(crate) use hdf5_file::{hdf5_version, write_failed};
 pub use measure_file::{MeasureResults, ResultColumn};
 pub use measure_output::MeasureOutput;
 pub use output_file::{Head, OpenedOutput, Opening, Output, OutputKind, Sample};

@@ -13,6 +13,8 @@ pub struct Provenance {
     pub commit: String,
     /// Number of ranks.
     pub ranks: u64,
+    /// What ranks are: processes of MPI, or threads; not known of files from before this was written.
+    pub ranks_are: Option<String>,
     /// Rank 0's host, processor and number of cores.
     pub machine: String,
     /// Date and time, UTC.
@@ -34,6 +36,7 @@ impl Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: env!("TALCUM_COMMIT").to_owned(),
             ranks: ranks.size() as u64,
+            ranks_are: Some(ranks.kind().to_owned()),
             machine: String::from_utf8_lossy(&here).into_owned(),
             date: String::from_utf8_lossy(&now).into_owned(),
             title: title.to_owned(),
@@ -42,11 +45,12 @@ impl Provenance {
     }
 
     /// Names and texts, in the order in which they are printed.
-    pub(crate) fn entries(&self) -> [(&'static str, String); 7] {
+    pub(crate) fn entries(&self) -> [(&'static str, String); 8] {
         [
             ("talcum_version", self.version.clone()),
             ("commit", self.commit.clone()),
             ("ranks", self.ranks.to_string()),
+            ("ranks_are", self.ranks_are.clone().unwrap_or_default()),
             ("machine", self.machine.clone()),
             ("date", self.date.clone()),
             ("title", self.title.clone()),
@@ -122,7 +126,7 @@ mod tests {
     fn all_ranks_say_the_same() {
         let all = run_on_threads(3, |ranks| Provenance::here_and_now("A bed", "si", ranks));
         assert!(all.iter().all(|one| one == &all[0]));
-        assert_eq!(all[0].ranks, 3);
+        assert_eq!((all[0].ranks, all[0].ranks_are.as_deref()), (3, Some("threads")));
         assert!(all[0].machine.contains("cores"));
     }
 }

@@ -38,14 +38,17 @@
 
 use bytemuck::Pod;
 use std::fmt;
+use std::io::Write;
 use std::path::Path;
 
+mod allocator;
 mod balance;
 mod cell_migration;
 mod directory;
 mod field_halo;
 mod migrate;
 mod migration_message;
+#[cfg(feature = "mpi")]
 mod mpi_ranks;
 mod one_rank;
 mod particle_halo;
@@ -53,12 +56,14 @@ mod records;
 mod sort_by_id;
 mod thread_ranks;
 
+pub use allocator::AllocatorOfRanks;
 pub use balance::RankLoad;
 pub(crate) use cell_migration::send_cells_to_owners;
 pub use directory::send_histories_to_owners;
 pub(crate) use field_halo::FieldHalo;
 pub use migrate::{migrate, send_to_owners, share_with_all};
-pub use mpi_ranks::{AllocatorOfRanks, AlreadyStarted, MpiRanks, RawCommunicator};
+#[cfg(feature = "mpi")]
+pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator, mpi_library};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
 pub use records::{
@@ -67,7 +72,18 @@ pub use records::{
 };
 use records::{GhostMotion, NewGhost};
 pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks};
-pub use thread_ranks::run_on_threads;
+pub use thread_ranks::{is_on_root, run_on_threads, start_on_threads};
+
+/// Without MPI there is no such communicator.
+#[cfg(not(feature = "mpi"))]
+#[derive(Clone, Copy)]
+pub enum RawCommunicator {}
+
+/// The name and version of the library of MPI that the program was built with; without MPI there is none.
+#[cfg(not(feature = "mpi"))]
+pub fn mpi_library() -> Option<String> {
+    None
+}
 
 /// How all ranks write a file together.
 #[derive(Clone, Copy)]
@@ -97,8 +113,8 @@ impl Message {
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access` and `is_root` is
-/// collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
+/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind` and `is_root`
+/// is collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
 /// ranks.
 pub trait Communicator {
     /// The number of this rank, from 0.
@@ -144,6 +160,9 @@ pub trait Communicator {
 
     /// How all ranks open this file together.
     fn file_access(&self, path: &Path) -> FileAccess;
+
+    /// What ranks are, as results say it: `MPI processes`, `threads`.
+    fn kind(&self) -> &'static str;
 
     /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.
     fn is_root(&self) -> bool {
@@ -197,6 +216,19 @@ pub fn agree<T, E: fmt::Display>(
         .unwrap_or_default();
     ranks.broadcast_from_root(&mut first);
     Err(CollectiveError(String::from_utf8_lossy(&first).into_owned()))
+}
+
+/// Ends this process at once, after an error that leaves nothing in order: what other threads and libraries would do at the
+/// end of a program is left out.
+pub fn end_at_once(code: i32) -> ! {
+    flush_standard_streams();
+    signal_hook::low_level::exit(code)
+}
+
+/// Flushes what was printed before all ranks end. Errors no longer matter.
+fn flush_standard_streams() {
+    let _ = std::io::stdout().flush();
+    let _ = std::io::stderr().flush();
 }
 
 /// The number that a maximum compares. NaN becomes infinity, since the result of comparisons with NaN depends on their

@@ -1,11 +1,9 @@
 //! Ranks as MPI processes. Only this module uses the `mpi` crate.
 
-mod allocator;
 mod file_errors;
 mod sparse_exchange;
 
 use std::cell::{Cell, RefCell};
-use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,9 +16,7 @@ use mpi::request::{WaitGuard, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
 
-pub use allocator::AllocatorOfRanks;
-
-use super::{AxisNeighbours, Communicator, FileAccess, Message};
+use super::{AxisNeighbours, Communicator, FileAccess, Message, allocator, flush_standard_streams};
 
 /// The communicator in the form that the HDF5 library needs.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
@@ -79,7 +75,7 @@ impl MpiRanks {
         let (universe, _) =
             mpi::initialize_with_threading(Threading::Funneled).ok_or(AlreadyStarted)?;
         let world = universe.world().duplicate();
-        allocator::set_rank(world.rank() as usize);
+        allocator::set_process(world.rank() as usize, end_all_ranks);
         RUNNING.store(true, Ordering::SeqCst);
         end_all_ranks_on_panic();
         file_errors::end_all_ranks_on_file_errors();
@@ -140,6 +136,14 @@ impl MpiRanks {
         message.matched_receive_into(&mut incoming[before..]);
         length == self.longest_message
     }
+}
+
+/// The name and version of the library of MPI that the program was built with.
+pub fn mpi_library() -> Option<String> {
+    let text = mpi::environment::library_version().unwrap_or_default();
+    // Implementations end it with a zero, go on with how they were built, or have several lines.
+    let whole = |letter: char| letter == '\0' || letter == '\n' || letter == ',';
+    Some(text.split(whole).next().unwrap_or_default().trim().to_owned())
 }
 
 /// Chooses the MPI-IO of Open MPI, unless the user has. Other implementations of MPI ignore the variable.
@@ -254,6 +258,10 @@ impl Communicator for MpiRanks {
         file_errors::set_file(path);
         FileAccess::Collective(self.world.as_raw())
     }
+
+    fn kind(&self) -> &'static str {
+        "MPI processes"
+    }
 }
 
 /// Sends in progress, which are waited for when they are dropped. Nearly every message is one piece, for which no
@@ -274,15 +282,14 @@ fn end_all_ranks_on_panic() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |information| {
         print(information);
-        if RUNNING.load(Ordering::SeqCst) {
-            flush_standard_streams();
-            SimpleCommunicator::world().abort(PANIC_CODE);
-        }
+        end_all_ranks(PANIC_CODE);
     }));
 }
 
-/// Flushes what was printed before all ranks end. Errors no longer matter.
-fn flush_standard_streams() {
-    let _ = std::io::stdout().flush();
-    let _ = std::io::stderr().flush();
+/// Ends all ranks, if there are others still.
+fn end_all_ranks(code: i32) {
+    if RUNNING.load(Ordering::SeqCst) {
+        flush_standard_streams();
+        SimpleCommunicator::world().abort(code);
+    }
 }

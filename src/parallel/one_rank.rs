@@ -55,4 +55,8 @@ impl Communicator for OneRank {
     fn file_access(&self, _path: &Path) -> FileAccess {
         FileAccess::Root
     }
+
+    fn kind(&self) -> &'static str {
+        "one alone"
+    }
 }

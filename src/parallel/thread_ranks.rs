@@ -1,47 +1,117 @@
-//! Ranks as threads of one process, so that ordinary tests run on several ranks.
+//! Ranks as threads of this process.
+//!
+//! Each pair of ranks has mailboxes, which lend the receiver the bytes without a copy of its own; numbers to be reduced are
+//! published by each rank, and read by all in the order of ranks.
+
+mod mailbox;
+mod waiting;
 
 use std::any::Any;
+use std::cell::Cell;
+use std::io;
 use std::panic::resume_unwind;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
+use std::thread::{Builder, ScopedJoinHandle};
 
-use super::{AxisNeighbours, Communicator, FileAccess, Message, records_of_bytes};
+use self::mailbox::Mailbox;
+use self::waiting::{RankLost, Waiters};
+use super::{AxisNeighbours, Communicator, FileAccess, Message};
 
 /// Messages to the neighbour below.
 const DOWNWARDS: usize = 0;
-/// Messages to the neighbour above. Another channel, because both neighbours may be one rank.
+/// Messages to the neighbour above. Another mailbox, because both neighbours may be one rank.
 const UPWARDS: usize = 1;
 /// Messages of collective operations.
 const COLLECTIVE: usize = 2;
-const CHANNELS: usize = 3;
+const MAILBOXES: usize = 3;
 
-/// One of several threads that communicate through channels, one for each pair of ranks and each purpose.
-struct ThreadRank {
-    rank: usize,
-    /// Channels to rank r, by r.
-    senders: Vec<[Sender<Vec<u8>>; CHANNELS]>,
-    /// Channels from rank r, by r.
-    receivers: Vec<[Receiver<Vec<u8>>; CHANNELS]>,
+/// Bytes of a thread's stack, that of a program's first thread.
+const STACK: usize = 8 << 20;
+
+thread_local! {
+    static IS_ON_ROOT: Cell<bool> = const { Cell::new(true) };
 }
 
-/// The panic payload of a thread that waited for another rank when that ended.
-struct RankLost;
+/// Whether this thread is not that of another rank than 0: what only one of the threads shall say, it says.
+pub fn is_on_root() -> bool {
+    IS_ON_ROOT.get()
+}
+
+/// What all threads share.
+struct Shared {
+    waiters: Waiters,
+    /// From rank a to rank b in place a * size + b.
+    mail: Vec<[Mailbox; MAILBOXES]>,
+    numbers: Vec<Published>,
+}
+
+/// Numbers that a rank has published, for two reductions in turn: a rank that is in one reduction has finished the one
+/// before, but others may still read what it published there.
+#[derive(Default)]
+#[repr(align(128))]
+struct Published {
+    /// In how many reductions this rank has published its numbers.
+    rounds: AtomicU64,
+    bits: [RwLock<Vec<u64>>; 2],
+}
+
+/// One of several threads.
+struct ThreadRank {
+    rank: usize,
+    size: usize,
+    /// Reductions so far.
+    rounds: Cell<u64>,
+    shared: Arc<Shared>,
+}
 
 /// Runs `work` on `n` ranks, each of which is a thread, and returns their results in the order of the ranks.
 ///
 /// # Panics
+/// As [`start_on_threads`], and if the threads cannot be started.
+pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T + Sync) -> Vec<T> {
+    start_on_threads(n, work).unwrap_or_else(|error| panic!("{n} threads: {error}"))
+}
+
+/// Runs `work` on `n` ranks, each of which is a thread, and returns their results in the order of the ranks.
+///
+/// # Errors
+/// If the system refuses a thread. No rank has then come further than to its first wait for the others.
+///
+/// # Panics
 /// If `work` panics on one rank: all ranks end, and the panic continues in the caller. Also if one rank returns while
 /// others wait for it.
-pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T + Sync) -> Vec<T> {
+pub fn start_on_threads<T: Send>(
+    n: usize,
+    work: impl Fn(&dyn Communicator) -> T + Sync,
+) -> io::Result<Vec<T>> {
     let work = &work;
+    let mut refused = None;
     let results: Vec<Result<T, Box<dyn Any + Send>>> = std::thread::scope(|threads| {
-        let ranks = connected(n);
-        // The rank moves into its thread. When that ends, its channels close, and no other rank waits for it.
-        let spawn = |rank: ThreadRank| threads.spawn(move || work(&rank));
-        let handles: Vec<_> = ranks.into_iter().map(spawn).collect();
-        handles.into_iter().map(|handle| handle.join()).collect()
+        let mut handles: Vec<ScopedJoinHandle<'_, T>> = Vec::with_capacity(n);
+        // Ranks that are dropped without a start are lost to those that have started.
+        for rank in connected(n) {
+            let thread = Builder::new().name(format!("rank {}", rank.rank)).stack_size(STACK);
+            match thread.spawn_scoped(threads, move || work(rank.begin())) {
+                Ok(handle) => handles.push(handle),
+                Err(error) => {
+                    refused = Some(error);
+                    break;
+                }
+            }
+        }
+        handles.into_iter().map(ScopedJoinHandle::join).collect()
     });
-    let mut returned = Vec::with_capacity(n);
+    match refused {
+        Some(error) => Err(error),
+        None => Ok(values_of(results)),
+    }
+}
+
+/// What the ranks have returned, or the panic that ended them.
+fn values_of<T>(results: Vec<Result<T, Box<dyn Any + Send>>>) -> Vec<T> {
+    let mut returned = Vec::with_capacity(results.len());
     let mut lost = false;
     for result in results {
         match result {
@@ -54,50 +124,89 @@ pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T +
     returned
 }
 
-/// `n` ranks with a channel of each kind from each rank to each.
+/// `n` ranks that share their mailboxes.
 fn connected(n: usize) -> Vec<ThreadRank> {
-    let new = |rank| ThreadRank { rank, senders: Vec::new(), receivers: Vec::new() };
-    let mut ranks: Vec<ThreadRank> = (0..n).map(new).collect();
-    for from in 0..n {
-        for to in 0..n {
-            let pairs: [_; CHANNELS] = std::array::from_fn(|_| channel());
-            let (senders, receivers): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
-            ranks[from].senders.push(array_of(senders));
-            ranks[to].receivers.push(array_of(receivers));
-        }
-    }
-    ranks
+    let shared = Arc::new(Shared {
+        waiters: Waiters::new(n),
+        mail: (0..n * n).map(|_| Default::default()).collect(),
+        numbers: (0..n).map(|_| Published::default()).collect(),
+    });
+    let rank =
+        |rank| ThreadRank { rank, size: n, rounds: Cell::new(0), shared: Arc::clone(&shared) };
+    (0..n).map(rank).collect()
 }
 
-fn array_of<T>(items: Vec<T>) -> [T; CHANNELS] {
-    items.try_into().unwrap_or_else(|_| unreachable!("one item for each channel"))
+/// Whatever ends this rank, a return or a panic: no other waits for it any longer.
+impl Drop for ThreadRank {
+    fn drop(&mut self) {
+        self.shared.waiters.leave(self.rank);
+    }
 }
 
 impl ThreadRank {
-    fn send(&self, to: usize, channel: usize, bytes: &[u8]) {
-        if self.senders[to][channel].send(bytes.to_vec()).is_err() {
-            resume_unwind(Box::new(RankLost));
-        }
+    /// Called by the rank's own thread, before anything else.
+    fn begin(&self) -> &Self {
+        IS_ON_ROOT.set(self.is_root());
+        self.shared.waiters.enter(self.rank);
+        self
     }
 
-    fn receive(&self, from: usize, channel: usize) -> Vec<u8> {
-        self.receivers[from][channel].recv().unwrap_or_else(|_| resume_unwind(Box::new(RankLost)))
+    fn mailbox(&self, from: usize, to: usize, purpose: usize) -> &Mailbox {
+        &self.shared.mail[from * self.size + to][purpose]
     }
 
-    /// Sends `outgoing[r]` to rank r; returns what each rank sent to this one, by rank.
-    fn all_to_all(&self, outgoing: &[Vec<u8>]) -> Vec<Vec<u8>> {
-        outgoing.iter().enumerate().for_each(|(to, bytes)| self.send(to, COLLECTIVE, bytes));
-        (0..self.size()).map(|from| self.receive(from, COLLECTIVE)).collect()
+    fn send(&self, to: usize, purpose: usize, bytes: &[u8]) {
+        let mailbox = self.mailbox(self.rank, to, purpose);
+        self.wait_for(to, || mailbox.is_empty());
+        mailbox.put(bytes);
+        self.shared.waiters.wake(to);
+    }
+
+    /// Receives a message in the place of what is in the buffer.
+    fn receive(&self, from: usize, purpose: usize, incoming: &mut Vec<u8>) {
+        let mailbox = self.mailbox(from, self.rank, purpose);
+        self.wait_for(from, || !mailbox.is_empty());
+        mailbox.take(incoming);
+        self.shared.waiters.wake(from);
+    }
+
+    fn received(&self, from: usize, purpose: usize) -> Vec<u8> {
+        let mut incoming = Vec::new();
+        self.receive(from, purpose, &mut incoming);
+        incoming
+    }
+
+    /// Waits until another rank has made something so; ends this rank if that one has ended before.
+    fn wait_for(&self, other: usize, is_so: impl Fn() -> bool) {
+        self.shared.waiters.wait(self.rank, other, is_so);
+    }
+
+    fn others(&self) -> impl Iterator<Item = usize> {
+        let me = self.rank;
+        (0..self.size).filter(move |&rank| rank != me)
     }
 
     /// Combines the numbers of all ranks, in the order of the ranks.
     fn reduce<T: bytemuck::Pod>(&self, values: &mut [T], combine: impl Fn(T, T) -> T) {
-        let outgoing = vec![bytemuck::cast_slice(values).to_vec(); self.size()];
-        let incoming = self.all_to_all(&outgoing);
-        for (rank, bytes) in incoming.iter().enumerate() {
-            let theirs: Vec<T> = records_of_bytes(bytes).collect();
+        let round = self.rounds.get() + 1;
+        self.rounds.set(round);
+        let place = (round % 2) as usize;
+        let mine = &self.shared.numbers[self.rank];
+        {
+            let mut bits = mine.bits[place].write().unwrap_or_else(PoisonError::into_inner);
+            bits.clear();
+            bits.extend_from_slice(bytemuck::cast_slice(values));
+        }
+        mine.rounds.store(round, Ordering::SeqCst);
+        self.others().for_each(|other| self.shared.waiters.wake(other));
+        for (rank, published) in self.shared.numbers.iter().enumerate() {
+            if rank != self.rank {
+                self.wait_for(rank, || published.rounds.load(Ordering::SeqCst) >= round);
+            }
+            let bits = published.bits[place].read().unwrap_or_else(PoisonError::into_inner);
+            let theirs: &[T] = bytemuck::cast_slice(&bits);
             assert_eq!(theirs.len(), values.len(), "all ranks pass equally many numbers");
-            for (value, other) in values.iter_mut().zip(theirs) {
+            for (value, &other) in values.iter_mut().zip(theirs) {
                 *value = if rank == 0 { other } else { combine(*value, other) };
             }
         }
@@ -110,7 +219,7 @@ impl Communicator for ThreadRank {
     }
 
     fn size(&self) -> usize {
-        self.senders.len()
+        self.size
     }
 
     fn exchange(
@@ -119,26 +228,35 @@ impl Communicator for ThreadRank {
         outgoing: [&[u8]; 2],
         incoming: &mut [Vec<u8>; 2],
     ) {
-        for (side, neighbour) in neighbours.iter().enumerate() {
-            if let Some(neighbour) = *neighbour {
-                self.send(neighbour, [DOWNWARDS, UPWARDS][side], outgoing[side]);
+        let others = neighbours.map(|neighbour| neighbour.filter(|&rank| rank != self.rank));
+        for (side, other) in others.iter().enumerate() {
+            if let Some(other) = *other {
+                self.send(other, [DOWNWARDS, UPWARDS][side], outgoing[side]);
             }
         }
-        for (side, neighbour) in neighbours.iter().enumerate() {
+        for side in 0..2 {
+            if let Some(other) = others[side] {
+                self.receive(other, [UPWARDS, DOWNWARDS][side], &mut incoming[side]);
+                continue;
+            }
             incoming[side].clear();
-            if let Some(neighbour) = *neighbour {
-                incoming[side] = self.receive(neighbour, [UPWARDS, DOWNWARDS][side]);
+            if neighbours[side].is_some() {
+                incoming[side].extend_from_slice(outgoing[1 - side]);
             }
         }
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
         // There are few threads: each sends to each, and empty messages are dropped.
-        let mut messages = vec![Vec::new(); self.size()];
-        outgoing.iter().for_each(|message| messages[message.rank].clone_from(&message.bytes));
-        let incoming = self.all_to_all(&messages).into_iter().enumerate();
-        let messages = incoming.map(|(rank, bytes)| Message { rank, bytes });
-        messages.filter(|message| !message.bytes.is_empty()).collect()
+        let mut messages = vec![&[][..]; self.size];
+        outgoing.iter().for_each(|message| messages[message.rank] = &message.bytes);
+        self.others().for_each(|to| self.send(to, COLLECTIVE, messages[to]));
+        let received = |rank: usize| match rank == self.rank {
+            true => messages[rank].to_vec(),
+            false => self.received(rank, COLLECTIVE),
+        };
+        let incoming = (0..self.size).map(|rank| Message { rank, bytes: received(rank) });
+        incoming.filter(|message| !message.bytes.is_empty()).collect()
     }
 
     fn sum_exact(&self, values: &mut [f64]) {
@@ -157,118 +275,30 @@ impl Communicator for ThreadRank {
     }
 
     fn gather_to_root(&self, bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
-        self.send(0, COLLECTIVE, bytes);
-        self.is_root()
-            .then(|| (0..self.size()).map(|from| self.receive(from, COLLECTIVE)).collect())
+        if !self.is_root() {
+            self.send(0, COLLECTIVE, bytes);
+            return None;
+        }
+        let others = self.others().map(|from| self.received(from, COLLECTIVE));
+        Some(std::iter::once(bytes.to_vec()).chain(others).collect())
     }
 
     fn broadcast_from_root(&self, bytes: &mut Vec<u8>) {
         if self.is_root() {
-            (1..self.size()).for_each(|to| self.send(to, COLLECTIVE, bytes));
+            self.others().for_each(|to| self.send(to, COLLECTIVE, bytes));
         } else {
-            *bytes = self.receive(0, COLLECTIVE);
+            self.receive(0, COLLECTIVE, bytes);
         }
     }
 
     fn file_access(&self, _path: &Path) -> FileAccess {
         FileAccess::Root
     }
+
+    fn kind(&self) -> &'static str {
+        "threads"
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::parallel::agree;
-
-    fn message(from: usize, direction: &str) -> Vec<u8> {
-        format!("{from} {direction}").into_bytes()
-    }
-
-    #[test]
-    fn neighbours_exchange_messages_along_a_periodic_axis() {
-        // With one rank both neighbours are the rank itself, with two both are the other.
-        for n in 1..=4 {
-            run_on_threads(n, |ranks| {
-                let me = ranks.rank();
-                let [below, above] = [(me + n - 1) % n, (me + 1) % n];
-                let mut incoming = [b"old".to_vec(), b"old".to_vec()];
-                let (down, up) = (message(me, "down"), message(me, "up"));
-                ranks.exchange([Some(below), Some(above)], [&down, &up], &mut incoming);
-                assert_eq!(incoming, [message(below, "up"), message(above, "down")]);
-            });
-        }
-    }
-
-    #[test]
-    fn nothing_is_received_where_there_is_no_neighbour() {
-        for n in 1..=3 {
-            run_on_threads(n, |ranks| {
-                let me = ranks.rank();
-                let neighbours = [me.checked_sub(1), Some(me + 1).filter(|&above| above < n)];
-                let mut incoming = [b"old".to_vec(), b"old".to_vec()];
-                ranks.exchange(neighbours, [b"", &message(me, "up")], &mut incoming);
-                assert_eq!(incoming[0], neighbours[0].map_or(vec![], |below| message(below, "up")));
-                assert_eq!(incoming[1], b"");
-            });
-        }
-    }
-
-    #[test]
-    fn sums_and_maxima_are_taken_over_all_ranks() {
-        for n in 1..=4 {
-            run_on_threads(n, |ranks| {
-                let me = ranks.rank();
-                let mut exact = [0.25 * (me + 1) as f64, -0.0];
-                ranks.sum_exact(&mut exact);
-                assert_eq!(exact[0], 0.125 * (n * (n + 1)) as f64);
-                assert!(exact[1].is_sign_positive());
-                let mut integers = [me as i64, i64::MAX, 1];
-                ranks.sum_integers(&mut integers);
-                let largest_times_n = i64::MAX.wrapping_mul(n as i64);
-                assert_eq!(integers, [(n * (n - 1) / 2) as i64, largest_times_n, n as i64]);
-                let mut values = [me as f64, -(me as f64)];
-                ranks.maximum(&mut values);
-                assert_eq!(values, [(n - 1) as f64, 0.0]);
-                let mut undefined = [if me == 0 { f64::NAN } else { 1.0 }];
-                ranks.maximum(&mut undefined);
-                assert_eq!(undefined, [f64::INFINITY]);
-            });
-        }
-    }
-
-    #[test]
-    fn rank_0_gathers_and_broadcasts() {
-        for n in 1..=4 {
-            run_on_threads(n, |ranks| {
-                let gathered = ranks.gather_to_root(&vec![7; ranks.rank()]);
-                let expected: Vec<Vec<u8>> = (0..n).map(|from| vec![7; from]).collect();
-                assert_eq!(gathered, ranks.is_root().then_some(expected));
-                let mut bytes = if ranks.is_root() { b"message".to_vec() } else { vec![] };
-                ranks.broadcast_from_root(&mut bytes);
-                assert_eq!(bytes, b"message");
-            });
-        }
-    }
-
-    #[test]
-    fn an_error_on_one_rank_is_an_error_on_all() {
-        for n in 1..=4 {
-            run_on_threads(n, |ranks| {
-                let fine: Result<usize, String> = Ok(ranks.rank());
-                assert_eq!(agree(fine, ranks), Ok(ranks.rank()));
-                let last = ranks.rank() == n - 1;
-                let result = if last { Err(format!("rank {} failed", n - 1)) } else { Ok(()) };
-                assert_eq!(agree(result, ranks).unwrap_err().0, format!("rank {} failed", n - 1));
-            });
-        }
-    }
-
-    #[test]
-    #[should_panic(expected = "only here")]
-    fn a_panic_on_one_rank_ends_all() {
-        run_on_threads(3, |ranks| {
-            assert!(ranks.rank() != 1, "only here");
-            ranks.any(false)
-        });
-    }
-}
+mod tests;

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LayoutError {
     /// The case or the command line asks for another number of ranks.
-    #[error("the rank grid {grid} needs {} ranks, but {ranks} were started (mpirun -n {})", grid.size(), grid.size())]
+    #[error("the rank grid {grid} needs {} ranks, but {ranks} were started (mpirun -n {}, or --threads {})", grid.size(), grid.size(), grid.size())]
     WrongSize {
         /// Ranks along x, y and z.
         grid: RankGrid,

@@ -3,8 +3,8 @@
 use crate::output::ResultTable;
 use crate::output::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
 use crate::study::checker::CaseReader;
-use crate::study::definition::Study;
-use crate::study::file::{self, launcher};
+use crate::study::definition::{Launcher, Study};
+use crate::study::file;
 use crate::study::folder::{StudyFolder, make_folder};
 use crate::study::job::TalcumRunner;
 use crate::study::measure::Registry;
@@ -35,7 +35,7 @@ pub struct StudyOptions {
     /// How many runs go on at the same time, instead of what the study says.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) at_a_time: Option<u64>,
-    /// The command that starts a program on several ranks, for example "srun -n {ranks}".
+    /// The command that starts a program on several ranks, for example "srun -n {ranks}"; or "threads".
     #[arg(long)]
     pub(crate) launcher: Option<String>,
     /// Work on one task only, by its number or name (see --only-list).
@@ -183,7 +183,7 @@ impl StudyOptions {
         resources.ranks = self.ranks_per_run.unwrap_or(resources.ranks);
         resources.at_a_time = self.at_a_time.unwrap_or(resources.at_a_time);
         if let Some(text) = &self.launcher {
-            resources.launcher = launcher(text);
+            resources.launcher = Launcher::from_text(text);
         }
     }
 

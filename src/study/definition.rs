@@ -87,14 +87,33 @@ pub(crate) struct Resources {
     pub(crate) ranks: u64,
     /// How many runs go on at the same time.
     pub(crate) at_a_time: u64,
-    /// The command that starts a program on several ranks; `{ranks}` stands for their number.
-    pub(crate) launcher: Vec<String>,
+    /// How a run of several ranks starts.
+    pub(crate) launcher: Launcher,
+}
+
+/// How a program starts on several ranks.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Launcher {
+    /// By itself, with threads as ranks.
+    Threads,
+    /// By the words of a command; `{ranks}` stands for the number of ranks.
+    Command(Vec<String>),
+}
+
+impl Launcher {
+    /// Reads what a study or the command line says: the word `threads`, or a command.
+    pub(crate) fn from_text(text: &str) -> Self {
+        match text.trim() {
+            "threads" => Self::Threads,
+            command => Self::Command(command.split_whitespace().map(str::to_owned).collect()),
+        }
+    }
 }
 
 impl Default for Resources {
     fn default() -> Self {
-        let launcher = ["mpirun", "-n", "{ranks}"].map(str::to_owned).to_vec();
-        Self { ranks: 1, at_a_time: 1, launcher }
+        let launcher = if cfg!(feature = "mpi") { "mpirun -n {ranks}" } else { "threads" };
+        Self { ranks: 1, at_a_time: 1, launcher: Launcher::from_text(launcher) }
     }
 }
 

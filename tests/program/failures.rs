@@ -105,7 +105,7 @@ fn a_rank_grid_that_does_not_fit_is_refused() {
         message.contains("--set parallel.ranks=[1,1,2]: parallel.ranks = [1, 1, 2]: "),
         "{message}"
     );
-    assert!(message.contains("(mpirun -n 2)"), "{message}");
+    assert!(message.contains("(mpirun -n 2, or --threads 2)"), "{message}");
     // Nothing was begun.
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -163,6 +163,7 @@ fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {
         version: text("talcum_version")?,
         commit: text("commit")?,
         ranks: ranks.parse().map_err(|_| format!("ranks = {ranks} is not a number"))?,
+        ranks_are: text("ranks_are").ok(),
         machine: text("machine")?,
         date: text("date")?,
         title: text("title")?,

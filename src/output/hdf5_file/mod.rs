@@ -4,6 +4,7 @@
 //! through [`SharedFile`], where all ranks take part in every transfer, those without rows too.
 
 mod rows;
+mod shared_dataset;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,10 +16,11 @@ use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents};
 
-use self::rows::{place_of_piece, read_rows, set_rows, write};
+use self::rows::{open_together, place_of_piece, read_rows, set_rows, write};
+pub(super) use self::shared_dataset::SharedDataset;
 use super::table::{Rows, TableHead};
 use super::{MessageResult, OutputError, agreed};
-use crate::parallel::{Communicator, FileAccess, records_of_bytes};
+use crate::parallel::{Communicator, FileAccess};
 
 /// How all files are opened.
 ///
@@ -31,6 +33,13 @@ fn options() -> FileBuilder {
         properties.file_locking(false).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
     });
     options
+}
+
+/// The version of the library, and whether it is a parallel one.
+pub(crate) fn hdf5_version() -> String {
+    let (major, minor, patch) = hdf5::library_version();
+    let kind = if cfg!(feature = "mpi") { "parallel" } else { "serial" };
+    format!("{major}.{minor}.{patch}, {kind}")
 }
 
 /// What datasets hold.
@@ -321,8 +330,8 @@ impl<'r> SharedFile<'r> {
         if let FileAccess::Collective(communicator) = ranks.file_access(path) {
             together = true;
             options.with_fapl(|properties| {
-                properties.mpio(communicator, None);
-                properties.all_coll_metadata_ops(true).coll_metadata_write(true)
+                open_together(properties, communicator);
+                properties
             });
         }
         let opened = if !write {
@@ -360,8 +369,7 @@ impl<'r> SharedFile<'r> {
         let opened = self.file.as_ref().map(|file| file.dataset(name)).transpose();
         let opened = described(opened).map_err(|message| format!("{name}: {message}"));
         let dataset = self.agreed(opened)?;
-        let name = name.to_owned();
-        Ok(SharedDataset { name, dataset, ranks: self.ranks, together: self.together })
+        Ok(SharedDataset::new(name, dataset, self.ranks, self.together))
     }
 
     /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of
@@ -394,35 +402,6 @@ impl<'r> SharedFile<'r> {
     pub(super) fn close(self) -> Result<(), OutputError> {
         let closed = self.file.map_or(Ok(()), |file| file.flush().and_then(|()| file.close()));
         agreed(&self.path, written(closed), self.ranks)
-    }
-}
-
-/// A dataset that all ranks write.
-pub(super) struct SharedDataset<'f> {
-    /// What errors call it.
-    name: String,
-    /// None on ranks that leave the writing to rank 0.
-    dataset: Option<Dataset>,
-    ranks: &'f dyn Communicator,
-    together: bool,
-}
-
-impl SharedDataset<'_> {
-    /// Writes this rank's rows from `first_row` on. The ranks' rows follow one another in the order of ranks,
-    /// without gaps. Collective, but an error is this rank's alone.
-    pub(super) fn write_rows<T: Element>(&self, first_row: u64, values: &[T]) -> MessageResult<()> {
-        let gathered;
-        let values = if self.together {
-            values
-        } else {
-            let bytes = self.ranks.gather_to_root(bytemuck::cast_slice(values));
-            gathered = records_of_bytes(&bytes.unwrap_or_default().concat()).collect::<Vec<T>>();
-            &gathered
-        };
-        let Some(dataset) = &self.dataset else { return Ok(()) };
-        // Rows of a dataset of fixed length lie side by side: what a rank writes is one piece of the file.
-        let result = write(dataset, first_row, values, self.together && dataset.is_chunked());
-        written(result).map_err(|message| format!("{}: {message}", self.name))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Rows of datasets: what the safe interface of the library does not offer. The only file that calls the
 //! library itself.
 
+mod collective;
+
 use std::ops::Range;
 use std::ptr;
 
@@ -8,16 +10,16 @@ use hdf5::{Dataset, h5check};
 use hdf5_sys::h5::{HADDR_UNDEF, hsize_t};
 use hdf5_sys::h5d::{H5Dget_chunk_info_by_coord, H5Dget_space, H5Dread, H5Dset_extent, H5Dwrite};
 use hdf5_sys::h5i::hid_t;
-use hdf5_sys::h5p::{
-    H5FD_mpio_xfer_t, H5P_CLS_DATASET_XFER, H5Pclose, H5Pcreate, H5Pset_dxpl_mpio,
-};
+use hdf5_sys::h5p::{H5P_CLS_DATASET_XFER, H5Pclose, H5Pcreate};
 use hdf5_sys::h5s::{
     H5S_seloper_t, H5Sclose, H5Screate_simple, H5Sselect_hyperslab, H5Sselect_none,
 };
 
+pub(super) use self::collective::open_together;
 use super::Element;
 
-fn width(dataset: &Dataset) -> usize {
+/// Numbers in a row.
+pub(super) fn width(dataset: &Dataset) -> usize {
     dataset.shape().iter().skip(1).product::<usize>().max(1)
 }
 
@@ -117,7 +119,7 @@ fn transfer<T: Element>(
         let memory_space = Identifier(memory_space?, H5Sclose);
         let how = Identifier(h5check(H5Pcreate(*H5P_CLS_DATASET_XFER))?, H5Pclose);
         if together {
-            h5check(H5Pset_dxpl_mpio(how.0, H5FD_mpio_xfer_t::H5FD_MPIO_COLLECTIVE))?;
+            collective::transfer_together(how.0)?;
         }
         let (memory, file) = (memory_space.0, file_space.0);
         if rows == 0 {

@@ -7,7 +7,7 @@
 
 #![allow(unsafe_code, reason = "the mpi crate has no handlers of file errors")]
 
-use super::flush_standard_streams;
+use crate::parallel::flush_standard_streams;
 use mpi::ffi::{self, MPI_Errhandler, MPI_File};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator as _;

@@ -3,7 +3,7 @@
 mod axes;
 mod search;
 
-use crate::study::definition::{Axis, Continuation, Resources, Study};
+use crate::study::definition::{Axis, Continuation, Launcher, Resources, Study};
 use crate::study::folder::StudyFolder;
 use crate::study::measure::{NamedMeasure, Registry};
 use crate::study::problem::{Problem, Problems, Refusal};
@@ -223,13 +223,8 @@ fn resources(root: &Section<'_>) -> Option<Resources> {
         resources.at_a_time = entry.count(1, MOST)?;
     }
     if let Some(entry) = section.optional("launcher") {
-        resources.launcher = launcher(&entry.text()?);
+        resources.launcher = Launcher::from_text(&entry.text()?);
     }
     section.finish();
     Some(resources)
-}
-
-/// The words of a command that starts a program on several ranks.
-pub(crate) fn launcher(text: &str) -> Vec<String> {
-    text.split_whitespace().map(str::to_owned).collect()
 }

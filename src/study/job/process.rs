@@ -1,7 +1,7 @@
 //! Runs as child processes: `talcum run`, under a launcher if there is more than one rank.
 
 use super::{Exit, Job, Runner, Running};
-use crate::study::definition::Resources;
+use crate::study::definition::{Launcher, Resources};
 use crate::study::setting::Setting;
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use std::fs::File;
@@ -34,16 +34,18 @@ impl TalcumRunner {
         folder: &Path,
     ) -> Vec<String> {
         let mut words = Vec::new();
-        if self.resources.ranks > 1 {
-            let ranks = self.resources.ranks.to_string();
-            let launcher = self.resources.launcher.iter();
-            words.extend(launcher.map(|word| word.replace("{ranks}", &ranks)));
+        let (several, ranks) = (self.resources.ranks > 1, self.resources.ranks.to_string());
+        if let (true, Launcher::Command(launcher)) = (several, &self.resources.launcher) {
+            words.extend(launcher.iter().map(|word| word.replace("{ranks}", &ranks)));
         }
         words.push(self.program.display().to_string());
         words.extend(["run".to_owned(), case.display().to_string()]);
         words.extend(["--output".to_owned(), folder.display().to_string()]);
         // Goes on from the newest checkpoint, or begins if there is none.
         words.push("--resume".to_owned());
+        if several && self.resources.launcher == Launcher::Threads {
+            words.extend(["--threads".to_owned(), ranks]);
+        }
         words.extend(settings.iter().flat_map(|s| ["--set".to_owned(), s.argument()]));
         words
     }
@@ -147,22 +149,25 @@ mod tests {
     use super::*;
     use crate::study::setting::Value;
 
-    fn runner(ranks: u64) -> TalcumRunner {
-        let resources = Resources { ranks, ..Resources::default() };
+    fn runner(ranks: u64, launcher: &str) -> TalcumRunner {
+        let launcher = Launcher::from_text(launcher);
+        let resources = Resources { ranks, launcher, ..Resources::default() };
         TalcumRunner { program: PathBuf::from("talcum"), resources }
     }
 
     #[test]
-    fn several_ranks_need_a_launcher() {
+    fn several_ranks_need_a_launcher_or_are_threads() {
         let value = Value::from_number(4.0);
         let settings = [Setting { key: "cohesion.bond_number".to_owned(), value, line: 1 }];
-        let line = |ranks| {
-            let runner = runner(ranks);
+        let line = |ranks, launcher| {
+            let runner = runner(ranks, launcher);
             runner.command_line(Path::new("bed.toml"), &settings, Path::new("out")).join(" ")
         };
         let run = "talcum run bed.toml --output out --resume --set cohesion.bond_number=4.0";
-        assert_eq!(line(1), run);
-        assert_eq!(line(3), format!("mpirun -n 3 {run}"));
+        assert_eq!(line(1, "mpirun -n {ranks}"), run);
+        assert_eq!(line(3, "mpirun -n {ranks}"), format!("mpirun -n 3 {run}"));
+        let by_threads = run.replace("--resume", "--resume --threads 3");
+        assert_eq!(line(3, "threads"), by_threads);
     }
 
     #[test]

@@ -1,31 +1,31 @@
-//! What happens when there is no more memory: the rank says how much it asked for, and all ranks end.
+//! What happens when there is no more memory: the program says how much it asked for, and all ranks end.
 
 #![allow(unsafe_code, reason = "an allocator hands out raw memory")]
 
-use super::{RUNNING, flush_standard_streams};
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::Communicator as _;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fs::File;
 use std::io::{Read, Write};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Exit code of all ranks, that of any other error.
 const CODE: i32 = 1;
 
-/// This process's rank, once it is known.
-static RANK: AtomicUsize = AtomicUsize::new(0);
+/// This process among others: its rank, and how to end all of them with an exit code. Not set where this process is alone.
+static PROCESS: OnceLock<(usize, fn(i32))> = OnceLock::new();
 /// Whether the message is on its way.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator. Where it has no memory left, a message is printed and all ranks of MPI end, while Rust's own way
-/// is to crash this process.
+/// The system's allocator. Where it has no memory left, a message is printed and all ranks end, while Rust's own way is to
+/// crash this process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AllocatorOfRanks;
 
-/// Sets the rank that the message names.
-pub(super) fn set_rank(rank: usize) {
-    RANK.store(rank, Ordering::Relaxed);
+/// Says that this process is one rank of several, and how to end them all.
+#[cfg(feature = "mpi")]
+pub(super) fn set_process(rank: usize, end_all: fn(i32)) {
+    // Ranks start once in a process.
+    let _ = PROCESS.set((rank, end_all));
 }
 
 // SAFETY: the system's allocator does all the work, and is asked for exactly what this one is asked for.
@@ -67,23 +67,23 @@ fn end_all_ranks(size: usize) -> ! {
     }
     let mut text = [0_u8; 400];
     let mut rest = &mut text[..];
-    let megabytes = |bytes: usize| 1.0e-6 * bytes as f64;
-    let rank = RANK.load(Ordering::Relaxed);
+    let [has, refused] = [resident(), size].map(|bytes| 1.0e-6 * bytes as f64);
     // The text is short enough, and nothing is left to do if standard error is closed.
+    let _ = match PROCESS.get() {
+        Some((rank, _)) => write!(rest, "error: rank {rank} is out of memory: it"),
+        None => write!(rest, "error: out of memory: the program"),
+    };
     let _ = writeln!(
         rest,
-        "error: rank {rank} is out of memory: it has {:.0} MB and was refused {:.0} MB more. Use more machines, or fewer \
-         ranks on each; talcum check estimates what a case needs",
-        megabytes(resident()),
-        megabytes(size)
+        " has {has:.0} MB and was refused {refused:.0} MB more. Use more machines, or fewer ranks on each; talcum check \
+         estimates what a case needs"
     );
     let left = rest.len();
     let _ = std::io::stderr().write_all(&text[..text.len() - left]);
-    flush_standard_streams();
-    if RUNNING.load(Ordering::SeqCst) {
-        SimpleCommunicator::world().abort(CODE);
+    if let Some((_, end_all)) = PROCESS.get() {
+        end_all(CODE);
     }
-    std::process::exit(CODE)
+    super::end_at_once(CODE)
 }
 
 /// Bytes of this process in the machine's memory; 0 where that is not known.

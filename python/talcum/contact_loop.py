@@ -1,0 +1,1 @@
+../../scripts/contact_loop.py

@@ -1,0 +1,1 @@
+../../scripts/cycle.py

@@ -1,0 +1,1 @@
+../../scripts/fluidised_bed.py

@@ -1,0 +1,1 @@
+../../scripts/minimum_fluidisation.py

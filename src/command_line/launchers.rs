@@ -1,0 +1,113 @@
+//! Processes that do not know of each other: a launcher has started many, and each takes itself for the whole run.
+
+use thiserror::Error;
+
+/// Slurm has started several tasks, but MPI knows of one rank.
+#[derive(Debug, PartialEq, Eq, Error)]
+#[error(
+    "srun has started {0} tasks, but MPI sees one rank: each would run the whole case. Start them by srun --mpi=pmix, or by \
+     what srun --mpi=list shows and your MPI was built for; or by mpirun -n {0}"
+)]
+pub(super) struct LoneRanks(u64);
+
+/// Ranks as threads, but a launcher has started several processes.
+#[derive(Debug, PartialEq, Eq, Error)]
+#[error(
+    "{processes} processes were started together, and threads are the ranks of one process: each would run the whole case. \
+     Start talcum by itself, with --threads {processes}; or, if it was built with MPI, without --threads"
+)]
+pub(super) struct ManyProcesses {
+    processes: u64,
+    /// Whether this process is the one that says so.
+    pub(super) speaks: bool,
+}
+
+/// What launchers set: the number of processes, and which of them this is. The first that is found counts: `mpirun` may be
+/// called within a step of Slurm.
+const LAUNCHERS: [[&str; 2]; 4] = [
+    ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"],
+    ["PMI_SIZE", "PMI_RANK"],
+    ["MV2_COMM_WORLD_SIZE", "MV2_COMM_WORLD_RANK"],
+    ["SLURM_STEP_NUM_TASKS", "SLURM_PROCID"],
+];
+
+/// Refuses to go on as one of several processes with the same command. `variable` reads the environment.
+///
+/// # Errors
+/// If a launcher has started more than this process.
+pub(super) fn require_one_process(
+    variable: impl Fn(&str) -> Option<String>,
+) -> Result<(), ManyProcesses> {
+    let number = |name: &str| variable(name)?.parse::<u64>().ok();
+    let known = LAUNCHERS.iter().find_map(|[size, rank]| Some((number(size)?, number(rank))));
+    match known {
+        Some((processes, rank)) if processes > 1 => {
+            Err(ManyProcesses { processes, speaks: rank.unwrap_or(0) == 0 })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Set by `mpirun` or by the interface of processes that MPI found; 1 if one rank was asked for.
+const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
+
+/// Refuses to go on as one of many runs of the same case. `variable` reads the environment.
+///
+/// # Errors
+/// If this is one rank of several tasks of a step of Slurm.
+pub(super) fn require_one_run(
+    ranks: usize,
+    variable: impl Fn(&str) -> Option<String>,
+) -> Result<(), LoneRanks> {
+    let number = |name: &str| variable(name)?.parse::<u64>().ok();
+    let one_was_asked_for = SIZES.iter().any(|name| number(name) == Some(1));
+    match number("SLURM_STEP_NUM_TASKS") {
+        Some(tasks) if tasks > 1 && ranks == 1 && !one_was_asked_for => Err(LoneRanks(tasks)),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(variables: &[(&str, &str)], name: &str) -> Option<String> {
+        let known = variables.iter().find(|(known, _)| *known == name);
+        known.map(|(_, text)| (*text).to_owned())
+    }
+
+    #[test]
+    fn threads_are_ranks_of_one_process() {
+        let found = |variables: &[_]| require_one_process(|name| value(variables, name));
+        assert_eq!(found(&[]), Ok(()));
+        assert_eq!(found(&[("OMPI_COMM_WORLD_SIZE", "1"), ("SLURM_STEP_NUM_TASKS", "2")]), Ok(()));
+        let of_mpirun = |rank| [("OMPI_COMM_WORLD_SIZE", "3"), ("OMPI_COMM_WORLD_RANK", rank)];
+        for (rank, speaks) in [("0", true), ("2", false)] {
+            assert_eq!(found(&of_mpirun(rank)), Err(ManyProcesses { processes: 3, speaks }));
+        }
+        assert!(found(&[("PMI_SIZE", "2")]).unwrap_err().to_string().contains("--threads 2"));
+        assert!(found(&[("SLURM_STEP_NUM_TASKS", "8"), ("SLURM_PROCID", "0")]).is_err());
+    }
+
+    fn found(ranks: usize, variables: &[(&str, &str)]) -> Result<(), LoneRanks> {
+        require_one_run(ranks, |name| value(variables, name))
+    }
+
+    #[test]
+    fn one_rank_among_several_tasks_is_refused() {
+        let error = found(1, &[("SLURM_STEP_NUM_TASKS", "32")]).unwrap_err().to_string();
+        assert!(error.contains("32 tasks") && error.contains("--mpi=list"), "{error}");
+        // The interface has told them, but MPI does not speak it.
+        assert!(found(1, &[("SLURM_STEP_NUM_TASKS", "4"), ("PMI_SIZE", "4")]).is_err());
+    }
+
+    #[test]
+    fn runs_that_are_one_go_on() {
+        assert_eq!(found(32, &[("SLURM_STEP_NUM_TASKS", "32")]), Ok(()));
+        assert_eq!(found(1, &[("SLURM_STEP_NUM_TASKS", "1")]), Ok(()));
+        assert_eq!(found(1, &[]), Ok(()));
+        // mpirun -n 1 in a step of several tasks.
+        let by_mpirun = [("SLURM_STEP_NUM_TASKS", "2"), ("OMPI_COMM_WORLD_SIZE", "1")];
+        assert_eq!(found(1, &by_mpirun), Ok(()));
+    }
+}

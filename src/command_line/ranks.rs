@@ -1,0 +1,79 @@
+//! How the ranks of a command start: as processes of MPI, or as threads of this one.
+
+use super::launchers::require_one_process;
+use super::{complain, start_log};
+use crate::output::write_failed;
+use crate::parallel::{Communicator, end_at_once, start_on_threads};
+use anyhow::Context;
+use std::process::ExitCode;
+
+/// Exit code after any error of a command that was understood.
+const FAILURE: i32 = 1;
+/// Ranks where nobody says how many, in a program without MPI.
+#[cfg(not(feature = "mpi"))]
+const THREADS: usize = 1;
+
+/// What ranks do together, with the same result on all.
+pub(super) trait Work: Fn(&dyn Communicator) -> anyhow::Result<()> + Sync {}
+impl<F: Fn(&dyn Communicator) -> anyhow::Result<()> + Sync> Work for F {}
+
+/// Does something on so many threads; without a number on the ranks of MPI, or on one thread in a program without it.
+pub(super) fn on_ranks(threads: Option<usize>, work: impl Work) -> ExitCode {
+    match threads {
+        Some(threads) => on_threads(threads, work),
+        None => by_default(work),
+    }
+}
+
+#[cfg(feature = "mpi")]
+fn by_default(work: impl Work) -> ExitCode {
+    let ranks = match crate::parallel::MpiRanks::start() {
+        Ok(ranks) => ranks,
+        Err(error) => {
+            complain(&error.into());
+            return ExitCode::FAILURE;
+        }
+    };
+    // The other ranks speak only where RUST_LOG asks for it.
+    start_log(if ranks.is_root() { "info" } else { "off" });
+    let result = work(&ranks);
+    if let Err(error) = &result {
+        if ranks.is_root() {
+            complain(error);
+        }
+        if write_failed() {
+            ranks.abort(FAILURE);
+        }
+    }
+    exit_code(&result)
+}
+
+#[cfg(not(feature = "mpi"))]
+fn by_default(work: impl Work) -> ExitCode {
+    on_threads(THREADS, work)
+}
+
+fn on_threads(threads: usize, work: impl Work) -> ExitCode {
+    start_log("info");
+    if let Err(error) = require_one_process(|name| std::env::var(name).ok()) {
+        if error.speaks {
+            complain(&error.into());
+        }
+        return ExitCode::FAILURE;
+    }
+    let results = start_on_threads(threads, work)
+        .with_context(|| format!("the system refuses {threads} threads: use fewer"));
+    // The result is the same on all ranks.
+    let result = results.and_then(|results| results.into_iter().collect());
+    if let Err(error) = &result {
+        complain(error);
+        if write_failed() {
+            end_at_once(FAILURE);
+        }
+    }
+    exit_code(&result)
+}
+
+fn exit_code(result: &anyhow::Result<()>) -> ExitCode {
+    if result.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
