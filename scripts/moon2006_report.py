@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import moon2006_beyond
 import moon2006_boxes
 import moon2006_thresholds
 from moon2006_tables import over, pictures, source, states, table, within
 from report import Section, Statement
-
-import numpy as np
 
 TITLE = "Moon, Kevrekidis & Sundaresan (2006) with Talcum"
 INTRODUCTION = (
     "Beds of 3,000 particles, 5 d x 5 d wide and about 100 d deep, in a column of gas; all numbers are dimensionless "
     "(rho_s = d = g = 1; St 55, k_n 2e5, e 0.9, mu 0.1). Intervals are those of 95 % confidence over the seeds of the bed."
 )
+
+
 def figure_1(results: Path) -> Section | None:
     """Travelling waves without cohesion."""
     points = table(results, "developed-bed", "points")
@@ -122,69 +123,10 @@ def figure_7(results: Path) -> Section | None:
     return Section("Figs 6 to 9: the cycle", text, statements, figures, [source("fig7", points)])
 
 
-def distributor(results: Path) -> Section | None:
-    """A plenum and a distributor below the shaken bed."""
-    points = table(results, "distributor", "points")
-    if points is None:
-        return None
-    resistances = sorted(set(points.numbers("linear_resistance")))
-    groups = [(f"resistance {resistance:g}", points.where(linear_resistance=resistance)) for resistance in resistances]
-    flow = {name: group.estimates("flow_swing") for name, group in groups}
-    text = "; ".join(f"{name}: " + ", ".join(f"{e.mean:.2g}" for e in found) for name, found in flow.items())
-    heights = ", ".join(f"{height:g}" for height in groups[0][1].numbers("height"))
-    # Without a distributor the bed on a high plenum is thrown about, and its cycles differ.
-    steady = [group for resistance, (_, group) in zip(resistances, groups) if resistance > 0.0]
-    sums = [a.mean + b.mean for group in steady
-            for a, b in zip(group.estimates("plate_stress"), group.estimates("gas_force"))]  # fmt: skip
-    statements = [
-        Statement(f"swing of U_s over the cycle, plenums {heights} d high", "0: U_s is taken as constant", text, None),
-        Statement("mean plate stress + gas force with a distributor", "1, by eq. (17)", f"{min(sums):.4f} to {max(sums):.4f}",
-                  all(within(total, 1.0, 0.01) for total in sums)),
-    ]  # fmt: skip
-    measures = {"flow_swing": "swing of U_s [sqrt(g d)]", "flow": "mean U_s [sqrt(g d)]", "peak": "peak of plate stress / weight"}
-    figure = over(points, "height", measures, groups)
-    for panel in figure.axes:
-        panel.set_xscale("log")
-        panel.set_yscale("log", nonpositive="clip")
-        means = [y for line in panel.lines for y in np.asarray(line.get_ydata(), float) if y > 0.0]
-        panel.set_ylim(0.5 * min(means), 2.0 * max(means))
-        panel.set_xlabel("height of the plenum [d]")
-    introduction = (
-        "The paper takes U_s as constant in the frame of the plate and wishes for a distributor of finite resistance. Here gas flows "
-        "at 0.016 into a plenum at atmospheric pressure (2.3e5 in these units) below the bed of Figs 6 to 9, and through a "
-        "distributor of linear resistance; that of the bed is about 1,900. U_s follows the cycle if the plenum is high and the "
-        "distributor weak."
-    )
-    caption = "Over the height of the plenum, for three resistances; means and intervals over seeds."
-    return Section("Beyond the paper: a distributor and a plenum", introduction, statements, [(figure, caption)],
-                   [source("distributor", points)])  # fmt: skip
-
-
-def wide_bed(results: Path) -> Section | None:
-    """Three dimensions: a wide bed without and with cohesion and vibration."""
-    points, runs = (table(results, "wide", kind) for kind in ("points", "runs"))
-    if points is None:
-        return None
-    statements = []
-    figures = []
-    for row in points.rows:
-        bond, gamma = (float(row[name]) for name in ("bond_number", "gamma"))
-        share, bubbles = (points.estimate(row, name) for name in ("share", "bubbles"))
-        text = f"{row['waves'].replace('_', ' ')}; part of heights and times with waves {share}; bubbles at a time {bubbles}"
-        statements.append(Statement(f"Bo {bond:g}, Gamma {gamma:g}", "not done: the paper's gas is one-dimensional", text, None))
-        figures += list(pictures(results, "wide", runs, 0.0, bond_number=bond, gamma=gamma))
-    text = (
-        "The paper wishes for beds of higher dimensions. This one is 20 d x 20 d wide and some 27 d deep, in a gas of three dimensions on "
-        "cells of 2 d with a filter of 3 d; it is fluidised for 100 time units before cohesion and vibration are switched on. Waves "
-        "are sought in the solids fraction averaged over the cross-section, measured from 25 time units later on."
-    )
-    return Section("Beyond the paper: three dimensions", text, statements, figures, [source("wide", points)])
-
-
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
     figures = (figure_1, figure_2, moon2006_thresholds.without_vibration, figure_3, moon2006_thresholds.over_gamma,
                moon2006_thresholds.over_frequency, figure_7, moon2006_boxes.figure_10, moon2006_boxes.figure_11,
-               distributor, wide_bed)  # fmt: skip
+               moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_beyond.wide_bed)  # fmt: skip
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

@@ -9,7 +9,6 @@ import h5py
 import numpy as np
 
 import moon2006_boxes
-import moon2006_report
 import moon2006_tables
 import report
 from made_up_results import CASE, ScriptTest, write_profiles

@@ -35,7 +35,7 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub contacts: &'a [ContactRecord],
     /// Particles that touch a wall.
     pub wall_contacts: &'a [WallContactRecord],
-    /// Cells of a volume-averaged gas, or the plenum of a column gas; none without either.
+    /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; none without these.
     pub cells: &'a [CellRecord],
 }
 

@@ -79,14 +79,15 @@ macro_rules! measures {
 measures! {
     /// Time.
     time: Time = |it| it.time;
-    /// U_s, for a volume-averaged gas its mean over the bottom; 0 without gas.
+    /// U_s, of a compressible column gas at the plate and as volume at the pressure above, for a volume-averaged gas its mean over
+    /// the bottom; 0 without gas.
     superficial_velocity: Speed = |it| it.gas.superficial_velocity;
     /// Integral of beta (U_s - u_s) / (1 - phi)^2 over the height, times the cross-section, over weight; for a
     /// volume-averaged gas its mean pressure at the bottom less that at the top, hydrostatic head left out.
     grid_pressure_drop: Number = |it| it.over_weight(it.pressure_force);
     /// Pressure of the plenum from which a column gas comes, less that above the bed; 0 without a plenum.
     plenum_pressure: Pressure = |it| it.gas.plenum_pressure;
-    /// Vertical gas force on all particles, over weight.
+    /// Vertical gas force on all particles, over weight: for a column gas on a plate the pressure there less that above the bed.
     gas_force: Number = |it| it.over_weight(it.gas_force);
     /// Force on the base plate, downwards, over weight.
     plate_stress: Number = |it| it.over_weight(it.plate_force);

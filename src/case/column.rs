@@ -29,6 +29,10 @@ pub(super) fn read_column(
     let drag = read_drag(section);
     let spacing = read_spacing(section, bounds);
     let drive = read_drive(section, context, bounds);
+    let ambient_pressure = match section.table("compressible") {
+        Some(table) => Some(read_compressible(&table, drive.as_ref(), bounds)?),
+        None => None,
+    };
     let nodes = [("full_cell", BaseNode::FullCell), ("half_cell", BaseNode::HalfCell)];
     let drag = drag?;
     let density = if drag.depends_on_reynolds() { section.number("density")? } else { 0.0 };
@@ -41,6 +45,7 @@ pub(super) fn read_column(
         drive: drive?,
         lateral_drag: section.boolean("lateral_drag")?,
         base_node: section.choice("base_node", &nodes)?,
+        ambient_pressure,
     })
 }
 
@@ -93,6 +98,25 @@ fn read_drive(
         ("grid_integral", WeightBalance::GridIntegral),
     ];
     section.choice(key, &balances).map(Drive::Weight)
+}
+
+/// The pressure above a compressible gas, which is also that above a plenum's; it stands on a plate.
+fn read_compressible(
+    section: &Section<'_>,
+    drive: Option<&Drive>,
+    bounds: Option<&Bounds>,
+) -> Option<f64> {
+    let pressure = section.number("pressure")?;
+    if bounds.is_some_and(|bounds| bounds.is_periodic(2)) {
+        section.fail("pressure", "needs a plate: the box is periodic along z");
+    }
+    if let Some(Drive::Plenum(plenum)) = drive
+        && plenum.pressure != pressure
+    {
+        let that = plenum.pressure;
+        section.fail("pressure", format!("must be that above the plenum's bed, {that}"));
+    }
+    Some(pressure)
 }
 
 /// The plenum from which a flow comes; it lies below a plate.

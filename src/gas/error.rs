@@ -50,6 +50,24 @@ pub enum GasForceOutOfRange {
     /// On the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
     NoBalance(f64),
+    /// Of a compressible column gas.
+    #[error(
+        "the compressible gas would have a pressure of {pressure:.3e} at height {height:.3e}, less that above the bed \
+         ({ambient:.3e}): the absolute pressure has to be above 0"
+    )]
+    Pressure {
+        /// Pressure less that above the bed.
+        pressure: f64,
+        /// Where.
+        height: f64,
+        /// Absolute pressure above the bed.
+        ambient: f64,
+    },
+    /// Of a compressible column gas whose drag depends on the Reynolds number.
+    #[error(
+        "the velocity of the compressible gas does not settle within one step: shorten time.step"
+    )]
+    NotSettled,
 }
 
 /// Why a step of the equations of the volume-averaged gas is not possible: the same on all ranks.

@@ -3,9 +3,9 @@
 //! | | [`column`] | [`volume_averaged`] |
 //! | --- | --- | --- |
 //! | dimensions | one, vertical | three |
-//! | inertia | none: it follows the bed at every step | with: a step of its own, of several of the particles |
+//! | inertia | none | with: a step of its own, of several of the particles |
 //! | model | [`ColumnGas`] | [`volume_averaged::VolumeAveragedModel`] |
-//! | state | none | [`volume_averaged::VolumeAveragedState`] |
+//! | state | [`ColumnState`]: none, unless it comes out of a plenum or is compressible | [`volume_averaged::VolumeAveragedState`] |
 //! | solver | [`ColumnSolver`] | [`volume_averaged::VolumeAveragedSolver`] |
 //!
 //! Both take their drag from the laws in [`DragLaw`], and their transfers from [`coupling`](crate::coupling).
@@ -20,7 +20,10 @@ mod state;
 mod step;
 pub mod volume_averaged;
 
-pub use column::{BaseNode, ColumnFields, ColumnGas, ColumnSolver, Drive, Plenum, WeightBalance};
+pub use column::{
+    BaseNode, ColumnCell, ColumnFields, ColumnGas, ColumnSolver, ColumnState, Drive, Plenum,
+    WeightBalance,
+};
 pub use drag::{
     Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow,
     ParticleDrag, RegisteredDragLaw, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,

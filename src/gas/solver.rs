@@ -1,10 +1,10 @@
 //! The gas in a run: it advances, acts on the particles, and is read off, whichever it is.
 
-use super::state::plenum_record;
 use super::step::GasStep;
 use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAveragedState};
 use super::{
-    ColumnSolver, GasError, GasForceOutOfRange, GasModel, GasReport, GasState, ParticleLimits,
+    ColumnSolver, ColumnState, GasError, GasForceOutOfRange, GasModel, GasReport, GasState,
+    ParticleLimits,
 };
 use crate::domain::{Decomposition, Subdomain, Wall};
 use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
@@ -76,8 +76,11 @@ impl GasSolver {
                     let solver = ColumnSolver::new(gas, layout.subdomain.bounds, &layout.limits);
                     *self = Self::Column(solver);
                 }
-                if gas.plenum().is_some() && state.plenum().is_some() {
-                    return Ok(());
+                if let (Self::Column(solver), GasState::Column(before)) = (&*self, &mut *state) {
+                    solver.keep_what_fits(before);
+                    if !before.is_empty() {
+                        return Ok(());
+                    }
                 }
             }
             GasModel::VolumeAveraged(model) => {
@@ -112,8 +115,10 @@ impl GasSolver {
     ) -> Result<(), GasError> {
         match (self, state) {
             (Self::Column(solver), state) => {
-                let pressure = solver.advance(state.plenum(), particles, step, ranks)?;
-                *state = pressure.map_or(GasState::None, GasState::Plenum);
+                let none = ColumnState::default();
+                let before = state.column().unwrap_or(&none);
+                let after = solver.advance(before, particles, step, ranks)?;
+                *state = if after.is_empty() { GasState::None } else { GasState::Column(after) };
                 Ok(())
             }
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
@@ -158,14 +163,14 @@ impl GasSolver {
         }
     }
 
-    /// What a checkpoint keeps of this rank's cells, and on rank 0 of a plenum.
+    /// What a checkpoint keeps of this rank's cells, and on rank 0 of a column gas.
     pub fn records(&self, state: &GasState, ranks: &dyn Communicator) -> Vec<CellRecord> {
         match (self, state) {
-            (_, GasState::Plenum(pressure)) if ranks.is_root() => vec![plenum_record(*pressure)],
+            (_, GasState::Column(state)) if ranks.is_root() => state.records(),
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 solver.records(state)
             }
-            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Plenum(_)) => {
+            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Column(_)) => {
                 Vec::new()
             }
         }
@@ -182,7 +187,7 @@ impl GasSolver {
             (Self::VolumeAveraged(solver), GasState::VolumeAveraged(state)) => {
                 Some(solver.sample(state, particles, ranks))
             }
-            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Plenum(_)) => None,
+            (Self::None | Self::Column(_), _) | (_, GasState::None | GasState::Column(_)) => None,
         }
     }
 
@@ -207,7 +212,7 @@ fn volume_averaged(
     let solver = VolumeAveragedSolver::new(model, limits, walls, subdomain);
     let mut solver = solver.map_err(CollectiveError)?;
     let state = match state {
-        GasState::None | GasState::Plenum(_) => solver.at_rest(particles, time, ranks),
+        GasState::None | GasState::Column(_) => solver.at_rest(particles, time, ranks),
         GasState::VolumeAveraged(state) => {
             let before = before.subdomain(subdomain.bounds, ranks.rank());
             let records = state.records(&model.grid.local_cells(before));

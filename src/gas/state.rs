@@ -1,20 +1,10 @@
 //! What a gas is at one time, beside the particles.
 
-use bytemuck::Zeroable;
-
-use super::GasModel;
 use super::step::GasReport;
 use super::volume_averaged::VolumeAveragedState;
+use super::{ColumnState, GasModel};
 use crate::domain::Subdomain;
 use crate::parallel::{CellRecord, Communicator};
-
-/// In checkpoints a plenum is the cell of this number.
-const PLENUM: u64 = u64::MAX;
-
-/// What a checkpoint keeps of a plenum.
-pub(super) fn plenum_record(pressure: f64) -> CellRecord {
-    CellRecord { cell: PLENUM, pressure, ..CellRecord::zeroed() }
-}
 
 /// The part of a run's state that is the gas's: with the particles, all that its future depends on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,8 +13,8 @@ pub enum GasState {
     /// No gas, or one that follows the particles at every step.
     #[default]
     None,
-    /// The pressure of the plenum that a column gas comes from.
-    Plenum(f64),
+    /// A column gas that is compressible or comes from a plenum.
+    Column(ColumnState),
     /// The volume-averaged gas on this rank's cells.
     VolumeAveraged(VolumeAveragedState),
 }
@@ -38,12 +28,9 @@ impl GasState {
         subdomain: Subdomain,
         ranks: &dyn Communicator,
     ) -> Self {
-        let plenum = records.iter().find(|record| record.cell == PLENUM);
-        if ranks.any(plenum.is_some()) {
-            // One rank has it.
-            let mut bits = [plenum.map_or(0, |record| record.pressure.to_bits() as i64)];
-            ranks.sum_integers(&mut bits);
-            return Self::Plenum(f64::from_bits(bits[0] as u64));
+        let column = ColumnState::from_records(records, ranks);
+        if !column.is_empty() {
+            return Self::Column(column);
         }
         match model {
             GasModel::VolumeAveraged(model) if ranks.any(!records.is_empty()) => {
@@ -59,22 +46,27 @@ impl GasState {
     pub fn volume_averaged(&self) -> Option<&VolumeAveragedState> {
         match self {
             Self::VolumeAveraged(state) => Some(state),
-            Self::None | Self::Plenum(_) => None,
+            Self::None | Self::Column(_) => None,
+        }
+    }
+
+    /// The state of the column gas, if that has one.
+    pub fn column(&self) -> Option<&ColumnState> {
+        match self {
+            Self::Column(state) => Some(state),
+            Self::None | Self::VolumeAveraged(_) => None,
         }
     }
 
     /// The pressure of a plenum, if there is one.
     pub fn plenum(&self) -> Option<f64> {
-        match self {
-            Self::Plenum(pressure) => Some(*pressure),
-            Self::None | Self::VolumeAveraged(_) => None,
-        }
+        self.column()?.plenum
     }
 
     /// How the last step went; zeros for a gas without cells.
     pub fn report(&self) -> GasReport {
         match self {
-            Self::None | Self::Plenum(_) => GasReport::default(),
+            Self::None | Self::Column(_) => GasReport::default(),
             Self::VolumeAveraged(state) => state.report,
         }
     }

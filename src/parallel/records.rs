@@ -97,7 +97,7 @@ pub struct WallContactRecord {
     pub twisting_angle: f64,
 }
 
-/// What a checkpoint keeps of the volume-averaged gas in one cell, or of the plenum of a column gas.
+/// What a checkpoint keeps of the volume-averaged gas in one cell, or of a column gas: its plenum, and intervals if it is compressible.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CellRecord {

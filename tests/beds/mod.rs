@@ -79,6 +79,7 @@ pub(crate) fn gas(superficial_velocity: f64) -> ColumnGas {
         drive: Drive::Velocity(Schedule::Constant(superficial_velocity)),
         lateral_drag: false,
         base_node: BaseNode::FullCell,
+        ambient_pressure: None,
     }
 }
 

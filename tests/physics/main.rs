@@ -4,6 +4,7 @@
 #[path = "../beds/mod.rs"]
 mod beds;
 
+mod compressible_column;
 mod contact_laws;
 mod energy;
 mod energy_ledger;

@@ -410,22 +410,25 @@ fn an_end_beyond_all_steps_is_not_reached_at_once() {
 }
 
 #[test]
-fn the_pressure_of_a_plenum_goes_on_where_it_was() {
-    let folder = tempfile::tempdir().unwrap();
-    let case = &text(&crate::launch::in_repository("tests/cases/good/plenum.toml"));
-    let [whole, part] = ["whole", "part"].map(|name| text(&folder.path().join(name)));
-    // In vibration, from an empty plenum's first pressure on.
-    let short =
-        ["--until", "0.2", "--set", "output.series=0.05", "--set", "parallel.ranks=[1, 1, 1]"];
-    let digest = talcum(0, &[&["run", case, "--output", &whole], &short[..]].concat()).digest();
-    let half = ["--until", "0.1", "--set", "output.series=0.05"];
-    talcum(2, &[&["run", case, "--output", &part], &half[..]].concat()).digest();
-    let resume = ["run", case, "--output", &part, "--resume"];
-    assert_eq!(talcum(0, &[&resume[..], &short[..]].concat()).digest(), digest);
-    assert_eq!(series(Path::new(&part)), series(Path::new(&whole)));
-    // The control: it is not the same at all times.
-    let rows = series(Path::new(&whole));
-    let pressures: Vec<&str> =
-        rows.lines().skip(1).map(|row| row.split(',').nth(3).unwrap()).collect();
-    assert!(pressures.len() == 5 && pressures[1] != pressures[2], "{rows}");
+fn the_pressures_of_a_column_gas_go_on_where_they_were() {
+    for name in ["plenum", "compressible"] {
+        let folder = tempfile::tempdir().unwrap();
+        let case = format!("tests/cases/good/{name}.toml");
+        let case = &text(&crate::launch::in_repository(&case));
+        let [whole, part] = ["whole", "part"].map(|name| text(&folder.path().join(name)));
+        // In vibration, from an empty plenum's first pressure on.
+        let short =
+            ["--until", "0.2", "--set", "output.series=0.05", "--set", "parallel.ranks=[1, 1, 1]"];
+        let digest = talcum(0, &[&["run", case, "--output", &whole], &short[..]].concat()).digest();
+        let half = ["--until", "0.1", "--set", "output.series=0.05"];
+        talcum(2, &[&["run", case, "--output", &part], &half[..]].concat()).digest();
+        let resume = ["run", case, "--output", &part, "--resume"];
+        assert_eq!(talcum(0, &[&resume[..], &short[..]].concat()).digest(), digest);
+        assert_eq!(series(Path::new(&part)), series(Path::new(&whole)));
+        // The control: the pressure of the plenum is not the same at all times.
+        let rows = series(Path::new(&whole));
+        let pressures: Vec<&str> =
+            rows.lines().skip(1).map(|row| row.split(',').nth(3).unwrap()).collect();
+        assert!(pressures.len() == 5 && pressures[1] != pressures[2], "{rows}");
+    }
 }

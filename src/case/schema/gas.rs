@@ -63,6 +63,14 @@ const PLENUM: &[Key] = &[
     .default(Value::Number(0.0)),
 ];
 
+/// `compressible` of a column gas.
+const COMPRESSIBLE: &[Key] = &[Key::number(
+    "pressure",
+    Allowed::POSITIVE,
+    "Absolute pressure P above the bed, the same as that of a `plenum`; flows are volumes at P",
+)
+.unit("stress")];
+
 /// A column of gas.
 const COLUMN: &[Key] = &[
     Key::number(
@@ -80,6 +88,14 @@ const COLUMN: &[Key] = &[
         Kind::Table(PLENUM),
         "The gas comes out of a plenum below the plate, through a distributor: `superficial_velocity` is then the flow into \
          the plenum, and U_s follows the bed",
+    )
+    .with("superficial_velocity")
+    .optional(),
+    Key::new(
+        "compressible",
+        Kind::Table(COMPRESSIBLE),
+        "The gas is compressible, isothermal and ideal: `superficial_velocity` is then what flows in at the plate, and the \
+         velocity depends on the height; without it the gas is incompressible",
     )
     .with("superficial_velocity")
     .optional(),
@@ -194,6 +210,13 @@ With `plenum`, (H / P) dp/dt = U_0 - U_s, where H is its `height`, P its `pressu
 the resistances of the distributor. The first gas flows at U_0. U_s follows the bed where H / P times the resistance of the bed
 (its pressure drop over U_s) is not short beside the period of the plate, and the distributor's resistance not large beside
 the bed's.
+
+With `compressible`, the balances of mass and momentum of the gas are
+d[(1 - phi) (P + p)]/dt + d[(P + p) (U - phi u_s)]/dz = 0 and -dp/dz = beta (U - u_s) / (1 - phi)^2, with p the pressure less P and
+U(z, t) = (1 - phi) u_g + phi u_s; at the plate P U_s flows in, above the bed p = 0. A gas that is turned on, or whose grid has
+another number of nodes than in the stage before, begins with the pressures of the incompressible gas. A bed of height H resonates where the
+frequency of the plate is near c / (4 H), c^2 = P / (rho_s phi (1 - phi)), and follows as if the gas were incompressible where
+it is far lower; `check` prints c for a voidage of 0.45. The gas's own inertia is left out.
 
 The volume-averaged gas advances every `substeps` steps, with drag implicit in its own velocity; the force on each
 particle is kept until its next step. The run stops with an error message if that step is too long: 2 C + V / 2 must not

@@ -129,6 +129,10 @@ fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParti
         Drive::Weight(_) => "carries the weight of the bed".to_owned(),
     };
     lines.add("gas", &drive);
+    if let Some(pressure) = gas.ambient_pressure {
+        let speed = (pressure / (particle.density * (1.0 - LOOSE) * LOOSE)).sqrt();
+        lines.add("speed of sound in the bed", &format!("{speed:.4e} at a voidage of {LOOSE}"));
+    }
     lines.add("grid spacing over diameter", &format!("{:.4}", gas.spacing / particle.diameter));
     if particle.gravity > 0.0 {
         let ReferenceParticle { density, gravity, diameter, .. } = *particle;

@@ -16,17 +16,41 @@ pub(super) struct ParticlesInColumn<'a> {
     pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
     pub(super) drag: ParticleDrag,
     /// U_s.
-    pub(super) superficial_velocity: f64,
+    pub(super) superficial_velocity: SuperficialVelocity<'a>,
+}
+
+/// U_s over the height.
+#[derive(Clone, Copy)]
+pub(super) enum SuperficialVelocity<'a> {
+    /// The same everywhere: of an incompressible gas.
+    Uniform(f64),
+    /// Of each interval of the grid its value at the lower end, and its change to the upper end.
+    Between(&'a [[f64; 2]]),
+}
+
+impl SuperficialVelocity<'_> {
+    /// At the particles of a block, by the weights of the other fields.
+    #[inline(always)]
+    fn at(self, particles: &ColumnBlock) -> Lanes {
+        match self {
+            Self::Uniform(velocity) => [velocity; LANES],
+            Self::Between(intervals) => std::array::from_fn(|lane| {
+                let [lower, change] = intervals[particles.interval[lane] as usize];
+                lower + particles.of_upper[lane] * change
+            }),
+        }
+    }
 }
 
 /// Fields and drag at the particles of a block.
 #[derive(Default)]
-struct GasBlock {
+pub(super) struct GasBlock {
     solids_fraction: Lanes,
     solids_velocity: Lanes,
     diameter_density: Lanes,
     /// u_d; u_s if all particles are of one size.
     drag_velocity: Lanes,
+    superficial_velocity: Lanes,
     /// (V / phi) beta.
     drag: Lanes,
     /// V (-dp/dz) per velocity difference u_g - u_d: V B / (1 - phi), B the drag per volume.
@@ -35,7 +59,8 @@ struct GasBlock {
 
 impl GasBlock {
     #[inline(always)]
-    fn fill<Q: F64x4>(&mut self, column: &ParticlesInColumn, particles: &ColumnBlock) {
+    pub(super) fn fill<Q: F64x4>(&mut self, column: &ParticlesInColumn, particles: &ColumnBlock) {
+        self.superficial_velocity = column.superficial_velocity.at(particles);
         let [of_volume, of_diameter] = column.between_nodes;
         let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
         particles.interpolate::<Q>(of_volume, fields);
@@ -57,7 +82,7 @@ impl GasBlock {
         let (mut diameter, mut slip) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             diameter[lane] = 2.0 * radius[lane];
-            slip[lane] = column.superficial_velocity - self.solids_velocity[lane];
+            slip[lane] = self.superficial_velocity[lane] - self.solids_velocity[lane];
         }
         self.drag = column.drag.per_velocities(&diameter, &self.solids_fraction, &slip);
         for lane in 0..LANES {
@@ -78,11 +103,23 @@ impl GasBlock {
 
     /// Vertical force at a velocity of the particle and a superficial velocity.
     #[inline(always)]
-    fn vertical_force(&self, lane: usize, velocity: f64, superficial_velocity: f64) -> f64 {
+    pub(super) fn vertical_force(
+        &self,
+        lane: usize,
+        velocity: f64,
+        superficial_velocity: f64,
+    ) -> f64 {
         let u = self.solids_velocity[lane];
         let gas_velocity = u + (superficial_velocity - u) / (1.0 - self.solids_fraction[lane]);
         let pressure = self.gradient[lane] * (gas_velocity - self.drag_velocity[lane]);
         self.drag[lane] * (gas_velocity - velocity) + pressure
+    }
+
+    /// Change of that force with the superficial velocity.
+    #[inline(always)]
+    pub(super) fn slope(&self, lane: usize) -> f64 {
+        let slope = self.drag[lane] + self.gradient[lane];
+        slope / (1.0 - self.solids_fraction[lane])
     }
 }
 
@@ -123,7 +160,7 @@ impl SimdKernel for AddForces<'_> {
                 for lane in 0..LANES {
                     let velocity = particles.velocity[axis][lane];
                     let component = match axis {
-                        2 => block.vertical_force(lane, velocity, column.superficial_velocity),
+                        2 => block.vertical_force(lane, velocity, block.superficial_velocity[lane]),
                         _ => -block.drag[lane] * velocity,
                     };
                     force[lane] = quantum.round(component);
@@ -183,8 +220,7 @@ impl SimdKernel for SumSlopes<'_> {
             for lane in 0..LANES {
                 forces[lane] =
                     of_force.round(block.vertical_force(lane, particles.velocity[2][lane], 0.0));
-                let slope = block.drag[lane] + block.gradient[lane];
-                slopes[lane] = of_slope.round(slope / (1.0 - block.solids_fraction[lane]));
+                slopes[lane] = of_slope.round(block.slope(lane));
             }
             for lane in 0..LANES.min(self.count - number * LANES) {
                 sums[0] += of_force.count(forces[lane]);

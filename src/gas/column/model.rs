@@ -1,4 +1,4 @@
-//! The column gas as a case chooses it: one-dimensional, incompressible, without inertia.
+//! The column gas as a case chooses it: one-dimensional, without inertia, incompressible or not.
 
 use super::plenum::Plenum;
 use crate::domain::Bounds;
@@ -27,6 +27,9 @@ pub struct ColumnGas {
     pub lateral_drag: bool,
     /// Volume of the node on the plate.
     pub base_node: BaseNode,
+    /// P, absolute pressure above the bed, of a gas that is compressible (isothermal and ideal); none of one that is not. A gas
+    /// without a plate, in a periodic box, is incompressible whatever stands here.
+    pub ambient_pressure: Option<f64>,
 }
 
 /// What sets the superficial velocity U_s.
@@ -68,6 +71,15 @@ impl ColumnGas {
         }
     }
 
+    /// What flows in at a plate; none of a gas that carries a weight.
+    pub(super) fn supply(&self) -> Option<&Schedule> {
+        match &self.drive {
+            Drive::Velocity(schedule) => Some(schedule),
+            Drive::Plenum(plenum) => Some(&plenum.supply),
+            Drive::Weight(_) => None,
+        }
+    }
+
     /// The grid that this gas lives on.
     pub fn grid(&self, bounds: &Bounds) -> ColumnGrid {
         let base_part = match self.base_node {
@@ -91,14 +103,19 @@ impl ColumnGas {
     /// one size is beta (U_s - u_s) / (1 - phi)^2.
     ///
     /// Node 0 on the plate counts in full width if it averages over a full cell, so that the integral of phi
-    /// is the solids' volume per area.
-    pub fn pressure_drop(&self, grid: &ColumnGrid, fields: &ColumnFields, velocity: f64) -> f64 {
+    /// is the solids' volume per area. `velocity_at` is U_s at a node.
+    pub fn pressure_drop(
+        &self,
+        grid: &ColumnGrid,
+        fields: &ColumnFields,
+        velocity_at: impl Fn(usize) -> f64,
+    ) -> f64 {
         let drag = self.particle_drag();
         (0..grid.nodes())
             .filter(|&node| fields.solids_fraction[node] > 0.0)
             .map(|node| {
                 let (phi, u_s) = (fields.solids_fraction[node], fields.solids_velocity[node]);
-                let lengths = fields.diameter_density[node];
+                let (lengths, velocity) = (fields.diameter_density[node], velocity_at(node));
                 // The diameter d of equal spheres with this phi and this sum of diameters.
                 let diameter = (6.0 * phi / (PI * lengths)).sqrt();
                 let beta = lengths / diameter * drag.per_velocity(diameter, phi, velocity - u_s);

@@ -2,14 +2,15 @@
 //! the bed.
 //!
 //! The plenum is a closed volume H per cross-section below the plate, with an isothermal ideal gas; P is the absolute
-//! pressure above the bed, and p that of the plenum less P. U_0 flows in and U_s out, both as volume at P per area and time
-//! (the gas of the column is incompressible), so that
+//! pressure above the bed, and p that of the plenum less P. U_0 flows in and U_s out, both as volume at P per area and time,
+//! so that
 //!
 //! ```math
 //! \frac{H}{P} \frac{dp}{dt} = U_0 - U_s, \qquad p = R_1 U_s + R_2 U_s |U_s| + F(U_s) / S
 //! ```
 //!
-//! with F the gas force on all particles and S the cross-section. Both are solved together at the end of each step (implicit
+//! with F the gas force on all particles and S the cross-section: F / S is the pressure on the plate of a
+//! compressible gas too. Both are solved together at the end of each step (implicit
 //! Euler), so that no plenum is too stiff for a time step. Limits: U_s = U_0 for H -> 0, and for resistances far above that of
 //! the bed if H is large; a constant pressure drop over distributor and bed for H -> infinity.
 

@@ -1,8 +1,9 @@
 //! The column gas in a run: superficial velocity and force on particles, Moon 2006 eqs (11), (12) and (18).
 
-use super::block::{AddForces, ParticlesInColumn, SumSlopes};
+use super::block::{AddForces, ParticlesInColumn, SumSlopes, SuperficialVelocity};
 use super::model::{ColumnFields, ColumnGas, Drive, WeightBalance};
 use super::plenum::{BedResistance, Plenum};
+use super::state::ColumnState;
 use crate::coupling::{Bed, ColumnDeposition, interval_fields};
 use crate::domain::Bounds;
 use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
@@ -17,13 +18,19 @@ const MOST_ITERATIONS: usize = 100;
 /// The column gas in a run: its grid, the bed on it, and the superficial velocity now. Disposable.
 #[derive(Clone, Debug)]
 pub struct ColumnSolver {
-    gas: ColumnGas,
-    grid: ColumnGrid,
+    pub(super) gas: ColumnGas,
+    pub(super) grid: ColumnGrid,
     deposition: ColumnDeposition,
-    bed: Bed,
-    superficial_velocity: f64,
-    quantum: Quantum,
-    slope_quantum: Quantum,
+    pub(super) bed: Bed,
+    pub(super) superficial_velocity: f64,
+    /// U at the nodes of a compressible gas; none if it is `superficial_velocity` everywhere.
+    pub(super) velocities: Vec<f64>,
+    /// The same between the nodes.
+    pub(super) between_velocities: Vec<[f64; 2]>,
+    /// What flows out above.
+    pub(super) outflow: f64,
+    pub(super) quantum: Quantum,
+    pub(super) slope_quantum: Quantum,
     limit: f64,
     /// The bed between nodes: phi and u_s; then, only if sizes differ, diameters per volume and u_d.
     between_nodes: [Vec<[f64; 4]>; 2],
@@ -56,6 +63,9 @@ impl ColumnSolver {
             grid,
             bed: Bed::default(),
             superficial_velocity: 0.0,
+            velocities: Vec::new(),
+            between_velocities: Vec::new(),
+            outflow: 0.0,
             quantum: limits.force_quantum,
             slope_quantum,
             limit: limits.force,
@@ -73,30 +83,71 @@ impl ColumnSolver {
         &self.bed
     }
 
-    /// U_s, volume of gas per area and time relative to the frame of the box.
+    /// U_s, volume of gas per area and time relative to the frame of the box; of a compressible gas what flows in at the
+    /// plate, as volume at the pressure above the bed.
     pub fn superficial_velocity(&self) -> f64 {
         self.superficial_velocity
     }
 
-    /// The superficial velocity of a time, for the bed as it is now. `plenum` is the pressure of the plenum at the beginning of
-    /// the step, none if the gas has just been turned on; the pressure at its end is returned, none without a plenum.
-    /// Collective.
+    /// What flows out above, as volume at the pressure there: U_s but for a compressible gas.
+    pub fn outflow(&self) -> f64 {
+        self.outflow
+    }
+
+    /// Leaves of a state what is of use to this gas: not the plenum of another stage, nor cells of another grid.
+    pub(in crate::gas) fn keep_what_fits(&self, state: &mut ColumnState) {
+        if self.gas.plenum().is_none() {
+            state.plenum = None;
+        }
+        if self.compressible(0.0).is_none() || state.cells.len() != self.grid.intervals() {
+            state.cells.clear();
+        }
+    }
+
+    /// The superficial velocity of a time, for the bed as it is now. `before` is the state at the beginning of the step, empty
+    /// if the gas has just been turned on; that at its end is returned, empty of a gas that needs none. The first step of a
+    /// compressible gas is that of an incompressible one, whose pressures it has afterwards. Collective.
     ///
     /// # Errors
-    /// If no velocity carries the weight; the same on all ranks.
+    /// If no velocity carries the weight, or the pressure is not above 0; the same on all ranks.
     pub fn advance(
         &mut self,
+        before: &ColumnState,
+        particles: &Particles,
+        step: &GasStep,
+        ranks: &dyn Communicator,
+    ) -> Result<ColumnState, GasForceOutOfRange> {
+        self.deposit(particles, ranks);
+        let compressible = self.compressible(step.time);
+        if let Some(gas) = compressible
+            && !before.cells.is_empty()
+        {
+            return self.advance_compressible(gas, before, particles, step, ranks);
+        }
+        let (velocity, plenum) = self.uniform_velocity(before.plenum, particles, step, ranks)?;
+        self.superficial_velocity = velocity;
+        self.outflow = velocity;
+        self.velocities.clear();
+        let cells = match compressible {
+            Some(gas) => self.first_cells(gas, particles, ranks)?,
+            None => Vec::new(),
+        };
+        Ok(ColumnState { plenum, cells })
+    }
+
+    /// U_s of an incompressible gas, and the pressure of its plenum at the end of the step. Collective.
+    fn uniform_velocity(
+        &self,
         plenum: Option<f64>,
         particles: &Particles,
         step: &GasStep,
         ranks: &dyn Communicator,
-    ) -> Result<Option<f64>, GasForceOutOfRange> {
-        self.deposit(particles, ranks);
-        let (velocity, pressure) = match &self.gas.drive {
-            Drive::Velocity(schedule) => (schedule.at(step.time), None),
+    ) -> Result<(f64, Option<f64>), GasForceOutOfRange> {
+        match &self.gas.drive {
+            Drive::Velocity(schedule) => Ok((schedule.at(step.time), None)),
             Drive::Plenum(model) => {
                 let (velocity, after) = self.through(model, plenum, particles, step, ranks)?;
-                (velocity, Some(after))
+                Ok((velocity, Some(after)))
             }
             Drive::Weight(balance) => {
                 let weight = self.weight_of(particles, step.gravity, ranks);
@@ -106,11 +157,9 @@ impl ColumnSolver {
                     }
                     WeightBalance::GridIntegral => self.velocity_by_grid_integral(weight)?,
                 };
-                (velocity, None)
+                Ok((velocity, None))
             }
-        };
-        self.superficial_velocity = velocity;
-        Ok(pressure)
+        }
     }
 
     /// U_s out of a plenum and the pressure of that after the step. The first gas flows as fast as it is supplied. Collective.
@@ -146,7 +195,10 @@ impl ColumnSolver {
     }
 
     /// The particles, in gas of this superficial velocity.
-    fn particles_in(&self, superficial_velocity: f64) -> ParticlesInColumn<'_> {
+    pub(super) fn particles_in<'a>(
+        &'a self,
+        superficial_velocity: SuperficialVelocity<'a>,
+    ) -> ParticlesInColumn<'a> {
         ParticlesInColumn {
             blocks: self.deposition.blocks(),
             between_nodes: &self.between_nodes,
@@ -166,7 +218,10 @@ impl ColumnSolver {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
-        let column = self.particles_in(self.superficial_velocity);
+        let column = self.particles_in(match self.velocities.is_empty() {
+            true => SuperficialVelocity::Uniform(self.superficial_velocity),
+            false => SuperficialVelocity::Between(&self.between_velocities),
+        });
         let owned = particles.owned_count();
         let work = AddForces {
             column,
@@ -185,7 +240,9 @@ impl ColumnSolver {
 
     /// The pressure drop over the column by the grid integral, for results.
     pub fn pressure_drop(&self) -> f64 {
-        self.gas.pressure_drop(&self.grid, &self.fields(), self.superficial_velocity)
+        let velocity_at =
+            |node: usize| *self.velocities.get(node).unwrap_or(&self.superficial_velocity);
+        self.gas.pressure_drop(&self.grid, &self.fields(), velocity_at)
     }
 
     fn fields(&self) -> ColumnFields<'_> {
@@ -253,7 +310,7 @@ impl ColumnSolver {
         ranks: &dyn Communicator,
     ) -> BedForce {
         let [constant, slope] = with_simd(SumSlopes {
-            column: self.particles_in(velocity),
+            column: self.particles_in(SuperficialVelocity::Uniform(velocity)),
             quanta: [self.quantum, self.slope_quantum],
             count: particles.owned_count(),
         });
@@ -266,15 +323,16 @@ impl ColumnSolver {
         }
     }
 
-    fn cross_section(&self) -> f64 {
+    pub(super) fn cross_section(&self) -> f64 {
         self.grid.cell_volume() / self.grid.spacing()
     }
 
     /// U_s from the grid integral = W / S, by the secant method: exact at once for a linear drag law.
     fn velocity_by_grid_integral(&self, weight: f64) -> Result<f64, GasForceOutOfRange> {
         let target = weight / self.cross_section();
-        let excess =
-            |velocity: f64| self.gas.pressure_drop(&self.grid, &self.fields(), velocity) - target;
+        let excess = |velocity: f64| {
+            self.gas.pressure_drop(&self.grid, &self.fields(), |_| velocity) - target
+        };
         let (mut old, mut velocity) = (0.0, self.grid.spacing());
         let (mut excess_old, mut excess_now) = (excess(old), excess(velocity));
         for _ in 0..MOST_ITERATIONS {

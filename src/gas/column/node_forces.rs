@@ -1,0 +1,73 @@
+//! Sums of the gas force over the particles around each node, for a gas whose velocity depends on the height.
+
+use super::block::{GasBlock, ParticlesInColumn};
+use super::compressible::NodeForces;
+use crate::grid::ColumnGrid;
+use crate::numbers::{F64x4, Quantum, SimdKernel};
+use crate::particles::LANES;
+
+/// Of the particles in one interval, as counts of their lattices: the forces at U = 0 that go to its lower and upper node, and
+/// the slopes that go to the lower one alone, to both and to the upper one, by hat weights.
+pub(super) const SUMS: usize = 5;
+
+/// Sums over the particles of a rank, interval by interval; with the drag of the column's U.
+pub(super) struct SumByNodes<'a> {
+    pub(super) column: ParticlesInColumn<'a>,
+    /// Of the force, of the slope.
+    pub(super) quanta: [Quantum; 2],
+    /// Particles in the blocks.
+    pub(super) count: usize,
+    pub(super) intervals: usize,
+}
+
+impl SimdKernel for SumByNodes<'_> {
+    type Output = Vec<i64>;
+
+    #[inline(always)]
+    fn run<Q: F64x4>(self) -> Vec<i64> {
+        let [of_force, of_slope] = self.quanta;
+        let mut block = GasBlock::default();
+        let mut sums = vec![0; SUMS * self.intervals];
+        for (number, particles) in self.column.blocks.iter().enumerate() {
+            block.fill::<Q>(&self.column, particles);
+            for lane in 0..LANES.min(self.count - number * LANES) {
+                let upper = particles.of_upper[lane];
+                let lower = 1.0 - upper;
+                let force = block.vertical_force(lane, particles.velocity[2][lane], 0.0);
+                let slope = block.slope(lane);
+                let at = SUMS * particles.interval[lane] as usize;
+                let sums = &mut sums[at..at + SUMS];
+                for (sum, share) in sums.iter_mut().zip([force * lower, force * upper]) {
+                    *sum += of_force.count(of_force.round(share));
+                }
+                let shares = [lower * lower, lower * upper, upper * upper];
+                for (sum, share) in sums[2..].iter_mut().zip(shares) {
+                    *sum += of_slope.count(of_slope.round(slope * share));
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Sums over all ranks, and last the number of particles, to forces around nodes per cross-section.
+pub(super) fn at_nodes(sums: &[i64], grid: &ColumnGrid, quanta: [Quantum; 2]) -> NodeForces {
+    let cross_section = grid.cell_volume() / grid.spacing();
+    let [force, slope] = quanta.map(|quantum| quantum.spacing() / cross_section);
+    let particles = sums[SUMS * grid.intervals()] as f64;
+    let mut forces = NodeForces {
+        at_rest: vec![0.0; grid.nodes()],
+        slope: vec![0.0; grid.nodes()],
+        coupling: Vec::with_capacity(grid.intervals()),
+        rounding: particles * force,
+    };
+    for (interval, sums) in sums.chunks_exact(SUMS).enumerate() {
+        let [lower, upper] = grid.ends(interval);
+        forces.at_rest[lower] += sums[0] as f64 * force;
+        forces.at_rest[upper] += sums[1] as f64 * force;
+        forces.slope[lower] += sums[2] as f64 * slope;
+        forces.coupling.push(sums[3] as f64 * slope);
+        forces.slope[upper] += sums[4] as f64 * slope;
+    }
+    forces
+}
