@@ -2,13 +2,22 @@
 
 use thiserror::Error;
 
-/// Slurm has started several tasks, but MPI knows of one rank.
+/// A launcher has started several processes, but MPI knows of one rank.
 #[derive(Debug, PartialEq, Eq, Error)]
-#[error(
-    "srun has started {0} tasks, but MPI sees one rank: each would run the whole case. Start them by srun --mpi=pmix, or by \
-     what srun --mpi=list shows and your MPI was built for; or by mpirun -n {0}"
-)]
-pub(super) struct LoneRanks(u64);
+pub(super) enum LoneRanks {
+    /// Slurm, by an interface that this MPI does not speak.
+    #[error(
+        "srun has started {0} tasks, but MPI sees one rank: each would run the whole case. Start them by srun --mpi=pmix \
+         (in a job: export SLURM_MPI_TYPE=pmix), or by what srun --mpi=list shows and your MPI was built for; or by mpirun -n {0}"
+    )]
+    Slurm(u64),
+    /// The launcher of another MPI.
+    #[error(
+        "mpirun has started {0} processes, but MPI sees one rank: each would run the whole case. Start them by the mpirun of \
+         the MPI that talcum was built with (ldd talcum shows which it is; on Debian, mpirun.openmpi or mpirun.mpich)"
+    )]
+    OtherMpi(u64),
+}
 
 /// Ranks as threads, but a launcher has started several processes.
 #[derive(Debug, PartialEq, Eq, Error)]
@@ -48,22 +57,28 @@ pub(super) fn require_one_process(
     }
 }
 
-/// Set by `mpirun` or by the interface of processes that MPI found; 1 if one rank was asked for.
+/// Set by the launchers of Open MPI, and of MPICH and its relatives, to the number of processes that they start.
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
 /// Refuses to go on as one of many runs of the same case. `variable` reads the environment.
 ///
 /// # Errors
-/// If this is one rank of several tasks of a step of Slurm.
+/// If this is one rank of several processes that were started together.
 pub(super) fn require_one_run(
     ranks: usize,
     variable: impl Fn(&str) -> Option<String>,
 ) -> Result<(), LoneRanks> {
+    if ranks != 1 {
+        return Ok(());
+    }
     let number = |name: &str| variable(name)?.parse::<u64>().ok();
-    let one_was_asked_for = SIZES.iter().any(|name| number(name) == Some(1));
-    match number("SLURM_STEP_NUM_TASKS") {
-        Some(tasks) if tasks > 1 && ranks == 1 && !one_was_asked_for => Err(LoneRanks(tasks)),
-        _ => Ok(()),
+    // Not the largest: an mpirun of one rank may itself have been started by another launcher.
+    let launched = SIZES.iter().filter_map(|name| number(name)).min();
+    let tasks = number("SLURM_STEP_NUM_TASKS").filter(|&tasks| tasks > 1);
+    match (launched, tasks) {
+        (Some(0 | 1), _) | (None, None) => Ok(()),
+        (_, Some(tasks)) => Err(LoneRanks::Slurm(tasks)),
+        (Some(processes), None) => Err(LoneRanks::OtherMpi(processes)),
     }
 }
 
@@ -99,6 +114,16 @@ mod tests {
         assert!(error.contains("32 tasks") && error.contains("--mpi=list"), "{error}");
         // The interface has told them, but MPI does not speak it.
         assert!(found(1, &[("SLURM_STEP_NUM_TASKS", "4"), ("PMI_SIZE", "4")]).is_err());
+    }
+
+    #[test]
+    fn one_rank_under_the_launcher_of_another_mpi_is_refused() {
+        for name in SIZES {
+            let error = found(1, &[(name, "2")]).unwrap_err().to_string();
+            assert!(error.contains("2 processes") && error.contains("ldd"), "{error}");
+            assert_eq!(found(1, &[(name, "1")]), Ok(()));
+            assert_eq!(found(2, &[(name, "2")]), Ok(()));
+        }
     }
 
     #[test]

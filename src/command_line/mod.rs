@@ -14,6 +14,7 @@ mod ranks;
 mod reading;
 mod report;
 mod run;
+mod shell;
 mod signals;
 
 use self::launchers::require_one_run;
@@ -22,7 +23,7 @@ use self::ranks::on_ranks;
 use crate::domain::RankGrid;
 use crate::parallel::Communicator;
 use crate::study::{self, StudyOptions, SummaryOptions};
-use clap::{Args, Parser, Subcommand, value_parser};
+use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -47,6 +48,10 @@ enum Command {
     Study(StudyOptions),
     /// Print a table of means of runs.
     Summary(SummaryOptions),
+    /// Print the completions of a shell: what it offers when Tab is pressed behind talcum.
+    Completions(shell::CompletionsOptions),
+    /// Write the manual pages, talcum.1 and one for each command.
+    Manual(shell::ManualOptions),
 }
 
 /// What all ranks do together.
@@ -141,6 +146,10 @@ pub fn main() -> ExitCode {
         Ok(Command::Summary(options)) => {
             alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
         }
+        Ok(Command::Completions(options)) => {
+            alone(|| shell::completions(&options, CommandLine::command()))
+        }
+        Ok(Command::Manual(options)) => alone(|| shell::manual(&options, CommandLine::command())),
         Ok(Command::OnRanks(command)) => {
             on_ranks(command.threads(), |ranks| dispatch(&command, ranks))
         }

@@ -34,11 +34,15 @@ const PANIC_CODE: i32 = 101;
 /// Largest number of bytes in one message of MPI, which counts with 32-bit integers.
 const LONGEST_MESSAGE: usize = 1 << 30;
 
-/// Makes Open MPI use ROMIO, its other implementation of MPI-IO. The default, OMPIO, guards the opening of a file by a
-/// semaphore that is named after the file alone and shared by all jobs on the machine. A run that is killed at that
-/// moment leaves it locked, and every later run that opens a file of this name hangs (seen with 4.1; the semaphore is
-/// still named after the file in 2026, <https://github.com/open-mpi/ompi/pull/14058>).
-const FILES_THROUGH_ROMIO: (&str, &str) = ("OMPI_MCA_io", "^ompio");
+/// How Open MPI writes files, where the user has not said otherwise; other implementations of MPI ignore these variables.
+///
+/// Its own MPI-IO, OMPIO, keeps a position in the file that all ranks share, which nobody uses here, and by default guards
+/// it by a semaphore that is named after the file alone and shared by all jobs on the machine. A run that is killed while it
+/// opens a file leaves the semaphore locked, and every later run that opens a file of this name hangs (seen with 4.1.4, 5.0.7
+/// and 6.0.0rc2; <https://github.com/open-mpi/ompi/pull/14058>). So OMPIO may keep that position in other ways only, and stands
+/// back behind ROMIO where there is one: up to version 5, since 6.0 has OMPIO alone.
+const FILE_ACCESS: [(&str, &str); 2] =
+    [("OMPI_MCA_io_ompio_priority", "1"), ("OMPI_MCA_sharedfp", "^sm,lockedfile")];
 
 /// Whether MPI may be called: it was initialised and is not being finalised.
 static RUNNING: AtomicBool = AtomicBool::new(false);
@@ -146,15 +150,19 @@ pub fn mpi_library() -> Option<String> {
     Some(text.split(whole).next().unwrap_or_default().trim().to_owned())
 }
 
-/// Chooses the MPI-IO of Open MPI, unless the user has. Other implementations of MPI ignore the variable.
+/// Chooses how Open MPI writes files, unless the user has.
 fn choose_file_access() {
-    let (variable, value) = FILES_THROUGH_ROMIO;
-    if !RUNNING.load(Ordering::SeqCst) && std::env::var_os(variable).is_none() {
-        #[expect(unsafe_code, reason = "Open MPI reads its options from the environment")]
-        // SAFETY: MPI is initialised at the start of the program, before there are other threads, which could read the
-        // environment at the same time.
-        unsafe {
-            std::env::set_var(variable, value);
+    if RUNNING.load(Ordering::SeqCst) {
+        return;
+    }
+    for (variable, value) in FILE_ACCESS {
+        if std::env::var_os(variable).is_none() {
+            #[expect(unsafe_code, reason = "Open MPI reads its options from the environment")]
+            // SAFETY: MPI is initialised at the start of the program, before there are other threads, which could read
+            // the environment at the same time.
+            unsafe {
+                std::env::set_var(variable, value);
+            }
         }
     }
 }

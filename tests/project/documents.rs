@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const DOCUMENTS: [&str; 15] = [
+const DOCUMENTS: [&str; 16] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -14,6 +14,7 @@ const DOCUMENTS: [&str; 15] = [
     "docs/input.md",
     "docs/laws.md",
     "docs/measures.md",
+    "docs/packaging.md",
     "docs/performance.md",
     "docs/study.md",
     "docs/verification.md",
@@ -30,8 +31,17 @@ fn paths_in(text: &str) -> Vec<&str> {
     let linked = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
     let is_path = |path: &&str| {
         let plain = path.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c));
-        let top =
-            ["src/", "tests/", "docs/", "scripts/", "cases/", "jobs/", "benches/", "examples/"];
+        let top = [
+            "src/",
+            "tests/",
+            "docs/",
+            "scripts/",
+            "cases/",
+            "jobs/",
+            "benches/",
+            "examples/",
+            "packaging/",
+        ];
         let is_inside = top.iter().any(|folder| path.starts_with(folder));
         plain && !path.starts_with(['/', '.']) && (is_inside || ends_like_ours(path))
     };

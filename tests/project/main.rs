@@ -4,4 +4,5 @@
 mod documents;
 mod index;
 mod layers;
+mod packages;
 mod vocabulary;
