@@ -13,20 +13,19 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from importlib import import_module
 from pathlib import Path
-from typing import Any, Callable, NoReturn
+from typing import TYPE_CHECKING, Any, Callable, NoReturn
 
 try:
     import h5py
-    import matplotlib
     import numpy as np
 except ImportError as missing:
     sys.exit(f"error: {missing}. Call scripts/install once, then start this script with .venv/bin/python")
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
-from matplotlib.figure import Figure  # noqa: E402
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = np.ndarray
 
@@ -82,15 +81,33 @@ class Profiles:
     def between(self, start: float | None, end: float | None) -> Profiles:
         """The rows with start <= time <= end."""
         rows = rows_between(self.time, start, end)
-        return Profiles(
-            self.time[rows],
-            self.height,
-            self.solids_fraction[rows],
-            self.solids_velocity[rows],
-            self.superficial_velocity[rows],
-            self.units,
-            self.attributes,
+        return replace(
+            self,
+            time=self.time[rows],
+            solids_fraction=self.solids_fraction[rows],
+            solids_velocity=self.solids_velocity[rows],
+            superficial_velocity=self.superficial_velocity[rows],
         )
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset over time and height, with units as attributes."""
+        both, units = ("time", "height"), self.units
+        variables = {
+            "solids_fraction": (both, self.solids_fraction, {"units": units["solids_fraction"]}),
+            "solids_velocity": (both, self.solids_velocity, {"units": units["solids_velocity"]}),
+            "superficial_velocity": ("time", self.superficial_velocity, {"units": units["superficial_velocity"]}),
+        }
+        coordinates = {name: (name, getattr(self, name), {"units": units[name]}) for name in both}
+        return optional("xarray", "to_xarray").Dataset(variables, coordinates, self.attributes)
+
+
+def optional(library: str, purpose: str) -> Any:
+    """A library that only some need, or an error that says what for."""
+    try:
+        return import_module(library)
+    except ImportError as missing:
+        words = f"{purpose} needs the Python package {library}: pip install {library} ({missing})"
+        raise ResultsError(words) from missing
 
 
 def rows_between(time: Array, start: float | None, end: float | None) -> Array:
@@ -262,7 +279,9 @@ def program() -> str:
     newest = max(built, key=lambda path: path.stat().st_mtime, default=None)
     found = os.environ.get("TALCUM") or (str(newest) if newest else beside or shutil.which("talcum"))
     if not found:
-        raise ResultsError("the program talcum is not built: call cargo build --release, or set TALCUM to its path")
+        places = "the environment variable TALCUM, target/ of this clone, beside Python, PATH"
+        words = f"there is no program talcum (looked for in: {places})"
+        raise ResultsError(f"{words}: pip install the package, or cargo build --release, or set TALCUM to its path")
     return found
 
 
@@ -310,8 +329,11 @@ def table_of(name: str, item: Any) -> dict[str, dict[str, Array]]:
 
 
 def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0, 5.5)) -> tuple[Figure, Array]:
-    """A figure with panels in rows and columns, and one look for all scripts."""
-    plt.rcParams.update(
+    """A figure with panels in rows and columns, and one look for all scripts.
+
+    It is made without pyplot, so that no window is opened and a notebook's figures stay as they are.
+    """
+    optional("matplotlib", "a drawing").rcParams.update(
         {
             "font.size": 12,
             "axes.titlesize": 12,
@@ -323,8 +345,8 @@ def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0
             "lines.linewidth": 1.3,
         }
     )
-    figure, panels = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
-    return figure, panels
+    figure = import_module("matplotlib.figure").Figure(figsize=size, layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def save_figure(figure: Figure, picture: Path) -> None:
@@ -336,8 +358,6 @@ def save_figure(figure: Figure, picture: Path) -> None:
     except (OSError, ValueError) as reason:
         beside.unlink(missing_ok=True)
         raise ResultsError(f"{picture}: cannot be written: {reason}") from reason
-    finally:
-        plt.close(figure)
     print(f"picture: {picture}")
 
 

@@ -1,4 +1,12 @@
-"""Talcum's results in Python: what is drawn by `python -m talcum.NAME`.
+"""Talcum from Python: check and run cases, and read and draw what runs leave.
+
+    import talcum
+
+    bed = talcum.run("case.toml", threads=4, set={"gas.superficial_velocity": 0.12})
+    bed = talcum.open("results/case")
+    bed.series["bed_top"], bed.profiles.solids_fraction, bed.particles(20.0).position
+
+docs/python.md of the repository describes it. The modules that draw are also programs, `python -m talcum.NAME`:
 
 | module | what it draws |
 | --- | --- |
@@ -11,3 +19,31 @@
 
 `talcum.spacetime` is `scripts/spacetime.py` of the repository, and so on; `talcum_results` has what they share.
 """
+
+from __future__ import annotations
+
+from .bed import Bed
+from .bed import open_bed as open
+from .measure import Measure
+from .program import TalcumError, check, restart, run
+from .snapshots import Contacts, Particles
+from .studies import Study, read_study
+from .tables import Analysis, Profiles, ResultsError, Table
+
+__all__ = [
+    "Analysis",
+    "Bed",
+    "Contacts",
+    "Measure",
+    "Particles",
+    "Profiles",
+    "ResultsError",
+    "Study",
+    "Table",
+    "TalcumError",
+    "check",
+    "open",
+    "read_study",
+    "restart",
+    "run",
+]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-const DOCUMENTS: [&str; 16] = [
+const DOCUMENTS: [&str; 18] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -12,10 +12,12 @@ const DOCUMENTS: [&str; 16] = [
     "docs/files.md",
     "docs/glossary.md",
     "docs/input.md",
+    "docs/installing.md",
     "docs/laws.md",
     "docs/measures.md",
     "docs/packaging.md",
     "docs/performance.md",
+    "docs/python.md",
     "docs/study.md",
     "docs/verification.md",
     "cases/benchmark/README.md",

@@ -1,0 +1,220 @@
+"""The results of a run."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+from importlib import import_module
+from os import PathLike
+from pathlib import Path
+from typing import Any, Sequence, Union
+
+import numpy as np
+
+import talcum_results
+
+from .files import attributes, read_hdf5, require
+from .measure import Measure, read_kind, read_measure
+from .snapshots import (
+    Contacts,
+    Particles,
+    nearest,
+    read_checkpoint_contacts,
+    read_lines,
+    read_particles,
+    read_times,
+    time_of_checkpoint,
+)
+from .tables import Analysis, Array, Profiles, ResultsError, Table, optional, read_table
+
+FileName = Union[str, "PathLike[str]", None]
+
+
+class Bed:
+    """A folder of results, also of a run that goes on.
+
+    Each property reads its file anew, so keep in a variable what you use twice.
+    """
+
+    def __init__(self, folder: Union[str, PathLike[str]]) -> None:
+        self.folder = Path(folder)
+        if not (self.folder / "case.toml").is_file():
+            raise ResultsError(f"{self.folder}: is no folder of results: there is no case.toml in it")
+
+    def __repr__(self) -> str:
+        return f"<Bed of {self.folder}>"
+
+    @property
+    def case(self) -> dict[str, Any]:
+        """The case in effect, as a dict of its sections."""
+        toml = toml_reader()
+        file = self.folder / "case.toml"
+        try:
+            case: dict[str, Any] = toml.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as reason:
+            raise ResultsError(f"{file}: cannot be read: {reason}") from reason
+        return case
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the run has come to its end, or to `until`, and has not gone on from there."""
+        return (self.folder / "complete").is_file()
+
+    @property
+    def digest(self) -> str:
+        """The digest of the newest checkpoint, as `talcum info` prints it: in a complete run that of the end."""
+        return read_hdf5(self.newest_checkpoint, lambda contents: str(attributes(contents)["digest"]))
+
+    @property
+    def checkpoints(self) -> list[Path]:
+        """The checkpoints, the newest last."""
+        found = self.folder.glob("checkpoint-*.h5")
+        return sorted(file for file in found if re.fullmatch(r"checkpoint-\d{12}\.h5", file.name))
+
+    @property
+    def newest_checkpoint(self) -> Path:
+        """The newest checkpoint."""
+        if not self.checkpoints:
+            words = "a run writes one at its end, and as [checkpoint] of its case says"
+            raise ResultsError(f"{self.folder}: there is no checkpoint yet; {words}")
+        return self.checkpoints[-1]
+
+    @property
+    def series(self) -> Table:
+        """Numbers over time: `bed.series["bed_top"]`."""
+        return read_table(require(self.folder / "series.csv", "output.series"))
+
+    @property
+    def walls(self) -> Table:
+        """The force on every wall over time; `wall` holds names, an empty `diameter` (all particles) is NaN."""
+        return read_table(require(self.folder / "walls.csv", "output.walls"), texts=("wall",))
+
+    @property
+    def energy(self) -> Table:
+        """Energies stored, and work by mechanism, over time."""
+        return read_table(require(self.folder / "energy.csv", "output.energy"))
+
+    @property
+    def profiles(self) -> Profiles:
+        """Solids fraction and velocity over time and height."""
+        require(self.folder / "profiles.h5", "output.profiles")
+        return talcum_results.read_profiles(self.folder)
+
+    @property
+    def times(self) -> Array:
+        """The times of the snapshots of particles."""
+        return read_times(self._snapshots)
+
+    @property
+    def _snapshots(self) -> Path:
+        return require(self.folder / "particles.vtkhdf", "output.particles")
+
+    def particles(self, time: float | None = None, exact: bool = False) -> Particles:
+        """The particles of the snapshot nearest to a time (its own is `.time`), the last by default.
+
+        With `exact`, another time than the wanted one is an error.
+        """
+        return read_particles(self._snapshots, time, exact)
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """The kinds of the measures by their names."""
+        files = sorted(self.folder.glob("measure-*.h5"))
+        return {file.stem[len("measure-") :]: read_kind(file) for file in files}
+
+    def measure(self, name: str) -> Measure:
+        """The tables of `[measure.NAME]`."""
+        return read_measure(require(self.folder / f"measure-{name}.h5", f"[measure.{name}]"))
+
+    def agglomerates(self, measure: str | None = None) -> Measure:
+        """The tables of the measure of kind agglomerates; `measure` names it where there are several."""
+        return self.measure(self._of_kind("agglomerates", measure))
+
+    def contacts(
+        self, time: float | None = None, exact: bool = False, measure: str | None = None, checkpoint: bool = False
+    ) -> Contacts:
+        """The touching pairs at the time nearest to the given one, the last by default.
+
+        They come from the measure of kind contacts (with forces), or from the nearest checkpoint (with histories) if
+        there is no such measure or `checkpoint` is true. `measure` names the measure where there are several.
+        """
+        if checkpoint or (measure is None and "contacts" not in self.measures.values()):
+            return self._checkpoint_contacts(time, exact)
+        name = self._of_kind("contacts", measure)
+        lines = require(self.folder / f"measure-{name}.vtkhdf", f'[measure.{name}] with kind = "contacts"')
+        return read_lines(lines, time, exact)
+
+    def _checkpoint_contacts(self, time: float | None, exact: bool) -> Contacts:
+        newest, files = self.newest_checkpoint, self.checkpoints
+        times = np.array([time_of_checkpoint(file) for file in files])
+        index = nearest(times, time, exact, newest)
+        return read_checkpoint_contacts(files[index], float(times[index]))
+
+    def _of_kind(self, kind: str, name: str | None) -> str:
+        """The name of the measure of a kind."""
+        names = [known for known, its_kind in self.measures.items() if its_kind == kind]
+        if name is not None:
+            if name not in names:
+                known = ", ".join(names) or "none"
+                raise ResultsError(f"{self.folder}: no measure '{name}' of kind {kind}; there are: {known}")
+            return name
+        if not names:
+            maker = f'[measure.NAME] with kind = "{kind}" makes one'
+            raise ResultsError(f"{self.folder}: there is no measure of kind {kind}; {maker}")
+        if len(names) > 1:
+            raise ResultsError(f"{self.folder}: several measures are of kind {kind}: name one of {', '.join(names)}")
+        return names[0]
+
+    def analyse(self, measures: Sequence[str], start: float | None = None, end: float | None = None) -> Analysis:
+        """Has `talcum analyse` measure between two times: `bed.analyse(["waves"]).number("waves.speed")`."""
+        return talcum_results.analyse(self.folder, list(measures), start, end)
+
+    def plot_series(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
+        """Draws numbers over time. All `plot_` methods return the file drawn, by default one in the folder of results."""
+        return self._draw("series", "series.png", file, start, end)
+
+    def plot_spacetime(
+        self, file: FileName = None, start: float | None = None, end: float | None = None, colours: str = "YlGnBu"
+    ) -> Path:
+        """Draws the solids fraction over height and time, with the rays of the waves that `talcum analyse` finds."""
+        return self._draw("spacetime", "spacetime.png", file, start, end, "--colours", colours)
+
+    def plot_minimum_fluidisation(
+        self, file: FileName = None, start: float | None = None, end: float | None = None
+    ) -> Path:
+        """Draws the pressure drop over the gas velocity, with U_mf."""
+        return self._draw("minimum_fluidisation", "minimum_fluidisation.png", file, start, end)
+
+    def plot_cycle(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
+        """Draws a vibrated bed over one cycle of its plate."""
+        return self._draw("cycle", "cycle.png", file, start, end)
+
+    def plot_section(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
+        """Draws a section through particles and a gas in three dimensions, at the last snapshot until `end`."""
+        return self._draw("fluidised_bed", "bed.png", file, start, end)
+
+    def _draw(
+        self, module: str, name: str, file: FileName, start: float | None, end: float | None, *options: str
+    ) -> Path:
+        """Calls a module that draws; what it prints is left out, and matplotlib's settings stay as they were."""
+        matplotlib = optional("matplotlib", "a drawing")
+        place = self.folder / name if file is None else Path(file)
+        words = [str(self.folder), f"--output={place}", *options]
+        words += [f"--{word}={time!r}" for word, time in (("from", start), ("to", end)) if time is not None]
+        with matplotlib.rc_context(), contextlib.redirect_stdout(io.StringIO()):
+            import_module(f".{module}", __package__).main(words)
+        return place
+
+
+def toml_reader() -> Any:
+    """Python's reader of TOML, or before Python 3.11 the package tomli."""
+    try:
+        return import_module("tomllib")
+    except ImportError:
+        return optional("tomli", "bed.case before Python 3.11")
+
+
+def open_bed(folder: Union[str, PathLike[str]]) -> Bed:
+    """Opens the folder of a run, also while the run goes on."""
+    return Bed(folder)

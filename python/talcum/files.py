@@ -1,0 +1,49 @@
+"""Files of results: where they are missing, what makes them; HDF5 files are read while a run writes them."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any, Callable, TypeVar
+
+import h5py
+import numpy as np
+
+from talcum_results import text_of
+
+from .tables import Array, ResultsError
+
+T = TypeVar("T")
+ATTEMPTS, PAUSE = 5, 0.2  # a run writes for some milliseconds, and seldom
+
+
+def require(file: Path, maker: str) -> Path:
+    """The file, if it is there; else an error that says what in the case makes it."""
+    if not file.is_file():
+        raise ResultsError(f"{file}: there is no such file (yet); a run writes it if its case has {maker}")
+    return file
+
+
+def read_hdf5(file: Path, take: Callable[[Any], T]) -> T:
+    """What `take` makes of an open HDF5 file; one that cannot be read, as in the middle of a write, is tried again."""
+    for attempt in range(ATTEMPTS):
+        try:
+            # Without locks, as the program itself opens its files.
+            with h5py.File(file, "r", locking=False) as contents:
+                return take(contents)
+        except (OSError, KeyError, RuntimeError) as reason:
+            failure = reason
+            if attempt + 1 < ATTEMPTS:
+                time.sleep(PAUSE)
+    words = "is damaged, no such file of talcum, or being written at this moment (then try again)"
+    raise ResultsError(f"{file}: {words}: {failure}") from failure
+
+
+def attributes(item: Any) -> dict[str, Any]:
+    """The attributes of a group or a dataset."""
+    return {name: text_of(value) for name, value in item.attrs.items()}
+
+
+def column(dataset: Any, rows: slice | None = None) -> tuple[Array, str]:
+    """Rows of a dataset, all by default, and their unit."""
+    return np.asarray(dataset[rows if rows is not None else ...]), str(text_of(dataset.attrs.get("unit", "")))

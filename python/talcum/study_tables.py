@@ -1,0 +1,1 @@
+../../scripts/study_tables.py
