@@ -6,9 +6,12 @@ use crate::output::write_failed;
 use crate::parallel::{Communicator, end_at_once, start_on_threads};
 use anyhow::Context;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// Exit code after any error of a command that was understood.
 const FAILURE: i32 = 1;
+/// How long processes that are refused leave the word to the first: launchers end all once one has ended.
+const PAUSE: Duration = Duration::from_secs(1);
 /// Ranks where nobody says how many, in a program without MPI.
 #[cfg(not(feature = "mpi"))]
 const THREADS: usize = 1;
@@ -58,6 +61,8 @@ fn on_threads(threads: usize, work: impl Work) -> ExitCode {
     if let Err(error) = require_one_process(|name| std::env::var(name).ok()) {
         if error.speaks {
             complain(&error.into());
+        } else {
+            std::thread::sleep(PAUSE);
         }
         return ExitCode::FAILURE;
     }

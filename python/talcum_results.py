@@ -1,1 +1,0 @@
-../scripts/talcum_results.py

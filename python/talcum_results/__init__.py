@@ -1,0 +1,1 @@
+../../scripts/talcum_results.py
