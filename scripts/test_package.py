@@ -150,6 +150,11 @@ class TestRun(unittest.TestCase):
                 raise
         self.assertEqual(two.digest, self.bed.digest)
 
+    def test_the_same_bits_on_two_threads(self) -> None:
+        changes = {"gas.superficial_velocity": 0.02}
+        two = talcum.run(self.case, threads=2, set=changes, output=self.folder / "threads")
+        self.assertEqual(two.digest, self.bed.digest)
+
     def test_a_run_stopped_before_its_end_goes_on(self) -> None:
         changes, folder = {"gas.superficial_velocity": 0.02}, self.folder / "parts"
         begun = talcum.run(self.case, set=changes, output=folder, until=2)
@@ -169,6 +174,7 @@ class TestRun(unittest.TestCase):
         writer = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); print('open', flush=True); sys.stdin.read()"
         for name, read in [
             ("particles.vtkhdf", lambda: self.bed.particles().rows),
+            ("profiles.h5", lambda: len(self.bed.profiles.time)),
             ("measure-grains.h5", lambda: self.bed.agglomerates()["results"].rows),
             ("measure-network.vtkhdf", lambda: self.bed.contacts().rows),
         ]:
@@ -315,6 +321,15 @@ class TestFiles(ScriptTest):
             file["other"] = 1
         with mock.patch("talcum.files.PAUSE", 0.0), self.assertRaisesRegex(talcum.ResultsError, "no such file of"):
             talcum.open(self.folder).particles()
+
+    def test_a_file_in_the_middle_of_a_write_is_tried_again(self) -> None:
+        write_profiles(self.folder, np.arange(3.0), np.arange(4.0), np.full((3, 4), 0.5))
+        file = self.folder / "profiles.h5"
+        whole = file.read_bytes()
+        file.write_bytes(whole[: len(whole) // 2])
+        with mock.patch("talcum.files.time.sleep", side_effect=lambda _: file.write_bytes(whole)) as waited:
+            self.assertEqual(len(talcum.open(self.folder).profiles.time), 3)
+        self.assertEqual(waited.call_count, 1)
 
     def test_a_library_that_is_not_installed(self) -> None:
         write_series(self.folder, {"time": np.arange(3.0)})

@@ -98,8 +98,11 @@ class Bed:
     @property
     def profiles(self) -> Profiles:
         """Solids fraction and velocity over time and height."""
-        require(self.folder / "profiles.h5", "output.profiles")
-        return talcum_results.read_profiles(self.folder)
+        file = require(self.folder / "profiles.h5", "output.profiles")
+        profiles = read_hdf5(file, lambda contents: talcum_results.profiles_of(file, contents))
+        if len(profiles.time) == 0:
+            raise ResultsError(f"{file}: holds no results yet")
+        return profiles
 
     @property
     def times(self) -> Array:

@@ -26,17 +26,18 @@ def require(file: Path, maker: str) -> Path:
 
 def read_hdf5(file: Path, take: Callable[[Any], T]) -> T:
     """What `take` makes of an open HDF5 file; one that cannot be read, as in the middle of a write, is tried again."""
-    for attempt in range(ATTEMPTS):
+    left = ATTEMPTS
+    while True:
         try:
             # Without locks, as the program itself opens its files.
             with h5py.File(file, "r", locking=False) as contents:
                 return take(contents)
         except (OSError, KeyError, RuntimeError) as reason:
-            failure = reason
-            if attempt + 1 < ATTEMPTS:
-                time.sleep(PAUSE)
-    words = "is damaged, no such file of talcum, or being written at this moment (then try again)"
-    raise ResultsError(f"{file}: {words}: {failure}") from failure
+            left -= 1
+            if left == 0:
+                words = "is damaged, no such file of talcum, or being written at this moment (then try again)"
+                raise ResultsError(f"{file}: {words}: {reason}") from reason
+            time.sleep(PAUSE)
 
 
 def attributes(item: Any) -> dict[str, Any]:
