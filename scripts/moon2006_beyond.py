@@ -13,6 +13,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 
+GAMMA = 0.1
+SUSPENSION = (0.393, 30.8, 7.0)
+"""Of the study `compressible`: the plate's acceleration; solids fraction, height and Stokes number of the bed as it begins."""
+
+
 def distributor(results: Path) -> Section | None:
     """A plenum and a distributor below the shaken bed."""
     points = table(results, "distributor", "points")
@@ -75,8 +80,8 @@ def wide_bed(results: Path) -> Section | None:
 def response(frequency: Array, pressure: float, phi: float, height: float, stokes: float) -> Array:
     """Amplitude of the pressure below a bed that hangs in a compressible gas, over that of its weight on the shaken plate.
 
-    tanh(kH) / (kH) / (1 + i w tau), (kH)^2 = -(w H / c)^2 / (1 + i w tau), c^2 = P / (phi (1 - phi)) and tau = (St / 18) (1 - phi)^4.65,
-    by which the particles follow the gas (rho_s = d = g = 1); for P -> infinity 1 / (1 + i w tau).
+    tanh(kH) / (kH) / (1 + i w tau), (kH)^2 = -(w H / c)^2 / (1 + i w tau), c^2 = P / (phi (1 - phi)), tau = (St / 18) (1 - phi)^4.65
+    the time in which the particles follow the gas (rho_s = d = g = 1); for P -> infinity 1 / (1 + i w tau).
     """
     omega = 2.0 * np.pi * frequency
     drag = 1.0 + 1j * omega * stokes / 18.0 * (1.0 - phi) ** 4.65
@@ -105,16 +110,13 @@ def resonance_figure(points: StudyTable, bed: tuple[float, float, float]) -> Fig
         if sound / (4.0 * height) < frequency[-1]:
             panel.axvline(sound / (4.0 * height), color=colour, linestyle=":")
     panel.set_xscale("log")
+    panel.set_xticks([0.2, 0.5, 1.0, 2.0], ["0.2", "0.5", "1", "2"])
+    panel.minorticks_off()
     panel.set_ylim(bottom=0.0)
     panel.set_xlabel("frequency of the plate [sqrt(g/d)]")
     panel.set_ylabel("pressure below the bed / (Gamma weight)")
     panel.legend()
     return figure
-
-
-GAMMA = 0.1
-SUSPENSION = (0.393, 30.8, 7.0)
-"""Solids fraction, height and Stokes number of the bed of the study `compressible`, as it begins."""
 
 
 def compressible(results: Path) -> Section | None:
