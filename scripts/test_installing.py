@@ -15,7 +15,7 @@ SYSTEM = (
 
 # "Compiles" by naming what was asked for; ldd, below, says what is linked. OTHER_MPI is what HDF5 was built with.
 MPICC = """#!/usr/bin/env bash
-if [ "$1" = -show ]; then echo "gcc -I/opt/one/include -L/opt/one/lib -lmpi"; exit 0; fi
+if [ "$1" = -show ]; then echo "gcc -I/opt/${MPI:-one}/include -L/opt/one/lib -lmpi"; exit 0; fi
 [ "$1" = -o ] && echo "$(basename "$2")" >"$2"
 """
 LDD = """#!/usr/bin/env bash
@@ -36,6 +36,10 @@ case "$*" in
     *"-m venv "*) mkdir -p "${!#}/bin"; cp "$0" "${!#}/bin/python" ;;
     *"-m pip install"*) [ "${PIP:-works}" = works ] || { echo "no such address" >&2; exit 1; } ;;
 esac
+"""
+CARGO = """#!/usr/bin/env bash
+echo "cargo 1.95.0"
+echo "$*" >>"$MACHINE/cargo-calls"
 """
 ANSWERS = "#!/usr/bin/env bash\necho '{}'\n"
 
@@ -59,7 +63,7 @@ class TestInstalling(ScriptTest):
         (self.folder / "clang/libclang.so").write_text("")
         (self.folder / "clang/clang/15/include/stddef.h").write_text("")
         programs = {"mpicc": MPICC, "ldd": LDD, "pkg-config": PKG_CONFIG, "python3": PYTHON,
-                    "cargo": ANSWERS.format("cargo 1.95.0"), "cc": ANSWERS.format(""), "git": ANSWERS.format(""),
+                    "cargo": CARGO, "cc": ANSWERS.format(""), "git": ANSWERS.format(""),
                     "mpirun": ANSWERS.format(""), "h5pcc": ANSWERS.format("")}  # fmt: skip
         for name, text in programs.items():
             (self.tools / name).write_text(text)
@@ -85,6 +89,14 @@ class TestInstalling(ScriptTest):
         self.assertIn("two MPIs would be linked", said)
         self.assertIn("libmpi.so.12", said)
         self.assertIn("libmpi.so.40", said)
+
+    def test_bindings_of_another_mpi_are_removed(self) -> None:
+        def cleans() -> int:
+            return (self.folder / "cargo-calls").read_text().count("-p mpi-sys")
+
+        for mpi, expected in [("one", 0), ("one", 0), ("other", 2), ("other", 2), ("one", 4)]:
+            code, said = self.install(MPI=mpi)
+            self.assertEqual((code, cleans()), (0, expected), said)
 
     def test_hdf5_of_another_name_is_not_taken(self) -> None:
         code, said = self.install(HDF5_NAME="hdf5_openmpi")

@@ -5,8 +5,8 @@ use std::path::Path;
 
 /// Files that name the version of Talcum, and the text before it.
 const VERSIONS: [(&str, &str); 4] = [
-    ("CITATION.cff", "version: "),
-    ("packaging/conda/recipe.yaml", "version: "),
+    ("CITATION.cff", "\nversion: "),
+    ("packaging/conda/recipe.yaml", "\n  version: "),
     ("packaging/spack/package.py", "version("),
     ("packaging/talcum.def", "version "),
 ];
