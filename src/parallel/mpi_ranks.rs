@@ -146,7 +146,7 @@ impl MpiRanks {
 pub fn mpi_library() -> Option<String> {
     let text = mpi::environment::library_version().unwrap_or_default();
     // Implementations end it with a zero, go on with how they were built, or have several lines.
-    let whole = |letter: char| letter == '\0' || letter == '\n' || letter == ',';
+    let whole = |sign: char| sign == '\0' || sign == '\n' || sign == ',';
     Some(text.split(whole).next().unwrap_or_default().trim().to_owned())
 }
 

@@ -1,3 +1,5 @@
+//! Threads as ranks: messages, reductions, and what happens when one ends before the others.
+
 use super::*;
 use crate::parallel::agree;
 
