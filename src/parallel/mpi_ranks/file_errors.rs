@@ -53,6 +53,16 @@ pub(super) fn set_file(path: &Path) {
     if let Ok(mut file) = FILE.lock() {
         *file = Some(path.to_owned());
     }
+    count_handler_once_more();
+}
+
+/// Each file takes over the handler of the null file when it is opened, and gives it back when it is closed. MPICH 4.0 counts
+/// only the latter, so that after a few files its handler would count as freed, and MPI aborts ("Assertion failed ...
+/// ref_count"). To ask for the handler counts it; where MPI counts rightly, a number is one too large, which harms nothing.
+fn count_handler_once_more() {
+    let mut handler = MaybeUninit::<MPI_Errhandler>::uninit();
+    // SAFETY: MPI is initialised, as files are opened by its ranks.
+    unsafe { ffi::MPI_File_get_errhandler(ffi::RSMPI_FILE_NULL, handler.as_mut_ptr()) };
 }
 
 /// Makes errors of all files that are opened from now on end all ranks. MPI must be initialised.
