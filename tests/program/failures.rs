@@ -148,6 +148,14 @@ fn a_gas_step_that_is_too_long_leaves_the_state_of_the_gas_step_before() {
 }
 
 #[test]
+fn drag_beyond_all_limits_is_refused_before_it_is_summed() {
+    // A grid so fine that a particle fills its nodes many times over: sums of the drag leave the range of integers.
+    let folder = tempfile::tempdir().unwrap();
+    let ended = run(2, "periodic-weight", folder.path(), &["--set", "gas.spacing=0.0090748"]);
+    assert!(failure(&ended).contains("no superficial velocity"), "{}", ended.errors);
+}
+
+#[test]
 fn a_particle_at_a_stop_face_ends_the_run_with_an_error() {
     for ranks in [0, 2] {
         let folder = tempfile::tempdir().unwrap();

@@ -223,8 +223,9 @@ impl SimdKernel for SumSlopes<'_> {
                 slopes[lane] = of_slope.round(block.slope(lane));
             }
             for lane in 0..LANES.min(self.count - number * LANES) {
-                sums[0] += of_force.count(forces[lane]);
-                sums[1] += of_slope.count(slopes[lane]);
+                // Forces far beyond the limit may wrap around, on any ranks alike; they are refused when they are added.
+                sums[0] = i64::wrapping_add(sums[0], of_force.count(forces[lane]));
+                sums[1] = i64::wrapping_add(sums[1], of_slope.count(slopes[lane]));
             }
         }
         sums

@@ -27,7 +27,7 @@ impl SimdKernel for SumByNodes<'_> {
     fn run<Q: F64x4>(self) -> Vec<i64> {
         let [of_force, of_slope] = self.quanta;
         let mut block = GasBlock::default();
-        let mut sums = vec![0; SUMS * self.intervals];
+        let mut sums = vec![0_i64; SUMS * self.intervals];
         for (number, particles) in self.column.blocks.iter().enumerate() {
             block.fill::<Q>(&self.column, particles);
             for lane in 0..LANES.min(self.count - number * LANES) {
@@ -38,11 +38,11 @@ impl SimdKernel for SumByNodes<'_> {
                 let at = SUMS * particles.interval[lane] as usize;
                 let sums = &mut sums[at..at + SUMS];
                 for (sum, share) in sums.iter_mut().zip([force * lower, force * upper]) {
-                    *sum += of_force.count(of_force.round(share));
+                    *sum = sum.wrapping_add(of_force.count(of_force.round(share)));
                 }
                 let shares = [lower * lower, lower * upper, upper * upper];
                 for (sum, share) in sums[2..].iter_mut().zip(shares) {
-                    *sum += of_slope.count(of_slope.round(slope * share));
+                    *sum = sum.wrapping_add(of_slope.count(of_slope.round(slope * share)));
                 }
             }
         }
