@@ -7,6 +7,9 @@ from pathlib import Path
 
 import moon2006_beyond
 import moon2006_boxes
+import moon2006_cycle
+import moon2006_fluidisation
+import moon2006_map
 import moon2006_thresholds
 from moon2006_tables import over, pictures, source, states, table, within
 from report import Section, Statement
@@ -95,38 +98,13 @@ def figure_3(results: Path) -> Section | None:
     return Section("Fig. 3: vibration brings the waves back", text, statements, figures, [source("fig3", points)])
 
 
-def figure_7(results: Path) -> Section | None:
-    """The cycle of a shaken bed."""
-    points = table(results, "fig7", "points")
-    if points is None:
-        return None
-    statements = []
-    names = {0.0: "Bo_p 0", 40.0: "Bo_p 40"}
-    groups = [(names[bond], points.where(wall_bond_number=bond)) for bond in names]
-    groups = [(name, group) for name, group in groups if group.rows]
-    for name, group in groups:
-        velocities = group.numbers("superficial_velocity")
-        peaks = [e.mean for e in group.estimates("peak")]
-        shrinks = all(later < earlier for earlier, later in zip(peaks, peaks[1:5]))
-        text = "; ".join(f"{u:g}: {peak:.3g}" for u, peak in zip(velocities, peaks))
-        statements.append(Statement(f"peak of the plate's stress over U_s ({name})", "shrinks as U_s grows", text, shrinks))
-        sums = [a.mean + b.mean for a, b in zip(group.estimates("plate_stress"), group.estimates("gas_force"))]
-        text = f"{min(sums):.4f} to {max(sums):.4f}"
-        statements.append(Statement(f"mean plate stress + gas force ({name})", "1, by eq. (17)", text,
-                                    all(within(total, 1.0, 0.01) for total in sums)))  # fmt: skip
-        plateau = group.estimates("pressure_drop")[-1]
-        statements.append(Statement(f"mean pressure drop at U_s {velocities[-1]:g} ({name})", "1", str(plateau),
-                                    within(plateau.mean, 1.0, 0.02)))  # fmt: skip
-    measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "lift": "lift [d]"}
-    figures = [(over(points, "superficial_velocity", measures, groups), "Over U_s; means and intervals over seeds.")]
-    text = "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8."
-    return Section("Figs 6 to 9: the cycle", text, statements, figures, [source("fig7", points)])
-
-
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
-    figures = (figure_1, figure_2, moon2006_thresholds.without_vibration, figure_3, moon2006_thresholds.over_gamma,
-               moon2006_thresholds.over_frequency, figure_7, moon2006_boxes.figure_10, moon2006_boxes.figure_11,
+    figures = (moon2006_fluidisation.minimum_fluidisation, figure_1, moon2006_fluidisation.lower_velocities,
+               moon2006_fluidisation.other_sections, figure_2, moon2006_thresholds.without_vibration,
+               moon2006_thresholds.long_times, figure_3, moon2006_thresholds.over_gamma,
+               moon2006_thresholds.over_frequency, moon2006_map.over_all, moon2006_map.stiffness, moon2006_cycle.figures_6_to_9,
+               moon2006_boxes.figure_10, moon2006_boxes.figure_11,
                moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_beyond.wide_bed)  # fmt: skip
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

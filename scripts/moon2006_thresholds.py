@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import source, table
+from moon2006_tables import over, pictures, source, states, table
 from report import Section, Statement
 from study_tables import Estimate, StudyTable
 from talcum_results import BLUE, GREY, Array, new_figure
@@ -35,6 +35,28 @@ def without_vibration(results: Path) -> Section | None:
         agrees = 5.0 <= found.mean <= 8.0 if found.runs else None
         statements.append(Statement(f"Bo_c (friction cap: {row['friction_cap']})", "between 6 and 8", str(found), agrees))
     return Section("Fig. 2: the critical Bond number", CRITERION, statements, [], [source("bond-critical", points)])
+
+
+def long_times(results: Path) -> Section | None:
+    """What is left of the waves long after cohesion was switched on."""
+    points, runs = (table(results, "fig2-long", kind) for kind in ("points", "runs"))
+    if points is None or not points.rows:
+        return None
+    statements = [Statement("Bond number and state", "intermittent waves at 6, one plug above 7", states(points, "bond_number"), None)]
+    for row in points.rows:
+        share, still, front = (points.estimate(row, name) for name in ("share", "frozen_share", "front_speed"))
+        told = f"{share}; still {still.mean:.2g}; front {front}"
+        statements.append(Statement(f"Bo {float(row['bond_number']):g}: part with waves, and the front's speed", "not shown", told, None))
+    measures = {"share": "part with waves", "frozen_share": "part that stands still", "front_speed": "speed of the front [sqrt(g d)]"}
+    figures = [(over(points, "bond_number", measures, [("400 to 500", points)]), "Over the Bond number; means and intervals over seeds.")]
+    figures[0][0].axes[-1].set_ylim(auto=True)
+    for row in points.rows:
+        figures += list(pictures(results, "fig2-long", runs, 0.0, bond_number=float(row["bond_number"])))
+    text = (
+        "The beds of Fig. 2 for 500 time units: the bed freezes from the top, by a front that goes down (its speed is negative). What "
+        "the bed does is measured in the last 100 time units, the front in all of them."
+    )
+    return Section("Beyond the paper: the front that freezes the bed", text, statements, figures, [source("fig2-long", points)])
 
 
 def line(x: Array, y: Array) -> tuple[float, float, float]:
@@ -80,13 +102,16 @@ def over_gamma(results: Path) -> Section | None:
 
 def over_frequency(results: Path) -> Section | None:
     """Bo_c over the frequency of the vibration."""
-    points = table(results, "fig5", "points")
+    points, usual = table(results, "fig5", "points"), table(results, "fig4", "points")
     if points is None:
         return None
-    rows = [row for row in points.rows if row["critical"]]
-    x, found = np.array([float(row["frequency"]) for row in rows]), [critical(points, row) for row in rows]
-    text = "; ".join(f"f {frequency:g}: {estimate}" for frequency, estimate in zip(x, found))
+    known = [(float(row["frequency"]), critical(points, row)) for row in points.rows if row["critical"]]
+    at_three = usual.where(gamma=3.0).rows if usual else []
+    known += [(0.16, critical(usual, row)) for row in at_three if usual and row["critical"]]
+    known.sort(key=lambda pair: pair[0])
+    x, found = np.array([frequency for frequency, _ in known]), [estimate for _, estimate in known]
+    text = "; ".join(f"f {frequency:g}: {estimate}" for frequency, estimate in known)
     overlap = max(e.lower for e in found) <= min(e.upper for e in found) if len(found) > 1 else None
     statements = [Statement("Bo_c over f at Gamma 3", "virtually independent of f", text, overlap)]
-    figures = [(drawn("frequency [sqrt(g/d)]", x, found, None), "Means and intervals over seeds.")]
+    figures = [(drawn("frequency [sqrt(g/d)]", x, found, None), "Means and intervals over seeds; f 0.16 is that of Fig. 4.")]
     return Section("Fig. 5: the critical Bond number over the frequency", CRITERION, statements, figures, [source("fig5", points)])

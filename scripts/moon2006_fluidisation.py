@@ -1,0 +1,92 @@
+"""Beds without cohesion of Moon, Kevrekidis & Sundaresan (2006): minimum fluidisation (III A), and the waves of Fig. 1."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from moon2006_tables import pictures, source, table, within
+from report import Section, Statement
+
+PAPER_U_MF, PAPER_PACKING = 0.022, 0.652
+GAS = 0.12
+"""Of the developed bed; the other two velocities of Fig. 1 are those of the study `fig1`."""
+
+
+def minimum_fluidisation(results: Path) -> Section | None:
+    """U_mf of beds that are packed differently: poured, and compacted by shaking."""
+    poured, shaken = table(results, "u-mf", "points"), table(results, "u-mf-compact", "points")
+    rows = [(points, row, f"poured with friction {float(row['friction']):g}") for points in (poured,) if points for row in points.rows]
+    rows += [(points, row, f"shaken for {float(row['duration']):g}") for points in (shaken,) if points for row in points.rows]
+    if not rows:
+        return None
+    statements = []
+    packings = []
+    for points, row, how in rows:
+        velocity, packing, ratio = (points.estimate(row, name) for name in ("u_mf", "solids_fraction", "ratio"))
+        told = f"{ratio}, with U_mf {velocity.mean:.4f} at phi {packing.mean:.4f}"
+        statements.append(Statement(f"U_mf over that of the force balance, {how}", "0.97: measured 0.022 for 0.023", told,
+                                    within(ratio.mean, 1.0, 0.03)))  # fmt: skip
+        packings.append((packing.mean, velocity.mean))
+    statements.append(at_the_papers_packing(sorted(packings)))
+    text = (
+        "U_s is raised slowly from 0 through beds that were poured without gas, and through beds that were then compacted by "
+        "shaking them hard. U_mf lies where the line of the packed bed meets the plateau; the force balance is "
+        "(St / 18) (1 - phi)^4.65, with phi of the bulk of that bed."
+    )
+    sources = [source(study, points) for study, points in (("u-mf", poured), ("u-mf-compact", shaken)) if points]
+    return Section("III A: minimum fluidisation", text, statements, [], sources)
+
+
+def at_the_papers_packing(packings: list[tuple[float, float]]) -> Statement:
+    """U_mf between the two packings that enclose the paper's."""
+    below = [pair for pair in packings if pair[0] <= PAPER_PACKING]
+    above = [pair for pair in packings if pair[0] > PAPER_PACKING]
+    quantity = f"U_mf at phi {PAPER_PACKING}"
+    if not below or not above:
+        return Statement(quantity, f"{PAPER_U_MF}", "no packings on both sides of it", None)
+    (looser, fast), (denser, slow) = below[-1], above[0]
+    there = fast + (slow - fast) * (PAPER_PACKING - looser) / (denser - looser)
+    told = f"{there:.4f}, between {fast:.4f} at phi {looser:.4f} and {slow:.4f} at phi {denser:.4f}"
+    return Statement(quantity, f"{PAPER_U_MF}", told, within(there, PAPER_U_MF, 0.1))
+
+
+def lower_velocities(results: Path) -> Section | None:
+    """Speed and amplitude of the waves over the gas velocity."""
+    points, runs, fast = (table(results, study, kind) for study, kind in
+                          (("fig1", "points"), ("fig1", "runs"), ("developed-bed", "points")))  # fmt: skip
+    if points is None or not points.rows:
+        return None
+    found = [(float(row["superficial_velocity"]), points, row) for row in points.rows]
+    if fast is not None and fast.rows:
+        found.append((GAS, fast, fast.rows[0]))
+    statements = []
+    for velocity, read, row in found:
+        values = [read.estimate(row, name) for name in ("speed", "amplitude", "wavelength")]
+        told = f"{row['waves']}; speed {values[0]}, amplitude {values[1]}, wavelength {values[2]}".replace("_", " ")
+        statements.append(Statement(f"waves at U_s {velocity:g}", "plugs and voids alternate and rise", told, None))
+    for name in ("speed", "amplitude"):
+        means = [read.estimate(row, name).mean for _, read, row in found]
+        means = [mean for mean in means if mean == mean]
+        grows = all(later > earlier for earlier, later in zip(means, means[1:])) if len(means) > 1 else None
+        told = " to ".join(f"{mean:.3g}" for mean in means)
+        statements.append(Statement(f"{name} over U_s", "grows with U_s", told, grows))
+    figures = []
+    for row in points.rows:
+        figures += list(pictures(results, "fig1", runs, 0.0, superficial_velocity=float(row["superficial_velocity"])))
+    text = "As above, with less gas and for 400 time units, because waves climb through the poured bed more slowly: measured from 325 on."
+    return Section("Fig. 1: three gas velocities", text, statements, figures, [source("fig1", points)])
+
+
+def other_sections(results: Path) -> Section | None:
+    """The same waves in a deeper and in a wider bed."""
+    points, fast = table(results, "fig1-sections", "points"), table(results, "developed-bed", "points")
+    if points is None or fast is None or not points.rows:
+        return None
+    usual = fast.estimate(fast.rows[0], "speed")
+    statements = [Statement("speed in 5 d x 5 d, 3,000 particles", "", str(usual), None)]
+    for row in points.rows:
+        speed = points.estimate(row, "speed")
+        name = f"speed with {int(float(row['count'])):,} particles in {row['lengths']}"
+        statements.append(Statement(name, "the same", f"{speed} ({row['waves'].replace('_', ' ')})", within(speed.mean, usual.mean, 0.05)))
+    text = "Twice as deep, and four times as wide. Speeds within 5 % of each other are called the same."
+    return Section("Fig. 1: other sections", text, statements, [], [source("fig1-sections", points)])

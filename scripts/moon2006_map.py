@@ -1,0 +1,104 @@
+"""What beds do over Bond number and Gamma, and what the critical Bond number depends on: beyond Moon et al. (2006)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from moon2006_tables import source, table
+from moon2006_thresholds import critical
+from report import Section, Statement
+from study_tables import StudyTable
+from talcum_results import BLACK, BLUE, GREEN, GREY, ORANGE, RED, new_figure
+
+import numpy as np
+from matplotlib.figure import Figure
+
+MARKS = {
+    "waves": ("o", BLUE, "waves"),
+    "partly_frozen": ("D", GREEN, "waves in part, frozen above"),
+    "intermittent": ("^", ORANGE, "waves now and then"),
+    "frozen": ("s", GREY, "frozen"),
+    "rising_plug": ("v", RED, "one plug that rises"),
+    "disordered": ("x", BLACK, "disordered"),
+}
+"""How a state of `waves.state` is drawn, and what it is called."""
+
+
+def drawn(runs: StudyTable, lines: list[tuple[float, StudyTable]]) -> Figure:
+    """A panel for each gas velocity; beds that differ by their seed alone stand side by side."""
+    velocities = sorted(set(runs.numbers("superficial_velocity")))
+    figure, panels = new_figure(1, len(velocities), size=(5.2 * len(velocities), 4.4))
+    for panel, velocity in zip(panels[0], velocities):
+        for row in runs.where(superficial_velocity=velocity).rows:
+            mark, colour, name = MARKS[row["waves"]]
+            aside = 0.08 * (float(row["seed"]) - 1.5)
+            panel.plot(float(row["gamma"]) + aside, float(row["bond_number"]), mark, color=colour, label=name, markersize=6)
+        for where, points in lines:
+            if where == velocity:
+                found = [critical(points, row).mean for row in points.rows]
+                panel.plot(points.numbers("gamma"), found, "-", color=GREY, label="Bo_c by bisection")
+        panel.set_yscale("log", base=2)
+        panel.set_yticks([4, 8, 16, 32, 64], ["4", "8", "16", "32", "64"])
+        panel.set_xlabel("Gamma")
+        panel.set_ylabel("Bond number")
+        panel.set_title(f"U_s {velocity:g}")
+        named = dict(zip(*reversed(panel.get_legend_handles_labels())))
+        panel.legend(named.values(), named.keys(), fontsize=7, loc="lower right")
+    return figure
+
+
+def over_all(results: Path) -> Section | None:
+    """The map of Bond number and Gamma at two gas velocities."""
+    runs = table(results, "map", "runs")
+    if runs is None:
+        return None
+    complete = StudyTable(runs.file, runs.provenance, [row for row in runs.rows if row["state"] == "complete"])
+    if not complete.rows:
+        return None
+    critical_bonds = [(0.12, table(results, "fig4", "points")), (0.15, table(results, "fig4-gas", "points"))]
+    lines = [(velocity, points) for velocity, points in critical_bonds if points is not None]
+    statements = []
+    for velocity, points in lines:
+        text = "; ".join(f"Gamma {float(row['gamma']):g}: {critical(points, row)}" for row in points.rows)
+        statements.append(Statement(f"Bo_c at U_s {velocity:g}", "slightly higher with more gas", text, None))
+    if len(lines) == 2:
+        statements.append(more_gas(lines[0][1], lines[1][1]))
+    text = "Vibration (f 0.16) and cohesion are switched on in the developed bed; two beds at each point, measured from 25 to 100 on."
+    caption = "What each bed does: Gamma 0 is a plate at rest. Lines: critical Bond numbers of Fig. 4."
+    sources = [source("map", runs)] + [source(name, points) for name, (_, points) in zip(("fig4", "fig4-gas"), lines)]
+    return Section("The map of Bond number and Gamma", text, statements, [(drawn(complete, lines), caption)], sources)
+
+
+def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
+    """How much larger Bo_c is with more gas, where both are known."""
+    ratios = []
+    for row in more.rows:
+        same = usual.where(gamma=float(row["gamma"])).rows
+        if same:
+            ratios.append(critical(more, row).mean / critical(usual, same[0]).mean)
+    known = [ratio for ratio in ratios if np.isfinite(ratio)]
+    told = ", ".join(f"{ratio:.2f}" for ratio in known) or "none"
+    return Statement("Bo_c with more gas over that at U_s 0.12", "a little more than 1", told, all(1.0 <= r < 1.5 for r in known) if known else None)
+
+
+def stiffness(results: Path) -> Section | None:
+    """Bo_c of stiff particles, and of soft ones with the force or the work of the stiff ones."""
+    points, soft = table(results, "stiffness", "points"), table(results, "fig4", "points")
+    if points is None or not points.rows:
+        return None
+    named = {
+        "keeps_force": "stiff particles, k_n 2e6",
+        "keeps_work": "k_n 2e5, with the work of parting of the stiff ones",
+    }
+    statements = [Statement(f"Bo_c: {named[row['softening']]}", "does not depend on k_n", str(critical(points, row)), None)
+                  for row in points.rows]  # fmt: skip
+    for row in soft.where(gamma=3.0).rows if soft else []:
+        statements.append(Statement("Bo_c: k_n 2e5, with the force of the stiff ones (Fig. 4)", "does not depend on k_n",
+                                    str(critical(soft, row)), None))  # fmt: skip
+    text = (
+        "Gamma 3, f 0.16. A spring under the attraction F0 stores F0^2 / (2 k_n), which parting two particles takes on top of the work of "
+        "the attraction, 2 F0 cut_off: at Bo 20 1.6 times as much at k_n 2e5, 0.16 times at 2e6. If the force decides, stiff particles have "
+        "the Bo_c of soft ones that keep it; if the work, of those that keep that."
+    )
+    sources = [source(study, rows) for study, rows in (("stiffness", points), ("fig4", soft)) if rows]
+    return Section("Beyond the paper: stiffness, force and work of parting", text, statements, [], sources)
