@@ -12,18 +12,18 @@ const PER_PARTICLE: f64 = 600.0;
 /// Bytes per cell of a gas in three dimensions: its fields, those of its steps, and the levels of the multigrid (measured
 /// from 32^3 to 96^3).
 const PER_CELL: f64 = 550.0;
-/// Bytes per rank: the program, MPI, HDF5.
-const PER_RANK: f64 = 50.0e6;
+/// Bytes per process: the program, MPI, HDF5.
+const PER_PROCESS: f64 = 50.0e6;
 /// Solids fraction of a random packing: of a bed that is given by its height no more can be there.
 const PACKED: f64 = 0.64;
 
 /// What a case needs in all, in bytes; particles that come from a file are not known yet.
-pub(super) fn needed(case: &Case, particles: Option<f64>, ranks: usize) -> f64 {
+pub(super) fn needed(case: &Case, particles: Option<f64>, ranks: &dyn Communicator) -> f64 {
     let particles = particles.unwrap_or_else(|| expected_particles(case));
     let cells = case
         .volume_averaged()
         .map_or(0.0, |model| model.grid.counts().iter().map(|&count| count as f64).product());
-    particles * PER_PARTICLE + cells * PER_CELL + ranks as f64 * PER_RANK
+    particles * PER_PARTICLE + cells * PER_CELL + ranks.processes() as f64 * PER_PROCESS
 }
 
 fn expected_particles(case: &Case) -> f64 {
@@ -46,7 +46,7 @@ pub(super) fn require(
     any_memory: bool,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
-    let (needed, free) = (needed(case, None, ranks.size()), free_on_all(ranks));
+    let (needed, free) = (needed(case, None, ranks), free_on_all(ranks));
     if any_memory || free.is_none_or(|free| needed <= free) {
         return Ok(());
     }

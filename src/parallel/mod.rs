@@ -164,6 +164,11 @@ pub trait Communicator {
     /// What ranks are, as results say it: `MPI processes`, `threads`.
     fn kind(&self) -> &'static str;
 
+    /// How many processes the ranks are in; fewer than ranks where these are threads.
+    fn processes(&self) -> usize {
+        self.size()
+    }
+
     /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.
     fn is_root(&self) -> bool {
         self.rank() == 0

@@ -298,6 +298,10 @@ impl Communicator for ThreadRank {
     fn kind(&self) -> &'static str {
         "threads"
     }
+
+    fn processes(&self) -> usize {
+        1
+    }
 }
 
 #[cfg(test)]

@@ -119,3 +119,19 @@ fn a_machine_without_memory_is_said_so_in_one_message() {
     let ended = crate::launch::start_program(Path::new("/bin/sh"), 0, &["-c", &script]).wait();
     assert!(failure(&ended).contains("error: out of memory: the program has"), "{}", ended.errors);
 }
+
+/// A process takes some 50 MB for itself, its threads hardly any.
+#[test]
+fn threads_are_not_counted_as_processes_in_the_estimate_of_memory() {
+    let case = smoke("walls");
+    let estimate = |ended: crate::launch::Ended| {
+        let said = ended.output.clone() + &ended.errors;
+        let line = said.lines().find_map(|line| line.trim().strip_prefix("memory: about "));
+        line.unwrap_or_else(|| panic!("{said}")).to_owned()
+    };
+    let on_threads = |threads| estimate(talcum(0, &["check", case.as_str(), "--threads", threads]));
+    assert_eq!(on_threads("1"), on_threads("2"));
+    if cfg!(feature = "mpi") {
+        assert_ne!(on_threads("2"), estimate(talcum(2, &["check", case.as_str()])));
+    }
+}

@@ -40,7 +40,7 @@ pub(super) fn check(
         stage::describe(&mut message, &case, stage, &sizes);
     }
     describe_ranks(&mut message, &initial, ranks);
-    let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks.size());
+    let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks);
     let _ = writeln!(message, "memory: about {megabytes:.0} MB in all");
     // Before the trial: what stands here helps where the trial fails.
     say(ranks, message.trim_end());
