@@ -188,8 +188,9 @@ impl Drop for Running {
 
 /// Sends a signal to a process; that it has ended meanwhile is no error.
 pub(crate) fn signal(name: &str, process: u32) {
-    let mut command = Command::new("kill");
-    command.args([&format!("-{name}"), &process.to_string()]).stderr(Stdio::null());
+    // The shell's own: a minimal system has no program of this name.
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("kill -{name} {process}")]).stderr(Stdio::null());
     command.status().unwrap();
 }
 

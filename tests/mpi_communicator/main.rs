@@ -90,7 +90,7 @@ fn expect(role: &str, n: usize, folder: &Path, code: i32) -> Option<String> {
         }
         if start.elapsed() > PATIENCE {
             // mpirun ends its ranks when it is terminated.
-            let _ = Command::new("kill").arg(child.id().to_string()).status();
+            let _ = Command::new("sh").args(["-c", &format!("kill {}", child.id())]).status();
             let _ = child.wait();
             return Some(format!("it did not end within {PATIENCE:?}"));
         }
