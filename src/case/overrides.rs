@@ -5,7 +5,7 @@ use super::merging::useless_keys;
 use super::schema::ROOT;
 use super::tree::Node;
 use crate::schema::{Key, Kind, displaced_by, every_key};
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// More keys than any path of the schema has.
 const DEEPEST: usize = 16;
@@ -121,6 +121,10 @@ fn set_in(
     let inner = every_key(keys).into_iter().find(|key| key.name == *name);
     let keys = inner.map(|key| key.kind.keys()).unwrap_or_default();
     let item = table.entry(name).or_insert(Item::Table(Table::new()));
+    if item.as_str() == Some("on") && !keys.is_empty() {
+        // A section in its place switches it on too.
+        *item = Item::Value(InlineTable::new().into());
+    }
     if let Some(table) = item.as_table_like_mut() {
         let table = Target { table, keys };
         return match inner.map(|key| key.kind) {

@@ -36,6 +36,8 @@ pub struct CheckpointPlan {
     pub every_steps: Option<u64>,
     /// Interval in wall-clock time.
     pub every_wall_clock: Option<Duration>,
+    /// Whether the end of each stage is kept beside them.
+    pub stage_ends: bool,
     /// How many of the newest are kept.
     pub keep: usize,
 }
@@ -89,6 +91,7 @@ pub(super) fn read_checkpoint(section: &Section<'_>) -> Option<CheckpointPlan> {
         every: section.number("every"),
         every_steps: section.count("every_steps"),
         every_wall_clock: section.wall_time("every_wall_clock"),
+        stage_ends: section.boolean("stage_ends")?,
         keep: section.count("keep")? as usize,
     })
 }

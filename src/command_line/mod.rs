@@ -83,6 +83,9 @@ enum RankCommand {
         checkpoint: PathBuf,
         #[command(flatten)]
         options: RunArguments,
+        /// Remove the results of an earlier run in the output folder first, which must be another one than the checkpoint's.
+        #[arg(long)]
+        force: bool,
     },
     /// Print the normal force over the overlap, of two bodies slowly pressed together and pulled apart, as CSV.
     Contact(contact::ContactOptions),
@@ -192,7 +195,9 @@ fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<(
         RankCommand::Run { case, options, force, resume } => {
             run::run(case, options, run::Earlier::from_flags(*force, *resume), ranks)
         }
-        RankCommand::Restart { checkpoint, options } => run::restart(checkpoint, options, ranks),
+        RankCommand::Restart { checkpoint, options, force } => {
+            run::restart(checkpoint, options, run::Earlier::from_flags(*force, false), ranks)
+        }
         RankCommand::Contact(options) => contact::contact(options, ranks),
         RankCommand::Keys(options) => keys::keys(options, ranks),
         RankCommand::Info { file: Some(file) } => info::of_checkpoint(file, ranks),

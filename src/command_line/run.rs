@@ -69,6 +69,7 @@ pub(super) fn run(
 pub(super) fn restart(
     path: &Path,
     options: &RunArguments,
+    earlier: Earlier,
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let (checkpoint, _, digest) = checkpoint::read(path, ranks)?;
@@ -83,9 +84,15 @@ pub(super) fn restart(
     let folder = OutputFolder { path: output, case_folder };
     // Results are continued where the checkpoint lies among them; elsewhere new ones begin.
     let continues = same_folder(&folder.path, &own_folder);
+    if continues && earlier == Earlier::Remove {
+        bail!(
+            "{}: --force would remove the checkpoint itself: name another folder with --output",
+            folder.path.display()
+        );
+    }
     let _lock = folder.lock(ranks)?;
     if !continues {
-        prepare_folder(&folder, Earlier::Keep, ranks)?;
+        prepare_folder(&folder, earlier, ranks)?;
     }
     let begins_with = (!continues).then_some(&digest);
     name_differences(&mut case, &options.changes.set, begins_with)?;

@@ -15,8 +15,13 @@ use super::{
 };
 use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
 
-/// The kinds of cells that PolyData may have; we have none, but their groups must be there.
+/// The kinds of cells that PolyData may have. Each snapshot has one cell, a vertex of all its particles, so that it is drawn by
+/// default; the groups of the other kinds must be there.
 const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
+/// The points of that vertex, 0, 1, 2, ...: one list for all snapshots, as long as the largest.
+const VERTEX_POINTS: &str = "/VTKHDF/Vertices/Connectivity";
+/// Where the points of each vertex begin and end in that list: two rows for each snapshot.
+const VERTEX_ENDS: &str = "/VTKHDF/Vertices/Offsets";
 /// Datasets with a row for each particle at each time.
 const POINT_DATA: [&str; 4] = ["id", "velocity", "angular_velocity", "radius"];
 /// A further one, if it is asked for.
@@ -110,10 +115,10 @@ impl ParticleSnapshots {
             let kept = continue_or_create(
                 path,
                 |found| cut_after(path, time, contents, found),
-                || Ok([0, 0]),
+                || Ok([0, 0, 0]),
             )?;
             match kept {
-                [0, _] => create(path, head, contents)?,
+                [0, ..] => create(path, head, contents)?,
                 _ => metadata_copy::commit(path, &contents.tables())?,
             }
             Ok(kept)
@@ -121,7 +126,7 @@ impl ParticleSnapshots {
         // Rank 0 alone has counted: the sum is known to all ranks.
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
-        let [steps, points] = counts.map(|count| count as u64);
+        let [steps, points, _] = counts.map(|count| count as u64);
         Ok(Self { path: path.to_owned(), contents, steps, points })
     }
 
@@ -227,6 +232,7 @@ impl Contents {
             ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
                 .map(|name| format!("/VTKHDF/{kind}/{name}"))
         });
+        let cells = cells.filter(|name| name != VERTEX_ENDS);
         let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
         steps.chain(data).chain(cells).chain(number).collect()
     }
@@ -235,7 +241,8 @@ impl Contents {
     fn tables(self) -> Vec<String> {
         let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
         let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
-        [self.point_tables(), self.step_tables(), wider.to_vec()].concat()
+        let vertices = [VERTEX_ENDS, VERTEX_POINTS].map(str::to_owned);
+        [self.point_tables(), self.step_tables(), wider.to_vec(), vertices.to_vec()].concat()
     }
 }
 
@@ -307,11 +314,13 @@ fn make_step_tables(
         let description = "index of VTKHDF, for each time and kind of cells";
         integers(&format!("/VTKHDF/Steps/{name}"), CELLS.len(), description, rows)?;
     }
-    for kind in CELLS {
+    for kind in &CELLS[1..] {
         let name = format!("/VTKHDF/{kind}/Connectivity");
         integers(&name, 1, "points of cells: there are none", rows)?;
     }
-    Ok(())
+    let description = "points of the vertex of each snapshot: 0, 1, 2, ...";
+    integers(VERTEX_POINTS, 1, description, Rows::Growing(POINT_PIECE))?;
+    integers(VERTEX_ENDS, 1, "for each snapshot 0 and the number of its points", rows)
 }
 
 /// Makes the rows from `before` to `after` the snapshot number `step`.
@@ -321,33 +330,41 @@ fn append_step(
     [step, before, after]: [u64; 3],
     contents: Contents,
 ) -> MessageResult<()> {
+    let count = after - before;
     let file = SerialFile::open_to_change(path)?;
     file.append("/VTKHDF/Steps/Values", &[time])?;
     for name in contents.step_tables() {
         let value = match name.rsplit('/').next() {
             Some("PartOffsets") => step,
             Some("NumberOfParts") => 1,
-            Some("NumberOfPoints") => after - before,
+            Some("NumberOfPoints") => count,
             Some("PointOffsets") => before,
+            Some("NumberOfCells") if name.contains(CELLS[0]) => 1,
+            Some("NumberOfConnectivityIds") if name.contains(CELLS[0]) => count,
             _ if name.contains("PointDataOffsets") => before,
             _ => 0,
         };
         file.append(&name, &[value as i64])?;
     }
-    for name in CELL_OFFSETS {
-        file.append(&format!("/VTKHDF/Steps/{name}"), &[0_i64; CELLS.len()])?;
+    file.append("/VTKHDF/Steps/CellOffsets", &[step as i64, 0, 0, 0])?;
+    file.append("/VTKHDF/Steps/ConnectivityIdOffsets", &[0_i64; CELLS.len()])?;
+    file.append(VERTEX_ENDS, &[0, count as i64])?;
+    let (listed, _) = file.shape(VERTEX_POINTS)?;
+    if listed < count {
+        let further: Vec<i64> = (listed..count).map(|point| point as i64).collect();
+        file.append(VERTEX_POINTS, &further)?;
     }
     file.set_number("/VTKHDF/Steps", "NSteps", step as i64 + 1)?;
     file.close()
 }
 
-/// Drops the snapshots after a time; returns the number of those kept, and of their rows.
+/// Drops the snapshots after a time; returns the number of those kept, of their rows, and of those of the largest.
 fn cut_after(
     path: &Path,
     time: f64,
     contents: Contents,
     found_length: u64,
-) -> Result<[u64; 2], Obstacle> {
+) -> Result<[u64; 3], Obstacle> {
     metadata_copy::restore(path).map_err(Obstacle::Failed)?;
     let kept = rows_to_keep(path, time, contents, found_length).map_err(Obstacle::Unusable)?;
     if kept[0] > 0 {
@@ -361,7 +378,7 @@ fn rows_to_keep(
     time: f64,
     contents: Contents,
     found_length: u64,
-) -> MessageResult<[u64; 2]> {
+) -> MessageResult<[u64; 3]> {
     let file = SerialFile::open(path)?;
     if !contents.agglomerates && file.shape(&point_data(AGGLOMERATE)).is_ok() {
         return Err("it shows agglomerates, which the case no longer asks for".to_owned());
@@ -373,7 +390,8 @@ fn rows_to_keep(
     let steps = rows_up_to(&times[..listed], time);
     let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
     let points = points.ok_or("its numbers of particles are damaged")?;
-    let kept = [steps as u64, points as u64];
+    let most = counts.iter().take(steps).max().map_or(0, |&most| most.max(0));
+    let kept = [steps, points as usize, most as usize].map(|count| count as u64);
     for (name, rows) in rows_of_tables(kept, contents) {
         metadata_copy::require_rows(&file, &name, rows, found_length)?;
     }
@@ -381,19 +399,24 @@ fn rows_to_keep(
     Ok(kept)
 }
 
-/// Every table with its rows, for so many snapshots and particles in them.
+/// Every table with its rows, for so many snapshots, particles in them, and particles in the largest.
 fn rows_of_tables(
-    [steps, points]: [u64; 2],
+    [steps, points, most]: [u64; 3],
     contents: Contents,
 ) -> impl Iterator<Item = (String, u64)> {
     let of_points = contents.point_tables();
     contents.tables().into_iter().map(move |name| {
-        let rows = if of_points.contains(&name) { points } else { steps };
+        let rows = match name.as_str() {
+            VERTEX_ENDS => 2 * steps,
+            VERTEX_POINTS => most,
+            _ if of_points.contains(&name) => points,
+            _ => steps,
+        };
         (name, rows)
     })
 }
 
-fn cut(path: &Path, kept: [u64; 2], contents: Contents) -> MessageResult<()> {
+fn cut(path: &Path, kept: [u64; 3], contents: Contents) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     for (name, rows) in rows_of_tables(kept, contents) {
         file.cut(&name, rows)?;

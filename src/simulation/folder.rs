@@ -2,7 +2,7 @@
 
 use super::outputs::LISTED;
 use crate::analysis::Digest;
-use crate::output::checkpoint::is_checkpoint;
+use crate::output::checkpoint::{is_checkpoint, is_stage_end};
 use crate::output::lock::{self, Sharing, try_lock};
 use crate::output::{OutputError, on_root};
 use crate::parallel::Communicator;
@@ -112,6 +112,7 @@ fn is_result(name: &str) -> bool {
     let of_listed = |suffix| name.strip_suffix(suffix).is_some_and(is_listed);
     let fixed = ["case.toml", "analysis.h5", COMPLETE];
     is_checkpoint(name)
+        || is_stage_end(name)
         || is_of_measure(name)
         || fixed.contains(&name)
         || ["", ".metadata", ".partial"].into_iter().any(of_listed)

@@ -176,6 +176,10 @@ impl<'a> Simulation<'a> {
         if stage == self.stage {
             return Ok(());
         }
+        if self.case.checkpoint.stage_ends {
+            let written = self.write_checkpoint()?;
+            self.keep_stage_end(&written)?;
+        }
         self.report_stage();
         self.stage = stage;
         let stored = self.stored_for_ledger();
@@ -191,6 +195,19 @@ impl<'a> Simulation<'a> {
             ledger.for_each(|ledger| ledger.add_change(Mechanism::Models, &before, &after));
         }
         Ok(())
+    }
+
+    /// A checkpoint at the end of the present stage is kept under the name of the stage. Collective.
+    fn keep_stage_end(&self, written: &WrittenCheckpoint) -> Result<(), RunError> {
+        let name = &self.case.stages[self.stage].name;
+        let name = checkpoint::stage_file_name(self.stage + 1, name);
+        Ok(checkpoint::keep_as(&written.path, &name, self.ranks)?)
+    }
+
+    /// Whether the time of the present stage is over.
+    fn stage_is_over(&self) -> bool {
+        let clock = self.state.clock();
+        clock.step >= self.step_at(self.case.stages[self.stage].end)
     }
 
     /// What this rank's particles store under the present models, if a ledger of energies is kept.
@@ -306,6 +323,9 @@ impl<'a> Simulation<'a> {
     pub(super) fn finish(&mut self, complete: bool) -> Result<WrittenCheckpoint, RunError> {
         self.report_stage();
         let written = self.write_checkpoint()?;
+        if self.case.checkpoint.stage_ends && self.stage_is_over() {
+            self.keep_stage_end(&written)?;
+        }
         if complete {
             mark_complete(&self.folder.path, &written.digest, self.ranks)?;
         }

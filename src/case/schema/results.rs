@@ -57,6 +57,12 @@ pub(in crate::case) const CHECKPOINT: &[Key] = &[
         .or(&["every"])
         .optional(),
     Key::new("every_wall_clock", Kind::WallTime, "Interval in wall-clock time").optional(),
+    Key::new(
+        "stage_ends",
+        Kind::Boolean,
+        "Whether the state at the end of each stage is kept as stage-NUMBER-NAME.h5, to branch from",
+    )
+    .default(Value::Boolean(false)),
     Key::new("keep", Kind::Count(1, 1000), "How many of the newest are kept")
         .default(Value::Count(3)),
 ];

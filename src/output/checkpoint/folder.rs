@@ -39,6 +39,42 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
     ["", ".partial", SUPERSEDED].into_iter().any(of_suffix)
 }
 
+/// Name under which the state at the end of a stage is kept: `stage-1-settle.h5`; stages count from 1, and what may not stand in
+/// every file name becomes `_`.
+pub fn stage_file_name(number: usize, name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
+    format!("stage-{number}-{}.h5", name.chars().map(plain).collect::<String>())
+}
+
+/// Whether a file is the state at the end of a stage.
+pub(crate) fn is_stage_end(name: &str) -> bool {
+    let is_numbered = |rest: &str| {
+        rest.split_once('-').is_some_and(|(number, _)| number.parse::<usize>().is_ok())
+    };
+    let whole = name.strip_suffix(".partial").unwrap_or(name);
+    let inner = whole.strip_suffix(".h5").and_then(|name| name.strip_prefix("stage-"));
+    inner.is_some_and(is_numbered)
+}
+
+/// Keeps a checkpoint under a further name, beyond the reach of [`prune`]. Collective.
+///
+/// # Errors
+/// If it can neither be linked nor copied.
+pub fn keep_as(path: &Path, name: &str, ranks: &dyn Communicator) -> Result<(), OutputError> {
+    on_root(path, ranks, || {
+        let kept = path.with_file_name(name);
+        let partial = path.with_file_name(format!("{name}.partial"));
+        // What an earlier attempt has left.
+        let _ = std::fs::remove_file(&partial);
+        // Not every file system has links.
+        std::fs::hard_link(path, &partial)
+            .or_else(|_| std::fs::copy(path, &partial).map(|_| ()))
+            .and_then(|()| std::fs::rename(&partial, &kept))
+            .map_err(|error| format!("{name} cannot be written: {error}"))
+    })?;
+    Ok(())
+}
+
 /// Reads the newest checkpoint of a folder that is whole, trying from the newest to the oldest.
 /// Collective.
 ///

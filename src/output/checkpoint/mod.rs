@@ -15,8 +15,10 @@ mod read;
 mod schema;
 mod write;
 
-pub(crate) use folder::is_checkpoint;
-pub use folder::{Search, file_name, files_in, newest_good, prune, supersede};
+pub use folder::{
+    Search, file_name, files_in, keep_as, newest_good, prune, stage_file_name, supersede,
+};
+pub(crate) use folder::{is_checkpoint, is_stage_end};
 pub use read::read;
 pub use write::write;
 
