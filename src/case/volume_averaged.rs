@@ -7,7 +7,7 @@ use super::schedules::read_schedule;
 use super::section::Section;
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{
-    Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel,
+    Boundary, CouplingModel, Inlet, Jet, Profile, VolumeAveragedGas, VolumeAveragedModel, across,
 };
 use crate::grid::BoxGrid;
 use crate::linear_solver::Tolerance;
@@ -20,8 +20,10 @@ pub(super) fn read_volume_averaged(
     viscosity: Option<f64>,
     context: ReadContext<'_>,
 ) -> Option<VolumeAveragedModel> {
-    let boundaries = read_boundaries(section, context);
-    let grid = BoxGrid::new(&context.domain?.bounds, section.counts("cells")?);
+    let cells = section.counts("cells");
+    let grid = cells.zip(context.domain).map(|(cells, domain)| BoxGrid::new(&domain.bounds, cells));
+    let boundaries = read_boundaries(section, grid.as_ref(), context);
+    let grid = grid?;
     let (density, viscosity) = (section.number("density")?, viscosity?);
     let tolerance = Tolerance::relative(section.number("tolerance")?);
     let gas = VolumeAveragedGas { density, viscosity, boundaries: boundaries?, tolerance };
@@ -52,14 +54,27 @@ pub(super) fn read_volume_averaged(
 struct Openings {
     velocity: Option<Schedule>,
     profile: Profile,
+    jet: Option<JetOpening>,
     pressure: f64,
 }
 
+/// A rectangle of an inlet with a velocity of its own.
+struct JetOpening {
+    velocity: Schedule,
+    centre: [f64; 2],
+    width: [f64; 2],
+}
+
 /// What happens at the faces: `x`, `y`, `z`, and the keys that go with inlets and outlets.
-fn read_boundaries(section: &Section<'_>, context: ReadContext<'_>) -> Option<[[Boundary; 2]; 3]> {
+fn read_boundaries(
+    section: &Section<'_>,
+    grid: Option<&BoxGrid>,
+    context: ReadContext<'_>,
+) -> Option<[[Boundary; 2]; 3]> {
     let openings = Openings {
         velocity: read_schedule(section, "inlet_velocity", context.times),
         profile: read_profile(section),
+        jet: section.table("inlet_jet").and_then(|jet| read_jet(&jet, context)),
         pressure: section.number("outlet_pressure")?,
     };
     let bounds = &context.domain?.bounds;
@@ -81,7 +96,11 @@ fn read_boundaries(section: &Section<'_>, context: ReadContext<'_>) -> Option<[[
             section.require("inlet_velocity");
             is_complete &= openings.velocity.is_some();
         }
-        boundaries[axis] = words.map(|word| boundary(word, &openings));
+        let jet = match (&openings.jet, grid) {
+            (Some(jet), Some(grid)) if words.contains(&"inlet") => jet.on(section, grid, axis),
+            _ => None,
+        };
+        boundaries[axis] = words.map(|word| boundary(word, &openings, jet.as_ref()));
     }
     is_complete.then_some(boundaries)
 }
@@ -104,14 +123,92 @@ fn read_profile(section: &Section<'_>) -> Profile {
     }
 }
 
-fn boundary(word: &str, openings: &Openings) -> Boundary {
+/// `inlet_jet`.
+fn read_jet(table: &Section<'_>, context: ReadContext<'_>) -> Option<JetOpening> {
+    let pair = |name| -> Option<[f64; 2]> { table.numbers(name)?.try_into().ok() };
+    let velocity = read_schedule(table, "velocity", context.times)?;
+    Some(JetOpening { velocity, centre: pair("centre")?, width: pair("width")? })
+}
+
+impl JetOpening {
+    /// The jet in a face across an axis; it lies in the face, as a whole.
+    fn on(&self, section: &Section<'_>, grid: &BoxGrid, axis: usize) -> Option<Jet> {
+        let axes = across(axis);
+        let [first, second] = [0, 1].map(|place| {
+            let (axis, half) = (axes[place], 0.5 * self.width[place]);
+            let range = [self.centre[place] - half, self.centre[place] + half];
+            let edge = grid.counts()[axis] as f64 * grid.spacing()[axis];
+            // Widths and box lengths are rounded.
+            let slack = 1.0e-9 * edge;
+            let is_inside = range[0] >= -slack && range[1] <= edge + slack;
+            is_inside.then(|| covered_parts(range, grid.spacing()[axis], grid.counts()[axis]))
+        });
+        let (Some(first), Some(second)) = (first, second) else {
+            section.fail(
+                "inlet_jet",
+                "must lie within the face of the inlet: centre less and plus half of width",
+            );
+            return None;
+        };
+        let covered = second.iter().flat_map(|j| first.iter().map(move |i| i * j)).collect();
+        Some(Jet { velocity: self.velocity.clone(), covered })
+    }
+}
+
+/// The part of each of the cells along an axis that a range covers.
+fn covered_parts([begin, end]: [f64; 2], spacing: f64, cells: usize) -> Vec<f64> {
+    let part = |cell: usize| {
+        let (lower, upper) = (cell as f64 * spacing, (cell + 1) as f64 * spacing);
+        ((end.min(upper) - begin.max(lower)) / spacing).clamp(0.0, 1.0)
+    };
+    (0..cells).map(part).collect()
+}
+
+fn boundary(word: &str, openings: &Openings, jet: Option<&Jet>) -> Boundary {
     match word {
         "free_slip" => Boundary::FreeSlip,
         "inlet" => Boundary::Inlet(Inlet {
             velocity: openings.velocity.clone().unwrap_or(Schedule::Constant(0.0)),
             profile: openings.profile.clone(),
+            jet: jet.cloned(),
         }),
         "outlet" => Boundary::Outlet { pressure: openings.pressure },
         _ => Boundary::NO_SLIP,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::covered_parts;
+    use crate::case::Case;
+
+    #[test]
+    fn cells_that_a_jet_covers_in_part_have_that_part_of_it() {
+        // Widths that binary fractions hold.
+        assert_eq!(covered_parts([0.25, 2.5], 1.0, 4), [0.75, 1.0, 0.5, 0.0]);
+        assert_eq!(covered_parts([1.25, 1.5], 1.0, 3), [0.0, 0.25, 0.0]);
+    }
+
+    /// Whatever the cells, the flux is that of the jet and of the rest of the face.
+    #[test]
+    fn the_flux_of_a_jet_does_not_depend_on_the_cells() {
+        let text =
+            include_str!("../../tests/cases/good/jet.toml").replace("\"parabolic\"", "\"uniform\"");
+        for cells in ["[2, 2, 16]", "[3, 5, 16]", "[10, 10, 16]"] {
+            let text = text.replace("[2, 2, 16]", cells);
+            let case = Case::from_text(&text, "jet", std::path::Path::new(""), &[]).unwrap();
+            let model = case.volume_averaged().unwrap();
+            let (face, inlet) = model.gas.inlets().next().unwrap();
+            let inflow = model.largest_inflow(face, inlet);
+            // 1.5 x 1 of 5 x 5 at 2, the rest at up to 0.15.
+            let expected = (1.5 * 2.0 + 23.5 * 0.15) / 25.0;
+            assert!((inflow.mean - expected).abs() < 1.0e-12, "{cells}: {}", inflow.mean); // rounding
+        }
+        // Negative control: without the jet.
+        let without = text.replace("inlet_jet =", "# inlet_jet =");
+        let case = Case::from_text(&without, "none", std::path::Path::new(""), &[]).unwrap();
+        let model = case.volume_averaged().unwrap();
+        let (face, inlet) = model.gas.inlets().next().unwrap();
+        assert!((model.largest_inflow(face, inlet).mean - 0.15).abs() < 1.0e-12);
     }
 }

@@ -32,7 +32,7 @@ pub use law::ContactForceLaw;
 pub use laws::*;
 pub use model::ContactModel;
 pub(crate) use pair_loop::add_pair_forces;
-pub use parting::{AttractionInContact, work_of_parting};
+pub use parting::{AttractionInContact, overlap_under, pull_off_force, work_of_parting};
 pub use readout::{PairForce, WallForce};
 pub(crate) use readout::{for_each_pair_force, wall_forces};
 pub use rolling::{ROLLING, RollingFriction, RollingKind};

@@ -34,6 +34,32 @@ pub fn work_of_parting(
     WorkOfParting { surface: attraction.work, spring: in_contact + neck }
 }
 
+/// The overlap at which a law's force, loaded slowly for the first time, balances a force that presses two bodies together;
+/// at most the reduced radius.
+pub fn overlap_under(law: &ContactLaw, bodies: ReducedBody, force: f64) -> f64 {
+    Slowly { law, bodies }.held_by(force).0
+}
+
+/// The force that parts two bodies slowly, after they came together as slowly under their own adhesion: the largest tension
+/// along the law's unloading. Positive; zero if they do not adhere.
+pub fn pull_off_force(
+    law: &ContactLaw,
+    bodies: ReducedBody,
+    attraction: AttractionInContact,
+) -> f64 {
+    let slowly = Slowly { law, bodies };
+    let (overlap, mut history) = slowly.held_by(attraction.force);
+    let lowest =
+        if history.largest_overlap > 0.0 { -law.contact_range(bodies.radius) } else { 0.0 };
+    let width = (overlap - lowest) / POINTS as f64;
+    let overlaps = (0..=POINTS).map(|point| overlap - point as f64 * width);
+    let tension = |overlap: f64| {
+        let outside = if overlap < 0.0 { 0.0 } else { attraction.force };
+        outside - slowly.force(overlap, &mut history)
+    };
+    overlaps.map(tension).fold(attraction.force, f64::max)
+}
+
 /// A law and two bodies that move so slowly that dashpots do not act.
 struct Slowly<'a> {
     law: &'a ContactLaw,
@@ -173,6 +199,29 @@ mod tests {
             let soft = spring_work(&law, 2.0 * adhesion_factor(100.0, exponent));
             assert!((soft / real - 1.0).abs() < 1.0e-9);
         }
+    }
+
+    #[test]
+    fn pull_off_forces_are_those_of_the_laws() {
+        let moduli = ContactModuli { normal: 1.0e6, shear: 1.0e5 };
+        let jkr: ContactLaw = Jkr::new(moduli, 0.05, 1.0, 0.0).unwrap().into();
+        let none = AttractionInContact::default();
+        // 3 pi gamma R*; the overlap at which the tension is largest lies between two of the points.
+        let exact = 3.0 * std::f64::consts::PI * 0.05 * BODIES.radius;
+        assert!((pull_off_force(&jkr, BODIES, none) / exact - 1.0).abs() < 1.0e-5);
+        let attraction = AttractionInContact { force: 2.0, work: 0.1 };
+        assert_eq!(pull_off_force(&linear(1.0e4), BODIES, attraction), 2.0);
+        assert_eq!(pull_off_force(&hertz(), BODIES, attraction), 2.0);
+        // Negative control: without adhesion there is none.
+        assert_eq!(pull_off_force(&linear(1.0e4), BODIES, none), 0.0);
+    }
+
+    #[test]
+    fn overlaps_under_a_force_are_those_of_the_springs() {
+        assert!((overlap_under(&linear(1.0e4), BODIES, 2.0) / 2.0e-4 - 1.0).abs() < 1.0e-12);
+        let overlap = (2.0 / (4.0 / 3.0 * 1.0e5 * 0.5_f64)).powf(2.0 / 3.0);
+        assert!((overlap_under(&hertz(), BODIES, 2.0) / overlap - 1.0).abs() < 1.0e-12);
+        assert_eq!(overlap_under(&hertz(), BODIES, 0.0), 0.0);
     }
 
     fn hertz() -> ContactLaw {

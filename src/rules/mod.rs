@@ -3,6 +3,7 @@
 //!
 //! Pure functions of numbers in one coherent system of units. They know nothing of the rest of the crate.
 
+mod archimedes_number;
 mod bond_number;
 mod contact_duration;
 mod drag_response;
@@ -13,6 +14,7 @@ mod parting;
 mod speed_limit;
 mod stokes_number;
 
+pub use archimedes_number::archimedes_number;
 pub use bond_number::{
     ContactPartner, attraction_of_bond_number, hamaker_constant_per_bond_number,
 };

@@ -4,6 +4,7 @@
 #[path = "../launch/mod.rs"]
 mod launch;
 
+mod adviser;
 mod analyse;
 mod case_files;
 mod case_meaning;
@@ -22,6 +23,7 @@ mod restart;
 mod shell;
 mod snapshots;
 mod softened_adhesion;
+mod stage_ends;
 mod study;
 mod toml_files;
 mod wall_table;

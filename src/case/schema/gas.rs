@@ -136,6 +136,20 @@ const PROFILES: &[Word] = &[
     ),
 ];
 
+/// `inlet_jet` of a volume-averaged gas.
+const JET: &[Key] = &[
+    Key::new(
+        "centre",
+        Kind::Vector(Allowed::FINITE, 2),
+        "Where its middle is in the face of the inlet: x before y before z",
+    )
+    .unit("length"),
+    Key::new("width", Kind::Vector(Allowed::POSITIVE, 2), "Its two edges, along the same axes")
+        .unit("length"),
+    Key::new("velocity", SIGNED_SCHEDULE, "Superficial velocity into the box in the jet")
+        .unit("speed"),
+];
+
 /// A volume-averaged gas.
 const VOLUME_AVERAGED: &[Key] = &[
     Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume"),
@@ -161,6 +175,13 @@ const VOLUME_AVERAGED: &[Key] = &[
         "Velocity over the face of an inlet: a word, or a factor for each cell of the face, x before y before z",
     )
     .default(Value::Word("uniform")),
+    Key::new(
+        "inlet_jet",
+        Kind::Table(JET),
+        "A rectangle of the face of an inlet with a velocity of its own; of a cell that it covers in part, in that part",
+    )
+    .with("inlet_velocity")
+    .optional(),
     Key::number(
         "outlet_pressure",
         Allowed::FINITE,

@@ -1,14 +1,17 @@
-//! What softened springs add to the work of parting.
+//! What holds particles together: the force and the work that part them, and what softened springs add to the work.
 
+use super::gas::highest_velocity;
 use super::lines::Lines;
 use crate::case::{Case, Stage};
 use crate::contact::{
-    AttractionInContact, ContactModel, Softening, VanDerWaalsNow, work_of_parting,
+    AttractionInContact, ContactModel, Softening, VanDerWaalsNow, pull_off_force, work_of_parting,
 };
+use crate::output::ColumnUnits;
 use crate::rules::{LARGEST_SPRING_PART, ReducedBody, WorkOfParting};
 
 /// Two bodies that adhere to each other.
 struct Partners<'a> {
+    /// What is added to the names of the lines.
     name: String,
     contact: &'a ContactModel,
     bodies: ReducedBody,
@@ -27,33 +30,65 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
         })
     };
     let pair = Partners {
-        name: "work of parting".to_owned(),
+        name: String::new(),
         contact: &stage.physics.contact,
         bodies: ReducedBody::of_equal_spheres(mass, radius),
         attraction: of(&|cohesion| cohesion.between_particles(radius, radius, 0.0), &|cohesion| {
             cohesion.energy_of_particles(radius, radius, 0.0)
         }),
     };
-    describe(lines, &pair);
+    let weight = mass * stage.physics.gravity.magnitude;
+    if describe(lines, &pair, case, weight) {
+        describe_impacts(lines, &pair, highest_velocity(&stage.physics.gas), case);
+    }
     for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
-        let name = format!("from wall \"{}\"", wall.name);
+        let name = format!(" at wall \"{}\"", wall.name);
         let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
         let attraction = of(&|cohesion| cohesion.to_wall(radius, 0.0), &|cohesion| {
             cohesion.energy_at_wall(radius, 0.0)
         });
-        describe(lines, &Partners { name, contact, bodies, attraction });
+        describe(lines, &Partners { name, contact, bodies, attraction }, case, weight);
     }
 }
 
-/// The work of parting; nothing if the two do not adhere.
-fn describe(lines: &mut Lines, partners: &Partners<'_>) {
+/// What an impact meets: adhesion number 2 W / (m* U^2), with the work of parting W and the velocity U of the gas, and the speed
+/// at which it is 1. Faster ones part again, if nothing else takes their energy.
+fn describe_impacts(
+    lines: &mut Lines,
+    partners: &Partners<'_>,
+    velocity: Option<f64>,
+    case: &Case,
+) {
+    let Partners { contact, bodies, attraction, .. } = partners;
+    let work = work_of_parting(&contact.law, *bodies, *attraction).total();
+    let unit = ColumnUnits::of_system(case.units.name()).speed;
+    let mut text = format!("below {:.4e} {unit}", (2.0 * work / bodies.mass).sqrt());
+    if let Some(velocity) = velocity.filter(|&velocity| velocity > 0.0) {
+        let number = 2.0 * work / (bodies.mass * velocity * velocity);
+        text += &format!("; adhesion number of impacts at U {number:.4e}");
+    }
+    lines.add("impacts stick", &text);
+}
+
+/// Force and work of parting; nothing, and false, if the two do not adhere.
+fn describe(lines: &mut Lines, partners: &Partners<'_>, case: &Case, weight: f64) -> bool {
     let Partners { name, contact, bodies, attraction } = partners;
     let softened = work_of_parting(&contact.law, *bodies, *attraction);
     if softened.total() <= 0.0 {
-        return;
+        return false;
+    }
+    let units = ColumnUnits::of_system(case.units.name());
+    if weight > 0.0 {
+        let force = pull_off_force(&contact.law, *bodies, *attraction);
+        let text = format!(
+            "{force:.4e} {}, {:.4} of the weight of a particle",
+            units.force,
+            force / weight
+        );
+        lines.add(&format!("pull-off force{name}"), &text);
     }
     let real = work_of_real_particles(partners, &softened);
-    let mut text = format!("{:.4e}, {}", softened.total(), spring_part(&softened));
+    let mut text = format!("{:.4e} {}, {}", softened.total(), units.energy, spring_part(&softened));
     if let (Some(real), Some(softening)) = (&real, contact.softening) {
         text += &match real.surface > 0.0 {
             true => format!("; at the real stiffness {:.3}", real.spring_part()),
@@ -63,7 +98,7 @@ fn describe(lines: &mut Lines, partners: &Partners<'_>) {
         };
         text += &format!(", {} times as stiff", softening.reduction);
     }
-    lines.add(name, &text);
+    lines.add(&format!("work of parting{name}"), &text);
     let excess = match &real {
         Some(real) => softened.excess_over(real),
         None if softened.surface > 0.0 => softened.spring_part(),
@@ -71,11 +106,12 @@ fn describe(lines: &mut Lines, partners: &Partners<'_>) {
     };
     if excess > LARGEST_SPRING_PART {
         let than = if real.is_some() { "the real particles'" } else { "stiff particles'" };
-        lines.add("warning", &format!(
+        lines.warn(&format!(
             "the soft spring makes the work of parting {excess:.3} larger than {than} (advised: at most \
              {LARGEST_SPRING_PART}): raise the stiffness, or see contact.softening"
         ));
     }
+    true
 }
 
 fn spring_part(work: &WorkOfParting) -> String {

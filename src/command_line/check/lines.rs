@@ -9,4 +9,8 @@ impl Lines<'_> {
     pub(super) fn add(&mut self, name: &str, value: &str) {
         let _ = writeln!(self.0, "  {name:<34}{value}");
     }
+
+    pub(super) fn warn(&mut self, message: &str) {
+        self.add("warning", message);
+    }
 }

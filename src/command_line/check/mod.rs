@@ -1,8 +1,12 @@
 //! `talcum check`: what would run, in numbers.
 
 mod adhesion;
+mod bed;
+mod gas;
 mod lines;
+mod particle;
 mod stage;
+mod trial;
 
 use super::Changes;
 use super::memory;
@@ -12,16 +16,15 @@ use super::report::six_digits;
 use super::run::say;
 use crate::case::Case;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
+use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use crate::simulation::{InitialState, start_from_case};
-use crate::state::{SizeRange, State};
-use crate::time_step::{self, Staggered};
+use crate::state::SizeRange;
+use bed::BedAtRest;
+use lines::Lines;
 use std::fmt::Write;
 use std::path::Path;
-use std::time::{Duration, Instant};
-
-/// How long the trial for the run's time may take.
-const TRIAL: Duration = Duration::from_secs(1);
+use trial::{Trials, try_steps};
 
 /// Reads, validates and describes a case. Collective.
 pub(super) fn check(
@@ -31,30 +34,43 @@ pub(super) fn check(
 ) -> anyhow::Result<()> {
     let case = read_case(path, &changes.set, ranks)?;
     memory::require(&case, changes.any_memory, ranks)?;
-    let mut initial = start_from_case(&case, changes.ranks, ranks)?;
+    let initial = start_from_case(&case, changes.ranks, ranks)?;
     let particles = ranks.total(initial.state.particles.owned_count());
     let sizes = initial.state.sizes;
     let mut message = super::report::head(&case, particles, ranks.size());
     describe_box(&mut message, &case, &sizes);
-    for stage in &case.stages {
-        stage::describe(&mut message, &case, stage, &sizes);
+    let bed = BedAtRest::of(&case, &initial.state, ranks);
+    bed.describe(&mut Lines(&mut message), &case, &sizes);
+    for number in 0..case.stages.len() {
+        stage::describe(&mut message, &case, number, &sizes);
+        bed.describe_overlaps(&mut Lines(&mut message), &case, &case.stages[number]);
     }
     describe_ranks(&mut message, &initial, ranks);
     let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks);
     let _ = writeln!(message, "memory: about {megabytes:.0} MB in all");
     // Before the trial: what stands here helps where the trial fails.
     say(ranks, message.trim_end());
-    let seconds = trial(&case, &mut initial, ranks)?;
-    let steps = case.end_time() / case.stages[0].physics.time_step;
-    let total = readable(seconds * steps);
-    let on_ranks = super::report::count_of(ranks.size(), "rank");
-    say(
-        ranks,
-        &format!(
-            "run's time: {steps:.0} steps, about {total} at the pace of the first steps here on {on_ranks}"
-        ),
-    );
+    let trials = try_steps(&case, initial, changes.ranks, ranks)?;
+    say(ranks, describe_trials(&case, &trials, ranks).trim_end());
     Ok(())
+}
+
+fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> String {
+    let mut message = String::new();
+    for (stage, error) in &trials.stopped {
+        let text = format!("stage \"{stage}\", tried in a dense bed: {error}");
+        Lines(&mut message).warn(&text);
+    }
+    let steps: f64 =
+        case.stages.iter().map(|stage| (stage.end - stage.start) / stage.physics.time_step).sum();
+    let (total, on_ranks) =
+        (readable(trials.seconds), super::report::count_of(ranks.size(), "rank"));
+    let pace = if trials.dense { "of each stage in a dense bed" } else { "of the first steps" };
+    let _ = writeln!(
+        message,
+        "run's time: {steps:.0} steps, about {total} at the pace {pace} here on {on_ranks}"
+    );
+    message
 }
 
 fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
@@ -64,10 +80,11 @@ fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
     let in_diameters = lengths / d;
     let _ = writeln!(
         message,
-        "box: {} x {} x {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
+        "box: {} x {} x {} {} ({:.3} x {:.3} x {:.3} of the largest diameter)",
         six_digits(lengths.x),
         six_digits(lengths.y),
         six_digits(lengths.z),
+        ColumnUnits::of_system(case.units.name()).length,
         in_diameters.x,
         in_diameters.y,
         in_diameters.z
@@ -127,26 +144,4 @@ fn describe_ranks(message: &mut String, initial: &InitialState, ranks: &dyn Comm
             lower.x, upper.x, lower.y, upper.y, lower.z, upper.z
         );
     }
-}
-
-/// Seconds per step, from the first steps of the case.
-fn trial(case: &Case, initial: &mut InitialState, ranks: &dyn Communicator) -> anyhow::Result<f64> {
-    let InitialState { state, work, histories, .. } = initial;
-    let State { sizes, .. } = *state;
-    let models = case.stages[0].models(&sizes);
-    work.prepare(&case.domain, &models, &sizes);
-    let histories = std::mem::take(histories);
-    time_step::begin(state, &case.domain, &models, work, histories, ranks)?;
-    time_step::find_first_forces(state, &case.domain, &models, work, ranks);
-    let mut state = Staggered::new(state);
-    let start = Instant::now();
-    let mut steps = 0;
-    // The pace of rank 0 decides for all: a collective look every few steps.
-    while !ranks.any(ranks.is_root() && start.elapsed() > TRIAL) {
-        for _ in 0..10 {
-            time_step::advance(&mut state, &case.domain, &models, work, ranks)?;
-        }
-        steps += 10;
-    }
-    Ok(start.elapsed().as_secs_f64() / f64::from(steps.max(1)))
 }

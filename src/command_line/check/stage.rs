@@ -1,50 +1,37 @@
 //! What acts in a stage, in numbers that a user knows.
 
 use super::adhesion::describe_adhesion;
+use super::gas::{describe_gas, inflow};
 use super::lines::Lines;
+use super::particle::ReferenceParticle;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
+use crate::domain::Vibration;
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::gas::{ColumnGas, Drive, GasModel};
+use crate::output::ColumnUnits;
 use crate::rules::{
     ContactPartner, LARGEST_STEP_NUMBER, LEAST_STEPS_PER_CONTACT, ReducedBody, courant_rate,
-    drag_response, hamaker_constant_per_bond_number, step_number, stokes_number, viscous_rate,
+    drag_response, hamaker_constant_per_bond_number, step_number, viscous_rate,
 };
 use crate::state::SizeRange;
+use std::f64::consts::PI;
 use std::fmt::Write;
 
+/// The jump of the effective gravity, over g, that passes without a warning: rounding of the stages' times.
+const SMALL_JUMP: f64 = 1.0e-3;
 /// Overlap over diameter at which stiffness is told.
 const SMALL_OVERLAP: f64 = 0.01;
 /// Voidage of a loose bed, at which the response of particles to the gas is told.
 const LOOSE: f64 = 0.45;
-/// Solids fractions of settled beds, at which the minimum fluidisation velocity is told.
-const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
+/// Cells of more diameters hide small bubbles and clusters, whose drag is not that of a uniform bed.
+const COARSE_CELL: f64 = 10.0;
 /// Cells of fewer diameters need a filter; a little less than 3 for the rounding of lengths.
 const CELL_OVER_DIAMETER: f64 = 2.999;
 
-/// The particle that dimensionless numbers refer to.
-struct ReferenceParticle {
-    diameter: f64,
-    density: f64,
-    mass: f64,
-    gravity: f64,
-}
-
-impl ReferenceParticle {
-    fn of(case: &Case, stage: &Stage) -> Self {
-        let diameter = case.particles.reference_diameter;
-        let mass = case.particles.mass_of(diameter);
-        let gravity = stage.physics.gravity.magnitude;
-        Self { diameter, density: case.particles.density, mass, gravity }
-    }
-
-    fn weight(&self) -> f64 {
-        self.mass * self.gravity
-    }
-}
-
-/// Appends what is to be known of a stage for particles of these sizes.
-pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: &SizeRange) {
+/// Appends what is to be known of a stage, by its number, for particles of these sizes.
+pub(super) fn describe(message: &mut String, case: &Case, number: usize, sizes: &SizeRange) {
+    let stage = &case.stages[number];
     let _ = writeln!(message, "stage \"{}\":", stage.name);
     let lines = &mut Lines(message);
     let particle = ReferenceParticle::of(case, stage);
@@ -52,19 +39,37 @@ pub(super) fn describe(message: &mut String, case: &Case, stage: &Stage, sizes: 
         describe_forces_over_weight(lines, stage, &particle);
     }
     if let Some(vibration) = &stage.physics.gravity.vibration {
-        let gamma = vibration.relative_acceleration;
-        lines.add("Gamma, frequency", &format!("{gamma:.4}, {:.4}", vibration.frequency));
+        describe_vibration(lines, case, number, vibration);
     }
     match &stage.physics.gas {
         GasModel::None => {}
         GasModel::Column(gas) => describe_column(lines, gas, &particle),
         GasModel::VolumeAveraged(model) => {
+            describe_cells(lines, model, sizes);
             describe_volume_averaged(lines, model, &particle, stage.physics.time_step);
         }
     }
-    describe_fluidisation(lines, case, stage);
+    describe_gas(lines, case, stage, &particle);
     describe_contacts(lines, case, stage, sizes);
     describe_adhesion(lines, case, stage);
+}
+
+/// Intensity and frequency; a vibration that is switched on in the middle of a cycle throws the bed.
+fn describe_vibration(lines: &mut Lines, case: &Case, number: usize, vibration: &Vibration) {
+    let Vibration { relative_acceleration: gamma, frequency, start } = *vibration;
+    lines.add("Gamma, frequency", &format!("{gamma:.4}, {frequency:.4}"));
+    let before = number.checked_sub(1).map(|before| &case.stages[before].physics.gravity);
+    let was_on = before.is_some_and(|gravity| gravity.vibration.is_some());
+    let cycles = (case.stages[number].start - start) * frequency;
+    let phase = cycles - cycles.floor();
+    let jump = gamma * (2.0 * PI * phase).sin();
+    if !was_on && jump.abs() > SMALL_JUMP {
+        lines.warn(&format!(
+            "the vibration begins at phase {phase:.3} of a cycle, so that the effective gravity jumps to {:.3} g: let the stages \
+             before it take whole cycles",
+            1.0 + jump
+        ));
+    }
 }
 
 fn describe_forces_over_weight(lines: &mut Lines, stage: &Stage, particle: &ReferenceParticle) {
@@ -97,10 +102,11 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
     let mass = case.particles.mass_of(sizes.smallest_diameter);
     let radius = 0.5 * sizes.smallest_diameter;
+    let unit = ColumnUnits::of_system(case.units.name()).time;
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
         let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;
-        lines.add(name, &format!("{duration:.4e}, {steps:.1} time steps ({})", law.name()));
+        lines.add(name, &format!("{duration:.4e} {unit}, {steps:.1} time steps ({})", law.name()));
     };
     let pair = ReducedBody::of_equal_spheres(mass, radius);
     tell("duration of a contact", &stage.physics.contact.law, pair);
@@ -111,68 +117,62 @@ fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &Size
         }
     }
     if case.shortest_contact(stage, sizes) / stage.physics.time_step < LEAST_STEPS_PER_CONTACT {
-        lines.add(
-            "warning",
-            &format!("fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"),
-        );
+        lines.warn(&format!(
+            "fewer than {LEAST_STEPS_PER_CONTACT} steps per contact: shorten time.step"
+        ));
     }
 }
 
 fn describe_column(lines: &mut Lines, gas: &ColumnGas, particle: &ReferenceParticle) {
-    let drive = match &gas.drive {
-        Drive::Velocity(schedule) => {
-            format!("superficial velocity up to {:.6e}", schedule.largest())
-        }
-        Drive::Plenum(plenum) => {
-            format!("flow into the plenum up to {:.6e}", plenum.supply.largest())
-        }
-        Drive::Weight(_) => "carries the weight of the bed".to_owned(),
-    };
-    lines.add("gas", &drive);
+    match &gas.drive {
+        Drive::Velocity(_) => {}
+        Drive::Plenum(_) => lines.add("gas", "out of a plenum"),
+        Drive::Weight(_) => lines.add("gas", "carries the weight of the bed"),
+    }
     if let Some(pressure) = gas.ambient_pressure {
         let speed = (pressure / (particle.density * (1.0 - LOOSE) * LOOSE)).sqrt();
         lines.add("speed of sound in the bed", &format!("{speed:.4e} at a voidage of {LOOSE}"));
     }
     lines.add("grid spacing over diameter", &format!("{:.4}", gas.spacing / particle.diameter));
-    if particle.gravity > 0.0 {
-        let ReferenceParticle { density, gravity, diameter, .. } = *particle;
-        let stokes = stokes_number(gas.viscosity, density, gravity, diameter);
-        lines.add("Stokes number", &format!("{stokes:.4}"));
+}
+
+/// Cells beside the largest particles.
+fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRange) {
+    let [nx, ny, nz] = model.grid.counts();
+    let in_diameters = model.grid.spacing() / sizes.largest_diameter;
+    let [x, y, z]: [f64; 3] = in_diameters.into();
+    lines.add(
+        "gas, cells",
+        &format!("{nx} x {ny} x {nz} of {x:.3} x {y:.3} x {z:.3} of the largest diameter"),
+    );
+    let unfiltered = model.coupling.filter_width < 3.0 * sizes.largest_diameter;
+    if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
+        lines.warn("cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised");
+    }
+    if in_diameters.max() > COARSE_CELL {
+        lines.warn(&format!(
+            "cells are wider than {COARSE_CELL} diameters: the drag laws are those of a bed that is uniform within a cell, \
+             which small bubbles and clusters are not"
+        ));
     }
 }
 
-/// Cells, and how the gas step compares with what limits it.
+/// How the gas step compares with what limits it.
 fn describe_volume_averaged(
     lines: &mut Lines,
     model: &VolumeAveragedModel,
     particle: &ReferenceParticle,
     time_step: f64,
 ) {
-    let [nx, ny, nz] = model.grid.counts();
-    let in_diameters = model.grid.spacing() / particle.diameter;
-    let [x, y, z]: [f64; 3] = in_diameters.into();
-    let cells = format!("{nx} x {ny} x {nz} of {x:.3} x {y:.3} x {z:.3} of the diameter");
-    lines.add("gas, cells", &cells);
-    let unfiltered = model.coupling.filter_width < 3.0 * particle.diameter;
-    if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
-        let advice = "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised";
-        lines.add("warning", advice);
-    }
     let step = time_step * model.substeps as f64;
-    lines.add("gas step", &format!("{step:.4e}, {} time steps", model.substeps));
+    let substeps = super::super::report::count_of(model.substeps as usize, "time step");
+    lines.add("gas step", &format!("{step:.4e}, {substeps}"));
     describe_gas_step(lines, model, step);
     let speed = inflow(model).map(|[_, velocity]| velocity).fold(0.0, f64::max) / LOOSE;
     let drag = model.coupling.drag.per_velocity(particle.diameter, 1.0 - LOOSE, speed * LOOSE);
     let response = drag_response(drag, step, particle.mass, LOOSE);
     let response = format!("{response:.4} at a voidage of {LOOSE}; may not exceed 1");
     lines.add("b dt / (m eps^2)", &response);
-}
-
-/// Cell size along the axis of each inlet, and the largest superficial velocity there.
-fn inflow(model: &VolumeAveragedModel) -> impl Iterator<Item = [f64; 2]> {
-    let spacing = model.grid.spacing();
-    let inlets = model.gas.inlets();
-    inlets.map(move |(face, inlet)| [spacing[face.axis], inlet.velocity.largest().abs()])
 }
 
 /// Courant and viscous number of a gas step, as the gas solver takes them.
@@ -192,18 +192,8 @@ fn describe_gas_step(lines: &mut Lines, model: &VolumeAveragedModel, step: f64) 
     );
     lines.add("viscous number", &viscous_line);
     if step_number(courant, uniform) > LARGEST_STEP_NUMBER {
-        let advice = "the gas step is too long, the run would stop: use fewer gas.substeps or a shorter time.step";
-        lines.add("warning", advice);
-    }
-}
-
-fn describe_fluidisation(lines: &mut Lines, case: &Case, stage: &Stage) {
-    let velocity = |phi: f64| {
-        let velocity = case.minimum_fluidisation(stage, phi)?;
-        Some(format!("{velocity:.4e} at phi {phi:.2}"))
-    };
-    let velocities: Vec<String> = SETTLED.into_iter().filter_map(velocity).collect();
-    if !velocities.is_empty() {
-        lines.add("U_mf of the force balance", &velocities.join(", "));
+        lines.warn(
+            "the gas step is too long, the run would stop: use fewer gas.substeps or a shorter time.step",
+        );
     }
 }

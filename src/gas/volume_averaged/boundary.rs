@@ -44,6 +44,17 @@ pub struct Inlet {
     pub velocity: Schedule,
     /// How it is spread over the face.
     pub profile: Profile,
+    /// A part of the face with a velocity of its own.
+    pub jet: Option<Jet>,
+}
+
+/// A part of an inlet through which gas comes in at another velocity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jet {
+    /// Superficial velocity into the box, at each time.
+    pub velocity: Schedule,
+    /// The part of each cell of the face that the jet covers, from 0 to 1; the first of its two axes fastest.
+    pub covered: Vec<f64>,
 }
 
 /// Velocity over a face, relative to the one that is given.
@@ -161,6 +172,6 @@ impl Boundary {
 }
 
 /// The two axes across `axis`, in order.
-pub(super) fn across(axis: usize) -> [usize; 2] {
+pub fn across(axis: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][axis]
 }

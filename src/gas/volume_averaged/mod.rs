@@ -45,10 +45,11 @@ mod state;
 mod viscosity;
 
 pub use boundary::{
-    Boundary, FaceConditions, Inlet, NormalVelocity, PressureCondition, Profile, TangentialVelocity,
+    Boundary, FaceConditions, Inlet, Jet, NormalVelocity, PressureCondition, Profile,
+    TangentialVelocity, across,
 };
 pub use exchange::ParticleExchange;
-pub use model::{CouplingModel, GAS_HALO, VolumeAveragedGas, VolumeAveragedModel};
+pub use model::{CouplingModel, GAS_HALO, LargestInflow, VolumeAveragedGas, VolumeAveragedModel};
 pub use navier_stokes::{NavierStokesReport, NavierStokesSolver, NavierStokesStep};
 pub use solver::VolumeAveragedSolver;
 pub use state::{BedOnGrid, GasFields, VolumeAveragedState};

@@ -8,6 +8,7 @@ use crate::domain::{Bounds, BoxFace, Decomposition, Face, Wall};
 use crate::gas::ParticleDrag;
 use crate::grid::{BoxGrid, LocalCells};
 use crate::linear_solver::Tolerance;
+use crate::numbers::Schedule;
 use nalgebra::Vector3;
 
 /// Width of the halo of every field of the gas: the limiter sees two cells to each side.
@@ -39,6 +40,15 @@ pub struct CouplingModel {
     pub least_voidage: f64,
 }
 
+/// Superficial velocities into the box over the face of an inlet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LargestInflow {
+    /// Their mean.
+    pub mean: f64,
+    /// The largest magnitude.
+    pub peak: f64,
+}
+
 impl VolumeAveragedModel {
     /// A decomposition with its cut planes moved to cell faces, subdomains being at least `width` and two cells wide;
     /// none if there are too few cells.
@@ -46,6 +56,22 @@ impl VolumeAveragedModel {
         let cut_axes = (0..3).filter(|&axis| decomposition.grid().0[axis] > 1);
         let cells = cut_axes.map(|axis| (width / self.grid.spacing()[axis]).ceil() as usize);
         self.grid.aligned(decomposition, cells.max().unwrap_or(0).max(GAS_HALO))
+    }
+
+    /// What comes in through an inlet while its velocities are at their largest.
+    pub fn largest_inflow(&self, face: BoxFace, inlet: &Inlet) -> LargestInflow {
+        let (axis, counts) = (face.axis, self.grid.counts());
+        let [first, second] = across(axis);
+        let cells = (0..counts[second]).flat_map(|j| (0..counts[first]).map(move |i| [i, j]));
+        let velocity = |place| {
+            let cell = FaceCell { axis, place };
+            self.gas.velocity_in_cell(inlet, counts, cell, &Schedule::largest)
+        };
+        let (sum, peak) =
+            cells.map(velocity).fold((0.0, 0.0), |(sum, peak): (f64, f64), velocity| {
+                (sum + velocity, peak.max(velocity.abs()))
+            });
+        LargestInflow { mean: sum / (counts[first] * counts[second]) as f64, peak }
     }
 }
 
@@ -183,18 +209,54 @@ impl VolumeAveragedGas {
             let global = part.start[axis] as isize + cell[axis];
             global.rem_euclid(part.counts[axis] as isize) as usize
         };
-        let parabola = |axis: usize| {
+        let cell = FaceCell { axis, place: [place(first), place(second)] };
+        self.velocity_in_cell(inlet, part.counts, cell, &|velocity| velocity.at(time))
+    }
+
+    /// Superficial velocity into the box in a cell of an inlet; `counts` are the cells of the box, and `value` tells which of a
+    /// velocity's values counts.
+    fn velocity_in_cell(
+        &self,
+        inlet: &Inlet,
+        counts: [usize; 3],
+        cell: FaceCell,
+        value: &dyn Fn(&Schedule) -> f64,
+    ) -> f64 {
+        let around = self.profile_factor(inlet, counts, cell) * value(&inlet.velocity);
+        match &inlet.jet {
+            None => around,
+            Some(jet) => {
+                let [i, j] = cell.place;
+                let covered = jet.covered[i + counts[across(cell.axis)[0]] * j];
+                covered * value(&jet.velocity) + (1.0 - covered) * around
+            }
+        }
+    }
+
+    /// Velocity of the profile in a cell of an inlet over the one that is given.
+    fn profile_factor(&self, inlet: &Inlet, counts: [usize; 3], cell: FaceCell) -> f64 {
+        let [first, second] = across(cell.axis);
+        let parabola = |axis: usize, place: usize| {
             if self.is_periodic(axis) {
                 return 1.0;
             }
-            let s = (place(axis) as f64 + 0.5) / part.counts[axis] as f64;
+            let s = (place as f64 + 0.5) / counts[axis] as f64;
             6.0 * s * (1.0 - s)
         };
-        let factor = match &inlet.profile {
+        let [i, j] = cell.place;
+        match &inlet.profile {
             Profile::Uniform => 1.0,
-            Profile::Parabolic => parabola(first) * parabola(second),
-            Profile::Table(numbers) => numbers[place(first) + part.counts[first] * place(second)],
-        };
-        factor * inlet.velocity.at(time)
+            Profile::Parabolic => parabola(first, i) * parabola(second, j),
+            Profile::Table(numbers) => numbers[i + counts[first] * j],
+        }
     }
+}
+
+/// A cell of a face of the box.
+#[derive(Clone, Copy)]
+struct FaceCell {
+    /// The axis normal to the face.
+    axis: usize,
+    /// Number of the cell along each of the two axes of the face.
+    place: [usize; 2],
 }

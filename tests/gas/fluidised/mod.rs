@@ -22,7 +22,8 @@ use talcum::numbers::Schedule;
 /// No-slip where the box has walls, an inlet of this velocity below and an outlet above.
 fn boundaries(bench: &Bench, inflow: f64) -> [[Boundary; 2]; 3] {
     let bounds = &bench.domain.bounds;
-    let inlet = Inlet { velocity: Schedule::Constant(inflow), profile: Profile::Uniform };
+    let inlet =
+        Inlet { velocity: Schedule::Constant(inflow), profile: Profile::Uniform, jet: None };
     let vertical = [Boundary::Inlet(inlet), Boundary::Outlet { pressure: 0.0 }];
     std::array::from_fn(|axis| match bounds.faces(axis)[0] {
         Face::Periodic => [Boundary::Periodic, Boundary::Periodic],

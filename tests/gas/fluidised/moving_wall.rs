@@ -141,7 +141,7 @@ fn beside_a_swinging_wall(amplitude: f64) -> Bench {
     bench.domain.walls[0].motion = WallMotion { amplitude, frequency: 5.0, ..WallMotion::REST };
     let mut model = gas_on_cells(&bench, [4, 3, 6], (0.01, 1.0 / 55.0), DragLaw::WEN_YU, 0.0);
     let velocity = Schedule::Ramp { from: 0.1, to: 0.5, start: 0.0, end: 0.05 };
-    let inlet = Inlet { velocity, profile: Profile::Parabolic };
+    let inlet = Inlet { velocity, profile: Profile::Parabolic, jet: None };
     model.gas.boundaries[2][0] = Boundary::Inlet(inlet);
     bench.volume_averaged = Some(model);
     bench

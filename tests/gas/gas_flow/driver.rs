@@ -25,7 +25,7 @@ pub(crate) fn wall(velocity: Vector3<f64>) -> Boundary {
 
 /// A superficial velocity into the box.
 pub(crate) fn inlet(velocity: f64, profile: Profile) -> Boundary {
-    Boundary::Inlet(Inlet { velocity: Schedule::Constant(velocity), profile })
+    Boundary::Inlet(Inlet { velocity: Schedule::Constant(velocity), profile, jet: None })
 }
 
 pub(crate) const OUTLET: Boundary = Boundary::Outlet { pressure: 0.0 };

@@ -174,7 +174,7 @@ fn boundaries(chosen: Chosen, n: usize) -> [Boundary; 2] {
             let velocity =
                 Schedule::Sine { mean: 1.0, amplitude: 0.3, frequency: 3.0 / TURN, start: 0.0 };
             [
-                Boundary::Inlet(Inlet { velocity, profile: Profile::Table(profile) }),
+                Boundary::Inlet(Inlet { velocity, profile: Profile::Table(profile), jet: None }),
                 Boundary::Outlet { pressure: 0.0 },
             ]
         }

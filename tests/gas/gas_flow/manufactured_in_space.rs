@@ -111,7 +111,7 @@ fn problem(n: usize) -> Problem {
     let profile = (0..n).flat_map(|j| (0..n).map(move |i| inflow(i, j))).collect();
     // 1 + 0.3 sin(3 t), the pulse.
     let velocity = Schedule::Sine { mean: 1.0, amplitude: 0.3, frequency: 3.0 / TURN, start: 0.0 };
-    let inlet = Boundary::Inlet(Inlet { velocity, profile: Profile::Table(profile) });
+    let inlet = Boundary::Inlet(Inlet { velocity, profile: Profile::Table(profile), jet: None });
     let mut problem = Problem::new([1.0; 3], [n; 3], [PERIODIC, no_slip(), [inlet, OUTLET]]);
     (problem.gas.density, problem.gas.viscosity) = (DENSITY, VISCOSITY);
     problem

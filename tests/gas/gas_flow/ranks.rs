@@ -13,7 +13,7 @@ type Record = [u64; 9];
 /// A dense, rough bed between walls, gas in through the bottom and out through two faces: whatever can be at a cut.
 fn problem() -> Problem {
     let velocity = Schedule::Sine { mean: 0.4, amplitude: 0.2, frequency: 3.0, start: 0.0 };
-    let inlet = Boundary::Inlet(Inlet { velocity, profile: Profile::Parabolic });
+    let inlet = Boundary::Inlet(Inlet { velocity, profile: Profile::Parabolic, jet: None });
     let outlet = |pressure| Boundary::Outlet { pressure };
     let boundaries = [[Boundary::FreeSlip, outlet(0.1)], PERIODIC, [inlet, outlet(0.0)]];
     let mut problem = Problem::new([1.0, 0.7, 2.1], [8, 6, 14], boundaries);

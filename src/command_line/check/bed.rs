@@ -1,0 +1,117 @@
+//! The bed as it would lie at rest: how high it is, and how far its contacts are pressed together.
+
+use super::lines::Lines;
+use crate::case::{Case, Stage};
+use crate::contact::{ContactForceLaw, overlap_under};
+use crate::domain::WallShape;
+use crate::gas::GasModel;
+use crate::output::ColumnUnits;
+use crate::parallel::Communicator;
+use crate::rules::ReducedBody;
+use crate::state::{SizeRange, State};
+use std::f64::consts::PI;
+
+/// Solids fraction of a poured bed.
+const POURED: f64 = 0.6;
+/// With fewer layers there is no bed for a gas to flow through: lengths are mostly in two units then.
+const FEWEST_LAYERS: f64 = 3.0;
+/// The largest overlap over the diameter at which spheres are still spheres: beyond it forces, solids fractions and drag depend
+/// on the stiffness.
+const LARGEST_OVERLAP: f64 = 0.05;
+
+/// The bed that the particles of a case form under gravity.
+pub(super) struct BedAtRest {
+    height: f64,
+    solid_volume: f64,
+    cross_section: f64,
+}
+
+impl BedAtRest {
+    /// The bed of all ranks' particles. Collective.
+    pub(super) fn of(case: &Case, state: &State, ranks: &dyn Communicator) -> Self {
+        let particles = &state.particles;
+        let here: f64 = (0..particles.owned_count()).map(|index| particles.volume(index)).sum();
+        let volumes = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
+        let read = |bytes: &Vec<u8>| bytes.as_slice().try_into().map_or(0.0, f64::from_le_bytes);
+        let solid_volume: f64 = volumes.iter().map(read).sum();
+        let cross_section = cross_section(case);
+        Self { height: solid_volume / (POURED * cross_section), solid_volume, cross_section }
+    }
+
+    /// Height and layers, and whether they can be meant.
+    pub(super) fn describe(&self, lines: &mut Lines, case: &Case, sizes: &SizeRange) {
+        if case.stages.iter().all(|stage| stage.physics.gravity.magnitude == 0.0) {
+            return;
+        }
+        let length = ColumnUnits::of_system(case.units.name()).length;
+        let layers = self.height / sizes.largest_diameter;
+        let text = format!(
+            "about {:.4e} {length} high, {layers:.1} layers, at a solids fraction of {POURED}",
+            self.height
+        );
+        lines.add("the bed at rest", &text);
+        let has_gas = case.stages.iter().any(|stage| !matches!(stage.physics.gas, GasModel::None));
+        if has_gas && layers < FEWEST_LAYERS {
+            lines.warn(&format!(
+                "these are fewer than {FEWEST_LAYERS} layers: are the box and the diameter in the same unit?"
+            ));
+        }
+        let room = case.domain.bounds.lengths().z;
+        if self.height > room {
+            lines.warn(&format!("the box is only {room:.4e} {length} high"));
+        }
+    }
+
+    /// How far the weight of the bed, and an impact at the highest speed of a stage, press two particles together.
+    pub(super) fn describe_overlaps(&self, lines: &mut Lines, case: &Case, stage: &Stage) {
+        let diameter = case.particles.reference_diameter;
+        let mass = case.particles.mass_of(diameter);
+        let bodies = ReducedBody::of_equal_spheres(mass, 0.5 * diameter);
+        let law = &stage.physics.contact.law;
+        let gravity = &stage.physics.gravity;
+        let largest = 1.0 + gravity.vibration.as_ref().map_or(0.0, |v| v.relative_acceleration);
+        let stress = self.solid_volume * case.particles.density * gravity.magnitude * largest
+            / self.cross_section;
+        let at_rest = overlap_under(law, bodies, stress * diameter * diameter) / diameter;
+        if at_rest > 0.0 {
+            tell(lines, "overlap under the bed's weight", at_rest, "");
+        }
+        let speed = highest_speed(case, stage);
+        if speed > 0.0 {
+            // That of a linear spring: v sqrt(m* / k), with pi sqrt(m* / k) the duration of a contact.
+            let overlap = speed * law.contact_duration(bodies.mass, bodies.radius) / PI / diameter;
+            let unit = ColumnUnits::of_system(case.units.name()).speed;
+            tell(lines, "overlap of an impact", overlap, &format!(" at {speed:.4e} {unit}"));
+        }
+    }
+}
+
+fn tell(lines: &mut Lines, name: &str, overlap: f64, when: &str) {
+    lines.add(name, &format!("{overlap:.1e} of the diameter{when}"));
+    if overlap > LARGEST_OVERLAP {
+        lines.warn(&format!("that is more than {LARGEST_OVERLAP}: raise the stiffness"));
+    }
+}
+
+/// Of the box, or of the narrowest column in it.
+fn cross_section(case: &Case) -> f64 {
+    let columns = case.domain.walls.iter().filter_map(|wall| match wall.shape {
+        WallShape::Cylinder { radius, .. } => Some(PI * radius * radius),
+        WallShape::Plane { .. } => None,
+    });
+    columns.fold(case.domain.cross_section(), f64::min)
+}
+
+/// The highest of the speeds that are given: of the gas between settled particles, the plate, and walls.
+fn highest_speed(case: &Case, stage: &Stage) -> f64 {
+    let gas = super::gas::highest_velocity(&stage.physics.gas).unwrap_or(0.0) / (1.0 - POURED);
+    let gravity = &stage.physics.gravity;
+    let plate = gravity.vibration.as_ref().map_or(0.0, |vibration| {
+        gravity.magnitude * vibration.relative_acceleration / (2.0 * PI * vibration.frequency)
+    });
+    let walls = case.domain.walls.iter().map(|wall| {
+        let swing = 2.0 * PI * wall.motion.frequency * wall.motion.amplitude.norm();
+        wall.motion.velocity.norm() + swing
+    });
+    walls.fold(gas.max(plate), f64::max)
+}

@@ -1,0 +1,134 @@
+//! The gas in numbers that a user knows: its regime, and its velocity beside those at which beds fluidise and particles fly.
+
+use super::lines::Lines;
+use super::particle::ReferenceParticle;
+use crate::case::{Case, Stage};
+use crate::gas::volume_averaged::VolumeAveragedModel;
+use crate::gas::{Drive, GasModel};
+use crate::output::ColumnUnits;
+use crate::rules::{archimedes_number, stokes_number};
+
+/// Solids fractions of settled beds, at which the minimum fluidisation velocity is told.
+const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
+/// Solids over gas density below which the gas is rather a liquid, whose added mass and lubrication are not modelled.
+const LEAST_DENSITY_RATIO: f64 = 10.0;
+
+/// Regime and velocities of the gas of a stage; nothing without gas.
+pub(super) fn describe_gas(
+    lines: &mut Lines,
+    case: &Case,
+    stage: &Stage,
+    particle: &ReferenceParticle,
+) {
+    let [density, viscosity] = match &stage.physics.gas {
+        GasModel::None => return,
+        GasModel::Column(gas) => [gas.density, gas.viscosity],
+        GasModel::VolumeAveraged(model) => [model.gas.density, model.gas.viscosity],
+    };
+    let ReferenceParticle { density: solid, gravity, diameter, .. } = *particle;
+    if gravity > 0.0 && viscosity > 0.0 {
+        lines.add(
+            "Stokes number",
+            &format!("{:.4}", stokes_number(viscosity, solid, gravity, diameter)),
+        );
+    }
+    if density > 0.0 {
+        describe_densities(lines, [density, solid]);
+    }
+    if density > 0.0 && gravity > 0.0 && viscosity > 0.0 {
+        let number = archimedes_number([density, solid], gravity, diameter, viscosity);
+        lines.add("Archimedes number", &format!("{number:.4e}"));
+    }
+    describe_velocities(lines, case, stage);
+    if let Some(velocity) = case.minimum_fluidisation(stage, SETTLED[0])
+        && density > 0.0
+        && viscosity > 0.0
+    {
+        let number = density * velocity * diameter / viscosity;
+        lines.add(
+            "Reynolds number at U_mf",
+            &format!("{number:.4e} at a solids fraction of {}", SETTLED[0]),
+        );
+    }
+}
+
+fn describe_densities(lines: &mut Lines, [gas, solid]: [f64; 2]) {
+    let ratio = solid / gas;
+    lines.add("density of solid over gas", &format!("{ratio:.4e}"));
+    if ratio < LEAST_DENSITY_RATIO {
+        lines.warn(&format!(
+            "the gas is nearly as dense as the solid: is its density right? In a liquid (ratio below {LEAST_DENSITY_RATIO}) \
+             added mass and lubrication count, which are not modelled"
+        ));
+    }
+}
+
+fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
+    let unit = ColumnUnits::of_system(case.units.name()).speed;
+    let at = |phi: f64| Some((phi, case.minimum_fluidisation(stage, phi)?));
+    let minimum: Vec<(f64, f64)> = SETTLED.into_iter().filter_map(at).collect();
+    if minimum.is_empty() {
+        return;
+    }
+    let told: Vec<String> = minimum
+        .iter()
+        .map(|(phi, velocity)| format!("{velocity:.4e} {unit} at phi {phi:.2}"))
+        .collect();
+    lines.add("U_mf of the force balance", &told.join(", "));
+    // Without neighbours the balance is that of a particle that falls alone.
+    let terminal = case.minimum_fluidisation(stage, 0.0).unwrap_or(f64::INFINITY);
+    lines.add("terminal velocity of a particle", &format!("{terminal:.4e} {unit}"));
+    let Some(velocity) = upward_velocity(&stage.physics.gas).filter(|&velocity| velocity > 0.0)
+    else {
+        return;
+    };
+    let text = format!(
+        "up to {velocity:.4e} {unit}: {:.3} U_mf at phi {:.2}, {:.3} terminal velocities",
+        velocity / minimum[0].1,
+        minimum[0].0,
+        velocity / terminal
+    );
+    lines.add("superficial velocity", &text);
+    if velocity > terminal {
+        lines.warn(
+            "the gas is faster than a single particle falls: only what sticks together stays. Are velocity, diameter and \
+             viscosity in the same units?",
+        );
+    }
+}
+
+/// The largest mean superficial velocity of the gas from below; none if the case does not give it.
+fn upward_velocity(gas: &GasModel) -> Option<f64> {
+    match gas {
+        GasModel::VolumeAveraged(model) => {
+            let [upwards, from_below] = [2, 0];
+            let mut inlets = model.gas.inlets();
+            let (face, inlet) =
+                inlets.find(|(face, _)| face.axis == upwards && face.side == from_below)?;
+            Some(model.largest_inflow(face, inlet).mean)
+        }
+        _ => highest_velocity(gas),
+    }
+}
+
+/// The largest superficial velocity that the case gives; none if there is no gas or it follows from the weight.
+pub(super) fn highest_velocity(gas: &GasModel) -> Option<f64> {
+    match gas {
+        GasModel::None => None,
+        GasModel::Column(gas) => match &gas.drive {
+            Drive::Velocity(schedule) => Some(schedule.largest()),
+            Drive::Plenum(plenum) => Some(plenum.supply.largest()),
+            Drive::Weight(_) => None,
+        },
+        GasModel::VolumeAveraged(model) => {
+            inflow(model).map(|[_, velocity]| velocity).reduce(f64::max)
+        }
+    }
+}
+
+/// Cell size along the axis of each inlet, and the largest superficial velocity there, where its profile is highest.
+pub(super) fn inflow(model: &VolumeAveragedModel) -> impl Iterator<Item = [f64; 2]> {
+    let spacing = model.grid.spacing();
+    let inlets = model.gas.inlets();
+    inlets.map(move |(face, inlet)| [spacing[face.axis], model.largest_inflow(face, inlet).peak])
+}

@@ -1,0 +1,101 @@
+//! What `talcum check` advises: numbers by which a user sees whether a bed is meant, and warnings, each beside a case without it.
+
+use crate::launch::{Ended, smoke, talcum};
+
+/// Checks a smoke case with these keys changed.
+fn check(name: &str, changes: &[&str]) -> Ended {
+    let case = smoke(name);
+    let set = changes.iter().flat_map(|&change| ["--set", change]);
+    talcum(0, &["check", &case].into_iter().chain(set).collect::<Vec<_>>())
+}
+
+/// Whether a case is warned of in these words.
+fn warns(ended: &Ended, words: &str) -> bool {
+    let mut warnings = ended.output.lines().filter(|line| line.trim_start().starts_with("warning"));
+    warnings.any(|line| line.contains(words))
+}
+
+/// A warning that these changes bring, and the case without them does not.
+fn warned_only_with(name: &str, changes: &[&str], words: &str) {
+    let usual = check(name, &[]);
+    assert_eq!(usual.code(), Some(0), "{usual:?}");
+    assert!(!warns(&usual, words), "{}", usual.output);
+    let changed = check(name, changes);
+    assert!(warns(&changed, words), "{}\n{}", changed.output, changed.errors);
+}
+
+#[test]
+fn numbers_of_the_bed_and_the_gas_are_told_with_their_units() {
+    let told = check("fluidised", &[]).output;
+    for expected in [
+        "the bed at rest",
+        "density of solid over gas",
+        "Archimedes number",
+        "Stokes number",
+        "terminal velocity of a particle",
+        "superficial velocity",
+        "Reynolds number at U_mf",
+        "overlap under the bed's weight",
+        "overlap of an impact",
+        " m/s at phi 0.60",
+    ] {
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+    let told = check("rank-equality", &[]).output;
+    for expected in
+        ["pull-off force ", "work of parting ", "impacts stick ", " sqrt(g d) at phi 0.60"]
+    {
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+}
+
+#[test]
+fn a_box_in_another_unit_than_the_diameter_is_warned_of() {
+    let changes = ["box.lengths=[5000.0, 5000.0, 60.0]", "gas.spacing=1.5"];
+    warned_only_with("rank-equality", &changes, "in the same unit?");
+}
+
+#[test]
+fn a_gas_as_dense_as_a_liquid_is_warned_of() {
+    warned_only_with("fluidised", &["gas.density=1200.0"], "is its density right?");
+}
+
+#[test]
+fn a_gas_in_which_particles_fly_is_warned_of() {
+    warned_only_with("rank-equality", &["gas.superficial_velocity=120.0"], "single particle falls");
+}
+
+#[test]
+fn springs_that_are_pressed_flat_are_warned_of() {
+    warned_only_with("rank-equality", &["contact.normal_stiffness=5.0e2"], "more than 0.05");
+}
+
+/// The plate would begin at its largest acceleration; at four times the frequency a cycle is over when it begins.
+#[test]
+fn a_vibration_that_begins_in_the_middle_of_a_cycle_is_warned_of() {
+    let later = |frequency| {
+        let (off, on) = ("stage.settle.vibration=\"off\"", "stage.gas on.vibration=\"on\"");
+        ["vibration.gamma=2.0", frequency, off, on]
+    };
+    let words = "begins at phase 0.250 of a cycle, so that the effective gravity jumps to 3.000 g";
+    warned_only_with("staged", &later("vibration.frequency=0.25"), words);
+    let whole = check("staged", &later("vibration.frequency=1.0"));
+    assert_eq!(whole.code(), Some(0), "{whole:?}");
+    assert!(!warns(&whole, "begins at phase"), "{}", whole.output);
+}
+
+/// A jet: the mean of the inflow keeps the Courant rule, the fastest cell does not.
+#[test]
+fn the_fastest_cell_of_an_inlet_counts_for_the_gas_step() {
+    let profile = |fast: &str| format!("gas.inlet_profile=[{fast}{}]", ", 0.0".repeat(15));
+    let words = "the gas step is too long";
+    warned_only_with("fluidised", &[&profile("400.0")], words);
+    assert!(!warns(&check("fluidised", &[&profile("1.0")]), words));
+}
+
+/// The first steps have no gas at all.
+#[test]
+fn a_later_stage_that_stops_at_once_is_warned_of() {
+    let changes = ["stage.vibrate.gas.superficial_velocity=1.0e9"];
+    warned_only_with("staged", &changes, "stage \"vibrate\", tried in a dense bed: ");
+}
