@@ -15,9 +15,10 @@ use std::f64::consts::PI;
 const POURED: f64 = 0.6;
 /// With fewer layers there is no bed for a gas to flow through: lengths are mostly in two units then.
 const FEWEST_LAYERS: f64 = 3.0;
-/// The largest overlap over the diameter at which spheres are still spheres: beyond it forces, solids fractions and drag depend
-/// on the stiffness.
-const LARGEST_OVERLAP: f64 = 0.05;
+/// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
+const AT_REST: f64 = 0.05;
+/// The same of an impact at the highest speed, which is rare and short.
+const IN_IMPACT: f64 = 0.1;
 
 /// The bed that the particles of a case form under gravity.
 pub(super) struct BedAtRest {
@@ -74,22 +75,23 @@ impl BedAtRest {
             / self.cross_section;
         let at_rest = overlap_under(law, bodies, stress * diameter * diameter) / diameter;
         if at_rest > 0.0 {
-            tell(lines, "overlap under the bed's weight", at_rest, "");
+            tell(lines, "overlap under the bed's weight", [at_rest, AT_REST], "");
         }
         let speed = highest_speed(case, stage);
         if speed > 0.0 {
             // That of a linear spring: v sqrt(m* / k), with pi sqrt(m* / k) the duration of a contact.
             let overlap = speed * law.contact_duration(bodies.mass, bodies.radius) / PI / diameter;
             let unit = ColumnUnits::of_system(case.units.name()).speed;
-            tell(lines, "overlap of an impact", overlap, &format!(" at {speed:.4e} {unit}"));
+            let when = format!(" at {speed:.4e} {unit}");
+            tell(lines, "overlap of an impact", [overlap, IN_IMPACT], &when);
         }
     }
 }
 
-fn tell(lines: &mut Lines, name: &str, overlap: f64, when: &str) {
+fn tell(lines: &mut Lines, name: &str, [overlap, largest]: [f64; 2], when: &str) {
     lines.add(name, &format!("{overlap:.1e} of the diameter{when}"));
-    if overlap > LARGEST_OVERLAP {
-        lines.warn(&format!("that is more than {LARGEST_OVERLAP}: raise the stiffness"));
+    if overlap > largest {
+        lines.warn(&format!("that is more than {largest}: raise the stiffness"));
     }
 }
 
@@ -102,9 +104,9 @@ fn cross_section(case: &Case) -> f64 {
     columns.fold(case.domain.cross_section(), f64::min)
 }
 
-/// The highest of the speeds that are given: of the gas between settled particles, the plate, and walls.
+/// The highest of the speeds that are given: the superficial velocity, and the speeds of the plate and of walls.
 fn highest_speed(case: &Case, stage: &Stage) -> f64 {
-    let gas = super::gas::highest_velocity(&stage.physics.gas).unwrap_or(0.0) / (1.0 - POURED);
+    let gas = super::gas::highest_velocity(&stage.physics.gas).unwrap_or(0.0);
     let gravity = &stage.physics.gravity;
     let plate = gravity.vibration.as_ref().map_or(0.0, |vibration| {
         gravity.magnitude * vibration.relative_acceleration / (2.0 * PI * vibration.frequency)
