@@ -1,0 +1,127 @@
+"""Checks the links of documents: that what a relative link or an image names is there, and that the heading behind a # is, too.
+
+    python scripts/check_links.py                  the Markdown files of the repository
+    python scripts/check_links.py target/book      the pages of the built book
+
+In the repository, pages of the book (docs/) may link to pages of the book alone: the built book has no other files. They name
+a file of the repository as code instead.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import unicodedata
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import unquote
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCUMENTS = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**/*.md", "cases/**/*.md"]
+MEANT_FOR_OTHERS = re.compile(r"[a-z]+:|//", re.IGNORECASE)
+
+
+class Page(NamedTuple):
+    """What a page links to, and what can be linked to in it."""
+
+    links: list[str]
+    anchors: set[str]
+
+
+class Reader(HTMLParser):
+    """Links and anchors of a page of HTML."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.page = Page([], set())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name == "id" and value:
+                self.page.anchors.add(value)
+            elif name == "href" and value and tag == "a" or name == "src" and value:
+                self.page.links.append(value)
+
+
+def html_page(text: str) -> Page:
+    """A page of HTML."""
+    reader = Reader()
+    reader.feed(text)
+    return reader.page
+
+
+def anchor_of(heading: str) -> str:
+    """The anchor that forges and mdBook give a heading: letters, digits, `_` and `-` in small letters, `-` for spaces."""
+    shown = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading)
+    kept = (c for c in shown if c in "_- " or unicodedata.category(c)[0] in "LN")
+    return "".join(kept).strip().replace(" ", "-").lower()
+
+
+def markdown_page(text: str) -> Page:
+    """A page of Markdown; code is not looked at."""
+    prose = re.sub(r"^```.*?^```$|<!--.*?-->", "", text, flags=re.MULTILINE | re.DOTALL)
+    anchors: set[str] = set()
+    for heading in re.findall(r"^#+ +(.*?) *$", prose, re.MULTILINE):
+        anchor, number = anchor_of(heading), 1
+        while anchor in anchors:
+            anchor, number = f"{anchor_of(heading)}-{number}", number + 1
+        anchors.add(anchor)
+    prose = re.sub(r"`[^`]*`", "", prose)
+    links = re.findall(r"\]\(([^)\s]+)\)", prose) + re.findall(r"<(?:img|a)\b[^>]*?\b(?:src|href)=\"([^\"]+)\"", prose)
+    return Page(links, anchors)
+
+
+def read(path: Path) -> Page:
+    """A page by the ending of its name."""
+    text = path.read_text(encoding="utf-8")
+    return html_page(text) if path.suffix == ".html" else markdown_page(text)
+
+
+def broken(paths: list[Path], root: Path, book: Path) -> list[str]:
+    """What is wrong with the links of pages, all of them below `root`; those in the folder `book` stay in it."""
+    pages = {path: read(path) for path in paths}
+    wrong = []
+    for path, page in pages.items():
+        for link in page.links:
+            if MEANT_FOR_OTHERS.match(link):
+                continue
+            name, _, anchor = unquote(link).partition("#")
+            target = (path.parent / name).resolve() if name else path
+            where = f"{path.relative_to(root)}: {link}"
+            if book in path.parents and book not in target.parents:
+                wrong.append(f"{where}: leads out of the book: name the file as code instead")
+            elif not target.is_file():
+                wrong.append(f"{where}: there is no such file")
+            elif anchor and target in pages and anchor not in pages[target].anchors:
+                wrong.append(f"{where}: there is no such heading")
+    return wrong
+
+
+def not_in_summary(docs: Path) -> list[str]:
+    """Pages of the book that its table of contents leaves out."""
+    listed = {(docs / link).resolve() for link in read(docs / "SUMMARY.md").links}
+    pages = (path.resolve() for path in docs.rglob("*.md") if path.name != "SUMMARY.md")
+    return [f"{path.relative_to(docs)}: is not in SUMMARY.md" for path in pages if path not in listed]
+
+
+def main() -> int:
+    """Prints what is wrong; 1 if anything is."""
+    if len(sys.argv) > 1:
+        root = book = Path(sys.argv[1]).resolve()
+        # The page for printing repeats all others in one place, where their relative links need not lead anywhere.
+        paths = [path for path in sorted(root.rglob("*.html")) if path.name not in {"print.html", "toc.html"}]
+        wrong = []
+    else:
+        root, book = ROOT, ROOT / "docs"
+        paths = sorted(path for pattern in DOCUMENTS for path in root.glob(pattern))
+        wrong = not_in_summary(book)
+    wrong += broken(paths, root, book)
+    for line in wrong:
+        print(line, file=sys.stderr)
+    print(f"{len(paths)} pages, {len(wrong)} links to mend" if wrong else f"{len(paths)} pages: all links lead somewhere")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
