@@ -16,6 +16,7 @@ mod report;
 mod run;
 mod shell;
 mod signals;
+mod watch;
 
 use self::launchers::require_one_run;
 use self::log::start_log;
@@ -44,6 +45,8 @@ enum Command {
     OnRanks(RankCommand),
     /// Measure on the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
     Analyse(analyse::AnalyseOptions),
+    /// Show a run while it goes on: curves, progress and warnings, in the terminal or in a browser.
+    Watch(watch::WatchOptions),
     /// Run many cases that a study file describes, or say how far they are; not under mpirun.
     Study(StudyOptions),
     /// Print a table of means of runs.
@@ -146,6 +149,7 @@ pub fn main() -> ExitCode {
         // A study starts runs as processes of their own, which a process of MPI may not do.
         Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
         Ok(Command::Analyse(options)) => alone(|| analyse::analyse(&options)),
+        Ok(Command::Watch(options)) => alone(|| watch::watch(&options)),
         Ok(Command::Summary(options)) => {
             alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
         }

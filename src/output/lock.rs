@@ -2,6 +2,7 @@
 
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
+use rustix::process::{Pid, test_kill_process};
 use std::fs::File;
 use std::io::{Read, Seek, Write};
 use std::path::Path;
@@ -56,9 +57,9 @@ fn open(path: &Path) -> Result<File, String> {
 
 /// Writes into a locked file who holds it.
 pub(crate) fn sign(mut file: &File) {
-    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host = host_name();
     let since = super::provenance::date(std::time::SystemTime::now());
-    let text = format!("process {} on {}, since {since}\n", std::process::id(), host.trim());
+    let text = format!("process {} on {host}, since {since}\n", std::process::id());
     // Only a message to others depends on it.
     let _ =
         file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(text.as_bytes()));
@@ -72,6 +73,21 @@ pub(crate) fn holder(path: &Path) -> String {
         Ok(_) if !text.trim().is_empty() => text.trim().to_owned(),
         _ => "another process".to_owned(),
     }
+}
+
+/// Whether the process of a signature still exists; `None` if that cannot be told on this host.
+pub(crate) fn is_alive(signature: &str) -> Option<bool> {
+    let (process, rest) = signature.strip_prefix("process ")?.split_once(" on ")?;
+    let process = Pid::from_raw(process.parse().ok()?)?;
+    // A process of somebody else may not be signalled, but is there.
+    let is_gone = || test_kill_process(process) == Err(Errno::SRCH);
+    (rest.split(',').next()? == host_name()).then(|| !is_gone())
+}
+
+/// The name of this host; empty if it is not known.
+pub(crate) fn host_name() -> String {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    name.trim().to_owned()
 }
 
 #[cfg(test)]
@@ -90,5 +106,16 @@ mod tests {
         let one = try_lock(&path, Sharing::Shared).unwrap();
         assert!(one.is_some() && try_lock(&path, Sharing::Shared).unwrap().is_some());
         assert!(try_lock(&path, Sharing::Exclusive).unwrap().is_none());
+    }
+
+    #[test]
+    fn a_process_is_looked_for_on_its_own_host_only() {
+        let signed =
+            |process: u32, host: &str| is_alive(&format!("process {process} on {host}, since x"));
+        assert_eq!(signed(std::process::id(), &host_name()), Some(true));
+        // Beyond the largest number that a process may have.
+        assert_eq!(signed(1 << 30, &host_name()), Some(false));
+        assert_eq!(signed(std::process::id(), "elsewhere.invalid"), None);
+        assert_eq!(is_alive("another process"), None);
     }
 }

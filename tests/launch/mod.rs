@@ -155,6 +155,17 @@ impl Running {
         self.child.try_wait().unwrap().is_some()
     }
 
+    /// The first line of standard output, as soon as it is there; fails if the program ends before.
+    pub(crate) fn first_line(&mut self) -> String {
+        let output = self.folder.path().join("output");
+        let line = || {
+            let text = std::fs::read_to_string(&output).unwrap_or_default();
+            text.split_once('\n').map(|(line, _)| line.to_owned())
+        };
+        self.wait_until(|| line().is_some());
+        line().unwrap()
+    }
+
     /// Process numbers of the ranks.
     pub(crate) fn rank_processes(&self) -> Vec<u32> {
         if self.ranks == 0 { vec![self.child.id()] } else { children_of(self.child.id()) }

@@ -27,3 +27,4 @@ mod stage_ends;
 mod study;
 mod toml_files;
 mod wall_table;
+mod watch;

@@ -62,6 +62,11 @@ impl ParticleSnapshotReader {
         Self { path: self.path.clone(), times, rows }
     }
 
+    /// The number of particles in a snapshot.
+    pub fn particles(&self, number: usize) -> u64 {
+        self.rows[number].end - self.rows[number].start
+    }
+
     /// Reads the particles of a snapshot.
     ///
     /// # Errors

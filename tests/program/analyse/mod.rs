@@ -2,5 +2,5 @@
 
 mod command;
 mod fields;
-mod made;
+pub(crate) mod made;
 mod particles;
