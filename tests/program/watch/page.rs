@@ -2,7 +2,7 @@
 
 use super::made;
 use crate::analyse::made::CASE;
-use crate::launch::{Running, signal, start, talcum};
+use crate::launch::{Running, signal, smoke, start, talcum};
 use bytemuck::Zeroable;
 use std::fs;
 use std::io::{Read, Write};
@@ -100,6 +100,27 @@ fn a_run_without_profiles_and_particles_is_served_too() {
     );
     assert!(served.document("/profile.json").is_null() && served.document("/bed.json").is_null());
     assert!(!served.document("/series.json").is_null());
+}
+
+#[test]
+fn without_snapshots_the_newest_checkpoint_shows_the_bed() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("results");
+    let shown = output.display().to_string();
+    let ended = talcum(0, &["run", &smoke("si"), "--output", &shown, "--set", "time.end=1e-4"]);
+    let _ = ended.digest();
+    let served = serve(&output);
+    let snapshot = served.document("/bed.json");
+    fs::remove_file(output.join("particles.vtkhdf")).unwrap();
+    // A reading asks for a rest that is twenty times as long.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let state = served.document("/state.json");
+    let checkpoint = served.document("/bed.json");
+    assert_eq!(checkpoint["version"], state["versions"]["bed"]);
+    assert_ne!(checkpoint["version"], snapshot["version"]);
+    assert_eq!((&checkpoint["count"], &snapshot["count"]), (&150.into(), &150.into()));
+    // The end of the run has a checkpoint, and the interval of snapshots is longer than the run.
+    assert!(checkpoint["time"].as_f64() > snapshot["time"].as_f64());
 }
 
 #[test]
