@@ -14,6 +14,7 @@ docs/python.md of the repository describes it. The modules that draw are also pr
 | `talcum.spacetime` | the solids fraction over height and time, with the rays of the waves |
 | `talcum.minimum_fluidisation` | the pressure drop over the gas velocity, and U_mf |
 | `talcum.cycle` | a vibrated bed over a cycle of its plate |
+| `talcum.particles` | the bed from the side: particles coloured by speed, size or agglomerate; an animation on request |
 | `talcum.fluidised_bed` | a section through particles and gas |
 | `talcum.contact_loop` | what `talcum contact` prints |
 

@@ -9,6 +9,7 @@ mod launchers;
 mod log;
 mod memory;
 mod naming;
+mod new;
 mod progress;
 mod ranks;
 mod reading;
@@ -47,6 +48,8 @@ enum Command {
     Analyse(analyse::AnalyseOptions),
     /// Show a run while it goes on: curves, progress and warnings, in the terminal or in a browser.
     Watch(watch::WatchOptions),
+    /// Write a commented case to begin with: one of the gallery.
+    New(new::NewOptions),
     /// Run many cases that a study file describes, or say how far they are; not under mpirun.
     Study(StudyOptions),
     /// Print a table of means of runs.
@@ -150,6 +153,7 @@ pub fn main() -> ExitCode {
         Ok(Command::Study(options)) => alone(|| study::run(&options, std::env::current_exe()?)),
         Ok(Command::Analyse(options)) => alone(|| analyse::analyse(&options)),
         Ok(Command::Watch(options)) => alone(|| watch::watch(&options)),
+        Ok(Command::New(options)) => alone(|| new::new(&options)),
         Ok(Command::Summary(options)) => {
             alone(|| study::summary(&options).map(|()| ExitCode::SUCCESS))
         }

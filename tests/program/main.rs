@@ -19,6 +19,7 @@ mod interruption;
 mod left_semaphore;
 mod measures;
 mod mpirun;
+mod new_case;
 mod restart;
 mod shell;
 mod snapshots;

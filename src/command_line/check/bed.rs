@@ -106,7 +106,7 @@ fn cross_section(case: &Case) -> f64 {
 
 /// The highest of the speeds that are given: the superficial velocity, and the speeds of the plate and of walls.
 fn highest_speed(case: &Case, stage: &Stage) -> f64 {
-    let gas = super::gas::highest_velocity(&stage.physics.gas).unwrap_or(0.0);
+    let gas = super::gas::upward_velocity(&stage.physics.gas).unwrap_or(0.0);
     let gravity = &stage.physics.gravity;
     let plate = gravity.vibration.as_ref().map_or(0.0, |vibration| {
         gravity.magnitude * vibration.relative_acceleration / (2.0 * PI * vibration.frequency)

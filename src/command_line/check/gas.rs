@@ -98,7 +98,7 @@ fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
 }
 
 /// The largest mean superficial velocity of the gas from below; none if the case does not give it.
-fn upward_velocity(gas: &GasModel) -> Option<f64> {
+pub(super) fn upward_velocity(gas: &GasModel) -> Option<f64> {
     match gas {
         GasModel::VolumeAveraged(model) => {
             let [upwards, from_below] = [2, 0];

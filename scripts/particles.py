@@ -1,0 +1,206 @@
+"""Draws a bed from the side: its particles, coloured by speed, vertical velocity, size or agglomerate.
+
+Several times stand side by side (--panels); --animate makes a GIF of all times. Of a deep box the middle third along y is
+shown, as a section through the bed.
+"""
+
+from __future__ import annotations
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import (
+    Array,
+    ResultsError,
+    argument_parser,
+    axis_label,
+    new_figure,
+    picture_of,
+    result_file,
+    run_script,
+    save_figure,
+)
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+
+COLOUR_MAP = colormaps["viridis"].with_extremes(bad="lightgrey")
+COLOURS = ("speed", "rise", "size", "agglomerate")
+SECTION_FROM = 8.0
+"""Depth of a bed along y, in mean diameters, from which on a section is shown."""
+
+
+@dataclass
+class Snapshot:
+    """Particles at one time: a row of x and z, a diameter, and what colours them."""
+
+    time: float
+    place: Array
+    diameter: Array
+    value: Array
+
+
+@dataclass
+class Bed:
+    """The snapshots of a run, and what their colours mean."""
+
+    snapshots: list[Snapshot]
+    label: str
+    units: dict[str, str]
+
+
+def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
+    """What colours the particles of a snapshot."""
+    if colour == "speed":
+        return np.linalg.norm(data["velocity"][rows], axis=1)
+    if colour == "rise":
+        return data["velocity"][rows][:, 2]
+    if colour == "size":
+        return 2.0 * data["radius"][rows]
+    if "agglomerate" not in data:
+        raise ResultsError(f"{file}: shows no agglomerates: give output.agglomerates in the case")
+    labels = data["agglomerate"][rows]
+    # Neighbouring numbers in colours far apart; what is in none is left grey.
+    return np.where(labels < 0, np.nan, labels * 7 % 20)
+
+
+def read_bed(folder: Path, colour: str, start: float | None, end: float | None) -> Bed:
+    """The snapshots between two times."""
+    file = result_file(folder, "particles.vtkhdf")
+    with h5py.File(file) as contents:
+        root = contents["VTKHDF"]
+        data = root["PointData"]
+        times = root["Steps/Values"][: int(root["Steps"].attrs.get("NSteps", len(root["Steps/Values"])))]
+        snapshots = []
+        for step, time in enumerate(times):
+            if (start is not None and time < start) or (end is not None and time > end):
+                continue
+            first = int(root["Steps/PointOffsets"][step])
+            rows = slice(first, first + int(root["NumberOfPoints"][step]))
+            points, diameter = root["Points"][rows], 2.0 * data["radius"][rows]
+            shown = section(points[:, 1], diameter)
+            value = value_of(data, rows, colour, file)
+            snapshots.append(Snapshot(float(time), points[shown][:, [0, 2]], diameter[shown], value[shown]))
+        units = {"length": root["Points"].attrs["unit"], "time": root["Steps/Values"].attrs["unit"]}
+        speed = data["velocity"].attrs["unit"]
+    if not snapshots:
+        raise ResultsError(f"{file}: holds no snapshot at these times")
+    labels = {
+        "speed": axis_label("speed", speed),
+        "rise": axis_label("vertical velocity", speed),
+        "size": axis_label("diameter", units["length"]),
+        "agglomerate": "agglomerate",
+    }
+    return Bed(snapshots, labels[colour], units)
+
+
+def section(y: Array, diameter: Array) -> Array:
+    """The particles in the middle third along y if the bed is deep, else all."""
+    if len(y) == 0 or np.ptp(y) < SECTION_FROM * diameter.mean():
+        return np.ones(len(y), bool)
+    middle = 0.5 * (y.min() + y.max())
+    return np.abs(y - middle) < np.ptp(y) / 6.0
+
+
+def limits(bed: Bed) -> tuple[float, float]:
+    """The range of the colours, but for a few fast particles."""
+    values = np.concatenate([snapshot.value for snapshot in bed.snapshots])
+    values = values[np.isfinite(values)]
+    if len(values) == 0:
+        return 0.0, 1.0
+    low, high = np.percentile(values, [1.0, 99.0])
+    return float(low), float(high if high > low else low + 1.0)
+
+
+def frame(bed: Bed) -> tuple[float, float, float]:
+    """What is shown: from and to along x, and up to which height, but for a few particles that fly far above."""
+    x = np.concatenate([snapshot.place[:, 0] for snapshot in bed.snapshots])
+    z = np.concatenate([snapshot.place[:, 1] for snapshot in bed.snapshots])
+    margin = 0.5 * bed.snapshots[0].diameter.max(initial=0.0)
+    return float(x.min() - margin), float(x.max() + margin), float(np.percentile(z, 99.9) + 2.0 * margin)
+
+
+def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
+    """The particles of a snapshot in a panel."""
+    size = snapshot.diameter
+    drawn = EllipseCollection(size, size, np.zeros(len(size)), units="xy", offsets=snapshot.place,
+                              offset_transform=panel.transData, cmap=COLOUR_MAP)  # fmt: skip
+    drawn.set_array(np.ma.masked_invalid(snapshot.value))
+    drawn.set_clim(*limits(bed))
+    panel.add_collection(drawn)
+    panel.set_title(axis_label(f"time {snapshot.time:.4g}", bed.units["time"]))
+    return drawn
+
+
+def empty_panels(bed: Bed, count: int) -> tuple[Figure, Array]:
+    """Panels for so many snapshots side by side."""
+    left, right, top = frame(bed)
+    tall = top / (right - left)
+    width = min(max(4.5 / tall, 1.8), 9.0 if count == 1 else 5.0)
+    figure, panels = new_figure(1, count, (width * count + 1.2, min(width * tall, 9.0) + 1.6))
+    for panel in panels[0]:
+        panel.set(xlim=(left, right), ylim=(0.0, top), aspect="equal")
+        panel.locator_params(axis="x", nbins=3)
+        panel.set_xlabel(axis_label("x", bed.units["length"]))
+        panel.grid(False)
+    panels[0, 0].set_ylabel(axis_label("z", bed.units["length"]))
+    return figure, panels
+
+
+def draw(bed: Bed, count: int) -> Figure:
+    """So many of the snapshots side by side, evenly spread, the last among them."""
+    places = np.unique(np.linspace(len(bed.snapshots) - 1, 0, count).round().astype(int)) if count > 1 else [-1]
+    shown = [bed.snapshots[place] for place in places]
+    figure, panels = empty_panels(bed, len(shown))
+    for panel, snapshot in zip(panels[0], shown):
+        drawn = spheres(panel, snapshot, bed)
+    figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
+    return figure
+
+
+def animate(bed: Bed, file: Path) -> None:
+    """A GIF of all snapshots, twelve a second."""
+    figure, panels = empty_panels(bed, 1)
+    panel = panels[0, 0]
+    figure.colorbar(spheres(panel, bed.snapshots[0], bed), ax=panel, location="right", label=bed.label)
+
+    def show(number: int) -> list[EllipseCollection]:
+        for collection in list(panel.collections):
+            collection.remove()
+        return [spheres(panel, bed.snapshots[number], bed)]
+
+    try:
+        FuncAnimation(figure, show, frames=len(bed.snapshots)).save(file, writer=PillowWriter(fps=12), dpi=80)
+    except OSError as error:
+        raise ResultsError(f"{file}: cannot be written: {error}") from error
+    print(f"animation: {file}")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options."""
+    options = argument_parser(__doc__, "particles.png")
+    options.add_argument("--colour", choices=COLOURS, default="speed", help="what colours the particles (default: speed)")
+    options.add_argument("--panels", type=int, default=1, metavar="N", help="times side by side (default: the last alone)")
+    options.add_argument("--animate", type=Path, metavar="FILE", help="make a GIF of all times as well")
+    return options
+
+
+def main(words: list[str] | None = None) -> None:
+    """Reads and draws."""
+    arguments = parser().parse_args(words)
+    if arguments.panels < 1:
+        raise ResultsError(f"--panels {arguments.panels}: at least 1 is needed")
+    bed = read_bed(arguments.results, arguments.colour, arguments.start, arguments.end)
+    save_figure(draw(bed, arguments.panels), picture_of(arguments, "particles.png"))
+    if arguments.animate is not None:
+        animate(bed, arguments.animate)
+
+
+if __name__ == "__main__":
+    run_script(main)

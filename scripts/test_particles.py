@@ -1,0 +1,64 @@
+"""Tests of particles.py on a made-up bed."""
+
+from __future__ import annotations
+
+import unittest
+
+import h5py
+import numpy as np
+
+import particles
+from made_up_results import ScriptTest
+from talcum_results import ResultsError
+
+TIMES = np.array([0.0, 1.0, 2.0])
+
+
+class TestParticles(ScriptTest):
+    """Two particles at three times, of which the second rises, faster each time."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        with h5py.File(self.folder / "particles.vtkhdf", "w") as file:
+            points = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 2.0]] * 3)
+            points[1::2, 2] += TIMES
+            root = file.create_group("VTKHDF")
+            root["Points"] = points
+            root["NumberOfPoints"] = np.full(3, 2)
+            root["Steps/PointOffsets"] = 2 * np.arange(3)
+            root["Steps/Values"] = TIMES
+            root["PointData/velocity"] = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
+            root["PointData/radius"] = np.tile([0.5, 0.25], 3)
+            for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)")):
+                root[name].attrs["unit"] = unit
+
+    def test_each_colour_is_what_it_says(self) -> None:
+        def last(colour: str) -> list[float]:
+            return particles.read_bed(self.folder, colour, None, None).snapshots[-1].value.tolist()
+
+        self.assertEqual(last("speed"), [0.0, (9.0 + 64.0) ** 0.5])
+        self.assertEqual(last("rise"), [0.0, 8.0])
+        self.assertEqual(last("size"), [1.0, 0.5])
+        with self.assertRaisesRegex(ResultsError, "shows no agglomerates"):
+            last("agglomerate")
+
+    def test_times_are_chosen(self) -> None:
+        times = [snapshot.time for snapshot in particles.read_bed(self.folder, "speed", 0.5, 1.5).snapshots]
+        self.assertEqual(times, [1.0])
+        with self.assertRaisesRegex(ResultsError, "no snapshot at these times"):
+            particles.read_bed(self.folder, "speed", 5.0, None)
+
+    def test_deep_beds_are_cut(self) -> None:
+        y = np.linspace(0.0, 30.0, 31)
+        self.assertEqual(y[particles.section(y, np.ones(31))].tolist(), [11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0, 19.0])
+        self.assertTrue(particles.section(y / 10.0, np.ones(31)).all())
+
+    def test_picture_and_animation(self) -> None:
+        animation = self.folder / "bed.gif"
+        self.call(particles, "--panels", "2", "--animate", str(animation))
+        self.assert_picture("particles.png")
+        self.assertEqual(animation.read_bytes()[:4], b"GIF8")
+
+
+if __name__ == "__main__":
+    unittest.main()
