@@ -163,6 +163,11 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
         let head = table(name, widths[column], column_units[column], descriptions[column]);
         file.make_table::<f64>(&head, Rows::Growing(PIECE))?;
     }
+    file.set_scales(&[
+        ("/superficial_velocity", &["/time"]),
+        ("/solids_fraction", &["/time", "/height"]),
+        ("/solids_velocity", &["/time", "/height"]),
+    ])?;
     file.close()
 }
 

@@ -3,6 +3,7 @@
 //! Groups, datasets and attributes are made by rank 0 alone through [`SerialFile`]; rows are then written
 //! through [`SharedFile`], where all ranks take part in every transfer, those without rows too.
 
+mod dimension_scales;
 mod rows;
 mod shared_dataset;
 

@@ -140,7 +140,10 @@ fn transfer<T: Element>(
 }
 
 /// An identifier of the library that is closed at the end.
-struct Identifier(hid_t, unsafe extern "C" fn(hid_t) -> hdf5_sys::h5::herr_t);
+pub(super) struct Identifier(
+    pub(super) hid_t,
+    pub(super) unsafe extern "C" fn(hid_t) -> hdf5_sys::h5::herr_t,
+);
 
 impl Drop for Identifier {
     #[allow(unsafe_code, reason = "the library's own way to free what it made")]

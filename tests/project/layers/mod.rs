@@ -18,7 +18,7 @@ const EXCEPTIONS: [(&str, &str, &str); 1] = [
 
 /// Crates that only one file, or those of one folder and the file of its name, may name.
 const ONE_PLACE: [(&str, &str); 2] =
-    [("mpi", "parallel/mpi_ranks"), ("hdf5_sys", "output/hdf5_file/rows")];
+    [("mpi", "parallel/mpi_ranks"), ("hdf5_sys", "output/hdf5_file")];
 
 /// Files that may name any module: they hold nothing of their own.
 const FREE: [&str; 2] = ["lib.rs", "main.rs"];
