@@ -150,8 +150,7 @@ impl JetOpening {
             );
             return None;
         };
-        let covered = second.iter().flat_map(|j| first.iter().map(move |i| i * j)).collect();
-        Some(Jet { velocity: self.velocity.clone(), covered })
+        Some(Jet { velocity: self.velocity.clone(), covered: [first, second] })
     }
 }
 

@@ -77,7 +77,10 @@ fn describe_velocities(lines: &mut Lines, case: &Case, stage: &Stage) {
     lines.add("U_mf of the force balance", &told.join(", "));
     // Without neighbours the balance is that of a particle that falls alone.
     let terminal = case.minimum_fluidisation(stage, 0.0).unwrap_or(f64::INFINITY);
-    lines.add("terminal velocity of a particle", &format!("{terminal:.4e} {unit}"));
+    // Laws of packed beds have none.
+    if terminal.is_finite() {
+        lines.add("terminal velocity of a particle", &format!("{terminal:.4e} {unit}"));
+    }
     let Some(velocity) = upward_velocity(&stage.physics.gas).filter(|&velocity| velocity > 0.0)
     else {
         return;

@@ -53,8 +53,8 @@ pub struct Inlet {
 pub struct Jet {
     /// Superficial velocity into the box, at each time.
     pub velocity: Schedule,
-    /// The part of each cell of the face that the jet covers, from 0 to 1; the first of its two axes fastest.
-    pub covered: Vec<f64>,
+    /// The part of each cell that the jet covers along each of the two axes of the face, from 0 to 1.
+    pub covered: [Vec<f64>; 2],
 }
 
 /// Velocity over a face, relative to the one that is given.

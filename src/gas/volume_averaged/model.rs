@@ -227,7 +227,7 @@ impl VolumeAveragedGas {
             None => around,
             Some(jet) => {
                 let [i, j] = cell.place;
-                let covered = jet.covered[i + counts[across(cell.axis)[0]] * j];
+                let covered = jet.covered[0][i] * jet.covered[1][j];
                 covered * value(&jet.velocity) + (1.0 - covered) * around
             }
         }
