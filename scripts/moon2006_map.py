@@ -52,9 +52,6 @@ def over_all(results: Path) -> Section | None:
     runs = table(results, "map", "runs")
     if runs is None:
         return None
-    complete = StudyTable(runs.file, runs.provenance, [row for row in runs.rows if row["state"] == "complete"])
-    if not complete.rows:
-        return None
     critical_bonds = [(0.12, table(results, "fig4", "points")), (0.15, table(results, "fig4-gas", "points"))]
     lines = [(velocity, points) for velocity, points in critical_bonds if points is not None]
     statements = []
@@ -66,7 +63,7 @@ def over_all(results: Path) -> Section | None:
     text = "Vibration (f 0.16) and cohesion are switched on in the developed bed; two beds at each point, measured from 25 to 100 on."
     caption = "What each bed does: Gamma 0 is a plate at rest. Lines: critical Bond numbers of Fig. 4."
     sources = [source("map", runs)] + [source(name, points) for name, (_, points) in zip(("fig4", "fig4-gas"), lines)]
-    return Section("The map of Bond number and Gamma", text, statements, [(drawn(complete, lines), caption)], sources)
+    return Section("The map of Bond number and Gamma", text, statements, [(drawn(runs, lines), caption)], sources)
 
 
 def more_gas(usual: StudyTable, more: StudyTable) -> Statement:

@@ -17,13 +17,19 @@ KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
 
 def table(results: Path, study: str, kind: str) -> StudyTable | None:
     """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
-    complete run nothing is known."""
+    complete run nothing is known, and a study that was only begun here does not count."""
     for file in (results / study / f"{kind}.csv", KEPT / f"{study}-{kind}.csv"):
         if file.exists():
             found = read_study_table(file)
-            rows = [row for row in found.rows if row.get("runs") != "0"]
-            return StudyTable(found.file, found.provenance, rows)
+            rows = [row for row in found.rows if is_known(row)]
+            if rows:
+                return StudyTable(found.file, found.provenance, rows)
     return None
+
+
+def is_known(row: dict[str, str]) -> bool:
+    """Whether a run of a row, or one run of a point, is complete, and a search has found its crossing."""
+    return row.get("runs") != "0" and row.get("found") != "0" and row.get("state", "complete") == "complete"
 
 
 def source(study: str, points: StudyTable) -> str:

@@ -114,6 +114,20 @@ class TestReport(ScriptTest):
         self.assertIn("slope 4.95, intercept 0.15, R^2 1.000", page)
         self.assertIn('<tr class="agrees"><td>straight line</td>', page)
 
+    def test_a_study_that_was_only_begun_does_not_hide_the_kept_table(self) -> None:
+        self.write_study()
+        moon2006_tables.KEPT.mkdir()
+        kept = moon2006_tables.KEPT / "developed-bed-points.csv"
+        kept.write_text(points(0.97))
+        self.assertIn("0.99", self.page())
+        begun = self.folder / "developed-bed/points.csv"
+        begun.write_text(begun.read_text().replace("\n1,5,", "\n1,0,"))
+        found = moon2006_tables.table(self.folder, "developed-bed", "points")
+        assert found is not None
+        self.assertEqual(found.file, kept)
+        kept.unlink()
+        self.assertIsNone(moon2006_tables.table(self.folder, "developed-bed", "points"))
+
     def test_the_map_shows_each_state(self) -> None:
         folder = self.folder / "map"
         folder.mkdir()
