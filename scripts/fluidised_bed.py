@@ -1,4 +1,4 @@
-"""Draws a bed in a gas of three dimensions: particles coloured by speed, and the velocity of the gas over its voidage.
+"""Draws a bed in a gas of three dimensions: particles coloured by speed, and velocity (arrows) and voidage (grey) of the gas.
 
 Both are cut in the middle along y: the particles whose centres are in the middle third of the box, and the middle
 layer of cells. The picture is of the last time in particles.vtkhdf and gas.vtkhdf, or of --to. The mean of the pressure
@@ -105,6 +105,7 @@ def draw_particles(figure: Figure, panel, bed: Bed) -> None:
 
 
 def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
+    """Voidage as shades of grey, and the velocity of the gas as thin arrows on it, with a key."""
     nz, nx = bed.voidage.shape
     extent = (0.0, bed.lengths[0], 0.0, bed.lengths[2])
     field = panel.imshow(bed.voidage, origin="lower", extent=extent, cmap="gray", vmin=0.3, vmax=1.0)
@@ -115,7 +116,7 @@ def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
     # The fastest gas has arrows two cells long.
     fastest = np.percentile(np.linalg.norm(arrows, axis=-1), 99.0)
     scale = fastest / (2.0 * bed.lengths[2] / nz) or 1.0
-    panel.quiver(
+    drawn = panel.quiver(
         x,
         z[shown],
         arrows[..., 0],
@@ -125,8 +126,12 @@ def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
         angles="xy",
         scale_units="xy",
         scale=scale,
+        width=0.006,
     )
-    panel.set_title("velocity of the gas over voidage")
+    key = float(f"{fastest:.1g}")
+    if key > 0.0:
+        panel.quiverkey(drawn, 0.8, 1.04, key, axis_label(f"{key:g}", bed.units["speed"]), labelpos="E", labelsep=0.03)
+    panel.set_title("gas and voidage", loc="left")
     figure.colorbar(field, ax=panel, location="bottom", label="voidage")
 
 
