@@ -38,10 +38,11 @@ def rows_of(output):
         assert count == output.GetNumberOfLines(), count
     elif isinstance(output, vtkPolyData):
         data, count = output.GetPointData(), output.GetNumberOfPoints()
-        # One vertex of all particles, by which they are drawn.
-        assert output.GetNumberOfVerts() == output.GetNumberOfCells() == 1, output.GetNumberOfVerts()
-        drawn = vtk_to_numpy(output.GetVerts().GetConnectivityArray())
-        assert drawn.tolist() == list(range(count)), drawn
+        if data.HasArray("radius"):
+            # One vertex of all particles, by which they are drawn. A time without contacts has no cells.
+            assert output.GetNumberOfVerts() == output.GetNumberOfCells() == 1, output.GetNumberOfVerts()
+            drawn = vtk_to_numpy(output.GetVerts().GetConnectivityArray())
+            assert drawn.tolist() == list(range(count)), drawn
     if count == 0:
         return []
     columns = []
