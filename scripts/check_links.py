@@ -52,7 +52,7 @@ def html_page(text: str) -> Page:
 
 
 def anchor_of(heading: str) -> str:
-    """The anchor that forges and mdBook give a heading: letters, digits, `_` and `-` in small letters, `-` for spaces."""
+    """The anchor that forges and mdBook give a heading: lower-case letters, digits, `_` and `-`, and `-` for spaces."""
     shown = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading)
     kept = (c for c in shown if c in "_- " or unicodedata.category(c)[0] in "LN")
     return "".join(kept).strip().replace(" ", "-").lower()

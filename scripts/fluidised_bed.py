@@ -13,6 +13,7 @@ from talcum_results import (
     ResultsError,
     argument_parser,
     axis_label,
+    draw_spheres,
     new_figure,
     picture_of,
     read_series,
@@ -26,7 +27,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
 Array = np.ndarray
@@ -86,20 +86,9 @@ def read_bed(folder: Path, time: float | None) -> Bed:
 
 def draw_particles(figure: Figure, panel, bed: Bed) -> None:
     inside = np.abs(bed.centres[:, 1] - 0.5 * bed.lengths[1]) < bed.lengths[1] / 6.0
-    size = bed.diameters[inside]
-    spheres = EllipseCollection(
-        size,
-        size,
-        np.zeros(len(size)),
-        units="xy",
-        offsets=bed.centres[inside][:, [0, 2]],
-        offset_transform=panel.transData,
-        cmap="viridis",
-    )
-    spheres.set_array(bed.speeds[inside])
+    spheres = draw_spheres(panel, bed.centres[inside][:, [0, 2]], bed.diameters[inside], bed.speeds[inside])
     if len(bed.speeds):
         spheres.set_clim(0.0, np.percentile(bed.speeds, 99.0))
-    panel.add_collection(spheres)
     panel.set_title(f"particles, {axis_label(f'time {bed.time:.4g}', bed.units['time'])}")
     figure.colorbar(spheres, ax=panel, location="bottom", label=axis_label("speed", bed.units["speed"]))
 

@@ -66,15 +66,15 @@ def run(case: Path, results: Path) -> float:
 
 def seconds_in(page: str) -> dict[str, float]:
     """The run times that a page tells."""
-    found = re.findall(r"^`talcum new ([\w-]+)`; (\d+) particles, (\d+) s", page, re.MULTILINE)
-    return {name: float(seconds) for name, _, seconds in found}
+    found = re.findall(r"^`talcum new ([\w-]+)`; \d+ particles, (\d+) s", page, re.MULTILINE)
+    return {name: float(seconds) for name, seconds in found}
 
 
 def part(name: str, seconds: float) -> str:
     """The part of the page about a case, from the comments at its head."""
     lines = (CASES / f"{name}.toml").read_text().splitlines()
     what, look = lines[0].removeprefix("# "), lines[1].removeprefix("# Look at: ")
-    title, rest = what.split(": ", 1) if ": " in what else (name, what)
+    title, rest = what.split(": ", 1)
     count = next(line.split("=")[1].split("#")[0].strip() for line in lines if line.startswith("count ="))
     look = re.sub(r"(python scripts/[\w.]+(?: --\w+ \w+)?|talcum analyse --measure \w+)", r"`\1`", look)
     return (

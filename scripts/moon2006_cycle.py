@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cycle import average_over_phase, find_vibration
-from moon2006_tables import over, source, table, within
+from moon2006_tables import over, sources, table, within
 from report import Section, Statement
 from talcum_results import GREY, new_figure, read_series
 
@@ -70,5 +70,4 @@ def figures_6_to_9(results: Path) -> Section | None:
     if curves is not None:
         figures.insert(0, (curves, "One bed of each gas velocity over the cycle (k_n 2e5, Bo_p 0), cycles 4 to 8."))
     text = "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8."
-    sources = [source(study, points) for study, points in (("fig7", points), ("fig8", stiff)) if points]
-    return Section("Figs 6 to 9: the cycle", text, statements, figures, sources)
+    return Section("Figs 6 to 9: the cycle", text, statements, figures, sources(("fig7", points), ("fig8", stiff)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import pictures, source, table, within
+from moon2006_tables import pictures, source, sources, table, within
 from report import Section, Statement
 
 PAPER_U_MF, PAPER_PACKING = 0.022, 0.652
@@ -33,8 +33,7 @@ def minimum_fluidisation(results: Path) -> Section | None:
         "shaking them hard. U_mf lies where the line of the packed bed meets the plateau; the force balance is "
         "(St / 18) (1 - phi)^4.65, with phi of the bulk of that bed."
     )
-    sources = [source(study, points) for study, points in (("u-mf", poured), ("u-mf-compact", shaken)) if points]
-    return Section("III A: minimum fluidisation", text, statements, [], sources)
+    return Section("III A: minimum fluidisation", text, statements, [], sources(("u-mf", poured), ("u-mf-compact", shaken)))
 
 
 def at_the_papers_packing(packings: list[tuple[float, float]]) -> Statement:

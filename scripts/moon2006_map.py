@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import source, table
+from moon2006_tables import sources, table
 from moon2006_thresholds import critical
 from report import Section, Statement
 from study_tables import StudyTable
@@ -52,18 +52,18 @@ def over_all(results: Path) -> Section | None:
     runs = table(results, "map", "runs")
     if runs is None:
         return None
-    critical_bonds = [(0.12, table(results, "fig4", "points")), (0.15, table(results, "fig4-gas", "points"))]
-    lines = [(velocity, points) for velocity, points in critical_bonds if points is not None]
+    usual, more = table(results, "fig4", "points"), table(results, "fig4-gas", "points")
+    lines = [(velocity, points) for velocity, points in ((0.12, usual), (0.15, more)) if points is not None]
     statements = []
     for velocity, points in lines:
         text = "; ".join(f"Gamma {float(row['gamma']):g}: {critical(points, row)}" for row in points.rows)
         statements.append(Statement(f"Bo_c at U_s {velocity:g}", "slightly higher with more gas", text, None))
-    if len(lines) == 2:
-        statements.append(more_gas(lines[0][1], lines[1][1]))
+    if usual is not None and more is not None:
+        statements.append(more_gas(usual, more))
     text = "Vibration (f 0.16) and cohesion are switched on in the developed bed; two beds at each point, measured from 25 to 100 on."
     caption = "What each bed does: Gamma 0 is a plate at rest. Lines: critical Bond numbers of Fig. 4."
-    sources = [source("map", runs)] + [source(name, points) for name, (_, points) in zip(("fig4", "fig4-gas"), lines)]
-    return Section("The map of Bond number and Gamma", text, statements, [(drawn(runs, lines), caption)], sources)
+    made_by = sources(("map", runs), ("fig4", usual), ("fig4-gas", more))
+    return Section("The map of Bond number and Gamma", text, statements, [(drawn(runs, lines), caption)], made_by)
 
 
 def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
@@ -97,5 +97,5 @@ def stiffness(results: Path) -> Section | None:
         "the attraction, 2 F0 cut_off: at Bo 20 1.6 times as much at k_n 2e5, 0.16 times at 2e6. If the force decides, stiff particles have "
         "the Bo_c of soft ones that keep it; if the work, of those that keep that."
     )
-    sources = [source(study, rows) for study, rows in (("stiffness", points), ("fig4", soft)) if rows]
-    return Section("Beyond the paper: stiffness, force and work of parting", text, statements, [], sources)
+    title = "Beyond the paper: stiffness, force and work of parting"
+    return Section(title, text, statements, [], sources(("stiffness", points), ("fig4", soft)))

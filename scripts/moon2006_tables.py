@@ -38,6 +38,11 @@ def source(study: str, points: StudyTable) -> str:
     return f"Made by: talcum study cases/moon2006/studies/{study}.toml (Talcum commit {commit}, {points.file.name})."
 
 
+def sources(*studies: tuple[str, StudyTable | None]) -> list[str]:
+    """The same for the studies of which there are tables."""
+    return [source(study, points) for study, points in studies if points]
+
+
 def within(value: float, paper: float, part: float) -> bool:
     """Whether a value is within a part of the paper's."""
     return math.isfinite(value) and abs(value - paper) <= part * abs(paper)

@@ -12,6 +12,7 @@ from talcum_results import (
     ResultsError,
     argument_parser,
     axis_label,
+    draw_spheres,
     new_figure,
     picture_of,
     result_file,
@@ -25,12 +26,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
-COLOUR_MAP = colormaps["viridis"].with_extremes(bad="lightgrey")
 COLOURS = ("speed", "rise", "size", "agglomerate")
 SECTION_FROM = 8.0
 """Depth of a bed along y, in mean diameters, from which on a section is shown."""
@@ -128,12 +127,8 @@ def frame(bed: Bed) -> tuple[float, float, float]:
 
 def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
     """The particles of a snapshot in a panel."""
-    size = snapshot.diameter
-    drawn = EllipseCollection(size, size, np.zeros(len(size)), units="xy", offsets=snapshot.place,
-                              offset_transform=panel.transData, cmap=COLOUR_MAP)  # fmt: skip
-    drawn.set_array(np.ma.masked_invalid(snapshot.value))
+    drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, snapshot.value)
     drawn.set_clim(*limits(bed))
-    panel.add_collection(drawn)
     panel.set_title(axis_label(f"time {snapshot.time:.4g}", bed.units["time"]))
     return drawn
 

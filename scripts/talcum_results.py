@@ -25,6 +25,7 @@ except ImportError as missing:
     sys.exit(f"error: {missing}. Call scripts/install once, then start this script with .venv/bin/python")
 
 if TYPE_CHECKING:
+    from matplotlib.collections import EllipseCollection
     from matplotlib.figure import Figure
 
 Array = np.ndarray
@@ -347,6 +348,19 @@ def new_figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (9.0
     )
     figure = import_module("matplotlib.figure").Figure(figsize=size, layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def draw_spheres(panel: Any, centres: Array, diameters: Array, values: Array) -> EllipseCollection:
+    """Spheres of their true size in a panel, coloured by values; grey where there is none."""
+    from matplotlib import colormaps
+    from matplotlib.collections import EllipseCollection
+
+    colours = colormaps["viridis"].with_extremes(bad="lightgrey")
+    spheres = EllipseCollection(diameters, diameters, np.zeros(len(diameters)), units="xy", offsets=centres,
+                                offset_transform=panel.transData, cmap=colours)  # fmt: skip
+    spheres.set_array(np.ma.masked_invalid(values))
+    panel.add_collection(spheres)
+    return spheres
 
 
 def save_figure(figure: Figure, picture: Path) -> None:

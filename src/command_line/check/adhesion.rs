@@ -38,8 +38,9 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
         }),
     };
     let weight = mass * stage.physics.gravity.magnitude;
-    if describe(lines, &pair, case, weight) {
-        describe_impacts(lines, &pair, highest_velocity(&stage.physics.gas), case);
+    if let Some(work) = describe(lines, &pair, case, weight) {
+        let velocity = highest_velocity(&stage.physics.gas);
+        describe_impacts(lines, work.total(), pair.bodies.mass, velocity, case);
     }
     for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
         let name = format!(" at wall \"{}\"", wall.name);
@@ -55,27 +56,31 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
 /// at which it is 1. Faster ones part again, if nothing else takes their energy.
 fn describe_impacts(
     lines: &mut Lines,
-    partners: &Partners<'_>,
+    work: f64,
+    reduced_mass: f64,
     velocity: Option<f64>,
     case: &Case,
 ) {
-    let Partners { contact, bodies, attraction, .. } = partners;
-    let work = work_of_parting(&contact.law, *bodies, *attraction).total();
     let unit = ColumnUnits::of_system(case.units.name()).speed;
-    let mut text = format!("below {:.4e} {unit}", (2.0 * work / bodies.mass).sqrt());
+    let mut text = format!("below {:.4e} {unit}", (2.0 * work / reduced_mass).sqrt());
     if let Some(velocity) = velocity.filter(|&velocity| velocity > 0.0) {
-        let number = 2.0 * work / (bodies.mass * velocity * velocity);
+        let number = 2.0 * work / (reduced_mass * velocity * velocity);
         text += &format!("; adhesion number of impacts at U {number:.4e}");
     }
     lines.add("impacts stick", &text);
 }
 
-/// Force and work of parting; nothing, and false, if the two do not adhere.
-fn describe(lines: &mut Lines, partners: &Partners<'_>, case: &Case, weight: f64) -> bool {
+/// Force and work of parting, the latter returned; nothing if the two do not adhere.
+fn describe(
+    lines: &mut Lines,
+    partners: &Partners<'_>,
+    case: &Case,
+    weight: f64,
+) -> Option<WorkOfParting> {
     let Partners { name, contact, bodies, attraction } = partners;
     let softened = work_of_parting(&contact.law, *bodies, *attraction);
     if softened.total() <= 0.0 {
-        return false;
+        return None;
     }
     let units = ColumnUnits::of_system(case.units.name());
     if weight > 0.0 {
@@ -111,7 +116,7 @@ fn describe(lines: &mut Lines, partners: &Partners<'_>, case: &Case, weight: f64
              {LARGEST_SPRING_PART}): raise the stiffness, or see contact.softening"
         ));
     }
-    true
+    Some(softened)
 }
 
 fn spring_part(work: &WorkOfParting) -> String {

@@ -8,7 +8,7 @@ use std::time::Instant;
 /// Rest between two readings of a file, over the time that one takes: however long the run, who watches it needs no more
 /// than a twentieth of a core.
 const REST: u32 = 20;
-/// Readings that may fail one after another without a word: the run may be in the middle of a write.
+/// Readings that may fail one after another before a warning: the run may be in the middle of a write.
 const FORGIVEN: u32 = 3;
 
 /// The newest good reading of a file. One that fails leaves that before it in place.
