@@ -1,4 +1,4 @@
-"""Draws a bed from the side: its particles, coloured by speed, vertical velocity, size or agglomerate.
+"""Draws a bed from the side: its particles, coloured by speed, vertical velocity, size, agglomerate, or what else snapshots show.
 
 Several times stand side by side (--panels); --animate makes a GIF of all times. Of a deep box the middle third along y is
 shown, as a section through the bed.
@@ -30,7 +30,6 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
-COLOURS = ("speed", "rise", "size", "agglomerate")
 SECTION_FROM = 8.0
 """Depth of a bed along y, in mean diameters, from which on a section is shown."""
 
@@ -62,11 +61,14 @@ def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
         return data["velocity"][rows][:, 2]
     if colour == "size":
         return 2.0 * data["radius"][rows]
-    if "agglomerate" not in data:
-        raise ResultsError(f"{file}: shows no agglomerates: give output.agglomerates in the case")
-    labels = data["agglomerate"][rows]
-    # Neighbouring numbers in colours far apart; what is in none is left grey.
-    return np.where(labels < 0, np.nan, labels * 7 % 20)
+    if colour not in data:
+        shown = ", ".join(["speed", "rise", "size", *sorted(data)])
+        raise ResultsError(f"{file}: shows no {colour}, only {shown}: see output.particle_fields and output.agglomerates")
+    values = data[colour][rows]
+    if colour == "agglomerate":
+        # Neighbouring numbers in colours far apart; what is in none is left grey.
+        return np.where(values < 0, np.nan, values * 7 % 20)
+    return values.astype(float) if values.ndim == 1 else np.linalg.norm(values, axis=1)
 
 
 def read_bed(folder: Path, colour: str, start: float | None, end: float | None) -> Bed:
@@ -87,16 +89,18 @@ def read_bed(folder: Path, colour: str, start: float | None, end: float | None) 
             value = value_of(data, rows, colour, file)
             snapshots.append(Snapshot(float(time), points[shown][:, [0, 2]], diameter[shown], value[shown]))
         units = {"length": root["Points"].attrs["unit"], "time": root["Steps/Values"].attrs["unit"]}
-        speed = data["velocity"].attrs["unit"]
+        label = label_of(data, colour, units["length"])
     if not snapshots:
         raise ResultsError(f"{file}: holds no snapshot at these times")
-    labels = {
-        "speed": axis_label("speed", speed),
-        "rise": axis_label("vertical velocity", speed),
-        "size": axis_label("diameter", units["length"]),
-        "agglomerate": "agglomerate",
-    }
-    return Bed(snapshots, labels[colour], units)
+    return Bed(snapshots, label, units)
+
+
+def label_of(data: h5py.Group, colour: str, length: str) -> str:
+    """What stands beside the colours."""
+    speed = data["velocity"].attrs["unit"]
+    labels = {"speed": ("speed", speed), "rise": ("vertical velocity", speed), "size": ("diameter", length)}
+    name, unit = labels.get(colour) or (colour.replace("_", " "), data[colour].attrs["unit"])
+    return axis_label(name, unit) if unit != "1" else name
 
 
 def section(y: Array, diameter: Array) -> Array:
@@ -180,7 +184,8 @@ def animate(bed: Bed, file: Path) -> None:
 def parser() -> argparse.ArgumentParser:
     """The options."""
     options = argument_parser(__doc__, "particles.png")
-    options.add_argument("--colour", choices=COLOURS, default="speed", help="what colours the particles (default: speed)")
+    meaning = "what colours the particles: speed, rise, size, agglomerate, or another dataset of the file (default: speed)"
+    options.add_argument("--colour", default="speed", metavar="NAME", help=meaning)
     options.add_argument("--panels", type=int, default=1, metavar="N", help="times side by side (default: the last alone)")
     options.add_argument("--animate", type=Path, metavar="FILE", help="make a GIF of all times as well")
     return options

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 class TestDimensionScales(unittest.TestCase):
-    """The profiles of a short run, by h5py, which asks the HDF5 library as xarray's readers do."""
+    """The files of a short run, by h5py, which asks the HDF5 library as xarray's readers do."""
 
     def test_profiles_have_times_and_heights(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -29,6 +29,22 @@ class TestDimensionScales(unittest.TestCase):
                 self.assertEqual(file["superficial_velocity"].dims[0][0].name, "/time")
                 # Negative control: a table is no scale.
                 self.assertFalse(file["solids_fraction"].is_scale)
+
+    def test_measures_have_times_and_what_their_arrays_run_along(self) -> None:
+        measure = '\n[measure.stress]\nkind = "stress"\nevery = 0.02\naverage = 0.1\nlayers = 10\n'
+        with tempfile.TemporaryDirectory() as folder:
+            case = Path(folder) / "case.toml"
+            case.write_text((ROOT / "cases/smoke/walls.toml").read_text(encoding="utf-8") + measure, encoding="utf-8")
+            results = Path(folder) / "results"
+            subprocess.run([program(), "run", str(case), "--output", str(results), "--until", "0.5"],
+                           capture_output=True, check=True)  # fmt: skip
+            with h5py.File(results / "measure-stress.h5") as file:
+                table = file["results"]
+                self.assertEqual(table["looks"].dims[0][0].name, "/results/time")
+                contact = table["contact"].dims
+                self.assertEqual([contact[0][0].name, contact[1][0].name], ["/results/time", "/height"])
+                # The components of a tensor run along nothing.
+                self.assertEqual([len(contact[2]), len(contact[3])], [0, 0])
 
 
 if __name__ == "__main__":

@@ -28,8 +28,11 @@ class TestParticles(ScriptTest):
             root["Steps/PointOffsets"] = 2 * np.arange(3)
             root["Steps/Values"] = TIMES
             root["PointData/velocity"] = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
+            root["PointData/mass"] = np.tile([3.0, 4.0], 3)
+            root["PointData/force"] = np.tile([[3.0, 0.0, -4.0], [0.0, 0.0, 0.0]], (3, 1))
             root["PointData/radius"] = np.tile([0.5, 0.25], 3)
-            for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)")):
+            for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)"),
+                               ("PointData/mass", "rho_s d^3"), ("PointData/force", "rho_s g d^3")):
                 root[name].attrs["unit"] = unit
 
     def test_each_colour_is_what_it_says(self) -> None:
@@ -39,7 +42,9 @@ class TestParticles(ScriptTest):
         self.assertEqual(last("speed"), [0.0, (9.0 + 64.0) ** 0.5])
         self.assertEqual(last("rise"), [0.0, 8.0])
         self.assertEqual(last("size"), [1.0, 0.5])
-        with self.assertRaisesRegex(ResultsError, "shows no agglomerates"):
+        self.assertEqual(last("mass"), [3.0, 4.0])
+        self.assertEqual(last("force"), [5.0, 0.0])
+        with self.assertRaisesRegex(ResultsError, "shows no agglomerate, only speed, rise, size, force, mass"):
             last("agglomerate")
 
     def test_times_are_chosen(self) -> None:

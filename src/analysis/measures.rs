@@ -91,6 +91,8 @@ measures! {
     gas_force: Number = |it| it.over_weight(it.gas_force);
     /// Force on the base plate, downwards, over weight.
     plate_stress: Number = |it| it.over_weight(it.plate_force);
+    /// The bed's weight at rest, M g.
+    weight: Force = |it| it.weight;
     /// g_eff / g.
     effective_gravity: Number = |it| ratio(it.effective_gravity, it.gravity);
     /// Height of the centre of mass.

@@ -51,7 +51,7 @@ pub(super) struct Observation {
     pub(super) particles: ParticleSums,
     pub(super) departed: u64,
     /// M g, the weight at rest.
-    weight: f64,
+    pub(super) weight: f64,
     /// g.
     pub(super) gravity: f64,
     /// g_eff.

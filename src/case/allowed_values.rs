@@ -37,7 +37,8 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
         }
         Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
         Kind::List(allowed) => check_numbers(*allowed, None, kind, node),
-        Kind::Word(words) => check_word(words, node),
+        Kind::Word(words) => check_word(words, node.as_text().unwrap_or_default()),
+        Kind::Words(words) => check_words(words, &words_of(node).ok_or_else(must)?),
         Kind::Table(_) => match &node.value {
             Value::Table(_) => Ok(()),
             _ => Err(format!("must be a section of keys, [{}] or {{ ... }}", node.path)),
@@ -90,8 +91,25 @@ fn check_numbers(
     }
 }
 
-fn check_word(words: &[Word], node: &Node) -> Result<(), String> {
-    let given = node.as_text().unwrap_or_default();
+/// The texts of a list.
+pub(super) fn words_of(node: &Node) -> Option<Vec<String>> {
+    node.as_list(|item| item.as_text().map(str::to_owned))
+}
+
+fn check_words(words: &[Word], given: &[String]) -> Result<(), String> {
+    if given.is_empty() {
+        return Err("must not be empty".to_owned());
+    }
+    for (number, word) in given.iter().enumerate() {
+        check_word(words, word).map_err(|must| format!("each {must}"))?;
+        if given[..number].contains(word) {
+            return Err(format!("names {word:?} twice"));
+        }
+    }
+    Ok(())
+}
+
+fn check_word(words: &[Word], given: &str) -> Result<(), String> {
     if words.iter().any(|word| word.name == given) {
         return Ok(());
     }
@@ -131,6 +149,7 @@ pub(super) fn description(kind: &Kind) -> String {
         Kind::Vector(allowed, length) => format!("a list of {length} numbers, each {allowed}"),
         Kind::List(allowed) => format!("a list of numbers, each {allowed}"),
         Kind::Word(words) => listed(words),
+        Kind::Words(words) => format!("a list of {}", listed(words)),
         Kind::Table(keys) if keys.len() <= 2 => {
             let entries: Vec<String> = keys.iter().map(placeholder).collect();
             format!("{{ {} }}", entries.join(", "))

@@ -43,9 +43,9 @@ pub use changes::{Change, changes};
 pub use errors::{CaseError, CaseErrors, SourcePlace};
 pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
 pub use places::Places;
-pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, RankLayout};
+pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
 pub use reference::{UnknownSection, json_schema, manual, terminal};
-pub use sizes::SizeDistribution;
+pub use sizes::{SizeClass, SizeDistribution};
 pub use stage::Stage;
 pub use units::Units;
 
@@ -219,7 +219,7 @@ impl Case {
     /// Duration of the shortest contact in a stage of particles of these sizes: of two of the smallest, or of
     /// one and a wall.
     pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
-        let mass = self.particles.mass_of(sizes.smallest_diameter);
+        let mass = self.particles.least_mass_of(sizes.smallest_diameter);
         let radius = 0.5 * sizes.smallest_diameter;
         let duration = |interface: &ContactModel, bodies: ReducedBody| {
             interface.law.contact_duration(bodies.mass, bodies.radius)

@@ -1,7 +1,7 @@
 //! How many particles there are, of what, and where they begin.
 
 use super::section::Section;
-use super::sizes::{SizeDistribution, read_diameter};
+use super::sizes::{SizeClass, SizeDistribution, read_diameter};
 use super::units::Units;
 use crate::state::SizeRange;
 use nalgebra::Vector3;
@@ -17,7 +17,7 @@ pub struct ParticleSetup {
     pub sizes: Option<SizeDistribution>,
     /// Diameter that Bond and Stokes number refer to.
     pub reference_diameter: f64,
-    /// Solid density.
+    /// Solid density, also that of Bond and Stokes number.
     pub density: f64,
     /// Seed of all random numbers; 0 if none are drawn.
     pub seed: u64,
@@ -81,17 +81,52 @@ pub enum BedFormat {
 }
 
 impl ParticleSetup {
-    /// Diameters of the size classes; none if sizes are not in classes.
-    pub fn classes(&self) -> Vec<f64> {
-        match &self.sizes {
-            Some(SizeDistribution::Classes { values, .. }) => values.clone(),
-            _ => Vec::new(),
-        }
+    /// The size classes; none if sizes are not in classes.
+    pub fn classes(&self) -> &[SizeClass] {
+        self.sizes.as_ref().map_or(&[], SizeDistribution::classes)
     }
 
-    /// Mass of a sphere of this diameter, rho_s pi d^3 / 6.
+    /// Mass of a sphere of this diameter and of the density of the case, rho_s pi d^3 / 6.
     pub fn mass_of(&self, diameter: f64) -> f64 {
         sphere_mass(self.density, diameter)
+    }
+
+    /// Mass of a particle: that of its class, or of the density of the case.
+    pub fn mass_of_particle(&self, id: u64, diameter: f64) -> f64 {
+        let class = self.sizes.as_ref().and_then(|sizes| sizes.class_of(self.seed, id));
+        sphere_mass(class.map_or(self.density, |class| self.density_of(class)), diameter)
+    }
+
+    /// The class of a particle of this diameter and mass; `None` if there is no such class, or several.
+    pub fn class_number(&self, diameter: f64, mass: f64) -> Option<usize> {
+        let mut like = self.classes().iter().enumerate().filter(|(_, class)| {
+            class.diameter == diameter && sphere_mass(self.density_of(class), diameter) == mass
+        });
+        like.next().filter(|_| like.next().is_none()).map(|(number, _)| number)
+    }
+
+    /// Whether particles may differ in density.
+    pub fn has_several_densities(&self) -> bool {
+        self.sizes.as_ref().is_some_and(SizeDistribution::has_densities)
+    }
+
+    /// Least mass that a sphere of this diameter can have.
+    pub fn least_mass_of(&self, diameter: f64) -> f64 {
+        let densities = self.classes().iter().map(|class| self.density_of(class));
+        sphere_mass(densities.reduce(f64::min).unwrap_or(self.density), diameter)
+    }
+
+    fn density_of(&self, class: &SizeClass) -> f64 {
+        class.density.unwrap_or(self.density)
+    }
+
+    /// Mass over volume of many particles as the case draws them.
+    pub fn mean_density(&self) -> f64 {
+        let sums = self.classes().iter().fold([0.0; 2], |[mass, volume], class| {
+            let share = class.fraction * class.diameter.powi(3);
+            [mass + share * self.density_of(class), volume + share]
+        });
+        if self.has_several_densities() { sums[0] / sums[1] } else { self.density }
     }
 
     /// The range that sizes can have; `None` if a file says it.
@@ -100,7 +135,9 @@ impl ParticleSetup {
             return None;
         }
         let [smallest_diameter, largest_diameter] = self.sizes.as_ref()?.bounds();
-        let largest_mass = self.mass_of(largest_diameter);
+        let mass = |class: &SizeClass| sphere_mass(self.density_of(class), class.diameter);
+        let of_classes = self.classes().iter().map(mass).reduce(f64::max);
+        let largest_mass = of_classes.unwrap_or_else(|| self.mass_of(largest_diameter));
         Some(SizeRange { smallest_diameter, largest_diameter, largest_mass })
     }
 }
@@ -145,6 +182,12 @@ pub(super) fn read_particles(
     let of_file = matches!(kind, "file" | "run");
     if !of_file {
         section.require("diameter");
+    }
+    if kind == "file" && sizes.as_ref().is_some_and(SizeDistribution::has_densities) {
+        section.fail(
+            "diameter",
+            "densities cannot be given: which particle of the file is of which class?",
+        );
     }
     let amount = read_amount(section, of_file);
     let largest = sizes.as_ref().map(|sizes| sizes.bounds()[1]);

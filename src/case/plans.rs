@@ -19,12 +19,43 @@ pub struct OutputPlan {
     pub profiles: Option<f64>,
     /// Interval of snapshots of all particles.
     pub particles: Option<f64>,
+    /// What snapshots show of each particle, beside what they always show.
+    pub particle_fields: Vec<ParticleField>,
     /// Interval of snapshots of a gas in three dimensions.
     pub gas: Option<f64>,
+    /// Whether snapshots hold numbers of 4 bytes.
+    pub single_precision: bool,
+    /// How hard snapshots are compressed: from 0, not at all, to 9.
+    pub compression: u8,
     /// The measure whose agglomerates snapshots of the particles show.
     pub agglomerates: Option<String>,
     /// Solids fraction that bounds the bed's bottom and top.
     pub bed_threshold: f64,
+}
+
+/// What a snapshot may show of a particle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParticleField {
+    /// Its mass.
+    Mass,
+    /// The number of its size class.
+    Class,
+    /// All that acts on it.
+    Force,
+    /// The part of the gas.
+    GasForce,
+    /// How many particles it touches.
+    Coordination,
+}
+
+impl ParticleField {
+    const BY_WORD: [(&str, Self); 5] = [
+        ("mass", Self::Mass),
+        ("class", Self::Class),
+        ("force", Self::Force),
+        ("gas_force", Self::GasForce),
+        ("coordination", Self::Coordination),
+    ];
 }
 
 /// When checkpoints are written, besides at the end and on a signal.
@@ -79,7 +110,13 @@ pub(super) fn read_output(section: &Section<'_>, step: Option<f64>) -> Option<Ou
         energy,
         profiles,
         particles,
+        particle_fields: match section.has("particle_fields") {
+            true => section.choices("particle_fields", &ParticleField::BY_WORD)?,
+            false => Vec::new(),
+        },
         gas,
+        single_precision: section.word("precision")? == "single",
+        compression: section.count("compression")? as u8,
         agglomerates,
         bed_threshold,
     })

@@ -1,6 +1,6 @@
 //! A section that is checked against its table of keys when it is opened, and then read key by key.
 
-use super::allowed_values::{check, description};
+use super::allowed_values::{check, description, words_of};
 use super::errors::{CaseError, Problems};
 use super::suggestion::nearest;
 use super::tree::{Node, Value};
@@ -283,6 +283,13 @@ impl<'a> Section<'a> {
             );
         }
         meaning.map(|(_, meaning)| meaning.clone())
+    }
+
+    /// What the words of a list stand for.
+    pub(super) fn choices<T: Copy>(&self, name: &str, meanings: &[(&str, T)]) -> Option<Vec<T>> {
+        let words = words_of(self.right(name)?)?;
+        let meaning = |word: &String| meanings.iter().find(|(meant, _)| meant == word);
+        words.iter().map(|word| meaning(word).map(|(_, meaning)| *meaning)).collect()
     }
 
     /// A text.

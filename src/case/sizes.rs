@@ -1,21 +1,28 @@
-//! Diameters of particles: a number, a list, or a distribution. Drawn by id, so that they depend on the
-//! seed alone.
+//! Diameters of particles, and densities where classes differ in them: a number, a list, or a distribution. Drawn by id,
+//! so that they depend on the seed alone.
 
 use super::section::Section;
 use crate::numbers::{normal, random_of, uniform};
+use rand_chacha::ChaCha8Rng;
+
+/// Particles of one diameter and density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SizeClass {
+    /// Their diameter.
+    pub diameter: f64,
+    /// Their part of all particles, by number.
+    pub fraction: f64,
+    /// Their density, if it is not that of the case.
+    pub density: Option<f64>,
+}
 
 /// How diameters are distributed over particles, by number.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SizeDistribution {
     /// All the same.
     Single(f64),
-    /// A few classes.
-    Classes {
-        /// Diameters.
-        values: Vec<f64>,
-        /// Number fractions, one each; their sum is 1.
-        fractions: Vec<f64>,
-    },
+    /// A few classes, whose number fractions add up to 1.
+    Classes(Vec<SizeClass>),
     /// Equally likely between two diameters.
     Uniform {
         /// Lower bound.
@@ -59,14 +66,7 @@ impl SizeDistribution {
         };
         match self {
             Self::Single(diameter) => *diameter,
-            Self::Classes { values, fractions } => {
-                let mut rest = uniform(&mut generator);
-                let class = fractions.iter().position(|fraction| {
-                    rest -= fraction;
-                    rest < 0.0
-                });
-                values[class.unwrap_or(values.len() - 1)]
-            }
+            Self::Classes(classes) => drawn(classes, &mut generator).diameter,
             Self::Uniform { smallest, largest } => {
                 let diameter = smallest + (largest - smallest) * uniform(&mut generator);
                 diameter.min(*largest)
@@ -86,18 +86,39 @@ impl SizeDistribution {
         }
     }
 
+    /// The class of a particle; `None` if sizes are not in classes.
+    pub fn class_of(&self, seed: u64, id: u64) -> Option<&SizeClass> {
+        match self {
+            Self::Classes(classes) => Some(drawn(classes, &mut random_of(seed, id, "diameter"))),
+            _ => None,
+        }
+    }
+
+    /// The classes; none if sizes are not in classes.
+    pub fn classes(&self) -> &[SizeClass] {
+        match self {
+            Self::Classes(classes) => classes,
+            _ => &[],
+        }
+    }
+
     /// The smallest and the largest diameter that can occur.
     pub fn bounds(&self) -> [f64; 2] {
         match self {
             Self::Single(diameter) => [*diameter; 2],
-            Self::Classes { values, .. } => [
-                values.iter().copied().fold(f64::INFINITY, f64::min),
-                values.iter().copied().fold(0.0, f64::max),
-            ],
+            Self::Classes(classes) => {
+                let diameters = classes.iter().map(|class| class.diameter);
+                [diameters.clone().fold(f64::INFINITY, f64::min), diameters.fold(0.0, f64::max)]
+            }
             Self::Uniform { smallest, largest }
             | Self::Normal { smallest, largest, .. }
             | Self::LogNormal { smallest, largest, .. } => [*smallest, *largest],
         }
+    }
+
+    /// Whether classes have densities of their own.
+    pub fn has_densities(&self) -> bool {
+        self.classes().iter().any(|class| class.density.is_some())
     }
 
     /// Whether random numbers are drawn.
@@ -171,15 +192,35 @@ fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool 
 
 fn read_classes(section: &Section<'_>) -> Option<SizeDistribution> {
     let (values, fractions) = (section.numbers("values")?, section.numbers("fractions")?);
-    let sum: f64 = fractions.iter().sum();
-    if values.len() != fractions.len() {
-        section.fail("fractions", format!("must be as many as values, {}", values.len()));
-        return None;
+    let densities = section.numbers("densities");
+    let lengths = [("fractions", Some(&fractions)), ("densities", densities.as_ref())];
+    for (key, list) in lengths {
+        if list.is_some_and(|list| list.len() != values.len()) {
+            section.fail(key, format!("must be as many as values, {}", values.len()));
+            return None;
+        }
     }
+    let sum: f64 = fractions.iter().sum();
     if (sum - 1.0).abs() > 1.0e-6 {
         section.fail("fractions", format!("must add up to 1, not {sum}"));
     }
-    Some(SizeDistribution::Classes { values, fractions })
+    let class = |(number, (&diameter, fraction))| {
+        let density = densities.as_ref().map(|densities| densities[number]);
+        SizeClass { diameter, fraction, density }
+    };
+    let classes = values.iter().zip(fractions).enumerate().map(class);
+    Some(SizeDistribution::Classes(classes.collect()))
+}
+
+/// One of some classes, as often as its fraction says.
+fn drawn<'c>(classes: &'c [SizeClass], generator: &mut ChaCha8Rng) -> &'c SizeClass {
+    let mut rest = uniform(generator);
+    let class = classes.iter().find(|class| {
+        rest -= class.fraction;
+        rest < 0.0
+    });
+    // Rounding may leave a rest.
+    class.unwrap_or(&classes[classes.len() - 1])
 }
 
 #[cfg(test)]
@@ -200,8 +241,8 @@ mod tests {
         // 4 standard deviations (about 0.1) of the mean of 4000: 0.0063.
         let tolerance = 0.0065;
         let (smallest, largest) = (0.8, 1.2);
-        let classes =
-            SizeDistribution::Classes { values: vec![0.9, 1.1], fractions: vec![0.75, 0.25] };
+        let class = |diameter, fraction| SizeClass { diameter, fraction, density: None };
+        let classes = SizeDistribution::Classes(vec![class(0.9, 0.75), class(1.1, 0.25)]);
         assert!((mean_of(&classes) - 0.95).abs() < tolerance);
         let uniform = SizeDistribution::Uniform { smallest, largest };
         assert!((mean_of(&uniform) - 1.0).abs() < 1.2 * tolerance);

@@ -140,6 +140,16 @@ impl GasSolver {
         }
     }
 
+    /// The force of the gas on each owned particle in the last step.
+    pub fn forces_on(&self, particles: &Particles) -> Vec<Vector3<f64>> {
+        let owned = particles.owned_count();
+        match self {
+            Self::None => vec![Vector3::zeros(); owned],
+            Self::Column(solver) => solver.forces_on(particles),
+            Self::VolumeAveraged(_) => particles.gas_force[..owned].to_vec(),
+        }
+    }
+
     /// Whether the next step of the gas will most likely be refused as too long; the same on all ranks.
     pub fn next_is_too_long(&self) -> bool {
         matches!(self, Self::VolumeAveraged(solver) if solver.next_is_too_long())

@@ -49,6 +49,8 @@ pub struct Column {
     pub name: &'static str,
     /// Shape of the entry in a row; empty for one number.
     pub shape: Vec<usize>,
+    /// The fixed arrays that its first dimensions run along, such as the heights.
+    pub along: &'static [&'static str],
     /// Kind of quantity, from which the unit follows.
     pub quantity: Quantity,
     /// What it is.
@@ -58,7 +60,7 @@ pub struct Column {
 impl Column {
     /// A number in each row.
     pub fn scalar(name: &'static str, quantity: Quantity, meaning: &'static str) -> Self {
-        Self { name, shape: Vec::new(), quantity, meaning }
+        Self { name, shape: Vec::new(), along: &[], quantity, meaning }
     }
 
     /// An array of numbers in each row.
@@ -68,7 +70,12 @@ impl Column {
         quantity: Quantity,
         meaning: &'static str,
     ) -> Self {
-        Self { name, shape: shape.to_vec(), quantity, meaning }
+        Self { name, shape: shape.to_vec(), along: &[], quantity, meaning }
+    }
+
+    /// The same, its first dimensions along these fixed arrays.
+    pub fn along(self, fixed: &'static [&'static str]) -> Self {
+        Self { along: fixed, ..self }
     }
 
     /// Numbers in an entry.

@@ -167,9 +167,11 @@ impl Measure for Block {
             columns.push(Column::scalar(mean_error, quantity, meaning));
         }
         for Averaged { name, error, quantity, meaning, .. } in &AVERAGED {
-            columns.push(Column::array(name, &[bins], *quantity, meaning));
-            let meaning = "standard error of each bin, from the spread between cycles";
-            columns.push(Column::array(error, &[bins], *quantity, meaning));
+            let array =
+                |name, meaning| Column::array(name, &[bins], *quantity, meaning).along(&["phase"]);
+            columns.push(array(name, meaning));
+            columns
+                .push(array(error, "standard error of each bin, from the spread between cycles"));
         }
         let phase =
             Column::scalar("phase", Quantity::Number, "middle of each bin, part of a cycle");

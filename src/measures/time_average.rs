@@ -107,7 +107,9 @@ impl Measure for OverHeight {
             ("solids_fraction_deviation", Quantity::Number, "its standard deviation"),
             ("solids_velocity_deviation", Quantity::Speed, "its standard deviation"),
         ];
-        let array = |(name, quantity, meaning)| Column::array(name, nodes, quantity, meaning);
+        let array = |(name, quantity, meaning)| {
+            Column::array(name, nodes, quantity, meaning).along(&["height"])
+        };
         let columns = head().into_iter().chain(described.map(array)).collect();
         let heights = Column::scalar("height", Quantity::Length, "heights of the grid's nodes");
         let fixed = vec![Fixed { column: heights, values: self.heights.clone() }];

@@ -9,7 +9,7 @@ use super::image_file::{ImageCells, ImageField};
 use super::output_file::continue_or_create;
 use super::{
     Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
-    image_file, metadata_copy, on_root,
+    SnapshotStorage, image_file, metadata_copy, on_root,
 };
 use crate::grid::BoxGrid;
 use crate::parallel::{CellSample, Communicator, sort_by_id};
@@ -42,9 +42,10 @@ impl GasSnapshots {
     /// Nothing for a case without a volume-averaged gas.
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
         let Some(grid) = opening.gas_grid else { return Ok(None) };
+        let storage = opening.snapshots.storage;
         let snapshots = match opening.continue_after {
-            Some(time) => Self::resume(path, time, grid, opening.head, ranks)?,
-            None => Self::create(path, grid, opening.head, ranks)?,
+            Some(time) => Self::resume(path, time, (grid, storage), opening.head, ranks)?,
+            None => Self::create(path, (grid, storage), opening.head, ranks)?,
         };
         Ok(Some(Box::new(snapshots)))
     }
@@ -55,11 +56,11 @@ impl GasSnapshots {
     /// If the file cannot be written.
     pub fn create(
         path: &Path,
-        grid: &BoxGrid,
+        fields: (&BoxGrid, SnapshotStorage),
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, grid, head))?;
+        on_root(path, ranks, || create(path, fields, head))?;
         Ok(Self { path: path.to_owned() })
     }
 
@@ -71,7 +72,7 @@ impl GasSnapshots {
     pub fn resume(
         path: &Path,
         time: f64,
-        grid: &BoxGrid,
+        fields: (&BoxGrid, SnapshotStorage),
         head: Head<'_>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
@@ -79,7 +80,7 @@ impl GasSnapshots {
             let tables = tables();
             let go_on = |found| image_file::cut_after(path, time, &tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
-            if kept > 0 { metadata_copy::commit(path, &tables) } else { create(path, grid, head) }
+            if kept > 0 { metadata_copy::commit(path, &tables) } else { create(path, fields, head) }
         })?;
         Ok(Self { path: path.to_owned() })
     }
@@ -123,7 +124,11 @@ fn tables() -> Vec<String> {
     image_file::tables(FIELDS.iter().map(|field| field.name))
 }
 
-fn create(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
+fn create(
+    path: &Path,
+    (grid, storage): (&BoxGrid, SnapshotStorage),
+    head: Head<'_>,
+) -> MessageResult<()> {
     let units = head.units();
     let described = [
         (units.pressure, "pressure of the gas less its hydrostatic head"),
@@ -139,7 +144,7 @@ fn create(path: &Path, grid: &BoxGrid, head: Head<'_>) -> MessageResult<()> {
     });
     let (spacing, counts) = (grid.spacing().into(), grid.counts());
     let cells = ImageCells { origin: [0.0; 3], spacing, counts };
-    image_file::create(path, &cells, &fields.collect::<Vec<_>>(), head)
+    image_file::create(path, &cells, &fields.collect::<Vec<_>>(), storage, head)
 }
 
 fn append(path: &Path, time: f64, cells: &[CellSample]) -> MessageResult<()> {

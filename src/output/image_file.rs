@@ -8,7 +8,7 @@ use std::path::Path;
 use super::hdf5_file::SerialFile;
 use super::output_file::{Obstacle, rows_up_to};
 use super::table::{Rows, TableHead};
-use super::{Head, MessageResult, metadata_copy};
+use super::{Head, MessageResult, SnapshotStorage, metadata_copy};
 
 /// Rows of steps that are stored as one piece.
 const STEP_PIECE: usize = 256;
@@ -51,16 +51,17 @@ pub(super) fn create(
     path: &Path,
     cells: &ImageCells,
     fields: &[ImageField<'_>],
+    storage: SnapshotStorage,
     head: Head<'_>,
 ) -> MessageResult<()> {
     let tables = tables(fields.iter().map(|field| field.name));
-    metadata_copy::create(path, &tables, |path| make(path, cells, fields, head))
+    metadata_copy::create(path, &tables, |path| make(path, cells, (fields, storage), head))
 }
 
 fn make(
     path: &Path,
     cells: &ImageCells,
-    fields: &[ImageField<'_>],
+    fields: (&[ImageField<'_>], SnapshotStorage),
     head: Head<'_>,
 ) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
@@ -88,13 +89,13 @@ fn make(
 fn make_tables(
     file: &SerialFile,
     shape: [usize; 3],
-    fields: &[ImageField<'_>],
+    (fields, storage): (&[ImageField<'_>], SnapshotStorage),
     head: Head<'_>,
 ) -> MessageResult<()> {
     for &ImageField { name, components: width, unit, description } in fields {
         let path = data(name);
         let blocks = TableHead { name: &path, width, unit, description };
-        file.make_blocks::<f64>(&blocks, &shape, Rows::Growing(1))?;
+        storage.make_numbers(file, &blocks, &shape, 1)?;
         let path = offsets(name);
         let description = "index of VTKHDF, one for each time";
         let index = TableHead { name: &path, width: 1, unit: "1", description };

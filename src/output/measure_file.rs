@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::hdf5_file::SerialFile;
+use super::hdf5_file::{ScaledTable, SerialFile};
 use super::output_file::{Obstacle, continue_or_create};
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_root};
@@ -203,7 +203,17 @@ fn make(path: &Path, plan: &MeasurePlan, layout: &Layout, head: Head<'_>) -> Mes
             make_column(&file, &path_of(table, column.name), column, Rows::Growing(piece), &units)?;
         }
     }
+    file.set_scales(&layout.tables.iter().flat_map(scaled_columns).collect::<Vec<_>>())?;
     file.close()
+}
+
+/// The columns of a table, with what holds the times of their rows, and what their arrays run along.
+fn scaled_columns(table: &Table) -> impl Iterator<Item = ScaledTable> {
+    table.columns.iter().map(|column| {
+        let along = column.along.iter().map(|name| format!("/{name}"));
+        let scales = std::iter::once(path_of(table, "time")).chain(along).collect();
+        (path_of(table, column.name), scales)
+    })
 }
 
 fn make_column(

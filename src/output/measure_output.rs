@@ -6,7 +6,7 @@ use super::contact_lines::ContactLines;
 use super::image_file::{self, ImageCells, ImageField};
 use super::measure_file::MeasureFile;
 use super::output_file::continue_or_create;
-use super::{Head, MessageResult, OutputError, metadata_copy, on_root};
+use super::{Head, MessageResult, OutputError, SnapshotStorage, metadata_copy, on_root};
 use crate::measures::{CellValues, Findings, Image, Layout, MeasurePlan};
 use crate::parallel::Communicator;
 
@@ -120,7 +120,8 @@ impl ImageOutput {
             unit: units.of(field.quantity),
             description: field.meaning,
         });
-        image_file::create(&self.path, &cells, &fields.collect::<Vec<_>>(), head)
+        let storage = SnapshotStorage::default();
+        image_file::create(&self.path, &cells, &fields.collect::<Vec<_>>(), storage, head)
     }
 
     /// Adds the cells of all ranks; cells that nobody knows are zero. Collective.

@@ -24,6 +24,7 @@ mod provenance;
 pub mod readers;
 mod result_tables;
 mod series;
+mod snapshot_format;
 mod table;
 mod text_table;
 mod units;
@@ -40,6 +41,7 @@ pub use profiles::{ProfileRow, Profiles};
 pub use provenance::Provenance;
 pub use result_tables::{Cells, Column, ResultTable};
 pub use series::Series;
+pub use snapshot_format::{PointColumn, SnapshotFormat, SnapshotStorage};
 pub use units::ColumnUnits;
 pub use wall_force_table::WallForceTable;
 

@@ -3,7 +3,10 @@
 use std::fs::{File, OpenOptions};
 use std::path::Path;
 
-use super::{ColumnUnits, MessageResult, OutputError, Provenance, is_error_of_system, set_aside};
+use super::{
+    ColumnUnits, MessageResult, OutputError, Provenance, SnapshotFormat, is_error_of_system,
+    set_aside,
+};
 use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
@@ -42,8 +45,9 @@ pub struct Sample<'a> {
     pub wall_forces: &'a [WallForce],
     /// The ledger of energies, if one is kept.
     pub energy: Option<&'a EnergyRow>,
-    /// The agglomerate of each of these particles, if snapshots are to show it and it is known.
-    pub agglomerates: Option<&'a [Option<u64>]>,
+    /// The numbers of each column that snapshots show of these particles in addition, particle after particle; none if no
+    /// snapshot is due.
+    pub columns: &'a [Vec<f64>],
     /// Samples the volume-averaged gas on this rank's cells; `None` if the stage has no such gas. Collective.
     pub gas_cells: &'a mut dyn FnMut() -> Option<Vec<CellSample>>,
 }
@@ -72,8 +76,8 @@ pub struct Opening<'a> {
     pub continue_after: Option<f64>,
     /// The grid of profiles.
     pub profile_grid: &'a ColumnGrid,
-    /// Whether snapshots of particles show their agglomerates.
-    pub agglomerates: bool,
+    /// What snapshots show, and how.
+    pub snapshots: &'a SnapshotFormat,
     /// The cells of a volume-averaged gas, if the case has one.
     pub gas_grid: Option<&'a BoxGrid>,
 }

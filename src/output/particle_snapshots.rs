@@ -11,7 +11,7 @@ use super::output_file::{Obstacle, continue_or_create, rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{
     ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
-    Sample, metadata_copy, on_root,
+    Sample, SnapshotFormat, metadata_copy, on_root,
 };
 use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
 
@@ -22,10 +22,10 @@ const CELLS: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 const VERTEX_POINTS: &str = "/VTKHDF/Vertices/Connectivity";
 /// Where the points of each vertex begin and end in that list: two rows for each snapshot.
 const VERTEX_ENDS: &str = "/VTKHDF/Vertices/Offsets";
+/// The positions.
+const POINTS: &str = "/VTKHDF/Points";
 /// Datasets with a row for each particle at each time.
 const POINT_DATA: [&str; 4] = ["id", "velocity", "angular_velocity", "radius"];
-/// A further one, if it is asked for.
-const AGGLOMERATE: &str = "agglomerate";
 /// Datasets of /VTKHDF/Steps with one integer for each time.
 const STEP_INTEGERS: [&str; 3] = ["PartOffsets", "NumberOfParts", "PointOffsets"];
 /// Datasets of /VTKHDF/Steps with one integer for each time and kind of cells.
@@ -39,16 +39,20 @@ const STEP_PIECE: usize = 256;
 #[derive(Clone, Debug)]
 pub struct ParticleSnapshots {
     path: PathBuf,
-    contents: Contents,
+    format: SnapshotFormat,
+    /// Whether the file is compressed; one that was begun otherwise goes on as it is.
+    compressed: bool,
     steps: u64,
+    /// Rows, those between snapshots included.
     points: u64,
 }
 
-/// What a file shows of a particle.
-#[derive(Clone, Copy, Debug)]
-struct Contents {
-    /// Whether that includes its agglomerate.
-    agglomerates: bool,
+/// Rows of one snapshot: those of all particles, from the first on.
+#[derive(Clone, Copy)]
+struct SnapshotRows {
+    step: u64,
+    first: u64,
+    count: u64,
 }
 
 impl ParticleSnapshots {
@@ -60,10 +64,10 @@ impl ParticleSnapshots {
     };
 
     fn open(path: &Path, opening: &Opening<'_>, ranks: &dyn Communicator) -> OpenedOutput {
-        let contents = Contents { agglomerates: opening.agglomerates };
+        let format = opening.snapshots;
         let snapshots = match opening.continue_after {
-            Some(time) => Self::go_on(path, time, opening.head, contents, ranks)?,
-            None => Self::begin(path, opening.head, contents, ranks)?,
+            Some(time) => Self::resume(path, time, opening.head, format, ranks)?,
+            None => Self::create(path, opening.head, format, ranks)?,
         };
         Ok(Some(Box::new(snapshots)))
     }
@@ -75,19 +79,13 @@ impl ParticleSnapshots {
     pub fn create(
         path: &Path,
         head: Head<'_>,
+        format: &SnapshotFormat,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::begin(path, head, Contents { agglomerates: false }, ranks)
-    }
-
-    fn begin(
-        path: &Path,
-        head: Head<'_>,
-        contents: Contents,
-        ranks: &dyn Communicator,
-    ) -> Result<Self, OutputError> {
-        on_root(path, ranks, || create(path, head, contents))?;
-        Ok(Self { path: path.to_owned(), contents, steps: 0, points: 0 })
+        on_root(path, ranks, || create(path, head, format))?;
+        let (path, format) = (path.to_owned(), format.clone());
+        let compressed = format.storage.compression > 0;
+        Ok(Self { path, format, compressed, steps: 0, points: 0 })
     }
 
     /// Continues a file as it was last committed, after the snapshots up to and including `time`; later ones are
@@ -99,38 +97,38 @@ impl ParticleSnapshots {
         path: &Path,
         time: f64,
         head: Head<'_>,
-        ranks: &dyn Communicator,
-    ) -> Result<Self, OutputError> {
-        Self::go_on(path, time, head, Contents { agglomerates: false }, ranks)
-    }
-
-    fn go_on(
-        path: &Path,
-        time: f64,
-        head: Head<'_>,
-        contents: Contents,
+        format: &SnapshotFormat,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let found = on_root(path, ranks, || {
             let kept = continue_or_create(
                 path,
-                |found| cut_after(path, time, contents, found),
-                || Ok([0, 0, 0]),
+                |found| cut_after(path, time, format, found),
+                || Ok(Kept::default()),
             )?;
-            match kept {
-                [0, ..] => create(path, head, contents)?,
-                _ => metadata_copy::commit(path, &contents.tables())?,
+            match kept.steps {
+                0 => create(path, head, format)?,
+                _ => metadata_copy::commit(path, &tables(format))?,
             }
-            Ok(kept)
+            let compressed = SerialFile::open(path)?.is_compressed(POINTS)?;
+            Ok([kept.steps, kept.points, u64::from(compressed)])
         })?;
         // Rank 0 alone has counted: the sum is known to all ranks.
         let mut counts = found.unwrap_or_default().map(|count| count as i64);
         ranks.sum_integers(&mut counts);
-        let [steps, points, _] = counts.map(|count| count as u64);
-        Ok(Self { path: path.to_owned(), contents, steps, points })
+        let [steps, points, compressed] = counts.map(|count| count as u64);
+        let (path, format) = (path.to_owned(), format.clone());
+        // A file that has begun otherwise goes on as it is.
+        Ok(Self { path, format, compressed: compressed == 1, steps, points })
     }
 
-    /// Adds the particles at a time: all ranks' shares, in any order. Collective.
+    /// What the snapshots show, and how.
+    pub fn format(&self) -> &SnapshotFormat {
+        &self.format
+    }
+
+    /// Adds the particles at a time: all ranks' shares, in any order, with the numbers of each further column in the same
+    /// order. Collective.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -138,47 +136,47 @@ impl ParticleSnapshots {
         &mut self,
         time: f64,
         particles: &(impl Records<ParticleRecord> + ?Sized),
-        ranks: &dyn Communicator,
-    ) -> Result<(), OutputError> {
-        self.append_with(time, particles, None, ranks)
-    }
-
-    /// The same with the agglomerates of the particles, in their order.
-    fn append_with(
-        &mut self,
-        time: f64,
-        particles: &(impl Records<ParticleRecord> + ?Sized),
-        agglomerates: Option<&[Option<u64>]>,
+        columns: &[Vec<f64>],
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
         let block = sort_by_id(particles, |particle| [particle.id, 0], ranks);
-        let (before, after) = (self.points, self.points + block.total);
-        let first = before + block.offset;
+        let (begin, count) = (first_row(self.points, self.compressed), block.total);
+        let first = begin + block.offset;
         let vectors = |get: fn(&ParticleRecord) -> &[f64; 3]| -> Vec<f64> {
             block.rows.iter().flat_map(get).copied().collect()
         };
         let ids: Vec<i64> = block.rows.iter().map(|particle| particle.id as i64).collect();
         let radii: Vec<f64> = block.rows.iter().map(|particle| particle.radius).collect();
-        let file = SharedFile::open_to_write(&self.path, ranks)?;
-        self.contents.point_tables().iter().try_for_each(|name| file.grow(name, after))?;
-        file.write_rows("/VTKHDF/Points", first, &vectors(|particle| &particle.position))?;
-        file.write_rows("/VTKHDF/PointData/id", first, &ids)?;
+        let file = match self.compressed {
+            true => SharedFile::open_to_write_on_root(&self.path, ranks)?,
+            false => SharedFile::open_to_write(&self.path, ranks)?,
+        };
+        let tables = point_tables(&self.format);
+        tables.iter().try_for_each(|name| file.grow(name, begin + count))?;
+        file.write_rows(POINTS, first, &vectors(|particle| &particle.position))?;
+        file.write_rows(&point_data("id"), first, &ids)?;
         let velocities = vectors(|particle| &particle.velocity);
-        file.write_rows("/VTKHDF/PointData/velocity", first, &velocities)?;
+        file.write_rows(&point_data("velocity"), first, &velocities)?;
         let spins = vectors(|particle| &particle.angular_velocity);
-        file.write_rows("/VTKHDF/PointData/angular_velocity", first, &spins)?;
-        file.write_rows("/VTKHDF/PointData/radius", first, &radii)?;
-        if self.contents.agglomerates {
-            let labels = sorted_labels(particles, agglomerates, ranks);
-            file.write_rows(&point_data(AGGLOMERATE), first, &labels)?;
+        file.write_rows(&point_data("angular_velocity"), first, &spins)?;
+        file.write_rows(&point_data("radius"), first, &radii)?;
+        for (column, values) in self.format.columns.iter().zip(columns) {
+            let values = sorted_values(particles, values, column.width, ranks);
+            file.write_rows(&point_data(column.name), first, &values)?;
         }
         file.close()?;
-        let (path, step) = (&self.path, [self.steps, before, after]);
-        on_root(path, ranks, || append_step(path, time, step, self.contents))?;
+        let (path, rows) = (&self.path, SnapshotRows { step: self.steps, first: begin, count });
+        on_root(path, ranks, || append_step(path, time, rows, &self.format))?;
         self.steps += 1;
-        self.points = after;
+        self.points = begin + count;
         Ok(())
     }
+}
+
+/// The row at which a snapshot begins after so many rows. Compressed pieces are written once, and never moved: there a
+/// snapshot begins with a piece of its own.
+fn first_row(rows: u64, compressed: bool) -> u64 {
+    if compressed { rows.next_multiple_of(POINT_PIECE as u64) } else { rows }
 }
 
 impl Output for ParticleSnapshots {
@@ -187,11 +185,11 @@ impl Output for ParticleSnapshots {
         sample: &mut Sample<'_>,
         ranks: &dyn Communicator,
     ) -> Result<(), OutputError> {
-        self.append_with(sample.measures.time, sample.particles, sample.agglomerates, ranks)
+        self.append(sample.measures.time, sample.particles, sample.columns, ranks)
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &self.contents.tables(), ranks)
+        metadata_copy::commit_on_root(&self.path, &tables(&self.format), ranks)
     }
 }
 
@@ -199,58 +197,62 @@ fn point_data(name: &str) -> String {
     format!("/VTKHDF/PointData/{name}")
 }
 
-/// The labels of particles sorted by id as their rows are; -1 for none.
-fn sorted_labels(
+/// The numbers of a column, sorted by id as the particles' rows are.
+fn sorted_values(
     particles: &(impl Records<ParticleRecord> + ?Sized),
-    agglomerates: Option<&[Option<u64>]>,
+    values: &[f64],
+    width: usize,
     ranks: &dyn Communicator,
-) -> Vec<i64> {
-    let label = |index: usize| agglomerates.and_then(|labels| *labels.get(index)?);
-    let record =
-        |index: usize| [particles.at(index).id as i64, label(index).map_or(-1, |x| x as i64)];
-    let records: Vec<[i64; 2]> = (0..particles.count()).map(record).collect();
-    let sorted = sort_by_id(&records, |record| [record[0] as u64, 0], ranks);
-    sorted.rows.into_iter().map(|[_, label]| label).collect()
+) -> Vec<f64> {
+    /// Most numbers of a column for each particle.
+    const WIDEST: usize = 3;
+    let record = |(index, numbers): (usize, &[f64])| {
+        let number = |place: usize| numbers.get(place).map_or(0, |number| number.to_bits());
+        let [first, second, third]: [u64; WIDEST] = std::array::from_fn(number);
+        [particles.at(index).id, first, second, third]
+    };
+    let records: Vec<[u64; 4]> = values.chunks_exact(width).enumerate().map(record).collect();
+    let sorted = sort_by_id(&records, |record| [record[0], 0], ranks);
+    let numbers = sorted.rows.iter().flat_map(|record| &record[1..=width]);
+    numbers.map(|&bits| f64::from_bits(bits)).collect()
 }
 
-impl Contents {
-    /// Names of the datasets with a row for each particle at each time, but for the positions.
-    fn names(self) -> impl Iterator<Item = &'static str> {
-        POINT_DATA.into_iter().chain(self.agglomerates.then_some(AGGLOMERATE))
-    }
-
-    /// Paths of the datasets with a row for each particle at each time.
-    fn point_tables(self) -> Vec<String> {
-        std::iter::once("/VTKHDF/Points".to_owned()).chain(self.names().map(point_data)).collect()
-    }
-
-    /// Paths of the datasets with one row for each time, one integer wide.
-    fn step_tables(self) -> Vec<String> {
-        let steps = STEP_INTEGERS.iter().map(|name| format!("/VTKHDF/Steps/{name}"));
-        let data = self.names().map(|name| format!("/VTKHDF/Steps/PointDataOffsets/{name}"));
-        let cells = CELLS.iter().flat_map(|kind| {
-            ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
-                .map(|name| format!("/VTKHDF/{kind}/{name}"))
-        });
-        let cells = cells.filter(|name| name != VERTEX_ENDS);
-        let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
-        steps.chain(data).chain(cells).chain(number).collect()
-    }
-
-    /// Paths of the datasets that grow.
-    fn tables(self) -> Vec<String> {
-        let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
-        let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
-        let vertices = [VERTEX_ENDS, VERTEX_POINTS].map(str::to_owned);
-        [self.point_tables(), self.step_tables(), wider.to_vec(), vertices.to_vec()].concat()
-    }
+/// Names of the datasets with a row for each particle at each time, but for the positions.
+fn names(format: &SnapshotFormat) -> impl Iterator<Item = &'static str> {
+    POINT_DATA.into_iter().chain(format.columns.iter().map(|column| column.name))
 }
 
-fn create(path: &Path, head: Head<'_>, contents: Contents) -> MessageResult<()> {
-    metadata_copy::create(path, &contents.tables(), |path| make(path, head, contents))
+/// Paths of the datasets with a row for each particle at each time.
+fn point_tables(format: &SnapshotFormat) -> Vec<String> {
+    std::iter::once(POINTS.to_owned()).chain(names(format).map(point_data)).collect()
 }
 
-fn make(path: &Path, head: Head<'_>, contents: Contents) -> MessageResult<()> {
+/// Paths of the datasets with one row for each time, one integer wide.
+fn step_tables(format: &SnapshotFormat) -> Vec<String> {
+    let steps = STEP_INTEGERS.iter().map(|name| format!("/VTKHDF/Steps/{name}"));
+    let data = names(format).map(|name| format!("/VTKHDF/Steps/PointDataOffsets/{name}"));
+    let cells = CELLS.iter().flat_map(|kind| {
+        ["NumberOfCells", "NumberOfConnectivityIds", "Offsets"]
+            .map(|name| format!("/VTKHDF/{kind}/{name}"))
+    });
+    let cells = cells.filter(|name| name != VERTEX_ENDS);
+    let number = std::iter::once("/VTKHDF/NumberOfPoints".to_owned());
+    steps.chain(data).chain(cells).chain(number).collect()
+}
+
+/// Paths of the datasets that grow.
+fn tables(format: &SnapshotFormat) -> Vec<String> {
+    let wider = ["CellOffsets", "ConnectivityIdOffsets", "Values"];
+    let wider = wider.map(|name| format!("/VTKHDF/Steps/{name}"));
+    let vertices = [VERTEX_ENDS, VERTEX_POINTS].map(str::to_owned);
+    [point_tables(format), step_tables(format), wider.to_vec(), vertices.to_vec()].concat()
+}
+
+fn create(path: &Path, head: Head<'_>, format: &SnapshotFormat) -> MessageResult<()> {
+    metadata_copy::create(path, &tables(format), |path| make(path, head, format))
+}
+
+fn make(path: &Path, head: Head<'_>, format: &SnapshotFormat) -> MessageResult<()> {
     let file = SerialFile::create(path)?;
     for group in ["/VTKHDF", "/VTKHDF/PointData", "/VTKHDF/Steps", "/VTKHDF/Steps/PointDataOffsets"]
     {
@@ -264,36 +266,44 @@ fn make(path: &Path, head: Head<'_>, contents: Contents) -> MessageResult<()> {
         file.set_text("/talcum", name, &entry)?;
     }
     file.set_text("/talcum", "case", head.case_text)?;
-    make_point_tables(&file, &head.units())?;
-    if contents.agglomerates {
-        let description = "smallest id of the particle's agglomerate as of the last look; -1: none";
-        let name = &point_data(AGGLOMERATE);
-        let head = TableHead { name, width: 1, unit: "1", description };
-        file.make_table::<i64>(&head, Rows::Growing(POINT_PIECE))?;
-    }
-    make_step_tables(&file, &head.units(), contents)?;
+    make_point_tables(&file, &head.units(), format)?;
+    make_step_tables(&file, &head.units(), format)?;
     file.close()
 }
 
-fn make_point_tables(file: &SerialFile, units: &ColumnUnits) -> MessageResult<()> {
-    let rows = Rows::Growing(POINT_PIECE);
-    let numbers = [
-        ("/VTKHDF/Points", 3, units.length, "centres, of one time after another, sorted by id"),
-        ("/VTKHDF/PointData/velocity", 3, units.speed, "velocities of the centres"),
-        ("/VTKHDF/PointData/angular_velocity", 3, units.angular_speed, "angular velocities"),
-        ("/VTKHDF/PointData/radius", 1, units.length, "radii"),
+fn make_point_tables(
+    file: &SerialFile,
+    units: &ColumnUnits,
+    format: &SnapshotFormat,
+) -> MessageResult<()> {
+    let make = |name: &str, is_whole, (width, unit, description)| {
+        let head = TableHead { name, width, unit, description };
+        match is_whole {
+            true => file.make_table::<i64>(&head, format.storage.rows(POINT_PIECE)),
+            false => format.storage.make_numbers(file, &head, &[], POINT_PIECE),
+        }
+    };
+    let places = "centres, of one time after another, sorted by id";
+    make(POINTS, false, (3, units.length, places))?;
+    let always = [
+        ("velocity", (3, units.speed, "velocities of the centres")),
+        ("angular_velocity", (3, units.angular_speed, "angular velocities")),
+        ("radius", (1, units.length, "radii")),
     ];
-    for (name, width, unit, description) in numbers {
-        file.make_table::<f64>(&TableHead { name, width, unit, description }, rows)?;
+    for (name, what) in always {
+        make(&point_data(name), false, what)?;
     }
-    let (name, description) = ("/VTKHDF/PointData/id", "global ids, ascending at each time");
-    file.make_table::<i64>(&TableHead { name, width: 1, unit: "1", description }, rows)
+    make(&point_data("id"), true, (1, "1", "global ids, ascending at each time"))?;
+    format.columns.iter().try_for_each(|column| {
+        let what = (column.width, column.unit, column.description);
+        make(&point_data(column.name), column.is_whole, what)
+    })
 }
 
 fn make_step_tables(
     file: &SerialFile,
     units: &ColumnUnits,
-    contents: Contents,
+    format: &SnapshotFormat,
 ) -> MessageResult<()> {
     let rows = Rows::Growing(STEP_PIECE);
     let head = TableHead {
@@ -307,7 +317,7 @@ fn make_step_tables(
         file.make_table::<i64>(&TableHead { name, width, unit: "1", description }, rows)
     };
     CELLS.iter().try_for_each(|kind| file.make_group(&format!("/VTKHDF/{kind}")))?;
-    for name in contents.step_tables() {
+    for name in step_tables(format) {
         integers(&name, 1, "index of VTKHDF, one for each time", rows)?;
     }
     for name in CELL_OFFSETS {
@@ -323,25 +333,25 @@ fn make_step_tables(
     integers(VERTEX_ENDS, 1, "for each snapshot 0 and the number of its points", rows)
 }
 
-/// Makes the rows from `before` to `after` the snapshot number `step`.
+/// Makes rows that are there a snapshot.
 fn append_step(
     path: &Path,
     time: f64,
-    [step, before, after]: [u64; 3],
-    contents: Contents,
+    rows: SnapshotRows,
+    format: &SnapshotFormat,
 ) -> MessageResult<()> {
-    let count = after - before;
+    let SnapshotRows { step, first, count } = rows;
     let file = SerialFile::open_to_change(path)?;
     file.append("/VTKHDF/Steps/Values", &[time])?;
-    for name in contents.step_tables() {
+    for name in step_tables(format) {
         let value = match name.rsplit('/').next() {
             Some("PartOffsets") => step,
             Some("NumberOfParts") => 1,
             Some("NumberOfPoints") => count,
-            Some("PointOffsets") => before,
+            Some("PointOffsets") => first,
             Some("NumberOfCells") if name.contains(CELLS[0]) => 1,
             Some("NumberOfConnectivityIds") if name.contains(CELLS[0]) => count,
-            _ if name.contains("PointDataOffsets") => before,
+            _ if name.contains("PointDataOffsets") => first,
             _ => 0,
         };
         file.append(&name, &[value as i64])?;
@@ -358,17 +368,28 @@ fn append_step(
     file.close()
 }
 
-/// Drops the snapshots after a time; returns the number of those kept, of their rows, and of those of the largest.
+/// What is kept of a file that is continued.
+#[derive(Clone, Copy, Default)]
+struct Kept {
+    /// Snapshots.
+    steps: u64,
+    /// Rows up to the end of the last.
+    points: u64,
+    /// Particles of the largest.
+    most: u64,
+}
+
+/// Drops the snapshots after a time.
 fn cut_after(
     path: &Path,
     time: f64,
-    contents: Contents,
+    format: &SnapshotFormat,
     found_length: u64,
-) -> Result<[u64; 3], Obstacle> {
+) -> Result<Kept, Obstacle> {
     metadata_copy::restore(path).map_err(Obstacle::Failed)?;
-    let kept = rows_to_keep(path, time, contents, found_length).map_err(Obstacle::Unusable)?;
-    if kept[0] > 0 {
-        cut(path, kept, contents).map_err(Obstacle::Failed)?;
+    let kept = rows_to_keep(path, time, format, found_length).map_err(Obstacle::Unusable)?;
+    if kept.steps > 0 {
+        cut(path, kept, format).map_err(Obstacle::Failed)?;
     }
     Ok(kept)
 }
@@ -376,36 +397,51 @@ fn cut_after(
 fn rows_to_keep(
     path: &Path,
     time: f64,
-    contents: Contents,
+    format: &SnapshotFormat,
     found_length: u64,
-) -> MessageResult<[u64; 3]> {
+) -> MessageResult<Kept> {
     let file = SerialFile::open(path)?;
-    if !contents.agglomerates && file.shape(&point_data(AGGLOMERATE)).is_ok() {
-        return Err("it shows agglomerates, which the case no longer asks for".to_owned());
+    let shown = file.names("/VTKHDF/PointData")?;
+    if let Some(other) = shown.iter().find(|name| names(format).all(|wanted| wanted != *name)) {
+        return Err(format!("it shows {other}, which the case no longer asks for"));
     }
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-    let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
+    let (firsts, counts) = snapshot_rows(&file)?;
     let listed = times.len().min(listed.max(0) as usize);
     let steps = rows_up_to(&times[..listed], time);
-    let points = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
-    let points = points.ok_or("its numbers of particles are damaged")?;
-    let most = counts.iter().take(steps).max().map_or(0, |&most| most.max(0));
-    let kept = [steps, points as usize, most as usize].map(|count| count as u64);
-    for (name, rows) in rows_of_tables(kept, contents) {
+    let damaged = "its numbers of particles are damaged";
+    let mut kept = Kept { steps: steps as u64, ..Kept::default() };
+    for step in 0..steps {
+        let (Some(&first), Some(&count)) = (firsts.get(step), counts.get(step)) else {
+            return Err(damaged.to_owned());
+        };
+        kept.points = first.checked_add(count).filter(|&end| end >= kept.points).ok_or(damaged)?;
+        kept.most = kept.most.max(count);
+    }
+    for (name, rows) in rows_of_tables(kept, format) {
         metadata_copy::require_rows(&file, &name, rows, found_length)?;
     }
     file.close()?;
     Ok(kept)
 }
 
-/// Every table with its rows, for so many snapshots, particles in them, and particles in the largest.
-fn rows_of_tables(
-    [steps, points, most]: [u64; 3],
-    contents: Contents,
-) -> impl Iterator<Item = (String, u64)> {
-    let of_points = contents.point_tables();
-    contents.tables().into_iter().map(move |name| {
+/// The first row of each snapshot, and the number of its rows.
+pub(super) fn snapshot_rows(file: &SerialFile) -> MessageResult<(Vec<u64>, Vec<u64>)> {
+    let read = |name| -> MessageResult<Vec<u64>> {
+        let numbers: Vec<i64> = file.read(name)?;
+        let number = |&number: &i64| u64::try_from(number);
+        let numbers: Result<_, _> = numbers.iter().map(number).collect();
+        numbers.map_err(|_| "its numbers of particles are damaged".to_owned())
+    };
+    Ok((read("/VTKHDF/Steps/PointOffsets")?, read("/VTKHDF/NumberOfPoints")?))
+}
+
+/// Every table with its rows.
+fn rows_of_tables(kept: Kept, format: &SnapshotFormat) -> impl Iterator<Item = (String, u64)> {
+    let Kept { steps, points, most } = kept;
+    let of_points = point_tables(format);
+    tables(format).into_iter().map(move |name| {
         let rows = match name.as_str() {
             VERTEX_ENDS => 2 * steps,
             VERTEX_POINTS => most,
@@ -416,11 +452,16 @@ fn rows_of_tables(
     })
 }
 
-fn cut(path: &Path, kept: [u64; 3], contents: Contents) -> MessageResult<()> {
+fn cut(path: &Path, kept: Kept, format: &SnapshotFormat) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
-    for (name, rows) in rows_of_tables(kept, contents) {
+    let compressed = file.is_compressed(POINTS)?;
+    let of_points = point_tables(format);
+    for (name, rows) in rows_of_tables(kept, format) {
+        // A piece that was cut would be written again, and moved.
+        let whole = compressed && of_points.contains(&name);
+        let rows = if whole { first_row(rows, true).min(file.shape(&name)?.0) } else { rows };
         file.cut(&name, rows)?;
     }
-    file.set_number("/VTKHDF/Steps", "NSteps", kept[0] as i64)?;
+    file.set_number("/VTKHDF/Steps", "NSteps", kept.steps as i64)?;
     file.close()
 }

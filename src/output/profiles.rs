@@ -163,11 +163,15 @@ fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
         let head = table(name, widths[column], column_units[column], descriptions[column]);
         file.make_table::<f64>(&head, Rows::Growing(PIECE))?;
     }
-    file.set_scales(&[
+    let scaled = |(table, scales): (&str, &[&str])| {
+        (table.to_owned(), scales.iter().map(|&scale| scale.to_owned()).collect())
+    };
+    let tables: [(&str, &[&str]); 3] = [
         ("/superficial_velocity", &["/time"]),
         ("/solids_fraction", &["/time", "/height"]),
         ("/solids_velocity", &["/time", "/height"]),
-    ])?;
+    ];
+    file.set_scales(&tables.map(scaled))?;
     file.close()
 }
 

@@ -20,4 +20,11 @@ pub(super) enum Rows {
     Fixed(u64),
     /// None yet; stored in pieces of so many rows.
     Growing(usize),
+    /// The same, each piece compressed; every piece may be written at one time only.
+    Compressed {
+        /// Rows of a piece.
+        piece: usize,
+        /// How hard, from 1 to 9.
+        level: u8,
+    },
 }

@@ -22,7 +22,7 @@ pub struct Body {
 }
 
 /// Force and torque on a particle: twice four numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct ForceTorque {
     /// Total force, a multiple of the force quantum.

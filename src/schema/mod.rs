@@ -61,6 +61,8 @@ pub enum Kind {
     List(Allowed),
     /// One of several words; each may bring keys of its own.
     Word(&'static [Word]),
+    /// Any number of these words, each once, at least one.
+    Words(&'static [Word]),
     /// A section, or a table in braces.
     Table(&'static [Key]),
     /// A list of sections.

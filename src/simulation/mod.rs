@@ -7,6 +7,7 @@ mod layout;
 mod measuring;
 mod memory;
 mod outputs;
+mod particle_columns;
 mod running;
 mod start;
 

@@ -4,6 +4,7 @@ use super::checkpoints::{Checkpoints, WrittenCheckpoint};
 use super::folder::{OutputFolder, make_folder, mark_complete};
 use super::measuring::{Beginning, Measuring};
 use super::outputs::Outputs;
+use super::particle_columns::{self, snapshot_format};
 use super::start::{InitialState, Origin};
 use super::{RunError, memory};
 use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
@@ -66,9 +67,9 @@ impl<'a> Simulation<'a> {
         let head = Head { case_text: &case.text, provenance: &provenance };
         let continue_after = (origin == Origin::ContinuedRun).then(|| state.clock.time());
         let gas_grid = case.volume_averaged().map(|model| &model.grid);
-        let agglomerates = case.output.agglomerates.is_some();
+        let snapshots = &snapshot_format(case);
         let profile_grid = profile.grid();
-        let opening = Opening { head, continue_after, profile_grid, agglomerates, gas_grid };
+        let opening = Opening { head, continue_after, profile_grid, snapshots, gas_grid };
         let outputs = open_outputs(&folder, case, &opening, state.clock.step, ranks)?;
         let beginning = Beginning { folder: &folder.path, head, continue_after, kept };
         let measuring = Measuring::open(case, &beginning, &state.sizes, profile.grid(), ranks)?;
@@ -243,10 +244,10 @@ impl<'a> Simulation<'a> {
         });
         let is_asked_for = case.output.walls.is_some();
         let wall_forces = if is_asked_for { wall_forces(view, *ranks) } else { Vec::new() };
-        let ids = &state.particles.id[..state.particles.owned_count()];
-        let name =
-            case.output.agglomerates.as_ref().filter(|_| outputs.shows_particles(&state.clock));
-        let agglomerates = name.and_then(|name| measuring.agglomerates(name, ids, *ranks));
+        let columns = match outputs.shows_particles(&state.clock) {
+            true => particle_columns::values(case, view, measuring, *ranks),
+            false => Vec::new(),
+        };
         let mut gas_cells = || work.gas.sample(&state.gas, &state.particles, *ranks);
         let mut sample = Sample {
             measures: &measures,
@@ -254,7 +255,7 @@ impl<'a> Simulation<'a> {
             particles: &records(case, state),
             wall_forces: &wall_forces,
             energy: energy.as_ref(),
-            agglomerates: agglomerates.as_deref(),
+            columns: &columns,
             gas_cells: &mut gas_cells,
         };
         outputs.write(&state.clock, &mut sample, *ranks)?;
@@ -353,7 +354,9 @@ fn begin(
     let models = case.stages[stage].models(&state.sizes);
     state.clock = state.clock.with_time_step(models.physics.time_step);
     work.prepare(&case.domain, &models, &state.sizes);
-    work.tallies.on_walls.set_classes(case.particles.classes());
+    work.tallies
+        .on_walls
+        .set_classes(case.particles.classes().iter().map(|class| class.diameter).collect());
     let opens_ledger = prepare_ledger(case, state);
     time_step::begin(state, &case.domain, &models, work, std::mem::take(histories), ranks)?;
     if *origin == Origin::NewBed {

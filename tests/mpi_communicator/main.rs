@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use bytemuck::Zeroable;
 use talcum::output::checkpoint::{self, Checkpoint};
-use talcum::output::{Head, Output, ParticleSnapshots, Provenance};
+use talcum::output::{Head, Output, ParticleSnapshots, Provenance, SnapshotFormat};
 use talcum::parallel::{
     Communicator, ContactRecord, FileAccess, Message, MpiRanks, OneRank, ParticleRecord,
 };
@@ -250,13 +250,15 @@ fn write(ranks: &MpiRanks, folder: &Path) {
     assert!(refused.unwrap_err().message.contains("HDF5 says"));
     let path = folder.join(format!("particles-{}.vtkhdf", ranks.size()));
     let head = Head { case_text: "", provenance: &provenance };
-    let mut snapshots = ParticleSnapshots::create(&path, head, ranks).unwrap();
+    let mut snapshots =
+        ParticleSnapshots::create(&path, head, &SnapshotFormat::default(), ranks).unwrap();
     for (step, count) in COUNTS.into_iter().enumerate() {
-        snapshots.append(step as f64, &share(count, ranks).particles, ranks).unwrap();
+        snapshots.append(step as f64, &share(count, ranks).particles, &[], ranks).unwrap();
     }
     snapshots.commit(ranks).unwrap();
-    let mut snapshots = ParticleSnapshots::resume(&path, 1.0, head, ranks).unwrap();
-    snapshots.append(2.0, &share(3, ranks).particles, ranks).unwrap();
+    let mut snapshots =
+        ParticleSnapshots::resume(&path, 1.0, head, &SnapshotFormat::default(), ranks).unwrap();
+    snapshots.append(2.0, &share(3, ranks).particles, &[], ranks).unwrap();
 }
 
 fn read(ranks: &MpiRanks, folder: &Path) {

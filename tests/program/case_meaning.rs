@@ -208,3 +208,27 @@ fn every_drag_law_can_be_chosen() {
         assert_eq!(name, law.replace('_', ""), "{drag}");
     }
 }
+
+#[test]
+fn classes_have_their_densities() {
+    let classes = "particles.diameter={ values = [1.0, 1.0], fractions = [0.5, 0.5], densities = [1.0, 3.0] }";
+    let case = read("cohesive-column.toml", &[classes, "particles.seed=1"]).unwrap();
+    let particles = &case.particles;
+    assert!(close(particles.mean_density(), 2.0));
+    let masses = (0..1000).map(|id| particles.mass_of_particle(id, 1.0));
+    let classes: Vec<usize> =
+        masses.clone().map(|mass| particles.class_number(1.0, mass).unwrap()).collect();
+    assert!(
+        masses
+            .zip(&classes)
+            .all(|(mass, &class)| mass == particles.mass_of(1.0) * [1.0, 3.0][class])
+    );
+    // 4 standard deviations of the number of heavy ones.
+    let heavy = classes.iter().sum::<usize>();
+    assert!(heavy.abs_diff(500) < 64, "{heavy}");
+    // Contacts of the light ones are the shortest, and the heaviest decide the limits.
+    assert_eq!(case.size_range().unwrap().largest_mass, 3.0 * particles.mass_of(1.0));
+    // The control: without densities, all weigh the same.
+    let plain = read("cohesive-column.toml", &[]).unwrap();
+    assert!((0..9).all(|id| plain.particles.mass_of_particle(id, 1.0) == particles.mass_of(1.0)));
+}

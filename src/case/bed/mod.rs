@@ -142,7 +142,7 @@ fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
         force: [0.0; 3],
         torque: [0.0; 3],
         radius: 0.5 * sphere.diameter,
-        mass: case.particles.mass_of(sphere.diameter),
+        mass: case.particles.mass_of_particle(id, sphere.diameter),
         gas_force: [0.0; 3],
     }
 }

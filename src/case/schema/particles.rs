@@ -53,6 +53,14 @@ const DISTRIBUTION: &[Key] = &[
         "Number fraction of each class; they add up to 1",
     )
     .with("values"),
+    Key::new(
+        "densities",
+        Kind::List(Allowed::POSITIVE),
+        "Solid density of each class; Bond and Stokes number still refer to `particles.density`",
+    )
+    .unit("mass/volume")
+    .with("values")
+    .optional(),
     Key::word("distribution", SHAPES, "A continuous distribution").or(&["values"]),
 ];
 
@@ -177,7 +185,8 @@ pub(super) const CHAPTER: Chapter = Chapter {
     keys: PARTICLES,
     before: "",
     after: "\
-Forms of a distribution, by number: `{ values = [0.8, 1.2], fractions = [0.5, 0.5] }`,
+Forms of a distribution, by number: `{ values = [0.8, 1.2], fractions = [0.5, 0.5] }`, also with
+`densities = [1.0, 2.5]`, where two classes may have the same diameter,
 `{ distribution = \"uniform\", smallest = , largest = }`,
 `{ distribution = \"normal\", mean = , deviation = , smallest = , largest = }` and
 `{ distribution = \"log_normal\", median = , deviation = , smallest = , largest = }`. A start from a file or from

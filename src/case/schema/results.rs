@@ -3,6 +3,21 @@
 use super::Chapter;
 use crate::schema::{Allowed, Key, Kind, Value, Word};
 
+const PARTICLE_FIELDS: &[Word] = &[
+    Word::new("mass", ""),
+    Word::new("class", "its size class, from 0; -1 where sizes are not in classes"),
+    Word::new("force", "all that acts on it, at the end of the step"),
+    Word::new(
+        "gas_force",
+        "the part of the gas: drag, pressure gradient and, in three dimensions, buoyancy",
+    ),
+    Word::new("coordination", "how many particles it touches"),
+];
+const PRECISIONS: &[Word] = &[
+    Word::new("double", "8 bytes, exactly the numbers of the run"),
+    Word::new("single", "4 bytes, about 7 digits"),
+];
+
 /// `[output]`.
 pub(in crate::case) const OUTPUT: &[Key] = &[
     Key::number(
@@ -33,9 +48,24 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
     )
     .with("particles")
     .optional(),
+    Key::new(
+        "particle_fields",
+        Kind::Words(PARTICLE_FIELDS),
+        "What snapshots show of each particle beside position, velocity, angular velocity, radius and id",
+    )
+    .with("particles")
+    .optional(),
     Key::number("gas", Allowed::POSITIVE, "Interval of snapshots of a volume-averaged gas")
         .unit("time")
         .optional(),
+    Key::word("precision", PRECISIONS, "How snapshots of particles and gas hold numbers")
+        .default(Value::Word("double")),
+    Key::new(
+        "compression",
+        Kind::Count(0, 9),
+        "How hard snapshots are compressed (gzip): 0 not at all, 1 fast, 9 small; rank 0 then writes them alone",
+    )
+    .default(Value::Count(0)),
     Key::number(
         "bed_threshold",
         Allowed::positive_up_to(0.74),

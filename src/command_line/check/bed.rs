@@ -71,8 +71,9 @@ impl BedAtRest {
         let law = &stage.physics.contact.law;
         let gravity = &stage.physics.gravity;
         let largest = 1.0 + gravity.vibration.as_ref().map_or(0.0, |v| v.relative_acceleration);
-        let stress = self.solid_volume * case.particles.density * gravity.magnitude * largest
-            / self.cross_section;
+        let stress =
+            self.solid_volume * case.particles.mean_density() * gravity.magnitude * largest
+                / self.cross_section;
         let at_rest = overlap_under(law, bodies, stress * diameter * diameter) / diameter;
         if at_rest > 0.0 {
             tell(lines, "overlap under the bed's weight", [at_rest, AT_REST], "");

@@ -100,7 +100,7 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 
 /// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
-    let mass = case.particles.mass_of(sizes.smallest_diameter);
+    let mass = case.particles.least_mass_of(sizes.smallest_diameter);
     let radius = 0.5 * sizes.smallest_diameter;
     let unit = ColumnUnits::of_system(case.units.name()).time;
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {

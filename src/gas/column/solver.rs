@@ -10,7 +10,8 @@ use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
 use crate::grid::ColumnGrid;
 use crate::numbers::{Quantum, with_simd};
 use crate::parallel::Communicator;
-use crate::particles::Particles;
+use crate::particles::{ForceTorque, Particles};
+use nalgebra::Vector3;
 
 /// Iterations that the superficial velocity of a weight-carrying gas may take; 5 to 10 are usual.
 const MOST_ITERATIONS: usize = 100;
@@ -218,20 +219,36 @@ impl ColumnSolver {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
+        let owned = particles.owned_count();
+        self.add_to(&mut particles.forces[..owned], &particles.id)
+    }
+
+    /// The gas force on each owned particle in the last step.
+    pub fn forces_on(&self, particles: &Particles) -> Vec<Vector3<f64>> {
+        let mut loads = vec![ForceTorque::default(); particles.owned_count()];
+        // The step itself has ended the run if a force is out of range.
+        let _ = self.add_to(&mut loads, &particles.id);
+        loads.into_iter().map(|load| load.force).collect()
+    }
+
+    fn add_to(
+        &self,
+        loads: &mut [ForceTorque],
+        ids: &[u64],
+    ) -> Result<[i64; 3], GasForceOutOfRange> {
         let column = self.particles_in(match self.velocities.is_empty() {
             true => SuperficialVelocity::Uniform(self.superficial_velocity),
             false => SuperficialVelocity::Between(&self.between_velocities),
         });
-        let owned = particles.owned_count();
         let work = AddForces {
             column,
             lateral: self.gas.lateral_drag,
             quantum: self.quantum,
             limit: self.limit,
-            loads: &mut particles.forces[..owned],
+            loads,
         };
         with_simd(work).map_err(|too_large| GasForceOutOfRange::Particle {
-            particle: particles.id[too_large.index],
+            particle: ids[too_large.index],
             force: too_large.force,
             limit: self.limit,
             solids_fraction: too_large.solids_fraction,

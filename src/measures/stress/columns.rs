@@ -65,7 +65,10 @@ pub(super) fn fields(shape: &[usize]) -> Vec<Column> {
 /// What stands in the file of layers.
 pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
     let layers = grid.counts[2];
-    let shape = if phases > 1 { vec![phases, layers] } else { vec![layers] };
+    let (shape, along): (Vec<usize>, &[&str]) = match phases {
+        1 => (vec![layers], &["height"]),
+        _ => (vec![phases, layers], &["phase", "height"]),
+    };
     let scalars = [
         ("from", Time, "time of the first look that is averaged"),
         ("looks", Number, "number of looks that are averaged"),
@@ -81,7 +84,8 @@ pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
     let scalars = scalars
         .into_iter()
         .map(|(name, quantity, meaning)| Column::scalar(name, quantity, meaning));
-    let columns = scalars.chain(fields(&shape)).collect();
+    let columns =
+        scalars.chain(fields(&shape).into_iter().map(|field| field.along(along))).collect();
     let middle = |layer: usize| (layer as f64 + 0.5) * grid.spacing.z;
     let heights = Column::scalar("height", Length, "middle heights of the layers, in the frame");
     let heights = Fixed { column: heights, values: (0..layers).map(middle).collect() };

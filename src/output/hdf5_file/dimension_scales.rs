@@ -16,8 +16,8 @@ use hdf5_sys::h5t::{H5T_str_t, H5Tset_strpad};
 /// What makes a dataset a scale.
 const CLASS: &[u8; 16] = b"DIMENSION_SCALE\0";
 
-/// A table, with the scale of each of its dimensions.
-pub(in crate::output) type ScaledTable<'a> = (&'a str, &'a [&'a str]);
+/// A table, with the scales of its first dimensions; the others have none.
+pub(in crate::output) type ScaledTable = (String, Vec<String>);
 
 /// A dataset and its dimension that a scale belongs to.
 #[derive(Clone, Copy, H5Type)]
@@ -29,9 +29,8 @@ struct Use {
 
 impl SerialFile {
     /// Makes datasets of a new file scales of the dimensions of tables.
-    pub(in crate::output) fn set_scales(&self, tables: &[ScaledTable<'_>]) -> MessageResult<()> {
-        let mut scales: Vec<&str> =
-            tables.iter().flat_map(|(_, scales)| *scales).copied().collect();
+    pub(in crate::output) fn set_scales(&self, tables: &[ScaledTable]) -> MessageResult<()> {
+        let mut scales: Vec<&String> = tables.iter().flat_map(|(_, scales)| scales).collect();
         scales.sort_unstable();
         scales.dedup();
         scales.into_iter().try_for_each(|scale| self.make_scale(scale, tables))?;
@@ -42,7 +41,7 @@ impl SerialFile {
         described(self.0.reference(name))
     }
 
-    fn make_scale(&self, scale: &str, tables: &[ScaledTable<'_>]) -> MessageResult<()> {
+    fn make_scale(&self, scale: &str, tables: &[ScaledTable]) -> MessageResult<()> {
         let mut uses = Vec::new();
         for (table, scales) in tables {
             for dimension in (0..scales.len()).filter(|&dimension| scales[dimension] == scale) {
@@ -58,10 +57,13 @@ impl SerialFile {
         written(make())
     }
 
-    fn list_scales(&self, table: &str, scales: &[&str]) -> MessageResult<()> {
-        let references =
-            scales.iter().map(|scale| Ok(VarLenArray::from_slice(&[self.reference(scale)?])));
-        let references = references.collect::<MessageResult<Vec<_>>>()?;
+    fn list_scales(&self, table: &str, scales: &[String]) -> MessageResult<()> {
+        let dimensions = described(self.0.dataset(table))?.ndim();
+        let of_dimension = |dimension: usize| -> MessageResult<VarLenArray<ObjectReference1>> {
+            let scale = scales.get(dimension).map(|scale| self.reference(scale)).transpose()?;
+            Ok(VarLenArray::from_slice(scale.as_slice()))
+        };
+        let references = (0..dimensions).map(of_dimension).collect::<MessageResult<Vec<_>>>()?;
         let list = || {
             let dataset = self.0.dataset(table)?;
             let attribute =

@@ -15,8 +15,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use bytemuck::Pod;
 use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Dataset, Extent, File, FileBuilder, H5Type, Location, SimpleExtents};
+use hdf5::{
+    Dataset, DatasetBuilderEmpty, Extent, File, FileBuilder, H5Type, Location, SimpleExtents,
+};
 
+pub(super) use self::dimension_scales::ScaledTable;
 use self::rows::{open_together, place_of_piece, read_rows, set_rows, write};
 pub(super) use self::shared_dataset::SharedDataset;
 use super::table::{Rows, TableHead};
@@ -46,6 +49,7 @@ pub(crate) fn hdf5_version() -> String {
 /// What datasets hold.
 pub(super) trait Element: Pod + H5Type + Default {}
 impl Element for f64 {}
+impl Element for f32 {}
 impl Element for u64 {}
 impl Element for i64 {}
 
@@ -195,20 +199,36 @@ impl SerialFile {
             let width = if head.width == 1 { &[][..] } else { &[head.width] };
             let width = &[shape, width].concat()[..];
             let builder = self.0.new_dataset::<T>();
+            let early = |builder: DatasetBuilderEmpty| {
+                builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never)
+            };
             let (first, builder) = match rows {
-                Rows::Fixed(rows) => (Extent::fixed(rows as usize), builder.no_chunk()),
+                Rows::Fixed(rows) => (Extent::fixed(rows as usize), early(builder.no_chunk())),
                 Rows::Growing(piece) => {
-                    (Extent::resizable(0), builder.chunk([&[piece], width].concat()))
+                    (Extent::resizable(0), early(builder.chunk([&[piece], width].concat())))
+                }
+                Rows::Compressed { piece, level } => {
+                    let builder = builder.chunk([&[piece], width].concat());
+                    (Extent::resizable(0), builder.shuffle().deflate(level))
                 }
             };
             let extents = std::iter::once(first).chain(width.iter().map(Extent::from)).collect();
-            let builder = builder.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never);
             let builder = builder.obj_track_times(false);
             let dataset = builder.shape(SimpleExtents::from_vec(extents)).create(head.name)?;
             set_text(&dataset, "unit", head.unit)?;
             set_text(&dataset, "description", head.description)
         };
         written(make())
+    }
+
+    /// Names of the datasets and groups in a group.
+    pub(super) fn names(&self, group: &str) -> MessageResult<Vec<String>> {
+        described(self.0.group(group).and_then(|group| group.member_names()))
+    }
+
+    /// Whether the pieces of a dataset are compressed.
+    pub(super) fn is_compressed(&self, name: &str) -> MessageResult<bool> {
+        described(self.0.dataset(name).map(|dataset| !dataset.filters().is_empty()))
     }
 
     /// Rows of a dataset, and numbers in each.
@@ -314,7 +334,15 @@ impl<'r> SharedFile<'r> {
         path: &Path,
         ranks: &'r dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::open(path, ranks, true)
+        Self::open(path, ranks, true, ranks.file_access(path))
+    }
+
+    /// The same where rank 0 writes the rows of all.
+    pub(super) fn open_to_write_on_root(
+        path: &Path,
+        ranks: &'r dyn Communicator,
+    ) -> Result<Self, OutputError> {
+        Self::open(path, ranks, true, FileAccess::Root)
     }
 
     /// Opens a file to read from it on all ranks.
@@ -322,13 +350,18 @@ impl<'r> SharedFile<'r> {
         path: &Path,
         ranks: &'r dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::open(path, ranks, false)
+        Self::open(path, ranks, false, ranks.file_access(path))
     }
 
-    fn open(path: &Path, ranks: &'r dyn Communicator, write: bool) -> Result<Self, OutputError> {
+    fn open(
+        path: &Path,
+        ranks: &'r dyn Communicator,
+        write: bool,
+        access: FileAccess,
+    ) -> Result<Self, OutputError> {
         let mut options = options();
         let mut together = false;
-        if let FileAccess::Collective(communicator) = ranks.file_access(path) {
+        if let FileAccess::Collective(communicator) = access {
             together = true;
             options.with_fapl(|properties| {
                 open_together(properties, communicator);

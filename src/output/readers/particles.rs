@@ -2,6 +2,7 @@
 
 use super::{reading, rising};
 use crate::output::OutputError;
+use crate::output::particle_snapshots::snapshot_rows;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +26,8 @@ pub struct ParticleSnapshot {
     pub velocities: Vec<[f64; 3]>,
     /// Radii.
     pub radii: Vec<f64>,
+    /// Masses, if the file has them.
+    pub masses: Option<Vec<f64>>,
 }
 
 impl ParticleSnapshotReader {
@@ -33,24 +36,17 @@ impl ParticleSnapshotReader {
     /// # Errors
     /// If the file cannot be read, or is not such a file.
     pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let (times, counts) = reading(path, |file| {
+        let (times, rows) = reading(path, |file| {
             let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
             let mut times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
-            let counts: Vec<i64> = file.read("/VTKHDF/NumberOfPoints")?;
-            times.truncate(counts.len().min(listed.max(0) as usize));
+            let (firsts, counts) = snapshot_rows(file)?;
+            let whole = firsts.len().min(counts.len()).min(listed.max(0) as usize);
+            times.truncate(whole);
             times.truncate(rising(&times));
-            Ok((times, counts))
+            let rows = firsts.iter().zip(&counts).map(|(first, count)| *first..first + count);
+            let rows: Vec<Range<u64>> = rows.take(times.len()).collect();
+            Ok((times, rows))
         })?;
-        let mut end = 0;
-        let mut rows = Vec::new();
-        for &count in &counts[..times.len()] {
-            let Ok(count) = u64::try_from(count) else {
-                let message = "its numbers of particles are damaged".to_owned();
-                return Err(OutputError { path: path.to_owned(), message });
-            };
-            rows.push(end..end + count);
-            end += count;
-        }
         Ok(Self { path: path.to_owned(), times, rows })
     }
 
@@ -89,6 +85,10 @@ impl ParticleSnapshotReader {
                 positions: vectors("/VTKHDF/Points")?,
                 velocities: vectors("/VTKHDF/PointData/velocity")?,
                 radii: numbers("/VTKHDF/PointData/radius")?,
+                masses: match file.names("/VTKHDF/PointData")?.iter().any(|name| name == "mass") {
+                    true => Some(numbers("/VTKHDF/PointData/mass")?),
+                    false => None,
+                },
             })
         })
     }

@@ -7,8 +7,7 @@ use crate::analysis::statistics::{correlated_mean, moments};
 use crate::analysis::{Estimate, NoValue, Quantity};
 use crate::output::readers::ProfileTable;
 use crate::output::{Column, ColumnUnits, ResultTable};
-use crate::post_processing::evenly_spaced::nearest;
-use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
 
 pub(super) const MEASURE: Measure = Measure {
     name: "bed",
@@ -67,8 +66,6 @@ struct Shape {
     /// Height by mass, of a uniform bed its whole height.
     by_mass: f64,
     bulk: f64,
-    /// Volume of solids over the cross-section.
-    solids: f64,
 }
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
@@ -94,12 +91,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&BOTTOM, mean(&|shape| shape.height.bottom));
     found.add(&EXPANSION, height.and_then(|height| expanded(height, least)));
     found.add(&SOLIDS_FRACTION, mean(&|shape| shape.bulk));
-    let stage = results.stages()?.last().or(case.stages.last());
-    let gravity = stage.map_or(0.0, |stage| stage.physics.gravity.magnitude);
-    let weight = |shape: &Shape| case.particles.density * gravity * shape.solids;
-    found.add(&WEIGHT, mean(&weight));
-    let weights = shapes.iter().map(weight).collect();
-    add_pressure_drop(&mut found, results, &WeightOverTime { times: &whole.times, weights });
+    add_weight_and_pressure_drop(&mut found, results)?;
     found.tables.push(table(&profiles.times, shown, &results.units()));
     Ok(found)
 }
@@ -121,8 +113,7 @@ fn shape_of(
     let height = bed_height(&profile, options)?;
     let by_mass = height.by_mass / options.mass_share;
     let bulk = bulk_solids_fraction(&profile, options)?;
-    let solids = solids_fractions.iter().sum::<f64>() * spacing;
-    Ok(Shape { height, by_mass, bulk, solids })
+    Ok(Shape { height, by_mass, bulk })
 }
 
 /// The mean with its error; without an error where the values do not tell one.
@@ -138,36 +129,27 @@ fn expanded(height: Estimate, least: f64) -> Result<Estimate, NoValue> {
     Ok(Estimate { value, error: height.error / least })
 }
 
-/// Weight per area at the times of the profiles.
-struct WeightOverTime<'a> {
-    times: &'a [f64],
-    weights: Vec<f64>,
-}
-
-/// Mean of the series' pressure drop, over the weight and times the weight per area of the nearest profile.
-fn add_pressure_drop(found: &mut Findings, results: &Results, bed: &WeightOverTime) {
-    let drops = || -> Result<(Vec<f64>, Vec<f64>), Unmeasured> {
-        let drops = results.column("grid_pressure_drop")?;
-        let times = results.column("time")?;
-        let weight = |time: &f64| bed.weights[nearest(bed.times, *time)];
-        let pressures = times.iter().zip(&drops).map(|(time, drop)| drop * weight(time));
-        Ok((pressures.collect(), drops))
+/// Means over the rows of the series.
+fn add_weight_and_pressure_drop(found: &mut Findings, results: &Results) -> Result<(), Unmeasured> {
+    let area = results.case()?.domain.bounds.cross_section();
+    let columns = || -> Result<[Vec<f64>; 2], Unmeasured> {
+        Ok([results.column("weight")?, results.column("grid_pressure_drop")?])
     };
-    match drops() {
-        Ok((pressures, drops)) => {
-            found.add(&PRESSURE_DROP, mean_of(&pressures));
-            found.add(&OVER_WEIGHT, mean_of(&drops));
+    let means = match columns() {
+        Ok([weights, drops]) => {
+            let weights: Vec<f64> = weights.iter().map(|weight| weight / area).collect();
+            let pressures = weights.iter().zip(&drops).map(|(weight, drop)| drop * weight);
+            [mean_of(&weights), mean_of(&pressures.collect::<Vec<_>>()), mean_of(&drops)]
         }
-        Err(Unmeasured::Nothing(reason)) => {
-            found.add(&PRESSURE_DROP, Value::Nothing(reason.clone()));
-            found.add(&OVER_WEIGHT, Value::Nothing(reason));
-        }
+        Err(Unmeasured::Nothing(reason)) => [0; 3].map(|_| Err(reason.clone())),
         Err(Unmeasured::Unreadable(error)) => {
-            let reason = NoValue::because(error.to_string());
-            found.add(&PRESSURE_DROP, Value::Nothing(reason.clone()));
-            found.add(&OVER_WEIGHT, Value::Nothing(reason));
+            [0; 3].map(|_| Err(NoValue::because(error.to_string())))
         }
+    };
+    for (kind, mean) in [WEIGHT, PRESSURE_DROP, OVER_WEIGHT].iter().zip(means) {
+        found.add(kind, mean);
     }
+    Ok(())
 }
 
 fn table(times: &[f64], shapes: &[Shape], units: &ColumnUnits) -> ResultTable {

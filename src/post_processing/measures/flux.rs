@@ -47,8 +47,12 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     };
     let height = height_of(&first, bounds.lengths().z, bounds.cross_section())?;
     let planes = PLANES.map(|part| part * height);
-    let density = results.case()?.particles.density;
-    let crossings = crossings(&snapshots, &planes, density)?;
+    let particles = &results.case()?.particles;
+    if particles.has_several_densities() && first.masses.is_none() {
+        let reason = "particles differ in density, and snapshots do not show their masses: output.particle_fields = [\"mass\"]";
+        return Err(NoValue::because(reason).into());
+    }
+    let crossings = crossings(&snapshots, &planes, particles.density)?;
     let fluxes = solids_flux(&crossings, planes.len(), bounds.cross_section(), duration)?;
     let entrance = Gate { plane: 0, upwards: true };
     let exit = Gate { plane: planes.len() - 1, upwards: true };
@@ -106,7 +110,8 @@ fn crossings(
         for (index, &id) in after.ids.iter().enumerate() {
             let Ok(place) = before.ids.binary_search(&id) else { continue };
             let heights = [before.positions[place][2], after.positions[index][2]];
-            let mass = density * 4.0 / 3.0 * PI * after.radii[index].powi(3);
+            let sphere = density * 4.0 / 3.0 * PI * after.radii[index].powi(3);
+            let mass = after.masses.as_ref().map_or(sphere, |masses| masses[index]);
             let passed = planes.iter().enumerate();
             crossings.extend(passed.filter_map(|(plane, &height)| {
                 let time = time_of_passage(heights, height, interval)?;

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 use talcum::analysis::Measures;
-use talcum::output::{Head, Output, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series};
+use talcum::output::{
+    Head, Output, ParticleSnapshots, ProfileRow, Profiles, Provenance, Series, SnapshotFormat,
+};
 use talcum::parallel::{OneRank, ParticleRecord};
 use talcum::post_processing::{Findings, Measure, Results, TimeWindow, Value, scalar_named};
 
@@ -99,9 +101,11 @@ impl Made {
     /// Snapshots of particles.
     pub(crate) fn snapshots(&self, snapshots: &[(f64, Vec<ParticleRecord>)]) {
         let path = self.path().join("particles.vtkhdf");
-        let mut file = ParticleSnapshots::create(&path, self.head(), &OneRank).unwrap();
+        let mut file =
+            ParticleSnapshots::create(&path, self.head(), &SnapshotFormat::default(), &OneRank)
+                .unwrap();
         for (time, particles) in snapshots {
-            file.append(*time, particles, &OneRank).unwrap();
+            file.append(*time, particles, &[], &OneRank).unwrap();
         }
     }
 

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use talcum::domain::{Bounds, Face};
 use talcum::grid::BoxGrid;
 use talcum::output::checkpoint::{Checkpoint, file_name, write};
-use talcum::output::{GasSnapshots, Head, Provenance};
+use talcum::output::{GasSnapshots, Head, Provenance, SnapshotStorage};
 use talcum::parallel::{CellSample, ContactRecord, OneRank, ParticleRecord};
 use talcum::post_processing::TimeWindow;
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
@@ -172,7 +172,8 @@ fn bubbles_rise_as_they_were_drawn() {
     let grid = BoxGrid::new(&Bounds::new(Vector3::new(5.0, 5.0, 60.0), faces), [10, 10, 120]);
     let head = Head { case_text: &case, provenance: &provenance };
     let path = made.path().join("gas.vtkhdf");
-    let file = GasSnapshots::create(&path, &grid, head, &OneRank).unwrap();
+    let file =
+        GasSnapshots::create(&path, (&grid, SnapshotStorage::default()), head, &OneRank).unwrap();
     let (radius, speed) = (1.7, 0.8);
     for number in 0..30_u32 {
         let time = 0.5 * f64::from(number);

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 use talcum::domain::{Bounds, Face};
 use talcum::grid::BoxGrid;
-use talcum::output::{GasSnapshots, Output, Provenance};
+use talcum::output::{GasSnapshots, Output, Provenance, SnapshotStorage};
 use talcum::parallel::{CellSample, Communicator, run_on_threads};
 
 const COUNTS: [usize; 3] = [2, 3, 5];
@@ -37,10 +37,11 @@ fn append(snapshots: &GasSnapshots, step: usize, ranks: &dyn Communicator) {
     snapshots.append(time(step), &mine.collect::<Vec<_>>(), ranks).unwrap();
 }
 
-fn write_all(path: &Path, ranks: usize) {
+fn write_all(path: &Path, storage: SnapshotStorage, ranks: usize) {
     run_on_threads(ranks, |ranks| {
         let provenance = provenance(ranks);
-        let snapshots = GasSnapshots::create(path, &grid(), head(&provenance), ranks).unwrap();
+        let snapshots =
+            GasSnapshots::create(path, (&grid(), storage), head(&provenance), ranks).unwrap();
         for step in 0..STEPS {
             append(&snapshots, step, ranks);
             if step == 2 {
@@ -59,30 +60,37 @@ fn check(path: &Path) {
     check_by_vtk(path, rows, "4 times, cells (3, 4, 6), spacing (0.25, 0.5, 1.0)");
 }
 
+/// As they are without a wish, and compressed.
+fn storages() -> [SnapshotStorage; 2] {
+    [0, 6].map(|compression| SnapshotStorage { compression, ..SnapshotStorage::default() })
+}
+
 #[test]
 fn vtk_reads_gas_written_on_any_number_of_ranks() {
     let folder = tempfile::tempdir().unwrap();
-    for ranks in 1..=3 {
-        let path = folder.path().join(format!("gas-{ranks}.vtkhdf"));
-        write_all(&path, ranks);
+    for (storage, ranks) in storages().into_iter().flat_map(|s| (1..=3).map(move |n| (s, n))) {
+        let path = folder.path().join(format!("gas-{}-{ranks}.vtkhdf", storage.compression));
+        write_all(&path, storage, ranks);
         check(&path);
     }
 }
 
 #[test]
 fn a_resumed_gas_file_is_that_of_an_uninterrupted_run() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("gas.vtkhdf");
-    write_all(&path, 2);
-    for (committed, ranks) in [(1, 3), (0, 1)] {
-        run_on_threads(ranks, |ranks| {
-            let (grid, provenance) = (grid(), provenance(ranks));
-            let head = head(&provenance);
-            let snapshots =
-                GasSnapshots::resume(&path, time(committed), &grid, head, ranks).unwrap();
-            (committed + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
-            snapshots.commit(ranks).unwrap();
-        });
-        check(&path);
+    for storage in storages() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gas.vtkhdf");
+        write_all(&path, storage, 2);
+        for (committed, ranks) in [(1, 3), (0, 1)] {
+            run_on_threads(ranks, |ranks| {
+                let (grid, provenance) = (grid(), provenance(ranks));
+                let (time, head) = (time(committed), head(&provenance));
+                let snapshots =
+                    GasSnapshots::resume(&path, time, (&grid, storage), head, ranks).unwrap();
+                (committed + 1..STEPS).for_each(|step| append(&snapshots, step, ranks));
+                snapshots.commit(ranks).unwrap();
+            });
+            check(&path);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Snapshots are read by VTK's own reader, bit by bit, whatever the number of ranks.
 
+mod fields;
 mod gas;
 mod particles;
 

@@ -1,0 +1,85 @@
+//! What snapshots show of each particle beside what they always show: the columns that a case asks for, and their numbers.
+
+use super::measuring::Measuring;
+use crate::analysis::RunView;
+use crate::case::{Case, ParticleField};
+use crate::output::{ColumnUnits, PointColumn, SnapshotFormat, SnapshotStorage};
+use crate::parallel::Communicator;
+
+/// How the snapshots of a case are made.
+pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
+    let plan = &case.output;
+    let units = ColumnUnits::of_system(case.units.name());
+    let mut columns: Vec<PointColumn> =
+        plan.particle_fields.iter().map(|&field| column_of(field, &units)).collect();
+    if plan.agglomerates.is_some() {
+        let meaning = "smallest id of the particle's agglomerate as of the last look; -1: none";
+        columns.push(whole("agglomerate", meaning));
+    }
+    let storage =
+        SnapshotStorage { single_precision: plan.single_precision, compression: plan.compression };
+    SnapshotFormat { columns, storage }
+}
+
+/// The numbers of each column, particle after particle. Collective.
+pub(super) fn values(
+    case: &Case,
+    run: RunView<'_>,
+    measuring: &Measuring,
+    ranks: &dyn Communicator,
+) -> Vec<Vec<f64>> {
+    let fields = case.output.particle_fields.iter();
+    let mut columns: Vec<Vec<f64>> = fields.map(|&field| numbers_of(field, case, run)).collect();
+    if let Some(measure) = &case.output.agglomerates {
+        let particles = &run.state.particles;
+        let ids = &particles.id[..particles.owned_count()];
+        let labels = measuring.agglomerates(measure, ids, ranks);
+        let labels = labels.unwrap_or_else(|| vec![None; ids.len()]);
+        columns.push(labels.into_iter().map(|label| label.map_or(-1.0, |id| id as f64)).collect());
+    }
+    columns
+}
+
+fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
+    let number = |name, width, unit, description| PointColumn {
+        name,
+        width,
+        is_whole: false,
+        unit,
+        description,
+    };
+    match field {
+        ParticleField::Mass => number("mass", 1, units.mass, "masses"),
+        ParticleField::Class => whole("class", "number of the size class, from 0; -1: none"),
+        ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
+        ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
+        ParticleField::Coordination => whole("coordination", "number of touching particles"),
+    }
+}
+
+fn whole(name: &'static str, description: &'static str) -> PointColumn {
+    PointColumn { name, width: 1, is_whole: true, unit: "1", description }
+}
+
+fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
+    let (particles, contacts) = (&run.state.particles, &run.state.contacts);
+    let owned = particles.owned_count();
+    let bodies = || particles.body[..owned].iter();
+    match field {
+        ParticleField::Mass => bodies().map(|body| body.mass).collect(),
+        ParticleField::Class => {
+            let number = |diameter, mass| case.particles.class_number(diameter, mass);
+            let classes = bodies().map(|body| number(2.0 * body.radius, body.mass));
+            classes.map(|class| class.map_or(-1.0, |number| number as f64)).collect()
+        }
+        ParticleField::Force => {
+            particles.forces[..owned].iter().flat_map(|load| <[f64; 3]>::from(load.force)).collect()
+        }
+        ParticleField::GasForce => {
+            run.work.gas.forces_on(particles).into_iter().flat_map(<[f64; 3]>::from).collect()
+        }
+        ParticleField::Coordination => {
+            contacts.coordination_numbers(particles).into_iter().map(f64::from).collect()
+        }
+    }
+}
