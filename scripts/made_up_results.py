@@ -29,7 +29,7 @@ COLUMNS = {
     "centre_velocity": "sqrt(g d)",
     "bed_bottom": "d",
     "bed_top": "d",
-    "mean_kinetic_energy": "rho_s g d^4",
+    "kinetic_energy_of_mean_motion": "rho_s g d^4",
     "fluctuating_kinetic_energy": "rho_s g d^4",
     "coordination_number": "1",
     "momentum_error": "1",

@@ -29,7 +29,7 @@ PANELS = [
         "linear",
         [
             ("plate_stress", "stress on the plate", ORANGE),
-            ("grid_pressure_drop", "pressure drop, grid integral", BLUE),
+            ("grid_pressure_drop", "pressure drop", BLUE),
             ("gas_force", "gas force on the particles", GREEN),
             ("effective_gravity", "effective gravity over g", GREY),
         ],
@@ -49,7 +49,7 @@ PANELS = [
         "energy",
         "log",
         [
-            ("mean_kinetic_energy", "of the mean motion", BLUE),
+            ("kinetic_energy_of_mean_motion", "of the mean motion", BLUE),
             ("fluctuating_kinetic_energy", "of the fluctuations", ORANGE),
         ],
     ),

@@ -29,7 +29,7 @@ class TestSeries(ScriptTest):
             "effective_gravity": np.ones_like(time),
             "centre_height": 27.0 + wave,
             "bed_top": 55.0 + 2.0 * wave,
-            "mean_kinetic_energy": 1e-3 * wave**2,
+            "kinetic_energy_of_mean_motion": 1e-3 * wave**2,
             "fluctuating_kinetic_energy": 1e-5 * (1.1 + wave),
             "coordination_number": 4.0 + wave,
             "momentum_error": 1e-15 * wave,

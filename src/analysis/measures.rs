@@ -104,7 +104,7 @@ measures! {
     /// Highest.
     bed_top: Length = |it| it.bed_top;
     /// Kinetic energy of the mean motion, M V^2 / 2.
-    mean_kinetic_energy: Energy = |it| it.mean_energy;
+    kinetic_energy_of_mean_motion: Energy = |it| it.mean_energy;
     /// Kinetic energy of translation about the mean motion.
     fluctuating_kinetic_energy: Energy = |it| it.particles.energy - it.mean_energy;
     /// Mean number of touching particles per particle.

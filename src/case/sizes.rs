@@ -185,7 +185,7 @@ fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool 
     if part >= least {
         return true;
     }
-    let message = "smallest and largest must hold at least";
+    let message = "smallest and largest must contain at least";
     section.fail("diameter", format!("{message} {least} of the distribution, not {part:.2e}"));
     false
 }

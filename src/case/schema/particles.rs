@@ -17,7 +17,7 @@ const SHAPES: &[Word] = &[
     Word::with("uniform", "equally likely between the bounds", &[SMALLEST, LARGEST]),
     Word::with(
         "normal",
-        "the bounds must hold at least 0.05 of the distribution",
+        "the bounds must contain at least 0.05 of the distribution",
         &[
             Key::number("mean", Allowed::POSITIVE, "Mean before truncation").unit("length"),
             Key::number("deviation", Allowed::POSITIVE, "Standard deviation before truncation")

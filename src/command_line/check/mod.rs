@@ -94,7 +94,7 @@ fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {
             Face::Periodic => "periodic",
             Face::Wall => "wall",
             Face::Open => "open: particles leave and are counted",
-            Face::Stop => "a particle that passes ends the run",
+            Face::Stop => "stop (a particle that leaves ends the run)",
         };
         let [lower, upper] = bounds.faces(axis).map(face);
         let axis = ["x", "y", "z"][axis];
