@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use talcum::contact::{Contact, ContactForceLaw, ContactLaw, ContactModel};
-use talcum::coupling::{Bed, ColumnDeposition};
+use talcum::coupling::{Bed, ColumnDeposition, DragShare};
 use talcum::domain::{Bounds, Decomposition, Face, RankGrid};
 use talcum::gas::{DragCorrelation, DragLaw};
 use talcum::grid::{BoxGrid, Field};
@@ -166,7 +166,7 @@ fn grids(criterion: &mut Criterion) {
         let bench = lattice_bed(edge, TOUCHING);
         let run = bench.alone();
         let grid = gas(0.0).grid(&bench.domain.bounds);
-        let mut graining = ColumnDeposition::new(&grid, 100.0, [1.0, 1.0]);
+        let mut graining = ColumnDeposition::new(&grid, 100.0, [1.0, 1.0], DragShare::default());
         let mut bed = Bed::default();
         group.throughput(Throughput::Elements(particles(&run) as u64));
         group.bench_function(format!("coarse-graining per particle/{}", edge.pow(3)), |bencher| {

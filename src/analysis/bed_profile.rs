@@ -1,6 +1,6 @@
 //! Solids fraction and velocity over the height, and where the bed begins and ends.
 
-use crate::coupling::{Bed, ColumnDeposition};
+use crate::coupling::{Bed, ColumnDeposition, DragShare};
 use crate::grid::ColumnGrid;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
@@ -18,7 +18,7 @@ pub struct BedProfile {
 impl BedProfile {
     /// A profile on a grid, for speeds up to a limit; the bed is where phi is above `threshold`.
     pub fn new(grid: ColumnGrid, speed_limit: f64, diameters: [f64; 2], threshold: f64) -> Self {
-        let deposition = ColumnDeposition::new(&grid, speed_limit, diameters);
+        let deposition = ColumnDeposition::new(&grid, speed_limit, diameters, DragShare::default());
         Self { grid, deposition, bed: Bed::default(), threshold }
     }
 

@@ -2,7 +2,7 @@
 
 use super::allowed_values::rounded;
 use super::context::ReadContext;
-use super::drag::read_drag;
+use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
 use super::section::Section;
 use crate::domain::{Bounds, Face};
@@ -40,6 +40,7 @@ pub(super) fn read_column(
         spacing: spacing?,
         drag,
         drag_factor: section.number("drag_factor")?,
+        drag_share: read_drag_share(section)?,
         viscosity: viscosity?,
         density,
         drive: drive?,

@@ -1,9 +1,15 @@
-//! The drag law, from its keys.
+//! The drag law and how it is shared, from their keys.
 
 use super::section::Section;
-use crate::gas::DragLaw;
+use crate::gas::{DragLaw, DragShare};
 
 /// The drag law.
 pub(super) fn read_drag(section: &Section<'_>) -> Option<DragLaw> {
     DragLaw::from_keys(section.word("drag")?, section)
+}
+
+/// How particles of different sizes share the drag.
+pub(super) fn read_drag_share(section: &Section<'_>) -> Option<DragShare> {
+    let shares = [("own_diameter", DragShare::Diameter), ("sauter_diameter", DragShare::Surface)];
+    section.choice("drag_in_mixtures", &shares)
 }

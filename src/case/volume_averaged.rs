@@ -2,7 +2,7 @@
 
 use super::boxes::AXES;
 use super::context::ReadContext;
-use super::drag::read_drag;
+use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
 use super::section::Section;
 use crate::gas::ParticleDrag;
@@ -42,7 +42,7 @@ pub(super) fn read_volume_averaged(
         return None;
     }
     let coupling = CouplingModel {
-        drag: ParticleDrag { law, factor, viscosity, density },
+        drag: ParticleDrag { law, factor, share: read_drag_share(section)?, viscosity, density },
         filter_width,
         least_voidage: section.number("least_voidage")?,
     };

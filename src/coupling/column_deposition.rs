@@ -1,5 +1,6 @@
 //! Particles to grid: solids fraction and velocity by hat weights, Moon 2006 eqs (8)-(10).
 
+use super::DragShare;
 use super::column_block::{ColumnBlock, Lanes};
 use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, Quantum, SimdKernel, four, with_simd};
@@ -14,9 +15,9 @@ pub struct Bed {
     pub solids_fraction: Vec<f64>,
     /// u_s, mean vertical velocity of the solids by volume; 0 where there are none.
     pub solids_velocity: Vec<f64>,
-    /// Sum of particle diameters per volume: what drag per volume is proportional to.
-    pub diameter_density: Vec<f64>,
-    /// u_d, mean vertical velocity of the solids by diameter, and so by drag; u_s if all are of one size.
+    /// Sum of the particles' shares of drag per volume: of their diameters, or of the squares.
+    pub share_density: Vec<f64>,
+    /// u_d, mean vertical velocity of the solids by these shares, and so by drag; u_s if all are of one size.
     pub drag_velocity: Vec<f64>,
 }
 
@@ -25,11 +26,12 @@ pub struct Bed {
 pub struct ColumnDeposition {
     /// Smallest and largest diameter.
     diameters: [f64; 2],
-    /// Of volume and its flux; of diameter and its flux.
+    share: DragShare,
+    /// Of volume and its flux; of shares of drag and their flux.
     quanta: [[Quantum; 2]; 2],
     /// The particles as they were deposited last.
     blocks: Vec<ColumnBlock>,
-    /// Those of volume, then of diameter: the latter follow from the former if all are of one size.
+    /// Those of volume, then of shares of drag: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
     /// By fields and nodes.
     at_nodes: Vec<f64>,
@@ -41,13 +43,17 @@ type IntervalSums = [[f64; 4]; 4];
 
 impl ColumnDeposition {
     /// Room for solids fractions up to 4 (they end the run at 1) and for speeds up to the limit.
-    pub fn new(grid: &ColumnGrid, speed_limit: f64, diameters: [f64; 2]) -> Self {
+    pub fn new(grid: &ColumnGrid, speed_limit: f64, diameters: [f64; 2], share: DragShare) -> Self {
         let volume = grid.cell_volume();
         // No more spheres fit into a cell than its volume over twice that of the smallest, d^3 / 4.
-        let length = 4.0 * volume / diameters[0].powi(2);
-        let quanta = [volume, length].map(|most| [most, most * speed_limit].map(Quantum::spanning));
+        let smallest = diameters[0];
+        let shares = match share {
+            DragShare::Diameter => 4.0 * volume / smallest.powi(2),
+            DragShare::Surface => 4.0 * volume / smallest,
+        };
+        let quanta = [volume, shares].map(|most| [most, most * speed_limit].map(Quantum::spanning));
         let (blocks, in_intervals, at_nodes) = Default::default();
-        Self { diameters, quanta, blocks, in_intervals, at_nodes }
+        Self { diameters, share, quanta, blocks, in_intervals, at_nodes }
     }
 
     /// Whether particles differ in size.
@@ -60,8 +66,8 @@ impl ColumnDeposition {
         &self.blocks
     }
 
-    /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d in
-    /// the place of V for the sum of diameters and the velocity by drag.
+    /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d or d^2 in
+    /// the place of V for the sum of the shares of drag and the velocity by drag.
     ///
     /// Velocities are those that the particles have now. Collective; before: owned particles are current.
     pub fn deposit(
@@ -82,6 +88,7 @@ impl ColumnDeposition {
             bodies,
             blocks: &mut self.blocks,
             grid,
+            share: self.share,
             quanta: self.quanta,
             sums: &mut self.in_intervals[..kinds],
         });
@@ -115,7 +122,7 @@ impl ColumnDeposition {
         let nodes = grid.nodes();
         bed.solids_fraction.resize(nodes, 0.0);
         bed.solids_velocity.resize(nodes, 0.0);
-        bed.diameter_density.resize(nodes, 0.0);
+        bed.share_density.resize(nodes, 0.0);
         bed.drag_velocity.resize(nodes, 0.0);
         let velocity = |flux: f64, amount: f64| if amount > 0.0 { flux / amount } else { 0.0 };
         for node in 0..nodes {
@@ -123,11 +130,14 @@ impl ColumnDeposition {
             bed.solids_fraction[node] = sum(0) / grid.volume_of(node);
             bed.solids_velocity[node] = velocity(sum(1), sum(0));
             if self.sizes_differ() {
-                bed.diameter_density[node] = sum(2) / grid.volume_of(node);
+                bed.share_density[node] = sum(2) / grid.volume_of(node);
                 bed.drag_velocity[node] = velocity(sum(3), sum(2));
             } else {
-                let per_volume = 6.0 / (PI * self.diameters[0].powi(2)); // d / V
-                bed.diameter_density[node] = bed.solids_fraction[node] * per_volume;
+                let per_volume = match self.share {
+                    DragShare::Diameter => 6.0 / (PI * self.diameters[0].powi(2)), // d / V
+                    DragShare::Surface => 6.0 / (PI * self.diameters[0]),          // d^2 / V
+                };
+                bed.share_density[node] = bed.solids_fraction[node] * per_volume;
                 bed.drag_velocity[node] = bed.solids_velocity[node];
             }
         }
@@ -139,8 +149,9 @@ struct Deposit<'a> {
     bodies: &'a [Body],
     blocks: &'a mut [ColumnBlock],
     grid: &'a ColumnGrid,
+    share: DragShare,
     quanta: [[Quantum; 2]; 2],
-    /// Of volume, perhaps of diameter.
+    /// Of volume, perhaps of shares of drag.
     sums: &'a mut [Vec<IntervalSums>],
 }
 
@@ -155,7 +166,7 @@ impl SimdKernel for Deposit<'_> {
             let mut amounts = [[0.0; LANES]; 2];
             for (lane, &radius) in block.radius[..bodies.len()].iter().enumerate() {
                 amounts[0][lane] = sphere_volume(radius);
-                amounts[1][lane] = 2.0 * radius;
+                amounts[1][lane] = self.share.of(2.0 * radius);
             }
             for (kind, sums) in self.sums.iter_mut().enumerate() {
                 add::<Q>(block, &amounts[kind], self.quanta[kind], sums);

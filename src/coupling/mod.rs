@@ -6,9 +6,11 @@ mod cells;
 mod column_block;
 mod column_deposition;
 mod corners;
+mod drag_share;
 mod filter;
 
 pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
 pub use column_deposition::{Bed, ColumnDeposition};
-pub(crate) use corners::{deposit, interpolate, mean_gradient, mean_of_faces};
+pub(crate) use corners::{Corners, deposit, interpolate, mean_gradient, mean_of_faces};
+pub use drag_share::DragShare;

@@ -20,6 +20,7 @@ mod state;
 mod step;
 pub mod volume_averaged;
 
+pub use crate::coupling::DragShare;
 pub use column::{
     BaseNode, ColumnCell, ColumnFields, ColumnGas, ColumnSolver, ColumnState, Drive, Plenum,
     WeightBalance,

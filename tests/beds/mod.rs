@@ -9,7 +9,7 @@ use talcum::contact::{
 };
 use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
-use talcum::gas::{BaseNode, ColumnGas, DragLaw, Drive, GasModel};
+use talcum::gas::{BaseNode, ColumnGas, DragLaw, DragShare, Drive, GasModel};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{Communicator, OneRank, ParticleRecord, run_on_threads};
 pub(crate) use talcum::setup::Snapshot;
@@ -74,6 +74,7 @@ pub(crate) fn gas(superficial_velocity: f64) -> ColumnGas {
         spacing: 1.5,
         drag: DragLaw::WEN_YU_CREEPING,
         drag_factor: 1.0,
+        drag_share: DragShare::default(),
         viscosity: 1.0 / 55.0,
         density: 1.3e-3,
         drive: Drive::Velocity(Schedule::Constant(superficial_velocity)),

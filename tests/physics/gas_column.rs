@@ -4,7 +4,7 @@ use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Run, attraction, gas, law, shake
 use std::f64::consts::PI;
 use talcum::analysis::{BedProfile, Measures, MomentumProbe, RunView, measure};
 use talcum::domain::{EffectiveGravity, Face};
-use talcum::gas::{DragLaw, Drive, WeightBalance};
+use talcum::gas::{DragLaw, DragShare, Drive, WeightBalance};
 use talcum::grid::ColumnGrid;
 
 const VISCOSITY: f64 = 1.0 / 55.0;
@@ -72,6 +72,50 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
             // Negative control: a voidage left out once.
             assert!((found / (expected * (1.0 - phi)) - 1.0).abs() > 0.1);
         }
+    }
+}
+
+/// Diameters of a mixture.
+const SIZES: [f64; 2] = [1.0, 0.7];
+
+/// What Beetstra, van der Hoef & Kuipers (2007) find for the gas force on a sphere of a mixture, the mean pressure gradient
+/// included, over that on one of equal spheres of the Sauter mean diameter: (eps y + phi y^2) y, y = d / <d>.
+fn share_of_force(phi: f64, diameter: f64, mean: f64) -> f64 {
+    let y = diameter / mean;
+    ((1.0 - phi) * y + phi * y * y) * y
+}
+
+#[test]
+fn a_mixture_that_shares_drag_by_surface_is_a_bed_of_its_sauter_diameter() {
+    let (a, b) = (SIZES[0], SIZES[1]);
+    let mean = (a.powi(3) + b.powi(3)) / (a.powi(2) + b.powi(2));
+    let phi = 80.0 * PI / 6.0 * (a.powi(3) + b.powi(3)) / (25.0 * 12.5);
+    for (drag, velocity) in [(DragLaw::WEN_YU_CREEPING, 0.12), (DragLaw::WEN_YU, 30.0)] {
+        let run = |share: DragShare| {
+            let mut bench = fixed_lattice(drag.clone(), velocity, 1.0);
+            bench.particles.clear();
+            bench.add_layers(160, (1.25, 1.0), &SIZES, (0.0, 0.0));
+            bench.gas.as_mut().unwrap().drag_share = share;
+            bench.alone()
+        };
+        let mixture = run(DragShare::Surface);
+        let beta = momentum_transfer(&drag, phi, mean, velocity);
+        let expected = beta * velocity / (1.0 - phi).powi(2) * 12.5;
+        let found = mixture.work.gas.column().unwrap().pressure_drop();
+        // Round-off, as of one size.
+        assert!((found / expected - 1.0).abs() < 1.0e-12, "{drag:?}: {found} {expected}");
+        // Of each size the force that the paper gives: the drop over their number is that on equal spheres.
+        let equals = phi * 25.0 * 12.5 / (PI / 6.0 * mean.powi(3));
+        let of_one = expected * 25.0 / equals;
+        let forces = mixture.work.gas.forces_on(&mixture.state.particles);
+        for (body, force) in mixture.state.particles.body.iter().zip(&forces) {
+            let force_expected = of_one * share_of_force(phi, 2.0 * body.radius, mean);
+            let rounding = mixture.models.force_quantum.spacing();
+            assert!((force.z - force_expected).abs() < rounding + 1.0e-9 * force_expected.abs());
+        }
+        // The control: by diameter, each with the drag of a bed of its own size, it is another bed.
+        let other = run(DragShare::Diameter).work.gas.column().unwrap().pressure_drop();
+        assert!((other / expected - 1.0).abs() > 0.02, "{other}");
     }
 }
 

@@ -28,6 +28,20 @@ pub(in crate::case) const GAS: &[Key] = &[
     Key::word("drag", DragLaw::WORDS, "Drag law"),
     Key::number("drag_factor", Allowed::POSITIVE, "xi, the drag over that of the law")
         .default(Value::Number(1.0)),
+    Key::word(
+        "drag_in_mixtures",
+        MIXTURES,
+        "The drag on particles of different sizes side by side",
+    )
+    .default(Value::Word("own_diameter")),
+];
+
+const MIXTURES: &[Word] = &[
+    Word::new("own_diameter", "each has that of a bed of its own size"),
+    Word::new(
+        "sauter_diameter",
+        "together they have that of a bed of the local Sauter mean diameter, shared by surface (Beetstra et al. 2007)",
+    ),
 ];
 
 const WEIGHTS: &[Word] = &[

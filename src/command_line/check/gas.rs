@@ -4,7 +4,7 @@ use super::lines::Lines;
 use super::particle::ReferenceParticle;
 use crate::case::{Case, Stage};
 use crate::gas::volume_averaged::VolumeAveragedModel;
-use crate::gas::{Drive, GasModel};
+use crate::gas::{DragShare, Drive, GasModel};
 use crate::output::ColumnUnits;
 use crate::rules::{archimedes_number, stokes_number};
 
@@ -40,6 +40,7 @@ pub(super) fn describe_gas(
         lines.add("Archimedes number", &format!("{number:.4e}"));
     }
     describe_velocities(lines, case, stage);
+    describe_mixture(lines, case, stage);
     if let Some(velocity) = case.minimum_fluidisation(stage, SETTLED[0])
         && density > 0.0
         && viscosity > 0.0
@@ -50,6 +51,24 @@ pub(super) fn describe_gas(
             &format!("{number:.4e} at a solids fraction of {}", SETTLED[0]),
         );
     }
+}
+
+/// How much the drag of all particles by their own diameters exceeds that of their Sauter diameter.
+fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
+    let share = match &stage.physics.gas {
+        GasModel::None => return,
+        GasModel::Column(gas) => gas.drag_share,
+        GasModel::VolumeAveraged(model) => model.coupling.drag.share,
+    };
+    let Some(excess) = case.particles.drag_excess() else { return };
+    let text = match share {
+        DragShare::Surface => "that of the local Sauter mean diameter".to_owned(),
+        DragShare::Diameter => format!(
+            "each by its own diameter, in a packed bed up to {:.1} % more than by the Sauter diameter (gas.drag_in_mixtures)",
+            100.0 * excess
+        ),
+    };
+    lines.add("drag of the mixture", &text);
 }
 
 fn describe_densities(lines: &mut Lines, [gas, solid]: [f64; 2]) {

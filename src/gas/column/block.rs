@@ -1,6 +1,6 @@
 //! The column gas at a block of particles: fields, drag, and force.
 
-use crate::coupling::{ColumnBlock, Lanes};
+use crate::coupling::{ColumnBlock, DragShare, Lanes};
 use crate::gas::ParticleDrag;
 use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged, four};
 use crate::particles::{ForceTorque, LANES};
@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 pub(super) struct ParticlesInColumn<'a> {
     /// The particles in it.
     pub(super) blocks: &'a [ColumnBlock],
-    /// phi and u_s as [`interval_fields`](crate::coupling::interval_fields); likewise diameters per volume and u_d, of no interval if all particles are
-    /// of one size.
+    /// phi and u_s as [`interval_fields`](crate::coupling::interval_fields); likewise shares of drag per volume and u_d, of no interval if all particles
+    /// are of one size.
     pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
     pub(super) drag: ParticleDrag,
     /// U_s.
@@ -47,7 +47,7 @@ impl SuperficialVelocity<'_> {
 pub(super) struct GasBlock {
     solids_fraction: Lanes,
     solids_velocity: Lanes,
-    diameter_density: Lanes,
+    share_density: Lanes,
     /// u_d; u_s if all particles are of one size.
     drag_velocity: Lanes,
     superficial_velocity: Lanes,
@@ -61,43 +61,65 @@ impl GasBlock {
     #[inline(always)]
     pub(super) fn fill<Q: F64x4>(&mut self, column: &ParticlesInColumn, particles: &ColumnBlock) {
         self.superficial_velocity = column.superficial_velocity.at(particles);
-        let [of_volume, of_diameter] = column.between_nodes;
+        let [of_volume, of_drag] = column.between_nodes;
         let fields = [&mut self.solids_fraction, &mut self.solids_velocity];
         particles.interpolate::<Q>(of_volume, fields);
-        let sizes_differ = !of_diameter.is_empty();
+        let sizes_differ = !of_drag.is_empty();
         if sizes_differ {
-            let fields = [&mut self.diameter_density, &mut self.drag_velocity];
-            particles.interpolate::<Q>(of_diameter, fields);
+            let fields = [&mut self.share_density, &mut self.drag_velocity];
+            particles.interpolate::<Q>(of_drag, fields);
         } else {
             self.drag_velocity = self.solids_velocity;
         }
-        self.find_drag(column, &particles.radius);
+        let share = if sizes_differ { column.drag.share } else { DragShare::Diameter };
+        match share {
+            DragShare::Diameter => self.find_drag(column, &particles.radius.map(|r| 2.0 * r)),
+            DragShare::Surface => self.share_drag(column, &particles.radius),
+        }
         if sizes_differ {
-            self.share_gradient(&particles.radius);
+            self.share_gradient(share, &particles.radius);
+        }
+    }
+
+    /// The drag of a bed of the Sauter mean diameter, shared by surface.
+    #[inline(always)]
+    fn share_drag(&mut self, column: &ParticlesInColumn, radius: &Lanes) {
+        let mean: Lanes = std::array::from_fn(|lane| {
+            let [phi, shares] = [self.solids_fraction[lane], self.share_density[lane]];
+            DragShare::Surface.diameter_of_equals(phi, shares)
+        });
+        self.find_drag(column, &mean);
+        for lane in 0..LANES {
+            let ratio = 2.0 * radius[lane] / mean[lane];
+            self.drag[lane] *= ratio * ratio;
+            self.gradient[lane] *= ratio * ratio;
         }
     }
 
     #[inline(always)]
-    fn find_drag(&mut self, column: &ParticlesInColumn, radius: &Lanes) {
-        let (mut diameter, mut slip) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            diameter[lane] = 2.0 * radius[lane];
-            slip[lane] = self.superficial_velocity[lane] - self.solids_velocity[lane];
+    fn find_drag(&mut self, column: &ParticlesInColumn, diameter: &Lanes) {
+        let mut slip = [0.0; LANES];
+        for (lane, slip) in slip.iter_mut().enumerate() {
+            *slip = self.superficial_velocity[lane] - self.solids_velocity[lane];
         }
-        self.drag = column.drag.per_velocities(&diameter, &self.solids_fraction, &slip);
+        self.drag = column.drag.per_velocities(diameter, &self.solids_fraction, &slip);
         for lane in 0..LANES {
             let phi = self.solids_fraction[lane];
             self.gradient[lane] = self.drag[lane] * phi / (1.0 - phi); // V beta / (1 - phi)
         }
     }
 
-    /// Of sizes that differ: V B in the place of V beta, B = c / d times the sum of diameters per volume.
+    /// Of sizes that differ: V B in the place of V beta, B = c over a particle's share of drag times the sum of shares per
+    /// volume.
     #[inline(always)]
-    fn share_gradient(&mut self, radius: &Lanes) {
+    fn share_gradient(&mut self, share: DragShare, radius: &Lanes) {
         for lane in 0..LANES {
             let (phi, radius) = (self.solids_fraction[lane], radius[lane]);
-            let of_one_size = phi * 6.0 / (PI * 4.0 * radius.powi(2));
-            self.gradient[lane] *= self.diameter_density[lane] / of_one_size;
+            let of_one_size = match share {
+                DragShare::Diameter => phi * 6.0 / (PI * 4.0 * radius.powi(2)),
+                DragShare::Surface => phi * 6.0 / (PI * 2.0 * radius),
+            };
+            self.gradient[lane] *= self.share_density[lane] / of_one_size;
         }
     }
 

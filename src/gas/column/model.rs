@@ -1,11 +1,11 @@
 //! The column gas as a case chooses it: one-dimensional, without inertia, incompressible or not.
 
 use super::plenum::Plenum;
+use crate::coupling::DragShare;
 use crate::domain::Bounds;
 use crate::gas::{DragLaw, ParticleDrag};
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
-use std::f64::consts::PI;
 
 /// The gas as the case chose it. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law
 /// -dp/dz = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
@@ -19,6 +19,8 @@ pub struct ColumnGas {
     pub drag_factor: f64,
     /// Gas viscosity mu_g.
     pub viscosity: f64,
+    /// How particles of different sizes share the drag.
+    pub drag_share: DragShare,
     /// Gas density rho_g; only drag laws with a Reynolds number use it.
     pub density: f64,
     /// What sets the superficial velocity.
@@ -94,6 +96,7 @@ impl ColumnGas {
         ParticleDrag {
             law: self.drag.clone(),
             factor: self.drag_factor,
+            share: self.drag_share,
             viscosity: self.viscosity,
             density: self.density,
         }
@@ -115,10 +118,10 @@ impl ColumnGas {
             .filter(|&node| fields.solids_fraction[node] > 0.0)
             .map(|node| {
                 let (phi, u_s) = (fields.solids_fraction[node], fields.solids_velocity[node]);
-                let (lengths, velocity) = (fields.diameter_density[node], velocity_at(node));
-                // The diameter d of equal spheres with this phi and this sum of diameters.
-                let diameter = (6.0 * phi / (PI * lengths)).sqrt();
-                let beta = lengths / diameter * drag.per_velocity(diameter, phi, velocity - u_s);
+                let (shares, velocity) = (fields.share_density[node], velocity_at(node));
+                let diameter = drag.share.diameter_of_equals(phi, shares);
+                let beta = shares / drag.share.of(diameter)
+                    * drag.per_velocity(diameter, phi, velocity - u_s);
                 let width = grid.volume_of(node) / grid.cell_volume() * grid.spacing();
                 let gas_velocity = u_s + (velocity - u_s) / (1.0 - phi);
                 beta * (gas_velocity - fields.drag_velocity[node]) / (1.0 - phi) * width
@@ -134,8 +137,8 @@ pub struct ColumnFields<'a> {
     pub solids_fraction: &'a [f64],
     /// u_s.
     pub solids_velocity: &'a [f64],
-    /// Sum of particle diameters per volume.
-    pub diameter_density: &'a [f64],
+    /// Sum of the particles' shares of drag per volume.
+    pub share_density: &'a [f64],
     /// u_d, mean velocity of the solids by drag.
     pub drag_velocity: &'a [f64],
 }

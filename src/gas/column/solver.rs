@@ -59,7 +59,12 @@ impl ColumnSolver {
         // Drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
         let slope_quantum = Quantum::spanning(1024.0 * limits.force / limits.speed);
         Self {
-            deposition: ColumnDeposition::new(&grid, limits.speed, limits.diameters),
+            deposition: ColumnDeposition::new(
+                &grid,
+                limits.speed,
+                limits.diameters,
+                gas.drag_share,
+            ),
             gas: gas.clone(),
             grid,
             bed: Bed::default(),
@@ -187,11 +192,11 @@ impl ColumnSolver {
     /// phi and u_s of the bed now.
     fn deposit(&mut self, particles: &Particles, ranks: &dyn Communicator) {
         self.deposition.deposit(particles, &self.grid, &mut self.bed, ranks);
-        let Bed { solids_fraction, solids_velocity, diameter_density, drag_velocity } = &self.bed;
+        let Bed { solids_fraction, solids_velocity, share_density, drag_velocity } = &self.bed;
         let [of_volume, of_diameter] = &mut self.between_nodes;
         interval_fields(&self.grid, [solids_fraction, solids_velocity], of_volume);
         if self.deposition.sizes_differ() {
-            interval_fields(&self.grid, [diameter_density, drag_velocity], of_diameter);
+            interval_fields(&self.grid, [share_density, drag_velocity], of_diameter);
         }
     }
 
@@ -266,7 +271,7 @@ impl ColumnSolver {
         ColumnFields {
             solids_fraction: &self.bed.solids_fraction,
             solids_velocity: &self.bed.solids_velocity,
-            diameter_density: &self.bed.diameter_density,
+            share_density: &self.bed.share_density,
             drag_velocity: &self.bed.drag_velocity,
         }
     }

@@ -1,6 +1,7 @@
 //! Drag on one particle by any of the laws.
 
 use super::{DragCorrelation, DragLaw};
+use crate::coupling::DragShare;
 use std::f64::consts::PI;
 
 /// Drag of a gas on single particles in a suspension.
@@ -10,6 +11,8 @@ pub struct ParticleDrag {
     pub law: DragLaw,
     /// xi, the drag over that of the law (Liu 2016: 0.2, for clustered particles).
     pub factor: f64,
+    /// How particles of different sizes share the drag.
+    pub share: DragShare,
     /// Gas viscosity.
     pub viscosity: f64,
     /// Gas density.
@@ -28,6 +31,23 @@ impl ParticleDrag {
             false => 0.0,
         };
         self.stokes(diameter) * self.law.scaled_drag(solids_fraction, reynolds)
+    }
+
+    /// The drag on one particle per velocity difference where the Sauter mean diameter is <d>: that of a bed of this diameter,
+    /// shared by surface, xi 3 pi mu <d> eps F(phi, <Re>) (d / <d>)^2.
+    ///
+    /// This is the drag d y F, y = d / <d>, of Beetstra, van der Hoef & Kuipers, AIChE J. 53 (2007) 489,
+    /// doi:10.1002/aic.11065, with its erratum, AIChE J. 53 (2007) 3020: they give the force that includes the mean pressure gradient, which is eps y + phi y^2
+    /// times that of equal spheres.
+    #[inline(always)]
+    pub fn per_velocity_in_mixture(
+        &self,
+        [diameter, mean]: [f64; 2],
+        solids_fraction: f64,
+        slip: f64,
+    ) -> f64 {
+        let ratio = diameter / mean;
+        self.per_velocity(mean, solids_fraction, slip) * (ratio * ratio)
     }
 
     /// The same for many particles at once, in vector instructions.

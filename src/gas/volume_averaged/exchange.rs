@@ -4,9 +4,14 @@
 //! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
+mod mean_diameter;
+
+use self::mean_diameter::MeanDiameter;
 use super::momentum_balance::{Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
-use crate::coupling::{CellTransfer, deposit, interpolate, mean_gradient, mean_of_faces};
+use crate::coupling::{
+    CellTransfer, DragShare, deposit, interpolate, mean_gradient, mean_of_faces,
+};
 use crate::domain::Subdomain;
 use crate::gas::{GasForceOutOfRange, ParticleLimits};
 use crate::grid::{BoxGrid, Field, LocalCells};
@@ -24,6 +29,8 @@ pub struct ParticleExchange {
     limits: ParticleLimits,
     spacing: Vector3<f64>,
     transfer: CellTransfer,
+    /// Where particles of different sizes share the drag by surface.
+    mean_diameter: Option<MeanDiameter>,
     quanta: Quanta,
     largest_drag: f64,
     pub(super) bed: BedOnGrid,
@@ -66,7 +73,13 @@ impl ParticleExchange {
         let part = grid.local_cells(subdomain);
         let [smallest, largest] = limits.diameters;
         let slip = 2.0 * limits.speed;
-        let largest_drag = model.drag.per_velocity(largest, 1.0 - model.least_voidage, slip);
+        let shares_surface = model.drag.share == DragShare::Surface && smallest != largest;
+        let dense = 1.0 - model.least_voidage;
+        let largest_drag = match shares_surface {
+            // A large particle among small ones has the most.
+            true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
+            false => model.drag.per_velocity(largest, dense, slip),
+        };
         // A cell has room for this many of the smallest particles; quanta allow for four times as many.
         let room = 1.0 + grid.cell_volume() / (PI / 6.0 * smallest.powi(3));
         let drag = room * largest_drag;
@@ -81,6 +94,8 @@ impl ParticleExchange {
             limits,
             spacing: grid.spacing(),
             transfer: CellTransfer::new(grid, model.filter_width, subdomain),
+            mean_diameter: shares_surface
+                .then(|| MeanDiameter::new(&part, grid.cell_volume(), limits.diameters)),
             quanta,
             largest_drag,
             bed: BedOnGrid::empty(&part),
@@ -128,6 +143,9 @@ impl ParticleExchange {
         ranks: &dyn Communicator,
     ) -> Result<(), GasForceOutOfRange> {
         self.deposit_volume(particles, ranks);
+        if let Some(mean) = &mut self.mean_diameter {
+            mean.deposit(&mut self.transfer, particles, ranks);
+        }
         self.centre_velocity(gas);
         let [x, y, z, _, _, _] = &mut self.in_cells;
         self.transfer.prepare_interpolation(&mut [x, y, z], ranks);
@@ -172,7 +190,14 @@ impl ParticleExchange {
             let velocity = particles.body[i].velocity;
             let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
             let diameter = 2.0 * particles.body[i].radius;
-            let drag = self.model.drag.per_velocity(diameter, 1.0 - eps, slip);
+            let law = &self.model.drag;
+            let drag = match &self.mean_diameter {
+                Some(mean) => {
+                    let diameters = [diameter, mean.at(corners, diameter)];
+                    law.per_velocity_in_mixture(diameters, 1.0 - eps, slip)
+                }
+                None => law.per_velocity(diameter, 1.0 - eps, slip),
+            };
             result = result.and(check.of(i, drag, eps));
             self.drag.push(drag);
             let amounts = [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z];

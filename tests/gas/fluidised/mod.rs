@@ -14,7 +14,7 @@ use talcum::domain::Face;
 use talcum::gas::volume_averaged::{
     Boundary, CouplingModel, Inlet, Profile, VolumeAveragedGas, VolumeAveragedModel,
 };
-use talcum::gas::{DragLaw, ParticleDrag};
+use talcum::gas::{DragLaw, DragShare, ParticleDrag};
 use talcum::grid::BoxGrid;
 use talcum::linear_solver::Tolerance;
 use talcum::numbers::Schedule;
@@ -46,7 +46,13 @@ fn gas_on_cells(
         grid: BoxGrid::new(&bench.domain.bounds, cells),
         gas: VolumeAveragedGas { density, viscosity, boundaries, tolerance },
         coupling: CouplingModel {
-            drag: ParticleDrag { law, factor: 1.0, viscosity, density },
+            drag: ParticleDrag {
+                law,
+                factor: 1.0,
+                share: DragShare::default(),
+                viscosity,
+                density,
+            },
             filter_width: 0.0,
             least_voidage: 0.2,
         },

@@ -3,7 +3,7 @@
 use super::gas_on_cells;
 use crate::beds::{Bench, PLATE};
 use talcum::domain::{Face, RankGrid};
-use talcum::gas::DragLaw;
+use talcum::gas::{DragLaw, DragShare};
 use talcum::parallel::run_on_threads;
 use talcum::state::Balance;
 
@@ -33,12 +33,14 @@ fn gas_alone_has_one_answer() {
 
 #[test]
 fn a_bed_in_a_gas_has_one_answer_on_any_ranks() {
-    for width in [0.0, 3.0] {
-        let bench = bed(width, 200);
+    let shares = [DragShare::Diameter, DragShare::Surface];
+    for (width, share) in [0.0, 3.0].into_iter().flat_map(|width| shares.map(|s| (width, s))) {
+        let mut bench = bed(width, 200);
+        bench.volume_averaged.as_mut().unwrap().coupling.drag.share = share;
         let alone = bench.on_ranks([1; 3], |run| run.steps(200).snapshot().bits());
         for grid in GRIDS {
             let bits = bench.on_ranks(grid, |run| run.steps(200).snapshot().bits());
-            assert!(bits == alone, "{grid:?}, filter {width}");
+            assert!(bits == alone, "{grid:?}, filter {width}, {share:?}");
         }
     }
 }

@@ -24,7 +24,13 @@ fn bounds() -> Bounds {
 
 fn model(filter_width: f64) -> CouplingModel {
     let law = DragLaw::Beetstra(Beetstra);
-    let drag = ParticleDrag { law, factor: 0.7, viscosity: 0.02, density: 0.05 };
+    let drag = ParticleDrag {
+        law,
+        factor: 0.7,
+        share: DragShare::Diameter,
+        viscosity: 0.02,
+        density: 0.05,
+    };
     CouplingModel { drag, filter_width, least_voidage: 0.2 }
 }
 
