@@ -23,7 +23,7 @@ def table(results: Path, study: str, kind: str) -> StudyTable | None:
             found = read_study_table(file)
             rows = [row for row in found.rows if is_known(row)]
             if rows:
-                return StudyTable(found.file, found.provenance, rows)
+                return StudyTable(found.file, found.provenance, rows, found.units)
     return None
 
 

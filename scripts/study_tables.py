@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from talcum_results import ResultsError, split_heading
+from talcum_results import ResultsError, optional, split_heading
 
 
 @dataclass
@@ -33,11 +34,12 @@ class StudyTable:
     file: Path
     provenance: dict[str, str]
     rows: list[dict[str, str]]
+    units: dict[str, str] = field(default_factory=dict)
 
     def where(self, **values: float | str) -> StudyTable:
         """The rows in which these columns have these values."""
         rows = [row for row in self.rows if all(same(self.cell(row, name), value) for name, value in values.items())]
-        return StudyTable(self.file, self.provenance, rows)
+        return StudyTable(self.file, self.provenance, rows, self.units)
 
     def cell(self, row: dict[str, str], name: str) -> str:
         """A cell as text."""
@@ -52,6 +54,19 @@ class StudyTable:
     def texts(self, name: str) -> list[str]:
         """A column as texts."""
         return [self.cell(row, name) for row in self.rows]
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame; a column is of numbers if all its cells are, but for empty ones, which are not a number."""
+        frame = optional("pandas", "to_pandas").DataFrame({name: self.column(name) for name in self.units})
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def column(self, name: str) -> list[float] | list[str]:
+        """A column as numbers, or as texts if some of its cells are none."""
+        try:
+            return self.numbers(name)
+        except ValueError:
+            return self.texts(name)
 
     def estimates(self, measure: str) -> list[Estimate]:
         """A measure of every point with its interval."""
@@ -87,8 +102,9 @@ def read_study_table(file: Path) -> StudyTable:
     table = list(csv.reader(line for line in lines if not line.startswith("#")))
     if not table:
         raise ResultsError(f"{file}: has no heading: is it a table of talcum study?")
-    names = [split_heading(heading)[0] for heading in table[0]]
+    units = dict(split_heading(heading) for heading in table[0])
+    names = list(units)
     for row in table[1:]:
         if len(row) != len(names):
             raise ResultsError(f"{file}: a row has {len(row)} cells in place of {len(names)}")
-    return StudyTable(file, provenance, [dict(zip(names, row)) for row in table[1:]])
+    return StudyTable(file, provenance, [dict(zip(names, row)) for row in table[1:]], units)

@@ -31,7 +31,9 @@ from talcum.program import error_in, toml_value  # noqa: E402
 PAGE = (SCRIPTS.parent / "docs" / "python.md").read_text(encoding="utf-8")
 CASE = re.findall(r"^```toml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[0]
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-HAS_PANDAS = importlib.util.find_spec("pandas") is not None
+HAS_PANDAS, HAS_XARRAY, HAS_MATPLOTLIB = (
+    importlib.util.find_spec(name) is not None for name in ("pandas", "xarray", "matplotlib")
+)
 # As scripts/install sets them: Open MPI refuses root, and more ranks than cores.
 RANKS_OF_MPI = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
@@ -73,7 +75,7 @@ class TestRun(unittest.TestCase):
         cls.bed = talcum.open(cls.folder / "results" / "grains")
 
     def test_the_examples_say_what_the_page_says(self) -> None:
-        self.assertEqual(len(EXAMPLES), 9)
+        self.assertEqual(len(EXAMPLES), 10)
         self.assertTrue((self.folder / "series.png").read_bytes().startswith(b"\x89PNG"))
         self.assertEqual(self.names["particles"].time, 2.0)
         self.assertEqual(list(self.names["late"]["time"]), [2.0, 2.5, 3.0, 3.5, 4.0])
@@ -185,6 +187,46 @@ class TestRun(unittest.TestCase):
                 self.assertEqual(read(), expected)
                 process.communicate()
 
+    def test_a_checkpoint_is_the_state_of_its_time(self) -> None:
+        state = self.bed.checkpoint(2.2)
+        self.assertEqual((state.time, state.step, self.names["state"].digest), (2.0, 2000, state.digest))
+        np.testing.assert_array_equal(state.particles.position, self.bed.particles(2.0, exact=True).position)
+        pairs = self.bed.contacts(2.0, checkpoint=True)
+        np.testing.assert_array_equal(state.contacts["tangential_spring"], pairs["tangential_spring"])
+        self.assertGreater(state.wall_contacts.rows, 0)
+        self.assertEqual((state.gas.rows, state.particles.units["mass"]), (0, "rho_s d^3"))
+        self.assertEqual(state.attributes["title"], self.bed.checkpoint().attributes["title"])
+        self.assertEqual(self.bed.checkpoint().digest, self.bed.digest)
+        with self.assertRaisesRegex(talcum.ResultsError, "nothing of time 2.2; the nearest is 2"):
+            self.bed.checkpoint(2.2, exact=True)
+        with self.assertRaisesRegex(talcum.ResultsError, "nowhere.h5: there is no such file"):
+            talcum.read_checkpoint("nowhere.h5")
+
+    def test_a_restart_replaces_results_if_it_must(self) -> None:
+        again = self.folder / "forced"
+        talcum.restart(self.bed.checkpoints[0], output=again)
+        with self.assertRaisesRegex(talcum.TalcumError, "--force"):
+            talcum.restart(self.bed.checkpoints[0], output=again)
+        self.assertEqual(talcum.restart(self.bed.checkpoints[0], output=again, force=True).digest, self.bed.digest)
+
+    def test_a_study_is_run_and_read(self) -> None:
+        text = 'title = "grains"\ncase = "grains.toml"\n[[axis]]\nkey = "cohesion.bond_number"\nvalues = [0.0, 4.0]\n'
+        text += '[measure.top]\ncolumn = "bed_top"\nstatistic = "mean"\nwindow = { last = 1.0 }\n'
+        (self.folder / "study.toml").write_text(text, encoding="utf-8")
+        study = talcum.run_study(self.folder / "study.toml", output=self.folder / "study", at_a_time=1)
+        self.assertEqual(study.points.numbers("bond_number"), [0.0, 4.0])
+        self.assertEqual(study.runs.texts("state"), ["complete", "complete"])
+        self.assertEqual((study.points.units["top"], talcum.read_study(study.folder)), ("d", study))
+        with self.assertRaisesRegex(talcum.TalcumError, "nowhere.toml"):
+            talcum.run_study("nowhere.toml", output=self.folder / "none")
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "matplotlib is not installed")
+    def test_particles_are_drawn(self) -> None:
+        drawn = self.bed.plot_particles(self.folder / "particles.png", start=1.0, colour="rise", panels=2)
+        self.assertTrue(drawn.read_bytes().startswith(b"\x89PNG"))
+        with self.assertRaisesRegex(talcum.ResultsError, "shows no agglomerates"):
+            self.bed.plot_particles(self.folder / "none.png", colour="agglomerate")
+
     def test_an_unfinished_snapshot_is_left_out(self) -> None:
         copy = self.folder / "unfinished"
         shutil.copytree(self.bed.folder, copy)
@@ -199,6 +241,63 @@ class TestRun(unittest.TestCase):
     def test_vectors_in_pandas(self) -> None:
         frame = self.bed.particles().to_pandas()
         np.testing.assert_array_equal(frame["velocity_z"], self.bed.particles().velocity[:, 2])
+
+
+class TestFields(unittest.TestCase):
+    """The gas of a short run in three dimensions, and a measure on its cells."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.folder = Path(tempfile.mkdtemp(prefix="talcum-fields-"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        page = (SCRIPTS.parent / "docs/how-to/gas-in-three-dimensions.md").read_text(encoding="utf-8")
+        case = cls.folder / "beads.toml"
+        case.write_text(re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[0], encoding="utf-8")
+        changes = {"particles.count": 60, "stage.pour.duration": 0.01, "output.gas": 0.005, "measure.stress.kind": "stress"}
+        changes |= {"measure.stress.every": 0.01, "measure.stress.cells": [3, 1, 9]}
+        cls.bed = talcum.run(case, set=changes, output=cls.folder / "beads", until=0.02)
+
+    def test_fields_are_those_of_the_file(self) -> None:
+        gas = self.bed.gas(0.0151)
+        self.assertEqual((round(gas.time, 9), gas.time in self.bed.gas_times), (0.015, True))
+        step = int(np.flatnonzero(self.bed.gas_times == gas.time)[0])
+        with h5py.File(self.bed.folder / "gas.vtkhdf") as file:
+            for name in gas.keys():
+                np.testing.assert_array_equal(gas[name], file["VTKHDF/CellData"][name][step])
+        self.assertEqual(gas["velocity"].shape, (18, 1, 6, 3))
+        np.testing.assert_allclose(gas.x, np.arange(0.0025, 0.03, 0.005), atol=1e-15)
+        self.assertEqual((len(gas.y), round(gas.z[-1], 9), gas.units["z"], gas.units["pressure"]), (1, 0.0875, "m", "Pa"))
+        self.assertEqual(self.bed.gas().time, 0.02)
+        with self.assertRaisesRegex(talcum.ResultsError, "has no field 'presure'; it has pressure, "):
+            gas["presure"]
+        with self.assertRaisesRegex(talcum.ResultsError, "nothing of time 0.016"):
+            self.bed.gas(0.016, exact=True)
+
+    def test_tensors_of_a_measure(self) -> None:
+        stress = self.bed.fields("stress")
+        self.assertEqual((stress["contact"].shape, stress["velocity"].shape), ((9, 1, 3, 3, 3), (9, 1, 3, 3)))
+        # The vertical component is the third of the third row: that of beads that lie on each other.
+        with h5py.File(self.bed.folder / "measure-stress.vtkhdf") as file:
+            np.testing.assert_array_equal(stress["contact"][..., 2, 2], file["VTKHDF/CellData/contact"][-1][..., 8])
+
+    @unittest.skipUnless(HAS_PANDAS, "pandas is not installed")
+    def test_a_row_for_each_cell(self) -> None:
+        gas = self.bed.gas()
+        frame = gas.to_pandas()
+        self.assertEqual(len(frame), 108)
+        row = frame[np.isclose(frame["x"], gas.x[4]) & np.isclose(frame["z"], gas.z[7])]
+        self.assertEqual(row["velocity_z"].item(), gas["velocity"][7, 0, 4, 2])
+        self.assertEqual(frame.attrs["units"]["pressure"], "Pa")
+        self.assertIn("contact_8", self.bed.fields("stress").to_pandas())
+
+    @unittest.skipUnless(HAS_XARRAY, "xarray is not installed")
+    def test_dimensions_have_names(self) -> None:
+        gas = self.bed.gas()
+        fields = gas.to_xarray()
+        self.assertEqual(fields.voidage.dims, ("z", "y", "x"))
+        upwards = fields.velocity.sel(component="z").sel(x=0.0225, z=0.0375, y=0.002, method="nearest")
+        self.assertEqual(float(upwards), gas["velocity"][7, 0, 4, 2])
+        self.assertEqual(self.bed.fields("stress").to_xarray().contact.dims, ("z", "y", "x", "row", "component"))
 
 
 class TestCalls(ScriptTest):
@@ -297,6 +396,9 @@ class TestFiles(ScriptTest):
             ('kind = "agglomerates"', lambda: bed.agglomerates()),
             ("checkpoint", lambda: bed.digest),
             ("checkpoint", lambda: bed.contacts()),
+            ("checkpoint", lambda: bed.checkpoint()),
+            ("output.gas", lambda: bed.gas()),
+            (r"\[measure.x\] on cells", lambda: bed.fields("x")),
         ]:
             with self.assertRaisesRegex(talcum.ResultsError, words):
                 read()
@@ -352,6 +454,10 @@ class TestFiles(ScriptTest):
         self.assertEqual(study.runs.numbers("top"), [5.0, 7.0])
         estimate = study.points.where(bond_number=4.0).estimates("top")[0]
         self.assertEqual((estimate.mean, estimate.lower, estimate.runs), (6.0, 5.0, 2))
+        self.assertEqual(study.points.where(runs=2).units["top_lower"], "d")
+        if HAS_PANDAS:
+            frame = study.runs.to_pandas()
+            self.assertEqual((frame["run"].tolist(), frame["top"].mean(), frame.attrs["units"]["top"]), (["a", "b"], 6.0, "d"))
 
 
 if __name__ == "__main__":

@@ -25,16 +25,20 @@ from __future__ import annotations
 
 from .bed import Bed
 from .bed import open_bed as open
+from .checkpoint import Checkpoint, read_checkpoint
+from .fields import Fields
 from .measure import Measure
 from .program import TalcumError, check, restart, run
 from .snapshots import Contacts, Particles
-from .studies import Study, read_study
+from .studies import Study, read_study, run_study
 from .tables import Analysis, Profiles, ResultsError, Table
 
 __all__ = [
     "Analysis",
     "Bed",
+    "Checkpoint",
     "Contacts",
+    "Fields",
     "Measure",
     "Particles",
     "Profiles",
@@ -44,7 +48,9 @@ __all__ = [
     "TalcumError",
     "check",
     "open",
+    "read_checkpoint",
     "read_study",
     "restart",
     "run",
+    "run_study",
 ]

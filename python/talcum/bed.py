@@ -14,6 +14,8 @@ import numpy as np
 
 import talcum_results
 
+from .checkpoint import Checkpoint, read_checkpoint
+from .fields import Fields, read_fields
 from .files import attributes, read_hdf5, require
 from .measure import Measure, read_kind, read_measure
 from .snapshots import (
@@ -120,6 +122,15 @@ class Bed:
         """
         return read_particles(self._snapshots, time, exact)
 
+    def gas(self, time: float | None = None, exact: bool = False) -> Fields:
+        """A gas in three dimensions at the snapshot nearest to a time, the last by default."""
+        return read_fields(require(self.folder / "gas.vtkhdf", "output.gas"), time, exact)
+
+    @property
+    def gas_times(self) -> Array:
+        """The times of the snapshots of a gas in three dimensions."""
+        return read_times(require(self.folder / "gas.vtkhdf", "output.gas"))
+
     @property
     def measures(self) -> dict[str, str]:
         """The kinds of the measures by their names."""
@@ -129,6 +140,10 @@ class Bed:
     def measure(self, name: str) -> Measure:
         """The tables of `[measure.NAME]`."""
         return read_measure(require(self.folder / f"measure-{name}.h5", f"[measure.{name}]"))
+
+    def fields(self, name: str, time: float | None = None, exact: bool = False) -> Fields:
+        """The fields of a `[measure.NAME]` on cells at the time nearest to a given one, the last by default."""
+        return read_fields(require(self.folder / f"measure-{name}.vtkhdf", f"[measure.{name}] on cells"), time, exact)
 
     def agglomerates(self, measure: str | None = None) -> Measure:
         """The tables of the measure of kind agglomerates; `measure` names it where there are several."""
@@ -148,11 +163,18 @@ class Bed:
         lines = require(self.folder / f"measure-{name}.vtkhdf", f'[measure.{name}] with kind = "contacts"')
         return read_lines(lines, time, exact)
 
+    def checkpoint(self, time: float | None = None, exact: bool = False) -> Checkpoint:
+        """The state of the run in the checkpoint nearest to a time, the newest by default."""
+        return read_checkpoint(self._checkpoint_near(time, exact)[0])
+
     def _checkpoint_contacts(self, time: float | None, exact: bool) -> Contacts:
+        return read_checkpoint_contacts(*self._checkpoint_near(time, exact))
+
+    def _checkpoint_near(self, time: float | None, exact: bool) -> tuple[Path, float]:
         newest, files = self.newest_checkpoint, self.checkpoints
         times = np.array([time_of_checkpoint(file) for file in files])
         index = nearest(times, time, exact, newest)
-        return read_checkpoint_contacts(files[index], float(times[index]))
+        return files[index], float(times[index])
 
     def _of_kind(self, kind: str, name: str | None) -> str:
         """The name of the measure of a kind."""
@@ -192,6 +214,21 @@ class Bed:
     def plot_cycle(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
         """Draws a vibrated bed over one cycle of its plate."""
         return self._draw("cycle", "cycle.png", file, start, end)
+
+    def plot_particles(
+        self,
+        file: FileName = None,
+        start: float | None = None,
+        end: float | None = None,
+        colour: str = "speed",
+        panels: int = 1,
+    ) -> Path:
+        """Draws the particles from the side at so many times side by side, by default the last alone.
+
+        `colour` is speed, rise (vertical velocity), size or agglomerate.
+        """
+        options = ["--colour", colour, "--panels", str(panels)]
+        return self._draw("particles", "particles.png", file, start, end, *options)
 
     def plot_section(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
         """Draws a section through particles and a gas in three dimensions, at the last snapshot until `end`."""

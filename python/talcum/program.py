@@ -66,11 +66,13 @@ def restart(
     *,
     output: PathText | None = None,
     until: float | None = None,
+    force: bool = False,
     quiet: bool = True,
 ) -> Bed:
     """Goes on from a checkpoint, in its folder or in `output`, and opens the results; the rest is as for `run`."""
     folder = Path(output) if output is not None else Path(checkpoint).parent
     options = ["--output", str(folder)] if output is not None else []
+    options += ["--force"] if force else []
     options += until_words(until)
     words = [*launch(ranks, threads), "restart", str(checkpoint), *options, *thread_words(threads), *set_words(set)]
     call(words, quiet)

@@ -123,12 +123,14 @@ def read_lines(file: Path, time: float | None, exact: bool) -> Contacts:
 def time_of_checkpoint(file: Path) -> float:
     """The time of a checkpoint."""
 
-    def take(contents: Any) -> float:
-        clock = contents["clock"].attrs
-        steps = int(clock["step"]) - int(clock["origin_step"])
-        return float(clock["origin_time"] + steps * clock["time_step"])
+    return read_hdf5(file, clock_time)
 
-    return read_hdf5(file, take)
+
+def clock_time(contents: Any) -> float:
+    """The time in an open checkpoint."""
+    clock = contents["clock"].attrs
+    steps = int(clock["step"]) - int(clock["origin_step"])
+    return float(clock["origin_time"] + steps * clock["time_step"])
 
 
 def read_checkpoint_contacts(file: Path, time: float) -> Contacts:

@@ -1,4 +1,4 @@
-"""The tables of a study: `runs.csv` and `points.csv`."""
+"""Studies: many runs of one case, and their tables `runs.csv` and `points.csv`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from os import PathLike
 from pathlib import Path
 from typing import Union
 
+from talcum_results import program
+
+from .program import call
 from .study_tables import Estimate, StudyTable, read_study_table
 from .tables import ResultsError
 
-__all__ = ["Estimate", "Study", "StudyTable", "read_study"]
+__all__ = ["Estimate", "Study", "StudyTable", "read_study", "run_study"]
+
+PathText = Union[str, "PathLike[str]"]
 
 
 @dataclass
@@ -22,7 +27,31 @@ class Study:
     points: StudyTable
 
 
-def read_study(folder: Union[str, "PathLike[str]"]) -> Study:
+def run_study(
+    study: PathText,
+    *,
+    output: PathText | None = None,
+    at_a_time: int | None = None,
+    ranks_per_run: int | None = None,
+    launcher: str | None = None,
+    retry: bool = False,
+    quiet: bool = True,
+) -> Study:
+    """Runs what is missing of a study, and reads its tables.
+
+    `output` is the folder of the study, results/NAME of the study file by default; `at_a_time`, `ranks_per_run`,
+    `launcher` and `retry` are the program's options of these names. Without `quiet` its messages are printed.
+    """
+    folder = Path(output) if output is not None else Path("results") / Path(study).stem
+    options = ["--output", str(folder)]
+    numbers = {"--at-a-time": at_a_time, "--ranks-per-run": ranks_per_run, "--launcher": launcher}
+    options += [word for name, value in numbers.items() if value is not None for word in (name, str(value))]
+    options += ["--retry"] if retry else []
+    call([program(), "study", str(study), *options], quiet)
+    return read_study(folder)
+
+
+def read_study(folder: PathText) -> Study:
     """Reads the tables of a study's folder, also of one that is not complete."""
     place = Path(folder)
     for name in ("runs.csv", "points.csv"):
