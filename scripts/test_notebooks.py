@@ -7,8 +7,11 @@ import copy
 import io
 import re
 import socket
+import subprocess
+import sys
 import tempfile
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import nbformat
@@ -115,14 +118,27 @@ def marks_of_a_machine(cell: NotebookNode) -> list[str]:
 
 
 class TestExecuted(unittest.TestCase):
-    """Each notebook is executed from its beginning in an empty folder."""
+    """Each notebook is executed from its beginning in an empty folder, two at a time."""
 
     def test_they_give_what_is_stored(self) -> None:
-        for path in notebooks():
-            with self.subTest(path.name), tempfile.TemporaryDirectory() as folder:
-                found = compare(path, Path(folder))
+        with ThreadPoolExecutor(2) as pool:
+            done = pool.map(compared, notebooks())
+        for path, ended in zip(notebooks(), done):
+            with self.subTest(path.name):
                 advice = "if this is meant: .venv/bin/python scripts/notebooks.py --write"
-                self.assertEqual(found, [], "\n".join([path.name, *found, advice]))
+                self.assertEqual(ended.returncode, 0, f"{ended.stdout}\n{ended.stderr}\n{advice}")
+                self.assertIn(path.name, ended.stdout)
+
+    def test_a_notebook_that_is_not_there(self) -> None:
+        ended = compared(Path("7-nothing.ipynb"))
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("no such notebook: 7-nothing.ipynb; there are 1-case, 2-run,", ended.stderr)
+
+
+def compared(path: Path) -> subprocess.CompletedProcess[str]:
+    """Executes a notebook by the script, in a process of its own."""
+    command = [sys.executable, str(ROOT / "scripts/notebooks.py"), path.stem]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 class TestComparing(unittest.TestCase):
