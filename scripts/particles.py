@@ -30,6 +30,8 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
+MOST_CLASSES = 12
+"""With more numbers than these, a scale has marks of its own."""
 SECTION_FROM = 8.0
 """Depth of a bed along y, in mean diameters, from which on a section is shown."""
 
@@ -111,12 +113,24 @@ def section(y: Array, diameter: Array) -> Array:
     return np.abs(y - middle) < np.ptp(y) / 6.0
 
 
+def values_of(bed: Bed) -> Array:
+    """What colours the particles of all snapshots, where there is something."""
+    values = np.concatenate([snapshot.value for snapshot in bed.snapshots])
+    return values[np.isfinite(values)]
+
+
+def are_numbers_of_few(values: Array) -> bool:
+    """Whether values are numbers of classes or contacts: whole, and few."""
+    return len(values) > 0 and np.ptp(values) <= MOST_CLASSES and bool(np.all(values == np.round(values)))
+
+
 def limits(bed: Bed) -> tuple[float, float]:
     """The range of the colours, but for a few fast particles."""
-    values = np.concatenate([snapshot.value for snapshot in bed.snapshots])
-    values = values[np.isfinite(values)]
+    values = values_of(bed)
     if len(values) == 0:
         return 0.0, 1.0
+    if are_numbers_of_few(values):
+        return float(values.min()), float(max(values.max(), values.min() + 1.0))
     low, high = np.percentile(values, [1.0, 99.0])
     return float(low), float(high if high > low else low + 1.0)
 
@@ -133,6 +147,9 @@ def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
     """The particles of a snapshot in a panel."""
     drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, snapshot.value)
     drawn.set_clim(*limits(bed))
+    if are_numbers_of_few(values_of(bed)):
+        # Neighbours of one colour stay apart.
+        drawn.set(edgecolor="black", linewidth=0.3)
     panel.set_title(axis_label(f"time {snapshot.time:.4g}", bed.units["time"]))
     return drawn
 
@@ -159,7 +176,10 @@ def draw(bed: Bed, count: int) -> Figure:
     figure, panels = empty_panels(bed, len(shown))
     for panel, snapshot in zip(panels[0], shown):
         drawn = spheres(panel, snapshot, bed)
-    figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
+    key = figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
+    if are_numbers_of_few(values_of(bed)):
+        low, high = limits(bed)
+        key.set_ticks(np.arange(low, high + 1.0))
     return figure
 
 

@@ -130,7 +130,10 @@ class Cases(unittest.TestCase):
                 case, options = changed(cases[found[1]], block if block.startswith("# in ") else "")
                 done = self.check(case, options)
                 self.assertEqual(done.returncode, 0, f"{page}:\n{block}\n{done.stderr}")
-                self.assertNotIn("warning  ", done.stdout if page == "how-to/sizes.md" else "", block)
+                lines = (line for line in done.stdout.splitlines() if "  warning  " in line)
+                # The bed of these pages is small, which they say.
+                warnings = [line for line in lines if "cells of the gas high" not in line]
+                self.assertEqual(warnings if page == "how-to/sizes.md" else [], [], block)
                 tried += 1
         self.assertGreater(tried, 12)
 

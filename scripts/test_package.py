@@ -224,7 +224,7 @@ class TestRun(unittest.TestCase):
     def test_particles_are_drawn(self) -> None:
         drawn = self.bed.plot_particles(self.folder / "particles.png", start=1.0, colour="rise", panels=2)
         self.assertTrue(drawn.read_bytes().startswith(b"\x89PNG"))
-        with self.assertRaisesRegex(talcum.ResultsError, "shows no agglomerates"):
+        with self.assertRaisesRegex(talcum.ResultsError, "shows no agglomerate, only"):
             self.bed.plot_particles(self.folder / "none.png", colour="agglomerate")
 
     def test_an_unfinished_snapshot_is_left_out(self) -> None:

@@ -28,6 +28,8 @@ class TestParticles(ScriptTest):
             root["Steps/PointOffsets"] = 2 * np.arange(3)
             root["Steps/Values"] = TIMES
             root["PointData/velocity"] = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
+            root["PointData/class"] = np.tile([0, 1], 3)
+            root["PointData/class"].attrs["unit"] = "1"
             root["PointData/mass"] = np.tile([3.0, 4.0], 3)
             root["PointData/force"] = np.tile([[3.0, 0.0, -4.0], [0.0, 0.0, 0.0]], (3, 1))
             root["PointData/radius"] = np.tile([0.5, 0.25], 3)
@@ -44,8 +46,15 @@ class TestParticles(ScriptTest):
         self.assertEqual(last("size"), [1.0, 0.5])
         self.assertEqual(last("mass"), [3.0, 4.0])
         self.assertEqual(last("force"), [5.0, 0.0])
-        with self.assertRaisesRegex(ResultsError, "shows no agglomerate, only speed, rise, size, force, mass"):
+        with self.assertRaisesRegex(ResultsError, "shows no agglomerate, only speed, rise, size, class, force, mass"):
             last("agglomerate")
+
+    def test_classes_have_whole_marks_and_outlines(self) -> None:
+        self.assertTrue(particles.are_numbers_of_few(np.array([0.0, 1.0, 1.0])))
+        for others in ([0.0, 0.5], [0.0, 40.0], []):
+            self.assertFalse(particles.are_numbers_of_few(np.array(others)))
+        self.call(particles, "--colour", "class")
+        self.assert_picture("particles.png")
 
     def test_times_are_chosen(self) -> None:
         times = [snapshot.time for snapshot in particles.read_bed(self.folder, "speed", 0.5, 1.5).snapshots]

@@ -5,8 +5,9 @@ use super::naming::{adopt_title, name_differences};
 use super::progress::ProgressReport;
 use super::reading::read_case;
 use super::{RunArguments, report, signals};
+use crate::analysis::Digest;
 use crate::case::{BedStart, Case, changes};
-use crate::output::checkpoint;
+use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
     self, InitialState, Outcome, OutputFolder, RunError, RunOptions, start_from_case,
@@ -53,7 +54,10 @@ pub(super) fn run(
     let _lock = folder.lock(ranks)?;
     prepare_folder(&folder, earlier, ranks)?;
     let initial = match earlier {
-        Earlier::Continue => resume(&mut case, &folder, options, ranks)?,
+        Earlier::Continue => match resume(&mut case, &folder, options, ranks)? {
+            Some(initial) => initial,
+            None => return Ok(()),
+        },
         _ => begin(&mut case, options, ranks)?,
     };
     let output = folder.path.display().to_string();
@@ -123,13 +127,13 @@ fn begin(
     Ok(initial)
 }
 
-/// The newest good checkpoint of the folder, or the start of the case if there is none.
+/// The newest good checkpoint of the folder, or the start of the case if there is none; `None` if the run is complete.
 fn resume(
     case: &mut Case,
     folder: &OutputFolder,
     options: &RunArguments,
     ranks: &dyn Communicator,
-) -> anyhow::Result<InitialState> {
+) -> anyhow::Result<Option<InitialState>> {
     let grid = options.changes.ranks;
     let search = checkpoint::newest_good(&folder.path, ranks)?;
     for refused in &search.refused {
@@ -138,16 +142,23 @@ fn resume(
     match search.found {
         Some((path, checkpoint, _, digest)) => {
             let time = checkpoint.clock.time();
+            let end = options.until.unwrap_or(case.end_time());
+            // Times are multiples of the step, and ends need not be.
+            let is_at_end = (end - time).abs() <= 1.0e-9 * time.abs();
+            if is_at_end && ranks.any(ranks.is_root() && folder.is_complete()) {
+                say_nothing_to_do(&path, &checkpoint, digest, case, ranks);
+                return Ok(None);
+            }
             say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
             if !adopt_title(case, &options.changes.set, &checkpoint.case_text) {
                 name_differences(case, &options.changes.set, None)?;
             }
             say_changes(&checkpoint.case_text, case, ranks);
-            Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
+            Ok(Some(start_from_checkpoint(case, checkpoint, grid, true, ranks)?))
         }
         None if search.refused.is_empty() => {
             say(ranks, "no checkpoint to resume from: starting anew");
-            begin(case, options, ranks)
+            Ok(Some(begin(case, options, ranks)?))
         }
         None => {
             let refused: String =
@@ -159,6 +170,26 @@ fn resume(
             )
         }
     }
+}
+
+/// The results stay as they are, whatever has changed in the case.
+fn say_nothing_to_do(
+    path: &Path,
+    end: &Checkpoint,
+    digest: Digest,
+    case: &Case,
+    ranks: &dyn Communicator,
+) {
+    let time = end.clock.time();
+    // The title of a run names its own changes.
+    if changes(&end.case_text, &case.text).iter().any(|change| change.key != "title") {
+        say(ranks, "what has changed in the case has no effect on a run that is complete");
+    }
+    let end = format!(
+        "complete at time {time}, nothing is left to do; the end state is in {}",
+        path.display()
+    );
+    say(ranks, &format!("{end}\ndigest {digest}"));
 }
 
 /// Refuses, or removes, what an earlier run has left.

@@ -63,6 +63,11 @@ impl OutputFolder {
         entries.flatten().any(|entry| is_result(&entry.file_name().to_string_lossy()))
     }
 
+    /// Whether the run here has come to its end, or to `--until`.
+    pub fn is_complete(&self) -> bool {
+        self.path.join(COMPLETE).exists()
+    }
+
     /// Removes an earlier run's results, and nothing else.
     ///
     /// # Errors

@@ -56,6 +56,13 @@ fn a_box_in_another_unit_than_the_diameter_is_warned_of() {
 }
 
 #[test]
+fn a_bed_of_few_cells_is_warned_of() {
+    let words = "cells of the gas high";
+    assert!(warns(&check("fluidised", &[]), words));
+    assert!(!warns(&check("fluidised", &["gas.cells=[4, 4, 60]"]), words));
+}
+
+#[test]
 fn a_gas_as_dense_as_a_liquid_is_warned_of() {
     warned_only_with("fluidised", &["gas.density=1200.0"], "is its density right?");
 }

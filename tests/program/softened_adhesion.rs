@@ -16,7 +16,7 @@ fn check(name: &str, overrides: &[&str]) -> String {
     ended.output
 }
 
-const WARNING: &str = "the soft spring makes the work of parting";
+const WARNING: &str = "the soft spring adds";
 
 /// The number after a text.
 fn number_after(text: &str, before: &str) -> f64 {

@@ -110,9 +110,9 @@ fn describe(
         None => 0.0, // nothing to compare with
     };
     if excess > LARGEST_SPRING_PART {
-        let than = if real.is_some() { "the real particles'" } else { "stiff particles'" };
+        let of = if real.is_some() { "the real particles" } else { "stiff particles" };
         lines.warn(&format!(
-            "the soft spring makes the work of parting {excess:.3} larger than {than} (advised: at most \
+            "the soft spring adds {excess:.3} times the work of parting of {of} to it (advised: at most \
              {LARGEST_SPRING_PART}): raise the stiffness, or see contact.softening"
         ));
     }

@@ -15,6 +15,11 @@ use std::f64::consts::PI;
 const POURED: f64 = 0.6;
 /// With fewer layers there is no bed for a gas to flow through: lengths are mostly in two units then.
 const FEWEST_LAYERS: f64 = 3.0;
+/// Below, the gas sees little of the bed but its smeared surface.
+const FEWEST_CELLS: f64 = 5.0;
+/// The part of the pressure drop that a surface smeared over cells takes away, times the number of cells of the bed's height: 13.5 %
+/// was measured in packed beds 5.5 cells high, 5.6 % in beds of 15.8.
+const SMEARED: f64 = 0.8;
 /// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
 const AT_REST: f64 = 0.05;
 /// The same of an impact at the highest speed, which is rare and short.
@@ -57,9 +62,24 @@ impl BedAtRest {
                 "these are fewer than {FEWEST_LAYERS} layers: are the box and the diameter in the same unit?"
             ));
         }
+        if let Some(gas) = case.volume_averaged() {
+            self.describe_cells(lines, gas.grid.spacing().z);
+        }
         let room = case.domain.bounds.lengths().z;
         if self.height > room {
             lines.warn(&format!("the box is only {room:.4e} {length} high"));
+        }
+    }
+
+    /// Whether the cells of a gas resolve the bed's height.
+    fn describe_cells(&self, lines: &mut Lines, spacing: f64) {
+        let cells = self.height / spacing;
+        if cells < FEWEST_CELLS {
+            lines.warn(&format!(
+                "at rest the bed is {cells:.1} cells of the gas high: its surface is smeared over a cell, which lowers the pressure \
+                 drop by some {:.0} %, and voids smaller than a cell are not seen; at least {FEWEST_CELLS} are advised",
+                SMEARED * 100.0 / cells
+            ));
         }
     }
 

@@ -61,8 +61,15 @@ fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
         GasModel::VolumeAveraged(model) => model.coupling.drag.share,
     };
     let Some(excess) = case.particles.drag_excess() else { return };
+    lines.add(
+        "U_mf and terminal velocity",
+        "of particles of the reference diameter and particles.density alone",
+    );
     let text = match share {
-        DragShare::Surface => "that of the local Sauter mean diameter".to_owned(),
+        DragShare::Surface => format!(
+            "that of the local Sauter mean diameter, in a packed bed up to {:.1} % less than by each particle's own",
+            100.0 * excess / (1.0 + excess)
+        ),
         DragShare::Diameter => format!(
             "each by its own diameter, in a packed bed up to {:.1} % more than by the Sauter diameter (gas.drag_in_mixtures)",
             100.0 * excess

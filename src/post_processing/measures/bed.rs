@@ -74,13 +74,20 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         BedHeightOptions { threshold: case.output.bed_threshold, ..BedHeightOptions::default() };
     let part = results.lowest_node_part()?;
     let whole = results.whole_profiles()?;
-    let shapes: Result<Vec<Shape>, NoValue> =
-        (0..whole.times.len()).map(|row| shape_of(whole, row, part, &options)).collect();
-    let shapes = shapes?;
     let profiles = results.profiles()?;
     let first = whole.times.partition_point(|&time| time < profiles.times[0]);
-    let shown = &shapes[first..first + profiles.times.len()];
-    let least = shapes.iter().map(|shape| shape.by_mass).fold(f64::INFINITY, f64::min);
+    let shapes: Vec<Result<Shape, NoValue>> =
+        (0..whole.times.len()).map(|row| shape_of(whole, row, part, &options)).collect();
+    let with_bed = shapes.iter().flatten().map(|shape| shape.by_mass);
+    let least = with_bed.fold(f64::INFINITY, f64::min);
+    // Particles that still fall, or are scattered, are no bed.
+    let counted = &shapes[first..first + profiles.times.len()];
+    let timed = profiles.times.iter().zip(counted);
+    let (times, shown): (Vec<f64>, Vec<Shape>) =
+        timed.filter_map(|(time, shape)| Some((*time, *shape.as_ref().ok()?))).unzip();
+    if let (true, Some(Err(reason))) = (shown.is_empty(), counted.last()) {
+        return Err(reason.clone().into());
+    }
 
     let mut found = Findings::new(results.units());
     let mean = |of: &dyn Fn(&Shape) -> f64| mean_of(&shown.iter().map(of).collect::<Vec<_>>());
@@ -92,7 +99,15 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     found.add(&EXPANSION, height.and_then(|height| expanded(height, least)));
     found.add(&SOLIDS_FRACTION, mean(&|shape| shape.bulk));
     add_weight_and_pressure_drop(&mut found, results)?;
-    found.tables.push(table(&profiles.times, shown, &results.units()));
+    found.tables.push(table(&times, &shown, &results.units()));
+    if shown.len() < counted.len() {
+        let without = counted.len() - shown.len();
+        found.note(format!(
+            "{without} of {} profiles count for nothing: the solids fraction is nowhere above {}, or there is no bulk",
+            counted.len(),
+            options.threshold
+        ));
+    }
     Ok(found)
 }
 

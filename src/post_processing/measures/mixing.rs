@@ -44,7 +44,7 @@ const LACEY: Kind = Kind::number(
 const LACEY_BY_SIZE: Kind = Kind::number(
     "lacey_by_size",
     Quantity::Number,
-    "Lacey index at the end, of the particles no larger than the median",
+    "Lacey index at the end, of the particles no larger than the median, or smaller if none is larger",
 );
 
 /// Windows, one after another, whose scatter gives the error of D.
@@ -184,7 +184,8 @@ struct MixingCells {
     sizes: [f64; 3],
     /// Height that parts the tracers from the others at the start.
     middle: f64,
-    median_radius: f64,
+    /// Largest radius of those that count as small: the median, or the next smaller radius if none is above it.
+    small_radius: f64,
 }
 
 /// Lacey indices at one time.
@@ -207,7 +208,12 @@ impl MixingCells {
         let edge = libm::cbrt(PER_CELL * 2.0 * volume / first.ids.len() as f64);
         let counts = [0, 1, 2].map(|axis| libm::round(lengths[axis] / edge).max(1.0) as usize);
         let sizes = [0, 1, 2].map(|axis| lengths[axis] / counts[axis] as f64);
-        Ok(Self { edge, counts, sizes, middle, median_radius })
+        let below = first.radii.iter().copied().filter(|&radius| radius < median_radius);
+        let small_radius = match first.radii.iter().any(|&radius| radius > median_radius) {
+            true => median_radius,
+            false => below.fold(f64::NEG_INFINITY, f64::max),
+        };
+        Ok(Self { edge, counts, sizes, middle, small_radius })
     }
 
     fn cell_of(&self, position: &[f64; 3]) -> u64 {
@@ -231,7 +237,7 @@ impl MixingCells {
         for (number, &time) in snapshots.times.iter().enumerate() {
             let now = snapshots.snapshot(number)?;
             let by_place = self.index(&now, &|index| was_below(now.ids[index]));
-            let by_size = self.index(&now, &|index| now.radii[index] <= self.median_radius);
+            let by_size = self.index(&now, &|index| now.radii[index] <= self.small_radius);
             rows.push(MixingRow { time, by_place, by_size });
         }
         Ok(rows)

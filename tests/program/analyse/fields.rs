@@ -108,6 +108,25 @@ fn the_bed_has_its_height_expansion_and_pressure_drop() {
 }
 
 #[test]
+fn times_before_there_is_a_bed_do_not_count() {
+    let made = Made::of(CASE);
+    // Loose particles for t < 20, then a bed of 30.
+    let phi = |z: f64, t: f64| match (t < 20.0, z) {
+        (true, z) if z < 80.0 => 0.2,
+        (false, z) if z < 30.0 => 0.6,
+        _ => 0.0,
+    };
+    made.profiles(&times(101, 1.0), phi);
+    made.series(times(201, 0.5).into_iter().map(|time| Measures { time, ..Default::default() }));
+    let found = made.find("bed", TimeWindow::WHOLE);
+    assert!((number(&found, "bed.height").0 - 30.0).abs() < 1.6);
+    assert_eq!(column(&found, "bed/times", "time").len(), 81);
+    // The control: where there is no bed at all, the reason is told.
+    let loose = made.find("bed", TimeWindow { from: 0.0, to: 19.0 });
+    assert!(reason(&loose, "bed.height").contains("nowhere above the threshold"));
+}
+
+#[test]
 fn a_known_frequency_is_found_and_noise_has_none() {
     let made = Made::of(CASE);
     let frequency = 0.173;

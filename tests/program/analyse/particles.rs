@@ -201,3 +201,26 @@ fn bubbles_rise_as_they_were_drawn() {
     assert!((rise / speed - 1.0).abs() < 0.02, "{rise}");
     assert!((number(&found, "bubbles.aspect_ratio").0 - 1.0).abs() < 0.05);
 }
+
+#[test]
+fn sizes_are_parted_where_most_particles_are_large() {
+    let made = Made::of(CASE);
+    // The lower 300 of 500 are large: parted.
+    let snapshot = |is_small: fn(usize) -> bool| -> Vec<ParticleRecord> {
+        let sized = |(id, x): (usize, [f64; 3])| {
+            let radius = if is_small(id) { 0.4 } else { 0.5 };
+            ParticleRecord { radius, ..particle(id as u64, x) }
+        };
+        lattice().into_iter().enumerate().map(sized).collect()
+    };
+    let parted = |id: usize| id >= 300;
+    made.snapshots(&[(0.0, snapshot(parted)), (1.0, snapshot(parted)), (2.0, snapshot(parted))]);
+    let found = made.find("mixing", TimeWindow::WHOLE);
+    assert!(number(&found, "mixing.lacey_by_size").0 < 0.3);
+    // The control: two of five, anywhere.
+    let mixed = Made::of(CASE);
+    let even = |id: usize| (id.wrapping_mul(2_654_435_761) >> 7) % 5 < 2;
+    mixed.snapshots(&[(0.0, snapshot(even)), (1.0, snapshot(even)), (2.0, snapshot(even))]);
+    let found = mixed.find("mixing", TimeWindow::WHOLE);
+    assert!(number(&found, "mixing.lacey_by_size").0 > 0.9);
+}
