@@ -20,6 +20,8 @@ from talcum_results import (
     result_file,
     run_script,
     save_figure,
+    snapshot_rows,
+    snapshot_times,
 )
 
 from dataclasses import dataclass
@@ -61,10 +63,9 @@ def read_bed(folder: Path, time: float | None) -> Bed:
         h5py.File(result_file(folder, "gas.vtkhdf")) as gas,
     ):
         particles, gas = particles["VTKHDF"], gas["VTKHDF"]
-        gas_step = step_at(gas["Steps/Values"][:], time)
-        step = step_at(particles["Steps/Values"][:], gas["Steps/Values"][gas_step])
-        first = particles["Steps/PointOffsets"][step]
-        rows = slice(first, first + particles["NumberOfPoints"][step])
+        gas_step = step_at(snapshot_times(gas), time)
+        step = step_at(snapshot_times(particles), gas["Steps/Values"][gas_step])
+        rows = snapshot_rows(particles, step)
         data, cells = particles["PointData"], gas["CellData"]
         shape = cells["voidage"].shape
         middle = shape[2] // 2

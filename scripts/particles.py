@@ -18,6 +18,8 @@ from talcum_results import (
     result_file,
     run_script,
     save_figure,
+    snapshot_rows,
+    snapshot_times,
 )
 
 import argparse
@@ -79,13 +81,11 @@ def read_bed(folder: Path, colour: str, start: float | None, end: float | None) 
     with h5py.File(file) as contents:
         root = contents["VTKHDF"]
         data = root["PointData"]
-        times = root["Steps/Values"][: int(root["Steps"].attrs.get("NSteps", len(root["Steps/Values"])))]
         snapshots = []
-        for step, time in enumerate(times):
+        for step, time in enumerate(snapshot_times(root)):
             if (start is not None and time < start) or (end is not None and time > end):
                 continue
-            first = int(root["Steps/PointOffsets"][step])
-            rows = slice(first, first + int(root["NumberOfPoints"][step]))
+            rows = snapshot_rows(root, step)
             points, diameter = root["Points"][rows], 2.0 * data["radius"][rows]
             shown = section(points[:, 1], diameter)
             value = value_of(data, rows, colour, file)

@@ -221,6 +221,18 @@ def profiles_of(file: Path, contents: h5py.File) -> Profiles:
     return Profiles(**columns, units=units, attributes=attributes)
 
 
+def snapshot_times(vtkhdf: Any) -> Array:
+    """The times of a file of VTKHDF; the number of them is written last, when all else is there."""
+    steps = vtkhdf["Steps"]
+    return np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
+
+
+def snapshot_rows(vtkhdf: Any, step: int) -> slice:
+    """The rows of the particles of a snapshot."""
+    first = int(vtkhdf["Steps/PointOffsets"][step])
+    return slice(first, first + int(vtkhdf["NumberOfPoints"][step]))
+
+
 def text_of(value: Any) -> Any:
     """An attribute's value, with bytes turned into text."""
     if isinstance(value, np.ndarray) and value.size == 1:

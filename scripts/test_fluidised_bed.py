@@ -28,6 +28,7 @@ class TestFluidisedBed(ScriptTest):
             root["NumberOfPoints"] = np.full(3, 2)
             root["Steps/PointOffsets"] = 2 * np.arange(3)
             root["Steps/Values"] = TIMES
+            root["Steps"].attrs["NSteps"] = len(TIMES)
             root["PointData/velocity"] = np.tile([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]], (3, 1))
             root["PointData/radius"] = np.full(6, 0.5)
             for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)")):
@@ -36,6 +37,7 @@ class TestFluidisedBed(ScriptTest):
             root = file.create_group("VTKHDF")
             root.attrs["Spacing"] = [1.0, 2.0, 2.0]
             root["Steps/Values"] = TIMES[:2]
+            root["Steps"].attrs["NSteps"] = 2
             root["CellData/voidage"] = np.linspace(0.4, 1.0, 2 * 6 * 1 * 4).reshape(2, 6, 1, 4)
             root["CellData/velocity"] = np.ones((2, 6, 1, 4, 3))
 

@@ -27,6 +27,7 @@ class TestParticles(ScriptTest):
             root["NumberOfPoints"] = np.full(3, 2)
             root["Steps/PointOffsets"] = 2 * np.arange(3)
             root["Steps/Values"] = TIMES
+            root["Steps"].attrs["NSteps"] = len(TIMES)
             root["PointData/velocity"] = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
             root["PointData/class"] = np.tile([0, 1], 3)
             root["PointData/class"].attrs["unit"] = "1"

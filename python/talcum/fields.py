@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from talcum_results import snapshot_times
+
 from .files import column, read_hdf5
-from .snapshots import nearest, times_in
+from .snapshots import nearest
 from .tables import Array, ResultsError, Table, optional
 
 
@@ -61,7 +63,7 @@ def read_fields(file: Path, time: float | None, exact: bool) -> Fields:
 
     def take(contents: Any) -> Fields:
         root = contents["VTKHDF"]
-        times = times_in(root)
+        times = snapshot_times(root)
         step = nearest(times, time, exact, file)
         read = {name: column(dataset, slice(step, step + 1)) for name, dataset in root["CellData"].items()}
         units = {name: unit for name, (_, unit) in read.items()}

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from talcum_results import snapshot_rows, snapshot_times
+
 from .files import column, read_hdf5
 from .tables import Array, ResultsError, Table, optional
 
@@ -77,15 +79,9 @@ def nearest(times: Array, time: float | None, exact: bool, source: Path) -> int:
     return index
 
 
-def times_in(vtkhdf: Any) -> Array:
-    """The times of a file of VTKHDF; the number of them is written last, when all else is there."""
-    steps = vtkhdf["Steps"]
-    return np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
-
-
 def read_times(file: Path) -> Array:
     """The times of a file of VTKHDF."""
-    return read_hdf5(file, lambda contents: times_in(contents["VTKHDF"]))
+    return read_hdf5(file, lambda contents: snapshot_times(contents["VTKHDF"]))
 
 
 def read_particles(file: Path, time: float | None, exact: bool) -> Particles:
@@ -93,10 +89,9 @@ def read_particles(file: Path, time: float | None, exact: bool) -> Particles:
 
     def take(contents: Any) -> Particles:
         root = contents["VTKHDF"]
-        times = times_in(root)
+        times = snapshot_times(root)
         step = nearest(times, time, exact, file)
-        first = int(root["Steps/PointOffsets"][step])
-        rows = slice(first, first + int(root["NumberOfPoints"][step]))
+        rows = snapshot_rows(root, step)
         datasets = {"position": root["Points"], **root["PointData"]}
         return Particles(float(times[step]), table_of(file, datasets, rows))
 
@@ -108,7 +103,7 @@ def read_lines(file: Path, time: float | None, exact: bool) -> Contacts:
 
     def take(contents: Any) -> Contacts:
         root = contents["VTKHDF"]
-        times = times_in(root)
+        times = snapshot_times(root)
         step = nearest(times, time, exact, file)
         first = int(root["Steps/CellDataOffsets/lower"][step])
         rows = slice(first, first + int(root["Lines/NumberOfCells"][step]))
