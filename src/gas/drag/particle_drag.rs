@@ -33,12 +33,12 @@ impl ParticleDrag {
         self.stokes(diameter) * self.law.scaled_drag(solids_fraction, reynolds)
     }
 
-    /// The drag on one particle per velocity difference where the Sauter mean diameter is <d>: that of a bed of this diameter,
-    /// shared by surface, xi 3 pi mu <d> eps F(phi, <Re>) (d / <d>)^2.
+    /// The drag on one particle per velocity difference where the Sauter mean diameter is D: that of a bed of this diameter,
+    /// shared by surface, xi 3 pi mu D eps F(phi, Re of D) (d / D)^2.
     ///
-    /// This is the drag d y F, y = d / <d>, of Beetstra, van der Hoef & Kuipers, AIChE J. 53 (2007) 489,
-    /// doi:10.1002/aic.11065, with its erratum, AIChE J. 53 (2007) 3020: they give the force that includes the mean pressure gradient, which is eps y + phi y^2
-    /// times that of equal spheres.
+    /// This is the drag d y F, y = d / D, of Beetstra, van der Hoef & Kuipers, AIChE J. 53 (2007) 489,
+    /// doi:10.1002/aic.11065, with its erratum, AIChE J. 53 (2007) 3020: they give the force that includes the mean pressure
+    /// gradient, which is eps y + phi y^2 times that of equal spheres.
     #[inline(always)]
     pub fn per_velocity_in_mixture(
         &self,
