@@ -28,6 +28,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
@@ -130,7 +131,8 @@ def limits(bed: Bed) -> tuple[float, float]:
     if len(values) == 0:
         return 0.0, 1.0
     if are_numbers_of_few(values):
-        return float(values.min()), float(max(values.max(), values.min() + 1.0))
+        # Each number has a colour of its own.
+        return float(values.min()) - 0.5, float(values.max()) + 0.5
     low, high = np.percentile(values, [1.0, 99.0])
     return float(low), float(high if high > low else low + 1.0)
 
@@ -148,7 +150,9 @@ def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
     drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, snapshot.value)
     drawn.set_clim(*limits(bed))
     if are_numbers_of_few(values_of(bed)):
-        # Neighbours of one colour stay apart.
+        low, high = limits(bed)
+        # Light enough for outlines, which keep neighbours of one colour apart.
+        drawn.set(cmap=colormaps["Set2" if high - low <= 8.0 else "viridis"].resampled(int(high - low)))
         drawn.set(edgecolor="black", linewidth=0.3)
     panel.set_title(axis_label(f"time {snapshot.time:.4g}", bed.units["time"]))
     return drawn
@@ -179,7 +183,7 @@ def draw(bed: Bed, count: int) -> Figure:
     key = figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
     if are_numbers_of_few(values_of(bed)):
         low, high = limits(bed)
-        key.set_ticks(np.arange(low, high + 1.0))
+        key.set_ticks(np.arange(low + 0.5, high))
     return figure
 
 
