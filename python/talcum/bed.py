@@ -225,7 +225,7 @@ class Bed:
     ) -> Path:
         """Draws the particles from the side at so many times side by side, by default the last alone.
 
-        `colour` is speed, rise (vertical velocity), size or agglomerate.
+        `colour` is speed, rise (vertical velocity), size, or the name of a column such as agglomerate or class.
         """
         options = ["--colour", colour, "--panels", str(panels)]
         return self._draw("particles", "particles.png", file, start, end, *options)
