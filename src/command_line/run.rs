@@ -5,7 +5,6 @@ use super::naming::{adopt_title, name_differences};
 use super::progress::ProgressReport;
 use super::reading::read_case;
 use super::{RunArguments, report, signals};
-use crate::analysis::Digest;
 use crate::case::{BedStart, Case, changes};
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{Communicator, agree};
@@ -54,10 +53,7 @@ pub(super) fn run(
     let _lock = folder.lock(ranks)?;
     prepare_folder(&folder, earlier, ranks)?;
     let initial = match earlier {
-        Earlier::Continue => match resume(&mut case, &folder, options, ranks)? {
-            Some(initial) => initial,
-            None => return Ok(()),
-        },
+        Earlier::Continue => resume(&mut case, &folder, options, ranks)?,
         _ => begin(&mut case, options, ranks)?,
     };
     let output = folder.path.display().to_string();
@@ -127,13 +123,13 @@ fn begin(
     Ok(initial)
 }
 
-/// The newest good checkpoint of the folder, or the start of the case if there is none; `None` if the run is complete.
+/// The newest good checkpoint of the folder, or the start of the case if there is none.
 fn resume(
     case: &mut Case,
     folder: &OutputFolder,
     options: &RunArguments,
     ranks: &dyn Communicator,
-) -> anyhow::Result<Option<InitialState>> {
+) -> anyhow::Result<InitialState> {
     let grid = options.changes.ranks;
     let search = checkpoint::newest_good(&folder.path, ranks)?;
     for refused in &search.refused {
@@ -142,23 +138,21 @@ fn resume(
     match search.found {
         Some((path, checkpoint, _, digest)) => {
             let time = checkpoint.clock.time();
-            let end = options.until.unwrap_or(case.end_time());
-            // Times are multiples of the step, and ends need not be.
-            let is_at_end = (end - time).abs() <= 1.0e-9 * time.abs();
-            if is_at_end && ranks.any(ranks.is_root() && folder.is_complete()) {
-                say_nothing_to_do(&path, &checkpoint, digest, case, ranks);
-                return Ok(None);
-            }
             say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
-            if !adopt_title(case, &options.changes.set, &checkpoint.case_text) {
-                name_differences(case, &options.changes.set, None)?;
+            if let Some(ended) = case_of_complete_run(case, folder, &checkpoint, options, ranks)? {
+                say(ranks, "the run is complete: what has changed in the case has no effect");
+                *case = ended;
+            } else {
+                if !adopt_title(case, &options.changes.set, &checkpoint.case_text) {
+                    name_differences(case, &options.changes.set, None)?;
+                }
+                say_changes(&checkpoint.case_text, case, ranks);
             }
-            say_changes(&checkpoint.case_text, case, ranks);
-            Ok(Some(start_from_checkpoint(case, checkpoint, grid, true, ranks)?))
+            Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
             say(ranks, "no checkpoint to resume from: starting anew");
-            Ok(Some(begin(case, options, ranks)?))
+            begin(case, options, ranks)
         }
         None => {
             let refused: String =
@@ -172,24 +166,27 @@ fn resume(
     }
 }
 
-/// The results stay as they are, whatever has changed in the case.
-fn say_nothing_to_do(
-    path: &Path,
-    end: &Checkpoint,
-    digest: Digest,
+/// The case that a complete run was computed with, if the present one differs from it: results that are mended, and the end, are
+/// not those of another case. How the box is divided may change. Collective.
+fn case_of_complete_run(
     case: &Case,
+    folder: &OutputFolder,
+    end: &Checkpoint,
+    options: &RunArguments,
     ranks: &dyn Communicator,
-) {
-    let time = end.clock.time();
+) -> anyhow::Result<Option<Case>> {
+    let is_complete = ranks.any(ranks.is_root() && folder.is_complete());
     // The title of a run names its own changes.
-    if changes(&end.case_text, &case.text).iter().any(|change| change.key != "title") {
-        say(ranks, "what has changed in the case has no effect on a run that is complete");
+    let counts = |key: &str| key != "title" && !key.starts_with("parallel.");
+    if !is_complete || !changes(&end.case_text, &case.text).iter().any(|it| counts(&it.key)) {
+        return Ok(None);
     }
-    let end = format!(
-        "complete at time {time}, nothing is left to do; the end state is in {}",
-        path.display()
-    );
-    say(ranks, &format!("{end}\ndigest {digest}"));
+    let name = "the case of the run's end";
+    let ended = agree(Case::from_text(&end.case_text, name, &folder.case_folder, &[]), ranks)?;
+    // Times are multiples of the step, and ends need not be.
+    let is_reached = |time: f64| time - end.clock.time() <= 1.0e-9 * time.abs();
+    let until = |case: &Case| options.until.unwrap_or(case.end_time());
+    Ok(Some(ended).filter(|ended| is_reached(until(ended)) && is_reached(until(case))))
 }
 
 /// Refuses, or removes, what an earlier run has left.
