@@ -109,6 +109,21 @@ def write_profiles(folder: Path, time: np.ndarray, height: np.ndarray, phi: np.n
             file.create_dataset(name, data=values).attrs["unit"] = np.bytes_(unit)
 
 
+def write_two_particles(folder: Path, times: np.ndarray, data: dict[str, tuple[np.ndarray, str]]) -> None:
+    """Writes a particles.vtkhdf of two particles, of which the second is higher by the time, with these data and their units."""
+    points = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 2.0]] * len(times))
+    points[1::2, 2] += times
+    with h5py.File(folder / "particles.vtkhdf", "w") as file:
+        root = file.create_group("VTKHDF")
+        root["NumberOfPoints"] = np.full(len(times), 2)
+        root["Steps/PointOffsets"] = 2 * np.arange(len(times))
+        of_points = {f"PointData/{name}": values for name, values in data.items()}
+        for name, (values, unit) in {"Points": (points, "d"), "Steps/Values": (times, "sqrt(d/g)"), **of_points}.items():
+            root[name] = values
+            root[name].attrs["unit"] = unit
+        root["Steps"].attrs["NSteps"] = len(times)
+
+
 def bed(time: np.ndarray, height: np.ndarray, top: float, wave: Callable) -> np.ndarray:
     """A bed of solids fraction 0.5 plus wave(z, t) below `top`, nothing above."""
     z, t = np.meshgrid(height, time)

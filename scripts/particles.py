@@ -24,6 +24,7 @@ from talcum_results import (
 
 import argparse
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
@@ -56,6 +57,28 @@ class Bed:
     snapshots: list[Snapshot]
     label: str
     units: dict[str, str]
+
+    @cached_property
+    def values(self) -> Array:
+        """What colours the particles of all snapshots, where there is something."""
+        values = np.concatenate([snapshot.value for snapshot in self.snapshots])
+        return values[np.isfinite(values)]
+
+    @cached_property
+    def is_numbered(self) -> bool:
+        """Whether colours stand for numbers of classes or contacts."""
+        return are_numbers_of_few(self.values)
+
+    @cached_property
+    def limits(self) -> tuple[float, float]:
+        """The range of the colours, but for a few fast particles."""
+        if len(self.values) == 0:
+            return 0.0, 1.0
+        if self.is_numbered:
+            # Each number has a colour of its own.
+            return float(self.values.min()) - 0.5, float(self.values.max()) + 0.5
+        low, high = np.percentile(self.values, [1.0, 99.0])
+        return float(low), float(high if high > low else low + 1.0)
 
 
 def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
@@ -114,27 +137,9 @@ def section(y: Array, diameter: Array) -> Array:
     return np.abs(y - middle) < np.ptp(y) / 6.0
 
 
-def values_of(bed: Bed) -> Array:
-    """What colours the particles of all snapshots, where there is something."""
-    values = np.concatenate([snapshot.value for snapshot in bed.snapshots])
-    return values[np.isfinite(values)]
-
-
 def are_numbers_of_few(values: Array) -> bool:
     """Whether values are numbers of classes or contacts: whole, and few."""
     return len(values) > 0 and np.ptp(values) <= MOST_CLASSES and bool(np.all(values == np.round(values)))
-
-
-def limits(bed: Bed) -> tuple[float, float]:
-    """The range of the colours, but for a few fast particles."""
-    values = values_of(bed)
-    if len(values) == 0:
-        return 0.0, 1.0
-    if are_numbers_of_few(values):
-        # Each number has a colour of its own.
-        return float(values.min()) - 0.5, float(values.max()) + 0.5
-    low, high = np.percentile(values, [1.0, 99.0])
-    return float(low), float(high if high > low else low + 1.0)
 
 
 def frame(bed: Bed) -> tuple[float, float, float]:
@@ -148,9 +153,9 @@ def frame(bed: Bed) -> tuple[float, float, float]:
 def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
     """The particles of a snapshot in a panel."""
     drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, snapshot.value)
-    drawn.set_clim(*limits(bed))
-    if are_numbers_of_few(values_of(bed)):
-        low, high = limits(bed)
+    drawn.set_clim(*bed.limits)
+    if bed.is_numbered:
+        low, high = bed.limits
         # Light enough for outlines, which keep neighbours of one colour apart.
         drawn.set(cmap=colormaps["Set2" if high - low <= 8.0 else "viridis"].resampled(int(high - low)))
         drawn.set(edgecolor="black", linewidth=0.3)
@@ -181,8 +186,8 @@ def draw(bed: Bed, count: int) -> Figure:
     for panel, snapshot in zip(panels[0], shown):
         drawn = spheres(panel, snapshot, bed)
     key = figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
-    if are_numbers_of_few(values_of(bed)):
-        low, high = limits(bed)
+    if bed.is_numbered:
+        low, high = bed.limits
         key.set_ticks(np.arange(low + 0.5, high))
     return figure
 

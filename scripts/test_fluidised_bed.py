@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 import fluidised_bed
-from made_up_results import ScriptTest, write_series
+from made_up_results import ScriptTest, write_series, write_two_particles
 from talcum_results import ResultsError
 
 TIMES = np.array([0.0, 1.0, 2.0])
@@ -20,19 +20,9 @@ class TestFluidisedBed(ScriptTest):
     def setUp(self) -> None:
         super().setUp()
         write_series(self.folder, {"time": TIMES, "grid_pressure_drop": np.array([0.9, 1.0, 1.1])})
-        with h5py.File(self.folder / "particles.vtkhdf", "w") as file:
-            points = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 2.0]] * 3)
-            points[1::2, 2] += TIMES  # the second rises
-            root = file.create_group("VTKHDF")
-            root["Points"] = points
-            root["NumberOfPoints"] = np.full(3, 2)
-            root["Steps/PointOffsets"] = 2 * np.arange(3)
-            root["Steps/Values"] = TIMES
-            root["Steps"].attrs["NSteps"] = len(TIMES)
-            root["PointData/velocity"] = np.tile([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]], (3, 1))
-            root["PointData/radius"] = np.full(6, 0.5)
-            for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)")):
-                root[name].attrs["unit"] = unit
+        velocity = np.tile([[0.0, 0.0, 0.0], [0.0, 3.0, 4.0]], (3, 1))
+        data = {"velocity": (velocity, "sqrt(g d)"), "radius": (np.full(6, 0.5), "d")}
+        write_two_particles(self.folder, TIMES, data)
         with h5py.File(self.folder / "gas.vtkhdf", "w") as file:
             root = file.create_group("VTKHDF")
             root.attrs["Spacing"] = [1.0, 2.0, 2.0]

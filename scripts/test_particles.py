@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import unittest
 
-import h5py
 import numpy as np
 
 import particles
-from made_up_results import ScriptTest
+from made_up_results import ScriptTest, write_two_particles
 from talcum_results import ResultsError
 
 TIMES = np.array([0.0, 1.0, 2.0])
@@ -19,24 +18,15 @@ class TestParticles(ScriptTest):
 
     def setUp(self) -> None:
         super().setUp()
-        with h5py.File(self.folder / "particles.vtkhdf", "w") as file:
-            points = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 2.0]] * 3)
-            points[1::2, 2] += TIMES
-            root = file.create_group("VTKHDF")
-            root["Points"] = points
-            root["NumberOfPoints"] = np.full(3, 2)
-            root["Steps/PointOffsets"] = 2 * np.arange(3)
-            root["Steps/Values"] = TIMES
-            root["Steps"].attrs["NSteps"] = len(TIMES)
-            root["PointData/velocity"] = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
-            root["PointData/class"] = np.tile([0, 1], 3)
-            root["PointData/class"].attrs["unit"] = "1"
-            root["PointData/mass"] = np.tile([3.0, 4.0], 3)
-            root["PointData/force"] = np.tile([[3.0, 0.0, -4.0], [0.0, 0.0, 0.0]], (3, 1))
-            root["PointData/radius"] = np.tile([0.5, 0.25], 3)
-            for name, unit in (("Points", "d"), ("Steps/Values", "sqrt(d/g)"), ("PointData/velocity", "sqrt(g d)"),
-                               ("PointData/mass", "rho_s d^3"), ("PointData/force", "rho_s g d^3")):
-                root[name].attrs["unit"] = unit
+        velocity = np.array([[[0.0, 0.0, 0.0], [3.0, 0.0, 4.0 * time]] for time in TIMES]).reshape(-1, 3)
+        data = {
+            "velocity": (velocity, "sqrt(g d)"),
+            "radius": (np.tile([0.5, 0.25], 3), "d"),
+            "class": (np.tile([0, 1], 3), "1"),
+            "mass": (np.tile([3.0, 4.0], 3), "rho_s d^3"),
+            "force": (np.tile([[3.0, 0.0, -4.0], [0.0, 0.0, 0.0]], (3, 1)), "rho_s g d^3"),
+        }
+        write_two_particles(self.folder, TIMES, data)
 
     def test_each_colour_is_what_it_says(self) -> None:
         def last(colour: str) -> list[float]:

@@ -156,9 +156,12 @@ fn add_weight_and_pressure_drop(found: &mut Findings, results: &Results) -> Resu
             let pressures = weights.iter().zip(&drops).map(|(weight, drop)| drop * weight);
             [mean_of(&weights), mean_of(&pressures.collect::<Vec<_>>()), mean_of(&drops)]
         }
-        Err(Unmeasured::Nothing(reason)) => [0; 3].map(|_| Err(reason.clone())),
-        Err(Unmeasured::Unreadable(error)) => {
-            [0; 3].map(|_| Err(NoValue::because(error.to_string())))
+        Err(unmeasured) => {
+            let reason = match unmeasured {
+                Unmeasured::Nothing(reason) => reason,
+                Unmeasured::Unreadable(error) => NoValue::because(error.to_string()),
+            };
+            [(); 3].map(|()| Err(reason.clone()))
         }
     };
     for (kind, mean) in [WEIGHT, PRESSURE_DROP, OVER_WEIGHT].iter().zip(means) {
