@@ -50,6 +50,7 @@ ENTRIES = [
     Entry("segregation", particles, ("--colour", "size", "--panels", "3")),
     Entry("moving-wall", particles, ("--colour", "rise", "--panels", "2", "--from", "0.5")),
     Entry("agglomerates", fluidised_bed),
+    Entry("two-species", particles, ("--colour", "species", "--panels", "3")),
     Entry("heap", particles, ("--panels", "3", "--to", "1.2")),
 ]
 

@@ -23,7 +23,8 @@ use crate::state::Clock;
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
 /// or twisting spring that is not bent is left out, and what only some gases have, cells or a plenum and a force on
-/// particles that is kept, where there is none: the digest of a state without them is that of the time before there were any.
+/// particles that is kept, where there is none, and the number of the first species: the digest of a state without them is
+/// that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -52,7 +53,7 @@ impl Digest {
     ) -> Self {
         let StateRecords { particles, contacts, wall_contacts, cells } = *records;
         let [a, b, c] = [
-            sum(b'p', 1, &[3], particles),
+            sum(b'p', 1, &[1, 3], particles),
             sum(b'c', 2, &[1, 3], contacts),
             sum(b'w', 2, &[1, 3], wall_contacts),
         ];

@@ -37,6 +37,10 @@ pub(super) fn check(kind: &Kind, node: &Node) -> Result<(), String> {
         }
         Kind::Vector(allowed, length) => check_numbers(*allowed, Some(*length), kind, node),
         Kind::List(allowed) => check_numbers(*allowed, None, kind, node),
+        Kind::Texts => match words_of(node).ok_or_else(must)? {
+            texts if texts.is_empty() => Err("must not be empty".to_owned()),
+            _ => Ok(()),
+        },
         Kind::Word(words) => check_word(words, node.as_text().unwrap_or_default()),
         Kind::Words(words) => check_words(words, &words_of(node).ok_or_else(must)?),
         Kind::Table(_) => match &node.value {
@@ -149,6 +153,7 @@ pub(super) fn description(kind: &Kind) -> String {
         Kind::Vector(allowed, length) => format!("a list of {length} numbers, each {allowed}"),
         Kind::List(allowed) => format!("a list of numbers, each {allowed}"),
         Kind::Word(words) => listed(words),
+        Kind::Texts => "a list of texts in quotes".to_owned(),
         Kind::Words(words) => format!("a list of {}", listed(words)),
         Kind::Table(keys) if keys.len() <= 2 => {
             let entries: Vec<String> = keys.iter().map(placeholder).collect();

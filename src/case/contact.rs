@@ -1,58 +1,82 @@
 //! The section of contact: between particles, and at walls.
 
-use super::contact_laws::{AdhesionContext, LawAndBody, read_law};
+use super::contact_laws::{AdhesionContext, read_law};
+use super::errors::Problems;
 use super::merging::merge;
 use super::schema::AT_WALL;
 use super::section::Section;
+use super::species::{SharedSection, SpeciesSections};
 use super::tree::{Node, Value};
 use crate::contact::{
-    ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind, Softening, TwistingFriction,
+    ByPair, BySpecies, ContactLaw, ContactModel, Elasticity, RollingFriction, RollingKind,
+    Softening, TwistingFriction,
 };
 
 /// The contacts of a stage.
 pub(super) struct Contacts {
-    pub(super) particles: ContactModel,
+    pub(super) particles: ByPair<ContactModel>,
     /// By the numbers of the walls.
-    pub(super) at_walls: Vec<ContactModel>,
+    pub(super) at_walls: Vec<BySpecies<ContactModel>>,
 }
 
-/// A contact model, and for an elastic law what the body is made of.
-struct ModelAndBody {
-    model: Option<ContactModel>,
-    body: Option<Elasticity>,
-}
-
-/// `[contact]`, `[contact.wall]` and what each wall says.
+/// `[contact]`, `[contact.wall]`, and what each species, each pair and each wall says.
 ///
-/// Walls take the keys of `[contact]`, changed by those of `[contact.wall]` and by their own; a change that names
-/// a law stands for itself.
+/// Walls take the keys of `[contact]`, changed by those of the species, of `[contact.wall]`, of the species at walls, and
+/// by their own; a change that names a law stands for itself.
 pub(super) fn read_contact(
     section: &Section<'_>,
     walls: &[Option<&Node>],
+    species: &SpeciesSections<'_>,
     adhesion: &AdhesionContext<'_>,
 ) -> Option<Contacts> {
-    let for_all = section.node.get("wall").filter(|wall| matches!(wall.value, Value::Table(_)));
-    let particles = read_model(section, None, adhesion);
     let base = without_walls(section.node);
-    let at_wall = |own: Option<&Node>| {
-        let changes: Vec<&Node> = for_all.into_iter().chain(own).collect();
-        require_adhesion(section, &changes);
-        let Some(node) = changes
-            .iter()
-            .fold(None, |node, change| Some(changed(node.as_ref().unwrap_or(&base), change)))
-        else {
-            return particles.model.clone();
-        };
-        let changed = Section::open(&node, AT_WALL, section.problems)?;
-        read_model(&changed, particles.body, adhesion).model
+    let shared = SharedSection { name: "contact", keys: AT_WALL, base: &base };
+    let sections = species.section_of_each(shared);
+    let body = |node: &Node| {
+        Section::open(node, AT_WALL, section.problems)
+            .and_then(|section| Elasticity::from_keys(&section))
     };
-    if let (true, Some(change)) = (walls.is_empty(), for_all) {
+    let bodies: Vec<Option<Elasticity>> = sections.iter().map(body).collect();
+    let particles = species.read_pairs(section, shared, |of_pair, [one, other]| {
+        read_model(of_pair, bodies[other].filter(|_| one != other), adhesion)
+    });
+    let for_all = section.node.get("wall").filter(|wall| matches!(wall.value, Value::Table(_)));
+    let at_wall = |number: usize, own: Option<&Node>| {
+        let of_species = species.at_walls(number);
+        let changes: Vec<&Node> = for_all.into_iter().chain(of_species).chain(own).collect();
+        require_adhesion(section, &changes);
+        let side = ParticleSide { particles: &sections[number], body: bodies[number] };
+        read_at_wall(side, &changes, section.problems, adhesion)
+    };
+    let at_walls = |own: Option<&Node>| species.for_each(|number| at_wall(number, own));
+    if let (true, Some(_)) = (walls.is_empty(), for_all) {
         // What is said about walls must be right, also without any.
-        at_wall(Some(change));
+        at_walls(None);
     }
-    let at_walls: Vec<Option<ContactModel>> = walls.iter().map(|own| at_wall(*own)).collect();
+    let at_walls: Vec<Option<_>> = walls.iter().map(|own| at_walls(*own)).collect();
     let at_walls = at_walls.into_iter().collect::<Option<_>>()?;
-    Some(Contacts { particles: particles.model?, at_walls })
+    Some(Contacts { particles: particles?, at_walls })
+}
+
+/// The particles that touch a wall: the section of their contacts, and what they are made of.
+struct ParticleSide<'a> {
+    particles: &'a Node,
+    body: Option<Elasticity>,
+}
+
+/// The model at a wall, where the section of the particles is changed; theirs if it is not.
+fn read_at_wall(
+    ParticleSide { particles, body }: ParticleSide<'_>,
+    changes: &[&Node],
+    problems: &Problems,
+    adhesion: &AdhesionContext<'_>,
+) -> Option<ContactModel> {
+    let change = |node: Option<Node>, change: &&Node| {
+        Some(changed(node.as_ref().unwrap_or(particles), change))
+    };
+    let node = changes.iter().fold(None, change);
+    let section = Section::open(node.as_ref().unwrap_or(particles), AT_WALL, problems)?;
+    read_model(&section, body.filter(|_| node.is_some()), adhesion)
 }
 
 /// The section without its sub-section on walls.
@@ -92,24 +116,21 @@ fn require_adhesion(contact: &Section<'_>, changes: &[&Node]) {
     }
 }
 
-/// Law and rolling friction; the other body is of `particles`' elasticity, or of the same.
+/// Law and rolling friction; the other body is of `other`'s elasticity, or of the same.
 fn read_model(
     section: &Section<'_>,
-    particles: Option<Elasticity>,
+    other: Option<Elasticity>,
     adhesion: &AdhesionContext<'_>,
-) -> ModelAndBody {
-    let LawAndBody { law, body } = read_law(section, particles, adhesion);
+) -> Option<ContactModel> {
+    let law = read_law(section, other, adhesion);
     let (rolling, twisting) = (read_rolling(section), read_twisting(section));
-    let spin = rolling.zip(twisting);
-    let model = law.zip(spin).zip(read_softening(section)).map(|((law, spin), softening)| {
-        let (rolling, twisting) = spin;
-        let law = match softening {
-            Some(Softening { reduction, keeps_work: true }) => law.keeping_work(reduction),
-            _ => law,
-        };
-        ContactModel { law, rolling, twisting, softening }
-    });
-    ModelAndBody { model, body }
+    let softening = read_softening(section);
+    let (law, rolling, twisting, softening) = (law?, rolling?, twisting?, softening?);
+    let law = match softening {
+        Some(Softening { reduction, keeps_work: true }) => law.keeping_work(reduction),
+        _ => law,
+    };
+    Some(ContactModel { law, rolling, twisting, softening })
 }
 
 /// Twisting friction; `Some(None)`: none.

@@ -15,13 +15,6 @@ pub(super) struct AdhesionContext<'a> {
     pub(super) read: ReadContext<'a>,
 }
 
-/// A law, and for an elastic one what the body is made of.
-#[derive(Default)]
-pub(super) struct LawAndBody {
-    pub(super) law: Option<ContactLaw>,
-    pub(super) body: Option<Elasticity>,
-}
-
 /// What a law reads its keys through.
 struct LawSection<'a> {
     section: &'a Section<'a>,
@@ -29,21 +22,20 @@ struct LawSection<'a> {
     adhesion: &'a AdhesionContext<'a>,
 }
 
-/// The law of a section; the other body is of `particles`' elasticity, or of the same.
+/// The law of a section; the other body is of this elasticity, or of the same.
 pub(super) fn read_law(
     section: &Section<'_>,
-    particles: Option<Elasticity>,
+    other_body: Option<Elasticity>,
     adhesion: &AdhesionContext<'_>,
-) -> LawAndBody {
+) -> Option<ContactLaw> {
     let name = section.word("law").unwrap_or_default();
     let own = ContactLaw::adhesion_of(name);
     if adhesion.cohesive && own.is_some_and(|own| own.replaces_cohesion) {
         section.fail("law", "brings its own adhesion: it cannot stand beside [cohesion]");
     }
-    let values = LawSection { section, other_body: particles, adhesion };
-    let law = ContactLaw::from_keys(name, &values)
-        .and_then(|law| law.map_err(|error| section.fail(error.parameter, error.to_string())).ok());
-    LawAndBody { law, body: Elasticity::from_keys(section) }
+    let values = LawSection { section, other_body, adhesion };
+    ContactLaw::from_keys(name, &values)
+        .and_then(|law| law.map_err(|error| section.fail(error.parameter, error.to_string())).ok())
 }
 
 impl KeyValues for LawSection<'_> {

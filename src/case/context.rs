@@ -2,6 +2,7 @@
 
 use super::particles::Scales;
 use super::section::Section;
+use super::species::SpeciesSections;
 use super::units::Units;
 use crate::state::Domain;
 use std::ops::Range;
@@ -11,6 +12,7 @@ use std::ops::Range;
 pub(super) struct ReadContext<'a> {
     pub(super) units: Option<Units>,
     pub(super) scales: Scales,
+    pub(super) species: &'a SpeciesSections<'a>,
     pub(super) domain: Option<&'a Domain>,
     /// g.
     pub(super) gravity: Option<f64>,

@@ -18,6 +18,7 @@ mod forces;
 mod gas;
 mod measures;
 mod merging;
+mod mixing;
 mod overrides;
 mod own_laws;
 mod particles;
@@ -28,6 +29,7 @@ mod schedules;
 mod schema;
 mod section;
 mod sizes;
+mod species;
 mod stage;
 mod stages;
 mod suggestion;
@@ -46,10 +48,11 @@ pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
 pub use reference::{UnknownSection, json_schema, manual, terminal};
 pub use sizes::{SizeClass, SizeDistribution};
+pub use species::Species;
 pub use stage::Stage;
 pub use units::Units;
 
-use crate::contact::{ContactForceLaw, ContactModel};
+use crate::contact::{BySpecies, ContactForceLaw, ContactModel};
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
@@ -62,6 +65,7 @@ use context::ReadContext;
 use errors::Problems;
 use particles::Scales;
 use section::Section;
+use species::SpeciesSections;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
@@ -224,10 +228,12 @@ impl Case {
         let duration = |interface: &ContactModel, bodies: ReducedBody| {
             interface.law.contact_duration(bodies.mass, bodies.radius)
         };
+        let pair = ReducedBody::of_equal_spheres(mass, radius);
         let at_wall = ReducedBody::of_sphere_and_wall(mass, radius);
-        let of_pair = duration(&stage.physics.contact, ReducedBody::of_equal_spheres(mass, radius));
-        let of_walls = stage.physics.at_walls.iter().map(|interface| duration(interface, at_wall));
-        of_walls.fold(of_pair, f64::min)
+        let of_pairs = stage.physics.contact.values().iter().map(|model| duration(model, pair));
+        let models_at_walls = stage.physics.at_walls.iter().flat_map(BySpecies::values);
+        let of_walls = models_at_walls.map(|model| duration(model, at_wall));
+        of_pairs.chain(of_walls).fold(f64::INFINITY, f64::min)
     }
 
     /// Width of the ghost layer in the stage that needs the widest: subdomains and periodic boxes may not be narrower.
@@ -330,11 +336,19 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
     let root = Section::open(tree, schema::ROOT, problems)?;
     let units = root.choice("units", &Units::ALL);
     let domain = walls::read_domain(&root);
+    let species = SpeciesSections::read(&root);
     let (particles, scales) = match root.table("particles") {
-        Some(section) => particles::read_particles(&section, units, folder),
+        Some(section) => particles::read_particles(&section, units, &species, folder),
         None => (None, Scales { density: None, diameter: None }),
     };
-    let context = ReadContext { units, scales, domain: domain.as_ref(), gravity: None, times: &[] };
+    let context = ReadContext {
+        units,
+        scales,
+        species: &species,
+        domain: domain.as_ref(),
+        gravity: None,
+        times: &[],
+    };
     let (stages, step) = stages::read_stages(&root, context);
     let output = root.table("output").and_then(|section| plans::read_output(&section, step));
     let or_defaults = |name| root.table_or_defaults(name);

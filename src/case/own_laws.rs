@@ -1,7 +1,7 @@
 //! Laws from outside the crate in a case that was read from a file.
 
 use super::Case;
-use crate::contact::ContactLaw;
+use crate::contact::{ContactLaw, ContactModel};
 use crate::gas::{DragLaw, GasModel};
 use toml_edit::{DocumentMut, Item, TableLike, TomlError, Value, value};
 
@@ -18,9 +18,16 @@ impl Case {
     pub fn with_contact_law(mut self, law: &ContactLaw) -> Result<Self, TomlError> {
         self.text = renamed(&self.text, ["contact", "law"], law.name())?;
         for stage in &mut self.stages {
-            let replaced = std::mem::replace(&mut stage.physics.contact.law, law.clone());
-            for wall in stage.physics.at_walls.iter_mut().filter(|wall| wall.law == replaced) {
-                wall.law = law.clone();
+            let physics = &mut stage.physics;
+            let replaced: Vec<ContactLaw> =
+                physics.contact.values().iter().map(|model| model.law.clone()).collect();
+            physics.contact = physics.contact.map(|model| model.with_law(law));
+            let at_wall = |model: &ContactModel| match replaced.contains(&model.law) {
+                true => model.with_law(law),
+                false => model.clone(),
+            };
+            for models in &mut physics.at_walls {
+                *models = models.map(at_wall);
             }
         }
         Ok(self)

@@ -2,6 +2,7 @@
 
 use super::section::Section;
 use super::sizes::{SizeClass, SizeDistribution, read_diameter};
+use super::species::{Species, SpeciesSections};
 use super::units::Units;
 use crate::state::SizeRange;
 use nalgebra::Vector3;
@@ -25,6 +26,8 @@ pub struct ParticleSetup {
     pub start: BedStart,
     /// T of the random velocities at the start, the variance of each component.
     pub granular_temperature: f64,
+    /// The species; none if all particles are of one that has no name.
+    pub species: Vec<Species>,
 }
 
 /// How many particles.
@@ -93,27 +96,60 @@ impl ParticleSetup {
 
     /// Mass of a particle: that of its class, or of the density of the case.
     pub fn mass_of_particle(&self, id: u64, diameter: f64) -> f64 {
-        let class = self.sizes.as_ref().and_then(|sizes| sizes.class_of(self.seed, id));
-        sphere_mass(class.map_or(self.density, |class| self.density_of(class)), diameter)
+        let class = self.class_of_particle(id);
+        let density = class.map_or(self.density_of_species(0), |class| self.density_of(class));
+        sphere_mass(density, diameter)
     }
 
-    /// The class of a particle of this diameter and mass; `None` if there is no such class, or several.
-    pub fn class_number(&self, diameter: f64, mass: f64) -> Option<usize> {
+    /// Number of the species of a particle: that of its class, or the first.
+    pub fn species_of_particle(&self, id: u64) -> usize {
+        self.class_of_particle(id).map_or(0, |class| class.species)
+    }
+
+    fn class_of_particle(&self, id: u64) -> Option<&SizeClass> {
+        self.sizes.as_ref().and_then(|sizes| sizes.class_of(self.seed, id))
+    }
+
+    /// Mass of a particle of the reference diameter and of a species.
+    pub fn reference_mass(&self, species: usize) -> f64 {
+        sphere_mass(self.density_of_species(species), self.reference_diameter)
+    }
+
+    /// How many species there are.
+    pub fn species_count(&self) -> usize {
+        self.species.len().max(1)
+    }
+
+    /// Solid density of a species.
+    pub fn density_of_species(&self, species: usize) -> f64 {
+        self.species.get(species).and_then(|species| species.density).unwrap_or(self.density)
+    }
+
+    /// The class of a particle of this diameter, mass and species; `None` if there is no such class, or several.
+    pub fn class_number(&self, diameter: f64, mass: f64, species: usize) -> Option<usize> {
         let mut like = self.classes().iter().enumerate().filter(|(_, class)| {
-            class.diameter == diameter && sphere_mass(self.density_of(class), diameter) == mass
+            class.species == species
+                && class.diameter == diameter
+                && sphere_mass(self.density_of(class), diameter) == mass
         });
         like.next().filter(|_| like.next().is_none()).map(|(number, _)| number)
     }
 
     /// Whether particles may differ in density.
     pub fn has_several_densities(&self) -> bool {
-        self.sizes.as_ref().is_some_and(SizeDistribution::has_densities)
+        let of_species = self.species.iter().any(|species| species.density.is_some());
+        of_species || self.sizes.as_ref().is_some_and(SizeDistribution::has_densities)
     }
 
     /// Least mass that a sphere of this diameter can have.
     pub fn least_mass_of(&self, diameter: f64) -> f64 {
-        let densities = self.classes().iter().map(|class| self.density_of(class));
-        sphere_mass(densities.reduce(f64::min).unwrap_or(self.density), diameter)
+        let of_classes = self.classes().iter().map(|class| self.density_of(class));
+        let of_species = (0..self.species_count()).map(|species| self.density_of_species(species));
+        let least = match self.classes() {
+            [] => of_species.reduce(f64::min),
+            _ => of_classes.reduce(f64::min),
+        };
+        sphere_mass(least.unwrap_or(self.density), diameter)
     }
 
     fn density_of(&self, class: &SizeClass) -> f64 {
@@ -126,7 +162,11 @@ impl ParticleSetup {
             let share = class.fraction * class.diameter.powi(3);
             [mass + share * self.density_of(class), volume + share]
         });
-        if self.has_several_densities() { sums[0] / sums[1] } else { self.density }
+        match self.classes() {
+            [] => self.density_of_species(0),
+            _ if self.has_several_densities() => sums[0] / sums[1],
+            _ => self.density,
+        }
     }
 
     /// Sum d sum d^3 / (sum d^2)^2 - 1 of the diameters that the case draws: by how much the viscous drag of a packed bed is
@@ -150,7 +190,8 @@ impl ParticleSetup {
         let [smallest_diameter, largest_diameter] = self.sizes.as_ref()?.bounds();
         let mass = |class: &SizeClass| sphere_mass(self.density_of(class), class.diameter);
         let of_classes = self.classes().iter().map(mass).reduce(f64::max);
-        let largest_mass = of_classes.unwrap_or_else(|| self.mass_of(largest_diameter));
+        let of_first = || sphere_mass(self.density_of_species(0), largest_diameter);
+        let largest_mass = of_classes.unwrap_or_else(of_first);
         Some(SizeRange { smallest_diameter, largest_diameter, largest_mass })
     }
 }
@@ -184,9 +225,10 @@ struct StartAndTemperature {
 pub(super) fn read_particles(
     section: &Section<'_>,
     units: Option<Units>,
+    species: &SpeciesSections<'_>,
     folder: &Path,
 ) -> (Option<ParticleSetup>, Scales) {
-    let sizes = read_diameter(section);
+    let sizes = read_diameter(section, species);
     let density = read_density(section, units);
     let reference_diameter = read_reference(section, units, sizes.as_ref());
     let scales = Scales { density, diameter: reference_diameter };
@@ -196,11 +238,17 @@ pub(super) fn read_particles(
     if !of_file {
         section.require("diameter");
     }
-    if kind == "file" && sizes.as_ref().is_some_and(SizeDistribution::has_densities) {
+    let diameter = section.node.get("diameter");
+    if kind == "file" && diameter.is_some_and(|node| node.get("species").is_some()) {
+        section.fail("diameter", "species cannot be given: a column of the file says them");
+    } else if kind == "file" && sizes.as_ref().is_some_and(SizeDistribution::has_densities) {
         section.fail(
             "diameter",
             "densities cannot be given: which particle of the file is of which class?",
         );
+    }
+    if !of_file {
+        require_species(section, species, sizes.as_ref());
     }
     let amount = read_amount(section, of_file);
     let largest = sizes.as_ref().map(|sizes| sizes.bounds()[1]);
@@ -223,9 +271,24 @@ pub(super) fn read_particles(
             seed: section.count("seed").unwrap_or(0),
             start: start?,
             granular_temperature,
+            species: species.species.clone(),
         })
     };
     (setup(), scales)
+}
+
+/// Of several species the case must say which particles are of which.
+fn require_species(
+    section: &Section<'_>,
+    species: &SpeciesSections<'_>,
+    sizes: Option<&SizeDistribution>,
+) {
+    let diameter = section.node.get("diameter");
+    let is_said = diameter.is_some_and(|node| node.get("species").is_some());
+    if species.species.len() > 1 && sizes.is_some() && !is_said {
+        let message = "must be given in classes with their species: { values = [...], fractions = [...], species = [...] }";
+        section.fail("diameter", message);
+    }
 }
 
 fn read_density(section: &Section<'_>, units: Option<Units>) -> Option<f64> {

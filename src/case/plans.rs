@@ -40,6 +40,8 @@ pub enum ParticleField {
     Mass,
     /// The number of its size class.
     Class,
+    /// The number of its species.
+    Species,
     /// All that acts on it.
     Force,
     /// The part of the gas.
@@ -49,9 +51,10 @@ pub enum ParticleField {
 }
 
 impl ParticleField {
-    const BY_WORD: [(&str, Self); 5] = [
+    const BY_WORD: [(&str, Self); 6] = [
         ("mass", Self::Mass),
         ("class", Self::Class),
+        ("species", Self::Species),
         ("force", Self::Force),
         ("gas_force", Self::GasForce),
         ("coordination", Self::Coordination),

@@ -302,6 +302,11 @@ impl<'a> Section<'a> {
         Some(text.to_owned())
     }
 
+    /// The texts of a list.
+    pub(super) fn texts(&self, name: &str) -> Option<Vec<String>> {
+        words_of(self.right(name)?)
+    }
+
     /// A span of wall-clock time.
     pub(super) fn wall_time(&self, name: &str) -> Option<Duration> {
         self.right(name)?.as_text().and_then(wall_time::parse)

@@ -2,6 +2,7 @@
 //! so that they depend on the seed alone.
 
 use super::section::Section;
+use super::species::SpeciesSections;
 use crate::numbers::{normal, random_of, uniform};
 use rand_chacha::ChaCha8Rng;
 
@@ -14,6 +15,8 @@ pub struct SizeClass {
     pub fraction: f64,
     /// Their density, if it is not that of the case.
     pub density: Option<f64>,
+    /// Number of their species.
+    pub species: usize,
 }
 
 /// How diameters are distributed over particles, by number.
@@ -143,12 +146,15 @@ impl SizeDistribution {
 }
 
 /// The key `diameter`, if it is given and right.
-pub(super) fn read_diameter(section: &Section<'_>) -> Option<SizeDistribution> {
+pub(super) fn read_diameter(
+    section: &Section<'_>,
+    species: &SpeciesSections<'_>,
+) -> Option<SizeDistribution> {
     let Some(table) = section.table("diameter") else {
         return section.number("diameter").map(SizeDistribution::Single);
     };
     match table.given(&["values", "distribution"])? {
-        "values" => read_classes(&table),
+        "values" => read_classes(&table, species),
         _ => read_distribution(&table).filter(|distribution| holds_enough(section, distribution)),
     }
 }
@@ -190,12 +196,17 @@ fn holds_enough(section: &Section<'_>, distribution: &SizeDistribution) -> bool 
     false
 }
 
-fn read_classes(section: &Section<'_>) -> Option<SizeDistribution> {
+fn read_classes(section: &Section<'_>, species: &SpeciesSections<'_>) -> Option<SizeDistribution> {
     let (values, fractions) = (section.numbers("values")?, section.numbers("fractions")?);
     let densities = section.numbers("densities");
-    let lengths = [("fractions", Some(&fractions)), ("densities", densities.as_ref())];
-    for (key, list) in lengths {
-        if list.is_some_and(|list| list.len() != values.len()) {
+    let species = read_species(section, species)?;
+    let lengths = [
+        ("fractions", Some(fractions.len())),
+        ("densities", densities.as_ref().map(Vec::len)),
+        ("species", section.has("species").then_some(species.len())),
+    ];
+    for (key, length) in lengths {
+        if length.is_some_and(|length| length != values.len()) {
             section.fail(key, format!("must be as many as values, {}", values.len()));
             return None;
         }
@@ -205,11 +216,43 @@ fn read_classes(section: &Section<'_>) -> Option<SizeDistribution> {
         section.fail("fractions", format!("must add up to 1, not {sum}"));
     }
     let class = |(number, (&diameter, fraction))| {
-        let density = densities.as_ref().map(|densities| densities[number]);
-        SizeClass { diameter, fraction, density }
+        let SpeciesOfClass { species, density } = species.get(number).copied().unwrap_or_default();
+        let own = densities.as_ref().map(|densities| densities[number]);
+        SizeClass { diameter, fraction, density: own.or(density), species }
     };
     let classes = values.iter().zip(fractions).enumerate().map(class);
     Some(SizeDistribution::Classes(classes.collect()))
+}
+
+/// The species of a class of sizes.
+#[derive(Clone, Copy, Default)]
+struct SpeciesOfClass {
+    /// Its number.
+    species: usize,
+    /// Its density, if it has one of its own.
+    density: Option<f64>,
+}
+
+/// The species of each class; none if the file does not say them.
+fn read_species(section: &Section<'_>, all: &SpeciesSections<'_>) -> Option<Vec<SpeciesOfClass>> {
+    const KEY: &str = "species";
+    if !section.has(KEY) {
+        return Some(Vec::new());
+    }
+    let mut read = Vec::new();
+    for name in section.texts(KEY)? {
+        let Some(species) = all.number_of(&name) else {
+            section.fail(KEY, all.unknown(&name));
+            return None;
+        };
+        let density = all.species[species].density;
+        if density.is_some() && section.has("densities") {
+            let message = format!("cannot be given: species {name:?} has a density of its own");
+            section.fail("densities", message);
+        }
+        read.push(SpeciesOfClass { species, density });
+    }
+    Some(read)
 }
 
 /// One of some classes, as often as its fraction says.
@@ -241,7 +284,8 @@ mod tests {
         // 4 standard deviations (about 0.1) of the mean of 4000: 0.0063.
         let tolerance = 0.0065;
         let (smallest, largest) = (0.8, 1.2);
-        let class = |diameter, fraction| SizeClass { diameter, fraction, density: None };
+        let class =
+            |diameter, fraction| SizeClass { diameter, fraction, density: None, species: 0 };
         let classes = SizeDistribution::Classes(vec![class(0.9, 0.75), class(1.1, 0.25)]);
         assert!((mean_of(&classes) - 0.95).abs() < tolerance);
         let uniform = SizeDistribution::Uniform { smallest, largest };

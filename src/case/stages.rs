@@ -6,10 +6,12 @@ use super::context::{ReadContext, require_a_step};
 use super::forces::{read_cohesion, read_gravity, read_vibration, softened};
 use super::gas::read_gas;
 use super::merging::StageSection;
+use super::schema::COHESION;
 use super::section::Section;
+use super::species::SharedSection;
 use super::stage::Stage;
 use super::walls::contacts_of;
-use crate::contact::VanDerWaals;
+use crate::contact::{ByPair, ContactModel, VanDerWaals};
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use crate::state::Physics;
@@ -113,18 +115,16 @@ fn read_physics(
     let context = ReadContext { gravity: magnitude, ..context };
     let walls = context.domain.map(|domain| contacts_of(root.node, domain)).unwrap_or_default();
     let adhesion = AdhesionContext { cohesive: cohesion_section.is_some(), read: context };
-    let contact = contact.and_then(|section| read_contact(&section, &walls, &adhesion));
+    let species = context.species;
+    let contact = contact.and_then(|section| read_contact(&section, &walls, species, &adhesion));
     let vibration = open("vibration").map(|section| read_vibration(&section, context));
-    let cohesion = cohesion_section.as_ref().map(|section| read_cohesion(section, context));
+    let models = contact.as_ref().map(|contact| &contact.particles);
+    let cohesion = cohesion_section.map(|section| read_attraction(&section, models, context));
     let gas = open("gas").map(|section| read_gas(&section, context));
     let magnitude = magnitude?;
     // A section that is there but wrong leaves no stage.
     let (vibration, cohesion) = (all_or_none(vibration)?, all_or_none(cohesion)?);
     let contact = contact?;
-    let softened = |(section, cohesion): (&Section<'_>, VanDerWaals)| {
-        softened(cohesion, &contact.particles, section, context)
-    };
-    let cohesion = all_or_none(cohesion_section.as_ref().zip(cohesion).map(softened))?;
     Some(Physics {
         contact: contact.particles,
         at_walls: contact.at_walls,
@@ -132,6 +132,19 @@ fn read_physics(
         gas: gas.unwrap_or(Some(GasModel::None))?,
         gravity: EffectiveGravity { magnitude, vibration },
         time_step: step?,
+    })
+}
+
+/// `[cohesion]` for all pairs of species, softened as their contacts are.
+fn read_attraction(
+    section: &Section<'_>,
+    models: Option<&ByPair<ContactModel>>,
+    context: ReadContext<'_>,
+) -> Option<ByPair<VanDerWaals>> {
+    let shared = SharedSection { name: "cohesion", keys: COHESION, base: section.node };
+    context.species.read_pairs(section, shared, |of_pair, pair| {
+        let cohesion = read_cohesion(of_pair, context)?;
+        softened(cohesion, models?.of(pair), of_pair, context)
     })
 }
 

@@ -25,6 +25,9 @@ pub(super) struct ContactOptions {
     /// Of a particle and this wall, instead of two particles.
     #[arg(long, value_name = "NAME")]
     wall: Option<String>,
+    /// Of particles of this species, instead of the first of the case; or of two of different ones, NAME,NAME.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    species: Vec<String>,
     /// In this stage, instead of the first.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
@@ -48,7 +51,8 @@ pub(super) fn contact(options: &ContactOptions, ranks: &dyn Communicator) -> any
     let case = read_case(&options.case, &options.set, ranks)?;
     let stage = stage_of(&case, options.stage.as_deref())?;
     let wall = options.wall.as_deref().map(|name| wall_of(&case, name)).transpose()?;
-    say(ranks, table(&case, stage, wall, options).trim_end());
+    let partners = Partners { species: species_of(&case, options)?, wall };
+    say(ranks, table(&case, stage, &partners, options).trim_end());
     Ok(())
 }
 
@@ -70,18 +74,47 @@ fn wall_of(case: &Case, name: &str) -> anyhow::Result<usize> {
     })
 }
 
-/// Comments, a line of names with units, and a row for each point; of a particle and the wall of a number, or of two
-/// particles.
-fn table(case: &Case, stage: &Stage, wall: Option<usize>, options: &ContactOptions) -> String {
-    let contact = wall.map_or(&stage.physics.contact, |number| &stage.physics.at_walls[number]);
+/// Two particles of these species, or one of the first and the wall of a number.
+struct Partners {
+    species: [usize; 2],
+    wall: Option<usize>,
+}
+
+fn species_of(case: &Case, options: &ContactOptions) -> anyhow::Result<[usize; 2]> {
+    let number = |name: &String| {
+        let species = &case.particles.species;
+        species.iter().position(|species| species.name == *name).ok_or_else(|| {
+            let names: Vec<&str> = species.iter().map(|species| species.name.as_str()).collect();
+            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            anyhow!("--species {name}: there is no such species; there are {names}")
+        })
+    };
+    let numbers = options.species.iter().map(number).collect::<Result<Vec<_>, _>>()?;
+    match numbers[..] {
+        [] => Ok([0, 0]),
+        [one] => Ok([one, one]),
+        [one, other] if options.wall.is_none() => Ok([one, other]),
+        _ => Err(anyhow!("--species: name one or two species, at a wall one")),
+    }
+}
+
+/// Comments, a line of names with units, and a row for each point.
+fn table(case: &Case, stage: &Stage, partners: &Partners, options: &ContactOptions) -> String {
+    let Partners { species, wall } = *partners;
+    let physics = &stage.physics;
     let at_wall = wall.is_some();
+    let contact = match wall {
+        Some(number) => physics.at_walls[number].of(species[0]),
+        None => physics.contact.of(species),
+    };
     let diameter = case.particles.reference_diameter;
-    let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
+    let radius = 0.5 * diameter;
+    let [mass, other] = species.map(|species| case.particles.reference_mass(species));
     let bodies = match at_wall {
         true => ReducedBody::of_sphere_and_wall(mass, radius),
-        false => ReducedBody::of_equal_spheres(mass, radius),
+        false => ReducedBody { mass: mass * other / (mass + other), radius: 0.5 * radius },
     };
-    let cohesion = stage.physics.cohesion.as_ref().map(|cohesion| cohesion.at(stage.start));
+    let cohesion = physics.cohesion.as_ref().map(|cohesion| cohesion.of(species).at(stage.start));
     let attraction = |separation: f64| match &cohesion {
         Some(cohesion) if at_wall => cohesion.to_wall(radius, separation),
         Some(cohesion) => cohesion.between_particles(radius, radius, separation),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The cases by name: whole files of the repository.
-const CASES: [(&str, &str); 10] = [
+const CASES: [(&str, &str); 11] = [
     ("travelling-waves", include_str!("../../cases/gallery/travelling-waves.toml")),
     ("cohesive-plug", include_str!("../../cases/gallery/cohesive-plug.toml")),
     ("vibrated-bed", include_str!("../../cases/gallery/vibrated-bed.toml")),
@@ -18,6 +18,7 @@ const CASES: [(&str, &str); 10] = [
     ("segregation", include_str!("../../cases/gallery/segregation.toml")),
     ("moving-wall", include_str!("../../cases/gallery/moving-wall.toml")),
     ("agglomerates", include_str!("../../cases/gallery/agglomerates.toml")),
+    ("two-species", include_str!("../../cases/gallery/two-species.toml")),
     ("heap", include_str!("../../cases/gallery/heap.toml")),
 ];
 

@@ -1,7 +1,7 @@
 //! Energies of all contacts of a rank: work over a step, and what is stored. Each pair counts on one rank.
 
 use super::energy::overlap_before;
-use super::force_laws::ForceLaws;
+use super::force_laws::{ForceLaws, PairLaws};
 use super::lanes::overlap_and_normal;
 use super::rolling::Rolling;
 use super::walls::{contact_with, total_force};
@@ -28,11 +28,12 @@ pub(crate) fn work_of_pairs(
     laws: &ForceLaws,
     mut sink: impl FnMut(ContactWork),
 ) {
-    for (pair, before) in contacts.inner.active.all() {
+    for (kind, pair, before) in contacts.inner.active_pairs() {
         if !counts_here(particles, pair) {
             continue;
         }
-        let contact = contact_of_pair(particles, pair, laws);
+        let laws = laws.of_kind(kind);
+        let contact = contact_of_pair(particles, pair, laws.cohesion);
         if let Some((work, _)) = work_over_step(laws.contact, &contact, &before, laws.dt) {
             sink(work);
         }
@@ -74,16 +75,17 @@ fn wall_contact<'a>(
     let pair = &contacts.wall_pairs[slot];
     let (particle, wall) = (pair.particle as usize, pair.wall as usize);
     let (body, pose) = (&walls.walls[wall], &walls.poses[wall]);
+    let at_wall = laws.at_wall(wall, particles.body[particle].species());
     WallContact {
         wall,
-        contact: contact_with(body, pose, particles, particle, laws.cohesion),
+        contact: contact_with(body, pose, particles, particle, at_wall.cohesion),
         before: Remembered {
             history: contacts.wall_history[slot],
             rolling_angle: contacts.wall_rolling_angle[slot],
             twisting_angle: contacts.wall_twisting_angle[slot],
             touching: contacts.wall_touching[slot],
         },
-        model: laws.at_walls.get(wall).unwrap_or(laws.contact),
+        model: at_wall.contact,
     }
 }
 
@@ -185,9 +187,10 @@ pub(crate) fn elastic_energy(
         let spin = energy_of_spin(model, contact, stiffness, before);
         springs.normal + springs.tangential + spin
     };
-    for (pair, before) in contacts.inner.active.all() {
+    for (kind, pair, before) in contacts.inner.active_pairs() {
         if before.touching && counts_here(particles, pair) {
-            sink(stored(laws.contact, &contact_of_pair(particles, pair, laws), &before));
+            let PairLaws { contact, cohesion, .. } = laws.of_kind(kind);
+            sink(stored(contact, &contact_of_pair(particles, pair, cohesion), &before));
         }
     }
     for slot in (0..contacts.wall_pairs.len()).filter(|&slot| contacts.wall_touching[slot]) {
@@ -211,12 +214,14 @@ pub(crate) fn attraction_energy(
             let [one, other] = [i, j].map(|index| &particles.body[index as usize]);
             let (overlap, _) =
                 overlap_and_normal(other.position - one.position, [one.radius, other.radius]);
+            let cohesion = cohesion.of([one.species(), other.species()]);
             sink(cohesion.energy_of_particles(one.radius, other.radius, -overlap));
         }
     }
     for pair in &contacts.wall_pairs {
         let (wall, body) = (pair.wall as usize, &particles.body[pair.particle as usize]);
         let height = walls.walls[wall].height_at(&body.position, &walls.poses[wall]);
+        let cohesion = cohesion.of([body.species(); 2]);
         sink(cohesion.energy_at_wall(body.radius, height - body.radius));
     }
 }
@@ -228,7 +233,11 @@ fn counts_here(particles: &Particles, [first, second]: [u32; 2]) -> bool {
 }
 
 /// The contact of two particles.
-fn contact_of_pair(particles: &Particles, pair: [u32; 2], laws: &ForceLaws) -> Contact {
+fn contact_of_pair(
+    particles: &Particles,
+    pair: [u32; 2],
+    cohesion: Option<VanDerWaalsNow>,
+) -> Contact {
     let [one, other] = pair.map(|index| &particles.body[index as usize]);
     let radii = [one.radius, other.radius];
     let (overlap, normal) = overlap_and_normal(other.position - one.position, radii);
@@ -244,6 +253,6 @@ fn contact_of_pair(particles: &Particles, pair: [u32; 2], laws: &ForceLaws) -> C
         reduced_mass: reduced(one.mass, other.mass),
         reduced_radius: reduced(radii[0], radii[1]),
         reduced_inertia: reduced(one.inertia(), other.inertia()),
-        cohesion: laws.cohesion.map_or(0.0, attraction),
+        cohesion: cohesion.map_or(0.0, attraction),
     }
 }

@@ -1,6 +1,6 @@
 //! What acts between particles, and between particles and walls, at one instant.
 
-use super::{ContactModel, VanDerWaalsNow};
+use super::{ByPair, BySpecies, ContactModel, VanDerWaalsNow};
 use crate::numbers::Quantum;
 use crate::particles::InteractionRanges;
 use nalgebra::Vector3;
@@ -28,12 +28,13 @@ pub(crate) struct ForceOutOfRange {
 /// The laws of all forces at contacts at one instant, with their limits and rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ForceLaws<'a> {
-    /// Contact model of two particles.
-    pub(crate) contact: &'a ContactModel,
-    /// Contact models of particles and walls, by the walls' numbers; for walls beyond its end, that of particles holds.
-    pub(crate) at_walls: &'a [ContactModel],
-    /// Attraction at this instant.
-    pub(crate) cohesion: Option<VanDerWaalsNow>,
+    /// Contact models of two particles.
+    pub(crate) contact: &'a ByPair<ContactModel>,
+    /// Contact models of particles and walls, by the walls' numbers; for walls beyond its end, those of two particles of
+    /// the same species hold.
+    pub(crate) at_walls: &'a [BySpecies<ContactModel>],
+    /// Attraction at this instant; that of two particles of the same species says how it is at walls.
+    pub(crate) cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
     pub(crate) ranges: InteractionRanges,
     /// Time by which contact histories are advanced; zero to evaluate forces without advancing them.
@@ -44,6 +45,66 @@ pub(crate) struct ForceLaws<'a> {
     pub(crate) force_quantum: Quantum,
     /// Quantum of torques.
     pub(crate) torque_quantum: Quantum,
+}
+
+/// The laws of the pairs of one kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairLaws<'a> {
+    /// Contact model.
+    pub(crate) contact: &'a ContactModel,
+    /// Attraction at this instant.
+    pub(crate) cohesion: Option<VanDerWaalsNow>,
+    /// As in [`ForceLaws`].
+    pub(crate) dt: f64,
+    /// As in [`ForceLaws`].
+    pub(crate) limit: f64,
+    /// Quantum of forces.
+    pub(crate) force_quantum: Quantum,
+    /// Quantum of torques.
+    pub(crate) torque_quantum: Quantum,
+}
+
+/// The laws of particles of one species at one wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallLaws<'a> {
+    /// Contact model.
+    pub(crate) contact: &'a ContactModel,
+    /// Attraction at this instant.
+    pub(crate) cohesion: Option<VanDerWaalsNow>,
+}
+
+impl<'a> ForceLaws<'a> {
+    /// The laws of a kind of pairs, by its number.
+    pub(crate) fn of_kind(&self, kind: usize) -> PairLaws<'a> {
+        let Self { dt, limit, force_quantum, torque_quantum, .. } = *self;
+        let contact = self.contact.of_kind(kind);
+        let cohesion = self.cohesion.map(|cohesion| *cohesion.of_kind(kind));
+        PairLaws { contact, cohesion, dt, limit, force_quantum, torque_quantum }
+    }
+
+    /// The laws of a species at a wall.
+    #[inline(always)]
+    pub(crate) fn at_wall(&self, wall: usize, species: usize) -> WallLaws<'a> {
+        WallLaws::of(wall, species, (self.contact, self.at_walls), self.cohesion)
+    }
+}
+
+impl<'a> WallLaws<'a> {
+    /// Those of a wall and a species, out of the contact models of pairs and of walls.
+    #[inline(always)]
+    pub(crate) fn of(
+        wall: usize,
+        species: usize,
+        (of_pairs, at_walls): (&'a ByPair<ContactModel>, &'a [BySpecies<ContactModel>]),
+        cohesion: Option<&ByPair<VanDerWaalsNow>>,
+    ) -> Self {
+        let alike = [species; 2];
+        let contact = match at_walls.get(wall) {
+            Some(models) => models.of(species),
+            None => of_pairs.of(alike),
+        };
+        Self { contact, cohesion: cohesion.map(|cohesion| *cohesion.of(alike)) }
+    }
 }
 
 #[cold]

@@ -1,6 +1,7 @@
 //! Forces between particles that touch or attract each other, and at walls: pure functions of kinematics and contact
 //! history, and the loops that evaluate them.
 
+mod by_species;
 mod energy;
 mod energy_pass;
 mod force_laws;
@@ -21,9 +22,10 @@ mod van_der_waals;
 mod wall_tallies;
 mod walls;
 
+pub use by_species::{ByPair, BySpecies};
 pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
 pub(crate) use energy_pass::{WallWork, attraction_energy, elastic_energy, work_of_walls};
-pub(crate) use force_laws::ForceLaws;
+pub(crate) use force_laws::{ForceLaws, WallLaws};
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
 pub use kinematics::{Contact, ContactForce};

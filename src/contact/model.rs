@@ -15,6 +15,14 @@ pub struct ContactModel {
     pub softening: Option<Softening>,
 }
 
+impl ContactModel {
+    /// The same with another law.
+    #[must_use]
+    pub fn with_law(&self, law: &ContactLaw) -> Self {
+        Self { law: law.clone(), ..self.clone() }
+    }
+}
+
 /// A law without resistance to rolling and twisting.
 impl<L: Into<ContactLaw>> From<L> for ContactModel {
     fn from(law: L) -> Self {

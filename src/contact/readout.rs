@@ -4,11 +4,11 @@
 //! were evaluated at half-step velocities: dashpot and rate-dependent parts differ by terms of the order of the step.
 
 use super::{
-    Contact, ContactForce, ContactForceLaw, ContactModel, VanDerWaalsNow,
+    ByPair, Contact, ContactForce, ContactForceLaw, ContactModel, VanDerWaalsNow, WallLaws,
     lanes::overlap_and_normal, walls::contact_with,
 };
 use crate::domain::PosedWalls;
-use crate::particles::{ContactHistory, Contacts, Particles};
+use crate::particles::{Body, ContactHistory, Contacts, Particles, kind_of_bodies};
 use nalgebra::Vector3;
 
 /// A pair that touches, or attracts each other without touching.
@@ -69,12 +69,14 @@ impl PairForce {
 pub(crate) fn for_each_pair_force(
     particles: &Particles,
     contacts: &Contacts,
-    model: &ContactModel,
-    cohesion: Option<VanDerWaalsNow>,
+    models: &ByPair<ContactModel>,
+    cohesion: Option<&ByPair<VanDerWaalsNow>>,
     mut take: impl FnMut(PairForce),
 ) {
-    let attraction = |radii: [f64; 2], overlap: f64| {
-        cohesion.map_or(0.0, |law| law.between_particles(radii[0], radii[1], -overlap))
+    let attraction = |pair: [&Body; 2], overlap: f64| {
+        let [one, two] = pair.map(|body| body.radius);
+        let kind = kind_of_bodies(pair);
+        cohesion.map_or(0.0, |laws| laws.of_kind(kind).between_particles(one, two, -overlap))
     };
     for (pair, history) in contacts.near_pairs() {
         // Most pairs of the list do not touch.
@@ -85,13 +87,14 @@ pub(crate) fn for_each_pair_force(
         let (one, two) = (&particles.body[pair[0]], &particles.body[pair[1]]);
         let (radii, position, other) = ([one.radius, two.radius], one.position, two.position);
         let (overlap, normal) = overlap_and_normal(other - position, radii);
-        let cohesion = attraction(radii, overlap);
+        let cohesion = attraction([one, two], overlap);
         if history.is_none() && cohesion == 0.0 {
             continue;
         }
         let contact = contact_of(particles, pair, overlap, normal, cohesion);
         let force = history.map_or_else(ContactForce::zero, |mut history| {
-            model.law.force(&contact, &mut history, 0.0)
+            let law = &models.of_kind(kind_of_bodies([one, two])).law;
+            law.force(&contact, &mut history, 0.0)
         });
         take(PairForce {
             lower: particles.id[pair[0]],
@@ -156,24 +159,23 @@ fn contact_of(
     }
 }
 
-/// The forces of particles and walls that touch or attract each other. `models` are those of two particles and, by the
-/// walls' numbers, of walls; for walls beyond these the first holds.
-pub(crate) fn wall_forces(
+/// The forces of particles and walls that touch or attract each other, by the laws `at_wall` of a wall and a species.
+pub(crate) fn wall_forces<'a>(
     particles: &Particles,
     contacts: &Contacts,
     walls: PosedWalls<'_>,
-    (of_particles, at_walls): (&ContactModel, &[ContactModel]),
-    cohesion: Option<VanDerWaalsNow>,
+    at_wall: impl Fn(usize, usize) -> WallLaws<'a>,
 ) -> Vec<WallForce> {
     let mut found = Vec::new();
     for (particle, wall, history) in contacts.near_walls() {
         let (i, number) = (particle as usize, wall as usize);
+        let WallLaws { contact: model, cohesion } = at_wall(number, particles.body[i].species());
         let contact =
             contact_with(&walls.walls[number], &walls.poses[number], particles, i, cohesion);
         if history.is_none() && contact.cohesion == 0.0 {
             continue;
         }
-        let law = &at_walls.get(number).unwrap_or(of_particles).law;
+        let law = &model.law;
         let force = history
             .map_or_else(ContactForce::zero, |mut history| law.force(&contact, &mut history, 0.0));
         let radius = particles.body[i].radius;

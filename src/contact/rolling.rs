@@ -6,14 +6,15 @@
 use super::energy::SpringMotion;
 use super::invalid_law::{InvalidContactLaw, require_in_range};
 use super::{Contact, ContactWork, SpringStep, TwistingFriction};
-use crate::schema::{Allowed, Key, Word};
+use crate::schema::{Allowed, Key, Mixing, Word};
 use nalgebra::Vector3;
 
 const ROLLING_FRICTION: Key = Key::number(
     "rolling_friction",
     Allowed::NOT_NEGATIVE,
     "Coefficient mu_r: the torque is at most mu_r R* times the force that limits sliding at mu = 1",
-);
+)
+.mixed(Mixing::Geometric);
 const ROLLING_DAMPING: Key = Key::number(
     "rolling_damping",
     Allowed::between(0.0, 1.0),

@@ -6,14 +6,15 @@
 use super::energy::SpringMotion;
 use super::invalid_law::{InvalidContactLaw, require_in_range};
 use super::{Contact, ContactWork, SpringStep};
-use crate::schema::{Allowed, Key, Word};
+use crate::schema::{Allowed, Key, Mixing, Word};
 use nalgebra::Vector3;
 
 const TWISTING_FRICTION: Key = Key::number(
     "twisting_friction",
     Allowed::NOT_NEGATIVE,
     "Coefficient mu_o: the torque is at most mu_o R* times the force that limits sliding at mu = 1",
-);
+)
+.mixed(Mixing::Geometric);
 const TWISTING_STIFFNESS: Key = Key::number(
     "twisting_stiffness",
     Allowed::POSITIVE,

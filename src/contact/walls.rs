@@ -26,10 +26,10 @@ pub(crate) fn add_wall_forces(
     for slot in 0..contacts.wall_pairs.len() {
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
-        let contact =
-            contact_with(&walls.walls[number], &walls.poses[number], particles, i, laws.cohesion);
-        let model = laws.at_walls.get(number).unwrap_or(laws.contact);
-        let (force, rolling) = evaluate(model, &contact, contacts, slot, laws.dt);
+        let at_wall = laws.at_wall(number, particles.body[i].species());
+        let (wall, pose) = (&walls.walls[number], &walls.poses[number]);
+        let contact = contact_with(wall, pose, particles, i, at_wall.cohesion);
+        let (force, rolling) = evaluate(at_wall.contact, &contact, contacts, slot, laws.dt);
         let on_wall =
             laws.force_quantum.round_vector(total_force(&contact, force.normal, force.tangential));
         if !within(&on_wall, laws.limit) {

@@ -14,6 +14,7 @@ use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Layout, Measure, Needs, Setting};
 use crate::analysis::stress::{CellGrid, CellStress};
+use crate::contact::VanDerWaals;
 use crate::parallel::Communicator;
 use crate::schema::{Key, Kind, Value};
 use frame::{FRAMES, FrameSettings};
@@ -178,7 +179,7 @@ impl Measure for Layers {
 }
 
 /// What Rumpf's estimate needs beside the solids fraction: the coordination number, the attraction of two particles of the
-/// largest size in contact, and their diameter.
+/// largest size in contact, the strongest of all species, and their diameter.
 #[derive(Clone, Copy, Debug)]
 struct Adhesion {
     coordination: f64,
@@ -195,9 +196,10 @@ fn rumpf(view: &View<'_>, ranks: &dyn Communicator) -> Adhesion {
     ];
     ranks.sum_integers(&mut counts);
     let diameter = run.state.sizes.largest_diameter;
-    let cohesion = run.models.physics.cohesion.as_ref().map(|law| law.at(view.time()));
     let radius = 0.5 * diameter;
-    let force = cohesion.map_or(0.0, |law| law.between_particles(radius, radius, 0.0));
+    let of_pair = |law: &VanDerWaals| law.at(view.time()).between_particles(radius, radius, 0.0);
+    let attractions = run.models.physics.attractions();
+    let force = attractions.iter().map(of_pair).fold(0.0, f64::max);
     Adhesion { coordination: counts[1] as f64 / counts[0].max(1) as f64, force, diameter }
 }
 

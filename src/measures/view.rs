@@ -3,7 +3,7 @@
 use crate::analysis::agglomerates::ParticleSample;
 use crate::analysis::stress::{ContactForce, MovingParticle};
 use crate::analysis::{BedProfile, Measures, Ownership, Pair, Periodicity, RunView};
-use crate::contact::{PairForce, WallForce, for_each_pair_force, wall_forces};
+use crate::contact::{PairForce, WallForce, WallLaws, for_each_pair_force, wall_forces};
 use crate::domain::{Bounds, PosedWalls};
 use crate::numbers::sorted_by_key;
 use crate::parallel::CellSample;
@@ -143,19 +143,23 @@ impl<'a> View<'a> {
     /// Passes on the forces of all pairs that touch or attract each other, each on one rank.
     pub fn for_each_pair_force(&self, take: impl FnMut(PairForce)) {
         let RunView { state, models, .. } = self.run;
-        let cohesion = models.physics.cohesion.as_ref().map(|law| law.at(self.time()));
-        let law = &models.physics.contact;
-        for_each_pair_force(&state.particles, &state.contacts, law, cohesion, take);
+        let cohesion = models.physics.cohesion_at(self.time());
+        let laws = &models.physics.contact;
+        for_each_pair_force(&state.particles, &state.contacts, laws, cohesion.as_ref(), take);
     }
 
     /// The forces of particles and walls that touch or attract each other.
     pub fn wall_forces(&self) -> &[WallForce] {
         self.wall_forces.get_or_init(|| {
             let RunView { state, domain, models, work } = self.run;
-            let cohesion = models.physics.cohesion.as_ref().map(|law| law.at(self.time()));
+            let physics = &models.physics;
+            let cohesion = physics.cohesion_at(self.time());
             let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
-            let models = (&models.physics.contact, &models.physics.at_walls[..]);
-            wall_forces(&state.particles, &state.contacts, walls, models, cohesion)
+            let at_wall = |wall: usize, species: usize| {
+                let models = (&physics.contact, &physics.at_walls[..]);
+                WallLaws::of(wall, species, models, cohesion.as_ref())
+            };
+            wall_forces(&state.particles, &state.contacts, walls, at_wall)
         })
     }
 

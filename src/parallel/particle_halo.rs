@@ -120,6 +120,7 @@ impl ParticleHalo {
                     id: particles.id[index],
                     radius: particles.body[index].radius,
                     mass: particles.body[index].mass,
+                    species: particles.body[index].species() as f64,
                     motion: motion_of(particles, index, axis, send_list.shift),
                 };
                 buffer.extend_from_slice(bytemuck::bytes_of(&ghost));
@@ -138,6 +139,7 @@ impl ParticleHalo {
                 let motion = &ghost.motion;
                 let (position, velocity) = (motion.position.into(), motion.velocity.into());
                 let body = Body::new(position, velocity, ghost.radius, ghost.mass);
+                let body = body.of_species(ghost.species as usize);
                 particles.push_ghost(ghost.id, body, image_of);
                 set_motion(particles, index, motion);
             }

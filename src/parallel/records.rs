@@ -59,6 +59,8 @@ pub struct ParticleRecord {
     pub mass: f64,
     /// Force of a gas in three dimensions as of its last step; zero without such a gas.
     pub gas_force: [f64; 3],
+    /// Number of the species, a whole number from 0; a double as its neighbours are.
+    pub species: f64,
 }
 
 /// The contact history of a pair, as seen from the particle with the lower id.
@@ -136,6 +138,7 @@ pub(super) struct NewGhost {
     pub(super) id: u64,
     pub(super) radius: f64,
     pub(super) mass: f64,
+    pub(super) species: f64,
     pub(super) motion: GhostMotion,
 }
 
@@ -162,6 +165,7 @@ impl ParticleRecord {
             radius: particles.body[index].radius,
             mass: particles.body[index].mass,
             gas_force: particles.gas_force[index].into(),
+            species: particles.body[index].species() as f64,
         }
     }
 
@@ -170,6 +174,7 @@ impl ParticleRecord {
         let index = particles.count();
         let (position, velocity) = (self.position.into(), self.velocity.into());
         particles.push(self.id, position, velocity, self.radius, self.mass);
+        particles.body[index] = particles.body[index].of_species(self.species as usize);
         particles.body[index].angular_velocity = self.angular_velocity.into();
         particles.forces[index].force = self.force.into();
         particles.forces[index].torque = self.torque.into();
@@ -238,11 +243,11 @@ mod tests {
 
     #[test]
     fn records_have_the_sizes_that_the_documentation_of_the_module_states() {
-        assert_eq!(size_of::<ParticleRecord>(), 168);
+        assert_eq!(size_of::<ParticleRecord>(), 176);
         assert_eq!(size_of::<ContactRecord>(), 80);
         assert_eq!(size_of::<WallContactRecord>(), 80);
         assert_eq!(size_of::<CellRecord>(), 72);
-        assert_eq!(size_of::<NewGhost>(), 96);
+        assert_eq!(size_of::<NewGhost>(), 104);
         assert_eq!(size_of::<GhostMotion>(), 72);
     }
 }

@@ -17,8 +17,8 @@ pub struct Body {
     pub mass: f64,
     /// Angular velocity, right-handed.
     pub angular_velocity: Vector3<f64>,
-    /// Padding, zero.
-    spare: f64,
+    /// Number of the species, a whole number from 0: [`Body::species`].
+    species: f64,
 }
 
 /// Force and torque on a particle: twice four numbers.
@@ -45,9 +45,21 @@ pub fn sphere_volume(radius: f64) -> f64 {
 }
 
 impl Body {
-    /// Makes a body without spin.
+    /// Makes a body without spin, of the first species.
     pub fn new(position: Vector3<f64>, velocity: Vector3<f64>, radius: f64, mass: f64) -> Self {
-        Self { position, radius, velocity, mass, angular_velocity: Vector3::zeros(), spare: 0.0 }
+        Self { position, radius, velocity, mass, angular_velocity: Vector3::zeros(), species: 0.0 }
+    }
+
+    /// The same of another species.
+    #[must_use]
+    pub fn of_species(self, species: usize) -> Self {
+        Self { species: species as f64, ..self }
+    }
+
+    /// Number of the species: of what material the body is; 0 in a bed of one.
+    #[inline(always)]
+    pub fn species(&self) -> usize {
+        self.species as usize
     }
 
     /// Moment of inertia of a solid sphere, (2/5) m r^2.
@@ -56,7 +68,7 @@ impl Body {
         INERTIA_FACTOR * self.mass * self.radius * self.radius
     }
 
-    /// Position and radius, velocity and mass, angular velocity and zero.
+    /// Position and radius, velocity and mass, angular velocity and number of the species.
     #[inline(always)]
     pub fn vectors(&self) -> &[[f64; 4]; 3] {
         bytemuck::cast_ref(self)

@@ -100,7 +100,7 @@ impl Contacts {
     /// Sum over owned particles of their touching neighbours: twice the contacts between owned
     /// particles (images included), once those with other ranks' particles.
     pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let partners = self.inner.active.touching_indices().map(|[_, partner]| partner as usize);
+        let partners = self.inner.touching_indices().map(|[_, partner]| partner as usize);
         partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
     }
 
@@ -110,7 +110,7 @@ impl Contacts {
         &'a self,
         particles: &'a Particles,
     ) -> impl Iterator<Item = [u64; 2]> + 'a {
-        self.inner.active.touching_indices().filter_map(|[first, second]| {
+        self.inner.touching_indices().filter_map(|[first, second]| {
             let [here, there] = [first, second].map(|index| particles.id[index as usize]);
             let is_left = here > there && particles.owned_original(second as usize).is_none();
             (!is_left).then(|| [here.min(there), here.max(there)])
@@ -120,7 +120,7 @@ impl Contacts {
     /// Number of touching neighbours of each owned particle.
     pub fn coordination_numbers(&self, particles: &Particles) -> Vec<u32> {
         let mut numbers = vec![0; particles.owned_count()];
-        for [first, second] in self.inner.active.touching_indices() {
+        for [first, second] in self.inner.touching_indices() {
             numbers[first as usize] += 1;
             if let Some(original) = particles.owned_original(second as usize) {
                 numbers[original] += 1;
@@ -133,8 +133,7 @@ impl Contacts {
     pub(crate) fn near_pairs(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
-        let separated = self.inner.separated().iter().map(|&[one, other, _]| ([one, other], None));
-        self.inner.active.with_histories().chain(separated)
+        self.inner.with_histories()
     }
 
     /// Owned particles and walls that may act on each other now, with the histories of those that touch.
@@ -148,11 +147,11 @@ impl Contacts {
     }
 
     /// Removes all pairs of particles, for a new list.
-    pub(super) fn clear_pairs(&mut self) {
+    pub(super) fn clear_pairs(&mut self, particles: &Particles) {
         self.row_start.clear();
         self.row_start.push(0);
         self.partner.clear();
-        self.inner.clear();
+        self.inner.clear(particles);
     }
 
     /// Adds a bound of the displacements of all particles since the last call.
@@ -184,7 +183,7 @@ impl Contacts {
     }
 
     fn pair_histories(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
-        let touching = self.inner.active.touching();
+        let touching = self.inner.touching();
         touching
             .filter_map(|(pair, oriented)| {
                 let [here, there] = pair.map(|index| particles.id[index as usize]);
@@ -274,7 +273,7 @@ impl Contacts {
         for (slot, row, number) in found {
             let pair = pair_of(particles, [row, self.partner[slot as usize]]);
             let here = particles.id[row as usize];
-            self.inner.restore(pair, pairs[number as usize].seen_from(here));
+            self.inner.restore(particles, pair, pairs[number as usize].seen_from(here));
         }
         self.restore_walls(&index_of, walls);
         Ok(())

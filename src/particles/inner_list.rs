@@ -6,10 +6,15 @@
 //! contacts, at every step. Of the others, the **candidates**, only the distance is computed, and the attraction if there
 //! is any; a candidate that comes within the range of contacts is promoted. Which pairs beyond the interaction range the
 //! list holds changes no result, so every rank may choose its own margin and its own time to make the list anew.
+//!
+//! The pairs of each two species are held apart, so that one law holds for all pairs of a block.
 
-use super::pair_blocks::{OrientedHistory, PairBlocks};
-use super::proximity::{SetBits, branch_vector, close_pairs, close_partners, is_close};
-use super::{Body, Pair, Particles};
+use super::contact_history::ContactHistory;
+use super::pair_blocks::{OrientedHistory, Pair, Remembered};
+use super::pair_kind::kind_of_bodies;
+use super::pairs_of_kind::PairsOfKind;
+use super::proximity::{SetBits, close_partners, is_close};
+use super::{Body, Particles};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 /// Interaction ranges: separations of surfaces up to which pairs act on each other.
@@ -29,31 +34,29 @@ pub(super) struct Rows<'a> {
 }
 
 /// The inner list.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct InnerList {
-    /// Pairs that are within the range of contacts, or were when the list was made; in the order of the neighbour list,
-    /// those that have been promoted since behind.
-    pub(crate) active: PairBlocks,
+    /// The pairs by their kinds; a bed of one species has one kind.
+    pub(crate) kinds: Vec<PairsOfKind>,
     /// Radius and mass, if all particles have the same.
     pub(crate) one_size: Option<[f64; 2]>,
-    /// The other pairs. They may attract each other.
-    candidates: Vec<Pair>,
-    /// Separation of surfaces up to which contacts act, and a little more.
-    contact_range: f64,
-    /// Numbers of the candidates that have come within the range of contacts.
-    to_promote: Vec<u32>,
+    /// Separation of surfaces up to which contacts act, and a little more: a pair below it is to be promoted.
+    pub(crate) contact_range: f64,
     /// Slots of the neighbour list whose pairs are active, bit by bit.
     active_slots: Vec<u64>,
     validity: Validity,
 }
 
-/// The candidates, for a loop that looks for those to promote.
-pub(crate) struct Candidates<'a> {
-    pub(crate) pairs: &'a [Pair],
-    /// Separation of surfaces below which a pair is to be promoted.
-    pub(crate) contact_range: f64,
-    /// To be filled, in rising order: the numbers of the pairs to promote.
-    pub(crate) to_promote: &'a mut Vec<u32>,
+impl Default for InnerList {
+    fn default() -> Self {
+        Self {
+            kinds: vec![PairsOfKind::default()],
+            one_size: None,
+            contact_range: 0.0,
+            active_slots: Vec::new(),
+            validity: Validity::default(),
+        }
+    }
 }
 
 /// How long the list is valid.
@@ -104,16 +107,19 @@ impl InnerList {
         self.validity.displacement += displacement;
     }
 
-    /// Removes all pairs, for a new neighbour list.
-    pub(super) fn clear(&mut self) {
-        self.active.clear();
-        self.candidates.clear();
+    /// Removes all pairs, for a new neighbour list of particles of these species.
+    pub(super) fn clear(&mut self, particles: &Particles) {
+        let kinds = particles.kinds_of_pairs();
+        self.kinds.resize_with(kinds, PairsOfKind::default);
+        self.kinds.iter_mut().for_each(PairsOfKind::clear);
         self.validity.age = 0;
     }
 
     /// Adds a touching pair with its history.
-    pub(super) fn restore(&mut self, pair: Pair, history: OrientedHistory) {
-        self.active.push(pair, Some(history));
+    pub(super) fn restore(&mut self, particles: &Particles, pair: Pair, history: OrientedHistory) {
+        let [first, second, _] = pair;
+        let bodies = [first, second].map(|index| &particles.body[index as usize]);
+        self.kinds[kind_of_bodies(bodies)].restore(pair, history);
     }
 
     /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
@@ -131,55 +137,63 @@ impl InnerList {
         self.validity.age += 1;
     }
 
-    /// The candidates, among them all pairs that attract each other without contact.
-    pub(crate) fn candidates(&mut self) -> Candidates<'_> {
-        self.to_promote.clear();
-        let Self { candidates, contact_range, to_promote, .. } = self;
-        Candidates { pairs: candidates, contact_range: *contact_range, to_promote }
-    }
-
-    /// The same pairs, to be read.
-    pub(super) fn separated(&self) -> &[Pair] {
-        &self.candidates
-    }
-
     /// Finds the candidates that have come within the range of contacts.
     pub(crate) fn find_promotions(&mut self, particles: &Particles) {
         let is_new = self.validity.age == 1; // then no candidate is within the range of contacts
-        let candidates = self.candidates();
-        if !is_new {
-            with_simd(PromotionSearch { bodies: &particles.body, candidates });
+        for pairs in &mut self.kinds {
+            pairs.find_promotions(particles, self.contact_range, is_new);
         }
     }
 
     /// Makes the candidates that were found active.
     pub(crate) fn promote(&mut self) {
-        let Self { active, candidates, to_promote, .. } = self;
-        for &number in &*to_promote {
-            active.push(candidates[number as usize], None);
-        }
-        // From the back, so that those still to be removed keep their numbers.
-        for &number in to_promote.iter().rev() {
-            candidates.swap_remove(number as usize);
-        }
+        self.kinds.iter_mut().for_each(PairsOfKind::promote);
+    }
+
+    /// The touching pairs, first and second particle, and their histories.
+    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], OrientedHistory)> + '_ {
+        self.kinds.iter().flat_map(|pairs| pairs.active.touching())
+    }
+
+    /// First and second particle of the touching pairs.
+    pub(super) fn touching_indices(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.kinds.iter().flat_map(|pairs| pairs.active.touching_indices())
+    }
+
+    /// All pairs, active ones with the histories of those that touch.
+    pub(super) fn with_histories(
+        &self,
+    ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
+        self.kinds.iter().flat_map(|pairs| {
+            let separated = pairs.separated().iter().map(|&[one, other, _]| ([one, other], None));
+            pairs.active.with_histories().chain(separated)
+        })
+    }
+
+    /// The active pairs with the number of their kind, and what they remember.
+    pub(crate) fn active_pairs(&self) -> impl Iterator<Item = (usize, [u32; 2], Remembered)> + '_ {
+        self.kinds.iter().enumerate().flat_map(|(kind, pairs)| {
+            pairs.active.all().map(move |(pair, remembered)| (kind, pair, remembered))
+        })
     }
 
     fn make(&mut self, particles: &Particles, rows: Rows) {
         let (bodies, contact_range) = (&particles.body[..], self.contact_range);
-        let is_within = |[one, other]: [u32; 2], range: f64| {
-            is_close([one, other].map(|index| &bodies[index as usize]), range)
-        };
-        self.active.retain(|pair| is_within(pair, contact_range));
-        mark(&mut self.active_slots, rows, self.active.pairs());
-        self.candidates.clear();
-        let Self { active, candidates, active_slots, validity, .. } = self;
+        let bodies_of = |pair: [u32; 2]| pair.map(|index| &bodies[index as usize]);
+        let is_within = |pair: [u32; 2], range: f64| is_close(bodies_of(pair), range);
+        for pairs in &mut self.kinds {
+            pairs.retain(|pair| is_within(pair, contact_range));
+        }
+        let active = self.kinds.iter().flat_map(|pairs| pairs.active.pairs());
+        mark(&mut self.active_slots, rows, active);
+        let Self { kinds, active_slots, validity, .. } = self;
+        let several_species = kinds.len() > 1;
         let add = |slot: usize, pair: [u32; 2]| {
             if active_slots[slot / 64] >> (slot % 64) & 1 == 1 {
-            } else if is_within(pair, contact_range) {
-                active.push(pair_of(particles, pair), None);
-            } else {
-                candidates.push(pair_of(particles, pair));
+                return;
             }
+            let kind = if several_species { kind_of_bodies(bodies_of(pair)) } else { 0 };
+            kinds[kind].add(pair_of(particles, pair), is_within(pair, contact_range));
         };
         let separation = validity.ranges.any + validity.margin;
         with_simd(PairSearch { bodies, rows, separation, add });
@@ -202,31 +216,6 @@ fn mark(bits: &mut Vec<u64>, rows: Rows, pairs: impl Iterator<Item = [u32; 2]>) 
 pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair {
     let original = particles.owned_original(second as usize);
     [first, second, original.map_or(second, |index| index as u32)]
-}
-
-/// Finds the candidates that have come within the range of contacts.
-struct PromotionSearch<'a> {
-    bodies: &'a [Body],
-    candidates: Candidates<'a>,
-}
-
-impl SimdKernel for PromotionSearch<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { bodies, candidates: Candidates { pairs, contact_range, to_promote } } = self;
-        let contact_range = Q::splat(contact_range);
-        for (four, pairs) in pairs.chunks(4).enumerate() {
-            let mut branch_vectors = [Q::splat(0.0); 4];
-            for (k, of_pair) in branch_vectors.iter_mut().enumerate() {
-                let [one, other, _] = pairs[k.min(pairs.len() - 1)];
-                *of_pair = branch_vector(&bodies[one as usize], &bodies[other as usize]);
-            }
-            let close = close_pairs(branch_vectors, contact_range) & ((1 << pairs.len()) - 1);
-            to_promote.extend(SetBits(close).map(|bit| (4 * four + bit) as u32));
-        }
-    }
 }
 
 /// Calls `add` with the slot and the particles of every pair of the neighbour list closer than a separation.

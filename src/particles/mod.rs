@@ -8,6 +8,8 @@ mod inner_list;
 mod integrate;
 mod neighbour_list;
 mod pair_blocks;
+mod pair_kind;
+mod pairs_of_kind;
 mod proximity;
 mod range;
 mod store;
@@ -16,12 +18,13 @@ pub use body::{Body, ForceTorque, sphere_volume};
 pub(crate) use cell_grid::CellGrid;
 pub use contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
 pub use contacts::{Contacts, LostContact};
-pub(crate) use inner_list::Candidates;
 pub(crate) use inner_list::{InnerList, InteractionRanges};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
 pub use neighbour_list::NeighbourList;
 pub(crate) use pair_blocks::{
     AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks, Remembered,
 };
+pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
+pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};
 pub use range::ListRange;
 pub use store::Particles;

@@ -85,7 +85,7 @@ impl NeighbourList {
     }
 
     fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, range: ListRange) {
-        contacts.clear_pairs();
+        contacts.clear_pairs(particles);
         with_simd(PairSearch { cells: &self.cells, particles, range, contacts });
     }
 }

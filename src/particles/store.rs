@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, ForceTorque, sphere_volume};
+use super::{Body, ForceTorque, kind_of_species, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -61,6 +61,12 @@ impl Particles {
         let size = |body: &Body| [body.radius, body.mass];
         let first = size(self.body.first()?);
         self.body.iter().all(|body| size(body) == first).then_some(first)
+    }
+
+    /// Number of kinds of pairs that particles of these species form, up to the last one that occurs.
+    pub(super) fn kinds_of_pairs(&self) -> usize {
+        let last = self.body.iter().map(Body::species).max().unwrap_or(0);
+        kind_of_species(last, last) + 1
     }
 
     /// Moment of inertia of a solid sphere, (2/5) m r^2.

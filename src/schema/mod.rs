@@ -5,11 +5,13 @@
 //! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
+mod mixing;
 mod schedule;
 mod table;
 mod values;
 
 pub use allowed::Allowed;
+pub use mixing::Mixing;
 pub use schedule::{NOT_NEGATIVE_SCHEDULE, SIGNED_SCHEDULE};
 pub use table::{ActiveKeys, displaced_by, every_key};
 pub use values::KeyValues;
@@ -34,6 +36,8 @@ pub struct Key {
     pub partners: &'static [&'static str],
     /// The key that this one belongs to: it has no meaning without.
     pub with: Option<&'static str>,
+    /// How the value for a pair of species follows from those of each.
+    pub mixing: Mixing,
     /// One sentence, without its full stop.
     pub meaning: &'static str,
 }
@@ -61,6 +65,8 @@ pub enum Kind {
     List(Allowed),
     /// One of several words; each may bring keys of its own.
     Word(&'static [Word]),
+    /// Any number of texts, at least one.
+    Texts,
     /// Any number of these words, each once, at least one.
     Words(&'static [Word]),
     /// A section, or a table in braces.
@@ -157,6 +163,7 @@ impl Key {
             default: None,
             partners: &[],
             with: None,
+            mixing: Mixing::None,
             meaning,
         }
     }
@@ -186,6 +193,12 @@ impl Key {
     /// It belongs to another key.
     pub const fn with(mut self, key: &'static str) -> Self {
         self.with = Some(key);
+        self
+    }
+
+    /// How the value for a pair of species follows from those of each.
+    pub const fn mixed(mut self, rule: Mixing) -> Self {
+        self.mixing = rule;
         self
     }
 

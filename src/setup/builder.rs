@@ -1,7 +1,7 @@
 //! What is chosen before a run, and its start.
 
 use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
-use crate::contact::{ContactModel, VanDerWaals};
+use crate::contact::{ByPair, BySpecies, ContactModel, VanDerWaals};
 use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
 use crate::gas::GasModel;
 use crate::parallel::{Communicator, OneRank, ParticleRecord};
@@ -65,14 +65,14 @@ impl Setup {
     /// Contact models of particles and walls, by the walls' numbers; walls beyond are like particles.
     #[must_use]
     pub fn walls(mut self, models: impl IntoIterator<Item = ContactModel>) -> Self {
-        self.physics.at_walls = models.into_iter().collect();
+        self.physics.at_walls = models.into_iter().map(BySpecies::of_all).collect();
         self
     }
 
     /// Attraction of particles, and of particles and walls.
     #[must_use]
     pub fn cohesion(mut self, cohesion: VanDerWaals) -> Self {
-        self.physics.cohesion = Some(cohesion);
+        self.physics.cohesion = Some(ByPair::of_all(cohesion));
         self
     }
 

@@ -32,6 +32,7 @@ impl Sphere {
             radius: self.radius,
             mass: self.density * 4.0 / 3.0 * PI * self.radius.powi(3),
             gas_force: zero,
+            species: 0.0,
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::analysis::RunView;
 use crate::case::{Case, ParticleField};
 use crate::output::{ColumnUnits, PointColumn, SnapshotFormat, SnapshotStorage};
 use crate::parallel::Communicator;
+use crate::particles::Body;
 
 /// How the snapshots of a case are made.
 pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
@@ -51,6 +52,7 @@ fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
     match field {
         ParticleField::Mass => number("mass", 1, units.mass, "masses"),
         ParticleField::Class => whole("class", "number of the size class, from 0; -1: none"),
+        ParticleField::Species => whole("species", "number of the species, from 0"),
         ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
         ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
         ParticleField::Coordination => whole("coordination", "number of touching particles"),
@@ -68,10 +70,13 @@ fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
     match field {
         ParticleField::Mass => bodies().map(|body| body.mass).collect(),
         ParticleField::Class => {
-            let number = |diameter, mass| case.particles.class_number(diameter, mass);
-            let classes = bodies().map(|body| number(2.0 * body.radius, body.mass));
+            let number = |body: &Body| {
+                case.particles.class_number(2.0 * body.radius, body.mass, body.species())
+            };
+            let classes = bodies().map(number);
             classes.map(|class| class.map_or(-1.0, |number| number as f64)).collect()
         }
+        ParticleField::Species => bodies().map(|body| body.species() as f64).collect(),
         ParticleField::Force => {
             particles.forces[..owned].iter().flat_map(|load| <[f64; 3]>::from(load.force)).collect()
         }

@@ -141,7 +141,9 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
                 .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
         let refused = |reason| Err(StartError::Changed { change: change.clone(), reason });
-        if OF_A_NEW_BED.iter().any(is_below) {
+        let of_species = is_below(&"species")
+            && ["name", "density"].iter().any(|key| change.key.rsplit('.').next() == Some(key));
+        if OF_A_NEW_BED.iter().any(is_below) || of_species {
             return refused("cannot change when a run goes on: the bed is that of the checkpoint");
         }
         if change.key.ends_with("gas.cells") && change.before.is_some() && change.after.is_some() {
@@ -172,6 +174,22 @@ fn number_walls_anew(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now
     });
 }
 
+/// The case must know what each particle of another run is. Collective.
+fn require_species(
+    case: &Case,
+    particles: &[ParticleRecord],
+    ranks: &dyn Communicator,
+) -> Result<(), StartError> {
+    let mut last = [particles.iter().map(|particle| particle.species).fold(0.0, f64::max)];
+    ranks.maximum(&mut last);
+    let (needed, known) = (last[0] as usize + 1, case.particles.species_count());
+    if needed <= known {
+        return Ok(());
+    }
+    let message = format!("the bed at the start has {needed} species: the case has {known}");
+    Err(StartError::Case(case.places.errors([("species", message)])))
+}
+
 fn measured_sizes(particles: &[ParticleRecord], ranks: &dyn Communicator) -> SizeRange {
     let mut extremes = [f64::NEG_INFINITY, 0.0, 0.0];
     for particle in particles {
@@ -194,6 +212,7 @@ fn distribute(
 ) -> Result<InitialState, StartError> {
     let sizes = snapshot.sizes;
     case.require_sizes(&sizes)?;
+    require_species(case, &snapshot.particles, ranks)?;
     let laid_out = lay_out(case, &sizes, grid, ranks.size());
     let mut decomposition = laid_out.map_err(|error| match (grid, case.parallel.layout) {
         // The case names the grid that does not fit.

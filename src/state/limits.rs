@@ -52,7 +52,7 @@ impl Limits {
     /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
     pub fn new<'a>(
         interfaces: impl IntoIterator<Item = &'a ContactModel>,
-        cohesion: Option<&VanDerWaals>,
+        attractions: &[VanDerWaals],
         diameters: [f64; 2],
         largest_weight: f64,
         time_step: f64,
@@ -61,7 +61,8 @@ impl Limits {
         let overlap = Self::LARGEST_OVERLAP * smallest;
         let of_law = |interface: &ContactModel| interface.law.largest_force(overlap, 0.5 * largest);
         let elastic = interfaces.into_iter().map(of_law).fold(0.0, f64::max);
-        let attraction = cohesion.map_or(0.0, |law| law.largest_force(0.5 * largest));
+        let of_attraction = |law: &VanDerWaals| law.largest_force(0.5 * largest);
+        let attraction = attractions.iter().map(of_attraction).fold(0.0, f64::max);
         Self {
             force: elastic + attraction + largest_weight,
             speed: speed_limit(smallest, time_step),

@@ -44,6 +44,6 @@ impl Models {
 
     /// Separation of surfaces up to which contacts of particles of these sizes act.
     pub fn contact_range(&self, sizes: &SizeRange) -> f64 {
-        range_of([&self.physics.contact], None, sizes)
+        range_of(self.physics.contact.values(), &[], sizes)
     }
 }

@@ -1,7 +1,9 @@
 //! What acts on the particles, before their sizes are known.
 
 use super::{Limits, SizeRange};
-use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
+use crate::contact::{
+    ByPair, BySpecies, ContactForceLaw, ContactModel, VanDerWaals, VanDerWaalsNow,
+};
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use crate::rules::interaction_range;
@@ -11,11 +13,11 @@ use crate::rules::interaction_range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Physics {
     /// Contact of two particles.
-    pub contact: ContactModel,
-    /// Contact of particles and walls, by the walls' numbers; walls beyond its end are like particles.
-    pub at_walls: Vec<ContactModel>,
-    /// Attraction.
-    pub cohesion: Option<VanDerWaals>,
+    pub contact: ByPair<ContactModel>,
+    /// Contact of particles and walls, by the walls' numbers; walls beyond its end are like particles of the same species.
+    pub at_walls: Vec<BySpecies<ContactModel>>,
+    /// Attraction; that of two particles of the same species says how it is at walls.
+    pub cohesion: Option<ByPair<VanDerWaals>>,
     /// Gas.
     pub gas: GasModel,
     /// Gravity along -z in the frame of the plate.
@@ -28,7 +30,7 @@ impl Physics {
     /// Contacts alone: without cohesion, gas and gravity, and with walls like the particles.
     pub fn new(contact: impl Into<ContactModel>, time_step: f64) -> Self {
         Self {
-            contact: contact.into(),
+            contact: ByPair::of_all(contact.into()),
             at_walls: Vec::new(),
             cohesion: None,
             gas: GasModel::None,
@@ -39,19 +41,30 @@ impl Physics {
 
     /// The contact models: of two particles, and of particles and walls.
     pub fn contact_models(&self) -> impl Iterator<Item = &ContactModel> {
-        std::iter::once(&self.contact).chain(&self.at_walls)
+        let at_walls = self.at_walls.iter().flat_map(BySpecies::values);
+        self.contact.values().iter().chain(at_walls)
+    }
+
+    /// The attraction at a time.
+    pub fn cohesion_at(&self, time: f64) -> Option<ByPair<VanDerWaalsNow>> {
+        self.cohesion.as_ref().map(|cohesion| cohesion.map(|law| law.at(time)))
+    }
+
+    /// The attraction of each pair of species.
+    pub fn attractions(&self) -> &[VanDerWaals] {
+        self.cohesion.as_ref().map_or(&[], ByPair::values)
     }
 
     /// Separation of surfaces up to which particles of these sizes, or they and walls, act on each other.
     pub fn range(&self, sizes: &SizeRange) -> f64 {
-        range_of(self.contact_models(), self.cohesion.as_ref(), sizes)
+        range_of(self.contact_models(), self.attractions(), sizes)
     }
 
     /// What particles of these sizes may not exceed.
     pub fn limits(&self, sizes: &SizeRange) -> Limits {
         Limits::new(
             self.contact_models(),
-            self.cohesion.as_ref(),
+            self.attractions(),
             [sizes.smallest_diameter, sizes.largest_diameter],
             sizes.largest_mass * self.gravity.largest(),
             self.time_step,
@@ -62,10 +75,11 @@ impl Physics {
 /// Separation of surfaces up to which bodies of these contact models act on each other, particles being of these sizes.
 pub(super) fn range_of<'a>(
     models: impl IntoIterator<Item = &'a ContactModel>,
-    cohesion: Option<&VanDerWaals>,
+    attractions: &[VanDerWaals],
     sizes: &SizeRange,
 ) -> f64 {
     let largest_radius = 0.5 * sizes.largest_diameter;
     let reaches = models.into_iter().map(|model| model.law.contact_range(largest_radius));
-    interaction_range(reaches, cohesion.map(|cohesion| cohesion.range))
+    let range = attractions.iter().map(|law| law.range).reduce(f64::max);
+    interaction_range(reaches, range)
 }

@@ -50,10 +50,10 @@ pub(super) fn before_forces(
             ledger.add_power(Mechanism::Walls, power * step);
         }
     });
-    let ramped = models.physics.cohesion.as_ref().map(|law| law.at(clock.time() - laws.dt));
-    if ramped != laws.cohesion {
+    let ramped = models.physics.cohesion_at(clock.time() - laws.dt);
+    if ramped.as_ref() != laws.cohesion {
         let (mut before, mut after) = (StoredSums::default(), StoredSums::default());
-        let earlier = ForceLaws { cohesion: ramped, ..*laws };
+        let earlier = ForceLaws { cohesion: ramped.as_ref(), ..*laws };
         attraction_energy(particles, contacts, walls, &earlier, |energy| {
             before.potential.add(energy)
         });
@@ -105,7 +105,8 @@ pub fn stored_energy(
         sums.kinetic.add(0.5 * translation);
         sums.kinetic.add(0.5 * rotation);
     }
-    let laws = force_laws(state, models, work, 0.0);
+    let cohesion = models.physics.cohesion_at(state.clock.time());
+    let laws = force_laws(state, models, work, cohesion.as_ref(), 0.0);
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     elastic_energy(particles, contacts, walls, &laws, |energy| sums.elastic.add(energy));
     attraction_energy(particles, contacts, walls, &laws, |energy| sums.potential.add(energy));

@@ -8,7 +8,9 @@ mod staggered;
 pub use energy::stored_energy;
 pub use staggered::Staggered;
 
-use crate::contact::{ContactWork, ForceLaws, add_pair_forces, add_wall_forces};
+use crate::contact::{
+    ByPair, ContactWork, ForceLaws, VanDerWaalsNow, add_pair_forces, add_wall_forces,
+};
 use crate::domain::PosedWalls;
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
@@ -184,7 +186,8 @@ fn advance_gas(state: &mut State, models: &Models, work: &mut Workspace, ranks: 
 /// Before: forces are those of the weight. The order changes nothing, since every contribution is rounded to the quantum
 /// of force. A force without meaning is kept as this rank's fault until the ranks agree at the next step.
 fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Workspace, dt: f64) {
-    let laws = force_laws(state, models, work, dt);
+    let cohesion = models.physics.cohesion_at(state.clock.time());
+    let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
     let mut ledger = state.energy.take();
     if let Some(ledger) = &mut ledger {
         energy::before_forces(ledger, state, domain, models, work, &laws);
@@ -202,13 +205,18 @@ fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Wo
     state.energy = ledger;
 }
 
-/// The laws of all contacts now, which advance histories by `dt`.
-fn force_laws<'a>(state: &State, models: &'a Models, work: &Workspace, dt: f64) -> ForceLaws<'a> {
-    let time = state.clock.time();
+/// The laws of all contacts now, with the attraction that there is now; they advance histories by `dt`.
+fn force_laws<'a>(
+    state: &State,
+    models: &'a Models,
+    work: &Workspace,
+    cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
+    dt: f64,
+) -> ForceLaws<'a> {
     ForceLaws {
         contact: &models.physics.contact,
         at_walls: &models.physics.at_walls,
-        cohesion: models.physics.cohesion.as_ref().map(|cohesion| cohesion.at(time)),
+        cohesion,
         ranges: InteractionRanges {
             contact: models.contact_range(&state.sizes),
             any: work.list_range.interaction,

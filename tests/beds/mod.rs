@@ -5,7 +5,8 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::{Deref, DerefMut};
 use talcum::contact::{
-    CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot, VanDerWaals,
+    ByPair, BySpecies, CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot,
+    VanDerWaals,
 };
 use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
@@ -31,6 +32,8 @@ pub(crate) struct Bench {
     pub(crate) interface: Option<ContactModel>,
     /// What holds at the walls, by their numbers; walls beyond are like particles.
     pub(crate) at_walls: Vec<ContactModel>,
+    /// What holds between particles of several species and at walls, instead of all of these and of `cohesion`.
+    pub(crate) mixture: Option<Mixture>,
     pub(crate) cohesion: Option<VanDerWaals>,
     pub(crate) gas: Option<ColumnGas>,
     /// The volume-averaged gas, in the place of the column gas.
@@ -43,6 +46,14 @@ pub(crate) struct Bench {
     pub(crate) force_limit: Option<f64>,
     pub(crate) density: f64,
     pub(crate) particles: Vec<ParticleRecord>,
+}
+
+/// What several species do to each other and at walls.
+#[derive(Clone, Debug)]
+pub(crate) struct Mixture {
+    pub(crate) contact: ByPair<ContactModel>,
+    pub(crate) at_walls: Vec<BySpecies<ContactModel>>,
+    pub(crate) cohesion: Option<ByPair<VanDerWaals>>,
 }
 
 /// k_n, k_t of Poisson's ratio 0.3, e and mu; the friction cap without cohesion.
@@ -116,6 +127,7 @@ impl Bench {
             contact: law(2.0e5, 0.9, 0.1),
             interface: None,
             at_walls: Vec::new(),
+            mixture: None,
             cohesion: None,
             gas: None,
             volume_averaged: None,
@@ -181,9 +193,15 @@ impl Bench {
             (None, Some(gas)) => GasModel::Column(gas.clone()),
             (None, None) => GasModel::None,
         };
-        let (at_walls, cohesion) = (self.at_walls.clone(), self.cohesion.clone());
-        let (gravity, contact) = (self.gravity, of_particles);
-        Physics { contact, at_walls, cohesion, gas, gravity, time_step: self.time_step }
+        let of_one_species = Mixture {
+            contact: ByPair::of_all(of_particles),
+            at_walls: self.at_walls.iter().cloned().map(BySpecies::of_all).collect(),
+            cohesion: self.cohesion.clone().map(ByPair::of_all),
+        };
+        let Mixture { contact, at_walls, cohesion } =
+            self.mixture.clone().unwrap_or(of_one_species);
+        let (gravity, time_step) = (self.gravity, self.time_step);
+        Physics { contact, at_walls, cohesion, gas, gravity, time_step }
     }
 
     /// The same for the library.

@@ -15,4 +15,5 @@ mod measures_never_panic;
 mod minimum_fluidisation;
 mod plenum;
 mod single_particle;
+mod species;
 mod wall_forces;

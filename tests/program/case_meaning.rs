@@ -24,7 +24,7 @@ fn close(a: f64, b: f64) -> bool {
 fn groups_become_quantities() {
     let case = read("cohesive-column.toml", &["cohesion.wall_bond_number=40"]).unwrap();
     let stage = &case.stages[0];
-    let cohesion: &VanDerWaals = stage.physics.cohesion.as_ref().unwrap();
+    let cohesion: &VanDerWaals = stage.physics.cohesion.as_ref().unwrap().first();
     let now = cohesion.at(0.0);
     // Bo = F / (m g) with m = pi/6, g = 1, for both.
     assert!(close(now.between_particles(0.5, 0.5, 0.0), 20.0 * PI / 6.0));
@@ -43,7 +43,7 @@ fn groups_become_quantities() {
 fn rough_and_square_forces_have_the_bond_numbers_that_are_given() {
     let attraction = |name: &str, overrides: &[&str]| {
         let case = read(name, overrides).unwrap();
-        case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0)
+        case.stages[0].physics.cohesion.as_ref().unwrap().first().at(0.0)
     };
     let weight = PI / 6.0;
     let square = attraction("square-force.toml", &[]);
@@ -67,7 +67,7 @@ fn softened_particles_keep_the_force_or_the_work() {
         let softening = ["contact.softening=keeps_work", "contact.stiffness_reduction=100"];
         let all: Vec<&str> = softening.iter().chain(overrides).copied().collect();
         let case = read("cohesive-column.toml", &all).unwrap();
-        case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0)
+        case.stages[0].physics.cohesion.as_ref().unwrap().first().at(0.0)
     };
     let (force, weight) =
         (|it: &talcum::contact::VanDerWaalsNow| it.between_particles(0.5, 0.5, 0.0), PI / 6.0);
@@ -90,7 +90,7 @@ fn softened_particles_keep_the_force_or_the_work() {
 fn groups_become_quantities_in_si_too() {
     let case = read("si.toml", &["cohesion.bond_number=20", "gas.stokes_number=55"]).unwrap();
     let (d, rho, g) = (5.0e-5_f64, 900.0, 9.81);
-    let now = case.stages[0].physics.cohesion.as_ref().unwrap().at(0.0);
+    let now = case.stages[0].physics.cohesion.as_ref().unwrap().first().at(0.0);
     let weight = rho * PI / 6.0 * d.powi(3) * g;
     // The full expression tends to the near-contact one as s/r falls, here 2e-5.
     assert!((now.between_particles(0.5 * d, 0.5 * d, 0.0) / weight / 20.0 - 1.0).abs() < 1.0e-4);
@@ -112,7 +112,7 @@ fn stages_change_what_they_name_and_keep_the_rest() {
     for stage in [ramp, cohesive] {
         assert_eq!(stage.physics.gas.column().unwrap().drive, Drive::Velocity(ramped.clone()));
     }
-    let cohesion = cohesive.physics.cohesion.as_ref().unwrap();
+    let cohesion = cohesive.physics.cohesion.as_ref().unwrap().first();
     let steps = Schedule::Steps { values: vec![1.0e-10, 2.0e-10], start: 3.0, every: 1.5 };
     assert_eq!(cohesion.hamaker_constant, steps);
     assert_eq!(cohesion.wall_hamaker_constant, Schedule::Constant(0.0));
@@ -217,7 +217,7 @@ fn classes_have_their_densities() {
     assert!(close(particles.mean_density(), 2.0));
     let masses = (0..1000).map(|id| particles.mass_of_particle(id, 1.0));
     let classes: Vec<usize> =
-        masses.clone().map(|mass| particles.class_number(1.0, mass).unwrap()).collect();
+        masses.clone().map(|mass| particles.class_number(1.0, mass, 0).unwrap()).collect();
     assert!(
         masses
             .zip(&classes)

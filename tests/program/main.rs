@@ -24,6 +24,7 @@ mod restart;
 mod shell;
 mod snapshots;
 mod softened_adhesion;
+mod species;
 mod stage_ends;
 mod study;
 mod toml_files;

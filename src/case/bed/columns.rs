@@ -14,6 +14,8 @@ pub(super) struct Row {
     pub(super) velocity: [f64; 3],
     pub(super) angular_velocity: [f64; 3],
     pub(super) diameter: Option<f64>,
+    /// Number of the species.
+    pub(super) species: Option<usize>,
 }
 
 /// What a column holds.
@@ -27,6 +29,10 @@ pub(super) enum Column {
     AngularVelocity(usize),
     Diameter,
     Radius,
+    /// Name of the species.
+    Species,
+    /// Number of the species, from 1.
+    Type,
     /// Not of use here.
     Ignored,
 }
@@ -55,6 +61,8 @@ impl At<'_> {
 pub(super) struct Header<'a> {
     names: Vec<&'a str>,
     columns: Vec<Column>,
+    /// The names that a column of species may have.
+    species: Vec<&'a str>,
 }
 
 impl<'a> Header<'a> {
@@ -77,9 +85,14 @@ impl<'a> Header<'a> {
             }
             columns.push(column);
         }
-        let header = Self { names, columns };
+        let header = Self { names, columns, species: Vec::new() };
         header.check().map_err(|reason| at.error(reason))?;
         Ok(header)
+    }
+
+    /// The same with these species.
+    pub(super) fn with_species(self, species: Vec<&'a str>) -> Self {
+        Self { species, ..self }
     }
 
     /// Whether there are velocities.
@@ -121,10 +134,15 @@ impl<'a> Header<'a> {
             if *column == Column::Ignored {
                 continue;
             }
-            let wrong = |what| at.error(format!("column {name}: {field:?} is not {what}"));
+            let wrong = |what: &str| at.error(format!("column {name}: {field:?} is not {what}"));
             if *column == Column::Id {
                 let id = field.parse().ok().filter(|&id| id < u64::MAX);
                 row.id = id.ok_or_else(|| wrong("an id, a whole number from 0"))?;
+                continue;
+            }
+            if matches!(column, Column::Species | Column::Type) {
+                let species = self.species_of(*column, field);
+                row.species = Some(species.map_err(|reason| wrong(&reason))?);
                 continue;
             }
             let number = field.parse().ok().filter(|number: &f64| number.abs() <= 1.0e30);
@@ -134,6 +152,18 @@ impl<'a> Header<'a> {
             }
         }
         Ok(row)
+    }
+
+    /// The number of a species from its name, or from its number from 1.
+    fn species_of(&self, column: Column, field: &str) -> Result<usize, String> {
+        let count = self.species.len();
+        if column == Column::Type {
+            let number = field.parse().ok().filter(|number| (1..=count).contains(number));
+            let allowed = || format!("the number of a species, from 1 to {count}");
+            return number.map(|number| number - 1).ok_or_else(allowed);
+        }
+        let number = self.species.iter().position(|name| *name == field);
+        number.ok_or_else(|| format!("a species: known are {}", self.species.join(", ")))
     }
 }
 
@@ -149,7 +179,7 @@ impl Row {
             Column::AngularVelocity(axis) => self.angular_velocity[axis] = number,
             Column::Diameter => self.diameter = Some(number),
             Column::Radius => self.diameter = Some(2.0 * number),
-            Column::Id | Column::Ignored => {}
+            Column::Id | Column::Species | Column::Type | Column::Ignored => {}
         }
     }
 }

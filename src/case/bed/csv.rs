@@ -1,11 +1,12 @@
-//! Tables with a header: `id,x,y,z` and optionally `vx,vy,vz`, `wx,wy,wz`, `d`, in any order. Lines that
+//! Tables with a header: `id,x,y,z` and optionally `vx,vy,vz`, `wx,wy,wz`, `d`, `species`, in any order. Lines that
 //! begin with `#` are comments.
 
 use super::BedError;
 use super::columns::{At, Column, Header, Rows};
+use crate::case::Species;
 use std::path::Path;
 
-const KNOWN: [(&str, Column); 11] = [
+const KNOWN: [(&str, Column); 12] = [
     ("id", Column::Id),
     ("x", Column::Position(0)),
     ("y", Column::Position(1)),
@@ -17,10 +18,11 @@ const KNOWN: [(&str, Column); 11] = [
     ("wy", Column::AngularVelocity(1)),
     ("wz", Column::AngularVelocity(2)),
     ("d", Column::Diameter),
+    ("species", Column::Species),
 ];
 
-/// The rows of a text.
-pub(super) fn parse(text: &str, file: &Path) -> Result<Rows, BedError> {
+/// The rows of a text, in a bed of these species.
+pub(super) fn parse(text: &str, file: &Path, species: &[Species]) -> Result<Rows, BedError> {
     let lines = text.lines().enumerate();
     let mut lines = lines
         .map(|(index, line)| (At { file, line: index + 1 }, line.trim()))
@@ -30,6 +32,7 @@ pub(super) fn parse(text: &str, file: &Path) -> Result<Rows, BedError> {
     };
     let names = header.split(',').map(str::trim).collect();
     let header = Header::new(names, &KNOWN, false, at)?;
+    let header = header.with_species(species.iter().map(|species| &*species.name).collect());
     let rows = lines.map(|(at, line)| {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         header.row(&fields, &[[0.0, 1.0]; 3], at)
@@ -44,7 +47,7 @@ mod tests {
     #[test]
     fn columns_may_come_in_any_order() {
         let text = "# a bed\n z, id ,x,y,d,vy\n\n3,7,1,2,0.5,-4\n";
-        let rows = parse(text, Path::new("bed.csv")).unwrap();
+        let rows = parse(text, Path::new("bed.csv"), &[]).unwrap();
         let row = rows.rows[0];
         assert_eq!((row.line, row.id, row.position), (4, 7, [1.0, 2.0, 3.0]));
         assert_eq!((row.velocity, row.diameter), ([0.0, -4.0, 0.0], Some(0.5)));
@@ -64,7 +67,7 @@ mod tests {
             ("id,x,y,z\n-1,2,3,4\n", "bed.csv:2: column id: \"-1\" is not an id"),
             ("id,x,y,z,d\n1,2,3,4,0\n", "bed.csv:2: column d: \"0\" is not above 0"),
         ] {
-            let error = parse(text, Path::new("bed.csv")).unwrap_err().to_string();
+            let error = parse(text, Path::new("bed.csv"), &[]).unwrap_err().to_string();
             assert!(error.starts_with(words), "{error}");
         }
     }

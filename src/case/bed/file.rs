@@ -1,6 +1,6 @@
 //! Particles from a file.
 
-use super::super::particles::BedFormat;
+use super::super::particles::{BedFormat, sphere_mass};
 use super::super::tree::{NOT_UTF8, utf8_text};
 use super::cells::Cells;
 use super::columns::{At, Row, Rows};
@@ -25,8 +25,8 @@ pub(super) fn read(
     let bytes = std::fs::read(file).map_err(|error| failed(format!("cannot be read: {error}")))?;
     let text = utf8_text(bytes).map_err(|line| At { file, line }.error(NOT_UTF8))?;
     let Rows { mut rows, have_velocities } = match format {
-        BedFormat::Csv => csv::parse(&text, file)?,
-        BedFormat::Lammps => lammps::parse(&text, file)?,
+        BedFormat::Csv => csv::parse(&text, file, &case.particles.species)?,
+        BedFormat::Lammps => lammps::parse(&text, file, case.particles.species.len())?,
     };
     if rows.is_empty() {
         return Err(failed("holds no particles".to_owned()));
@@ -66,6 +66,13 @@ fn bed_of(
             particle.velocity = row.velocity;
         }
         particle.angular_velocity = row.angular_velocity;
+        if let Some(species) = row.species {
+            particle.mass = sphere_mass(case.particles.density_of_species(species), diameter);
+            particle.species = species as f64;
+        } else if case.particles.species_count() > 1 {
+            let message = "there is no species: give a column of it (csv: species, a name; lammps: type, a number from 1)";
+            return Err(at.error(message));
+        }
         bed.particles.push(particle);
     }
     Ok(bed)

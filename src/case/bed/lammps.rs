@@ -4,8 +4,9 @@ use super::BedError;
 use super::columns::{At, Column, Header, Rows};
 use std::path::Path;
 
-const KNOWN: [(&str, Column); 18] = [
+const KNOWN: [(&str, Column); 19] = [
     ("id", Column::Id),
+    ("type", Column::Type),
     ("x", Column::Position(0)),
     ("y", Column::Position(1)),
     ("z", Column::Position(2)),
@@ -25,14 +26,18 @@ const KNOWN: [(&str, Column); 18] = [
     ("diameter", Column::Diameter),
 ];
 
+fn without_types() -> Vec<(&'static str, Column)> {
+    KNOWN.into_iter().filter(|(_, column)| *column != Column::Type).collect()
+}
+
 /// The lines of a frame that are still to be read.
 struct Frame<'a, Lines: Iterator<Item = (At<'a>, &'a str)>> {
     lines: Lines,
     end: At<'a>,
 }
 
-/// The rows of the last frame of a text.
-pub(super) fn parse(text: &str, file: &Path) -> Result<Rows, BedError> {
+/// The rows of the last frame of a text, in a bed of so many named species; without any, types mean nothing.
+pub(super) fn parse(text: &str, file: &Path, species: usize) -> Result<Rows, BedError> {
     let Some(start) = text.rfind("ITEM: TIMESTEP") else {
         return Err(At { file, line: 1 }.error("this is no dump: there is no line ITEM: TIMESTEP"));
     };
@@ -57,7 +62,9 @@ pub(super) fn parse(text: &str, file: &Path) -> Result<Rows, BedError> {
             let (Some(count), Some(file_box)) = (count, file_box) else {
                 return Err(at.error("number of atoms and box bounds must come before the rows"));
             };
-            let header = Header::new(names.split_whitespace().collect(), &KNOWN, true, at)?;
+            let known = if species == 0 { without_types() } else { KNOWN.to_vec() };
+            let header = Header::new(names.split_whitespace().collect(), &known, true, at)?;
+            let header = header.with_species(vec![""; species]);
             return frame.rows(&header, count, &file_box);
         }
     }
@@ -115,7 +122,7 @@ mod tests {
     fn the_last_frame_counts() {
         let first = frame("id type x y z", "1 1 0 0 0\n2 1 1 1 1\n");
         let last = frame("id type xs ys zs vx omegaz radius", "5 1 0.5 0.25 0.1 7 8 0.25\n");
-        let rows = parse(&format!("{first}{last}"), Path::new("dump")).unwrap().rows;
+        let rows = parse(&format!("{first}{last}"), Path::new("dump"), 0).unwrap().rows;
         assert_eq!(rows.len(), 1);
         assert_eq!((rows[0].id, rows[0].position), (5, [0.0, 1.0, 1.0]));
         assert_eq!((rows[0].velocity[0], rows[0].angular_velocity[2]), (7.0, 8.0));
@@ -135,7 +142,7 @@ mod tests {
             (frame("id x y z", "").replace("pp pp ff", "xy xz yz pp pp ff"), "dump:5: the box is"),
             ("ITEM: TIMESTEP\n1\nITEM: ATOMS id x y z\n".to_owned(), "dump:3: number of atoms"),
         ] {
-            let error = parse(&text, Path::new("dump")).unwrap_err().to_string();
+            let error = parse(&text, Path::new("dump"), 0).unwrap_err().to_string();
             assert!(error.starts_with(words), "{error}");
         }
     }

@@ -144,6 +144,7 @@ fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
         radius: 0.5 * sphere.diameter,
         mass: case.particles.mass_of_particle(id, sphere.diameter),
         gas_force: [0.0; 3],
+        species: case.particles.species_of_particle(id) as f64,
     }
 }
 

@@ -121,6 +121,7 @@ fn value(kind: &Kind) -> Value {
         Kind::Vector(allowed, length) => list(number(*allowed), Some(*length)),
         Kind::List(allowed) => list(number(*allowed), None),
         Kind::Word(words) => word(words),
+        Kind::Texts => list(json!({ "type": "string" }), None),
         Kind::Words(words) => list(word(words), None),
         Kind::Table(keys) => table(keys, true),
         Kind::Tables(keys) => json!({ "type": "array", "minItems": 1, "items": table(keys, true) }),

@@ -1,7 +1,7 @@
 //! `[gravity]`, `[vibration]` and `[cohesion]`.
 
 use super::Chapter;
-use crate::schema::{Allowed, Key, NOT_NEGATIVE_SCHEDULE, Word};
+use crate::schema::{Allowed, Key, Mixing, NOT_NEGATIVE_SCHEDULE, Word};
 
 /// `[gravity]`.
 pub(in crate::case) const GRAVITY: &[Key] = &[Key::number(
@@ -24,14 +24,16 @@ pub(in crate::case) const VIBRATION: &[Key] = &[
 const HAMAKER_CONSTANT: Key =
     Key::new("hamaker_constant", NOT_NEGATIVE_SCHEDULE, "Hamaker constant A")
         .unit("energy")
-        .or(&["bond_number"]);
+        .or(&["bond_number"])
+        .mixed(Mixing::Geometric);
 const WALL_HAMAKER_CONSTANT: Key = Key::new(
     "wall_hamaker_constant",
     NOT_NEGATIVE_SCHEDULE,
     "Hamaker constant A_w of a particle and a wall",
 )
 .unit("energy")
-.or(&["wall_bond_number"]);
+.or(&["wall_bond_number"])
+.mixed(Mixing::OfBody);
 const CUT_OFF: Key =
     Key::number("cut_off", Allowed::POSITIVE, "Separation delta below which the force is constant")
         .unit("length");
@@ -40,11 +42,13 @@ const ASPERITY_RADIUS: Key =
 const FORCE: Key =
     Key::new("force", NOT_NEGATIVE_SCHEDULE, "Force of two particles of the reference diameter")
         .unit("force")
-        .or(&["bond_number"]);
+        .or(&["bond_number"])
+        .mixed(Mixing::Geometric);
 const WALL_FORCE: Key =
     Key::new("wall_force", NOT_NEGATIVE_SCHEDULE, "Force of such a particle and a wall")
         .unit("force")
-        .or(&["wall_bond_number"]);
+        .or(&["wall_bond_number"])
+        .mixed(Mixing::OfBody);
 
 const EXPRESSIONS: &[Word] = &[
     Word::with("near_contact", "the limit of small separations", SMOOTH),
@@ -65,13 +69,15 @@ pub(in crate::case) const COHESION: &[Key] = &[
         NOT_NEGATIVE_SCHEDULE,
         "Bo, the largest force over the weight at the reference diameter: A = 12 delta^2 Bo m g / r",
     )
-    .or(&["hamaker_constant", "force"]),
+    .or(&["hamaker_constant", "force"])
+    .mixed(Mixing::Geometric),
     Key::new(
         "wall_bond_number",
         NOT_NEGATIVE_SCHEDULE,
         "Bo_w of a particle and a wall: A_w = 6 delta^2 Bo_w m g / r",
     )
-    .or(&["wall_hamaker_constant", "wall_force"]),
+    .or(&["wall_hamaker_constant", "wall_force"])
+    .mixed(Mixing::OfBody),
     Key::number(
         "range",
         Allowed::POSITIVE,

@@ -7,6 +7,7 @@ mod gas;
 mod measures;
 mod particles;
 mod results;
+mod species;
 mod time;
 
 pub(super) use boxes::{BOX, WALL};
@@ -16,6 +17,7 @@ pub(super) use gas::GAS;
 pub(super) use measures::MEASURE;
 pub(super) use particles::PARTICLES;
 pub(super) use results::{CHECKPOINT, OUTPUT, PARALLEL, RUN};
+pub(super) use species::{PAIR, SPECIES};
 pub(super) use time::{STAGE, TIME};
 
 use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
@@ -42,6 +44,8 @@ pub(super) const CHAPTERS: &[Chapter] = &[
     boxes::WALL_CHAPTER,
     particles::CHAPTER,
     particles::START_CHAPTER,
+    species::CHAPTER,
+    species::PAIR_CHAPTER,
     forces::GRAVITY_CHAPTER,
     forces::VIBRATION_CHAPTER,
     contact::CHAPTER,
@@ -96,6 +100,8 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("wall", Kind::Tables(WALL), "Further walls, and faces of the box that move")
         .optional(),
     Key::new("particles", Kind::Table(PARTICLES), "How many particles, of which size and density"),
+    Key::new("species", Kind::Tables(SPECIES), "Materials of a mixture").optional(),
+    Key::new("pair", Kind::Tables(PAIR), "What two different species do to each other").optional(),
     Key::new("gravity", merged("gravity", GRAVITY), "Gravity").required_at_start(),
     Key::new("vibration", switched("vibration", VIBRATION), "Vibration of the plate").optional(),
     Key::new("contact", merged("contact", CONTACT), "Contacts between particles and with walls")

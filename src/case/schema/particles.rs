@@ -61,6 +61,9 @@ const DISTRIBUTION: &[Key] = &[
     .unit("mass/volume")
     .with("values")
     .optional(),
+    Key::new("species", Kind::Texts, "Species of each class, by their names in `[[species]]`")
+        .with("values")
+        .required_when("there are several `[[species]]` and no file says the particles' species"),
     Key::word("distribution", SHAPES, "A continuous distribution").or(&["values"]),
 ];
 
@@ -122,12 +125,12 @@ const VELOCITY: Key = Key::new(
 const FORMATS: &[Word] = &[
     Word::new(
         "csv",
-        "a table with the header `id,x,y,z[,vx,vy,vz][,wx,wy,wz][,d]` in any order; `#` starts a comment",
+        "a table with the header `id,x,y,z[,vx,vy,vz][,wx,wy,wz][,d][,species]` in any order; `#` starts a comment",
     ),
     Word::new(
         "lammps",
         "a dump, of which the last frame is read: columns `id`, `x` or `xu` or `xs` (same for y, z), optionally `vx`, \
-         `omegax`, `radius` or `diameter`; others are ignored",
+         `omegax`, `radius` or `diameter`, and `type` if there are `[[species]]`: their number, from 1; others are ignored",
     ),
 ];
 

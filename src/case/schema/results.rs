@@ -6,6 +6,7 @@ use crate::schema::{Allowed, Key, Kind, Value, Word};
 const PARTICLE_FIELDS: &[Word] = &[
     Word::new("mass", ""),
     Word::new("class", "its size class, from 0; -1 where sizes are not in classes"),
+    Word::new("species", "its species, from 0 in the order of `[[species]]`"),
     Word::new("force", "all that acts on it, at the end of the step"),
     Word::new(
         "gas_force",

@@ -2,53 +2,23 @@
 
 use super::gas::highest_velocity;
 use super::lines::Lines;
+use super::partners::Partners;
 use crate::case::{Case, Stage};
-use crate::contact::{
-    AttractionInContact, ContactModel, Softening, VanDerWaalsNow, pull_off_force, work_of_parting,
-};
+use crate::contact::{Softening, pull_off_force, work_of_parting};
 use crate::output::ColumnUnits;
-use crate::rules::{LARGEST_SPRING_PART, ReducedBody, WorkOfParting};
-
-/// Two bodies that adhere to each other.
-struct Partners<'a> {
-    /// What is added to the names of the lines.
-    name: String,
-    contact: &'a ContactModel,
-    bodies: ReducedBody,
-    attraction: AttractionInContact,
-}
+use crate::rules::{LARGEST_SPRING_PART, WorkOfParting};
 
 /// The work that parts two particles of the reference diameter, and a particle and each wall, in a stage; the strongest
 /// attraction counts.
 pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
-    let diameter = case.particles.reference_diameter;
-    let (mass, radius) = (case.particles.mass_of(diameter), 0.5 * diameter);
-    let cohesion = stage.physics.cohesion.as_ref().map(|cohesion| cohesion.strongest());
-    let of = |force: &dyn Fn(&VanDerWaalsNow) -> f64, energy: &dyn Fn(&VanDerWaalsNow) -> f64| {
-        cohesion.as_ref().map_or_else(AttractionInContact::default, |cohesion| {
-            AttractionInContact { force: force(cohesion), work: -energy(cohesion) }
-        })
-    };
-    let pair = Partners {
-        name: String::new(),
-        contact: &stage.physics.contact,
-        bodies: ReducedBody::of_equal_spheres(mass, radius),
-        attraction: of(&|cohesion| cohesion.between_particles(radius, radius, 0.0), &|cohesion| {
-            cohesion.energy_of_particles(radius, radius, 0.0)
-        }),
-    };
-    let weight = mass * stage.physics.gravity.magnitude;
-    if let Some(work) = describe(lines, &pair, case, weight) {
-        let velocity = highest_velocity(&stage.physics.gas);
-        describe_impacts(lines, work.total(), pair.bodies.mass, velocity, case);
-    }
-    for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
-        let name = format!(" at wall \"{}\"", wall.name);
-        let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
-        let attraction = of(&|cohesion| cohesion.to_wall(radius, 0.0), &|cohesion| {
-            cohesion.energy_at_wall(radius, 0.0)
-        });
-        describe(lines, &Partners { name, contact, bodies, attraction }, case, weight);
+    let gravity = stage.physics.gravity.magnitude;
+    for partners in Partners::of_stage(case, stage) {
+        let weight = case.particles.reference_mass(0) * gravity;
+        let work = describe(lines, &partners, case, weight);
+        if let Some(work) = work.filter(|_| partners.wall.is_none()) {
+            let velocity = highest_velocity(&stage.physics.gas);
+            describe_impacts(lines, work.total(), &partners, velocity, case);
+        }
     }
 }
 
@@ -57,17 +27,18 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
 fn describe_impacts(
     lines: &mut Lines,
     work: f64,
-    reduced_mass: f64,
+    partners: &Partners<'_>,
     velocity: Option<f64>,
     case: &Case,
 ) {
     let unit = ColumnUnits::of_system(case.units.name()).speed;
+    let reduced_mass = partners.bodies.mass;
     let mut text = format!("below {:.4e} {unit}", (2.0 * work / reduced_mass).sqrt());
     if let Some(velocity) = velocity.filter(|&velocity| velocity > 0.0) {
         let number = 2.0 * work / (reduced_mass * velocity * velocity);
         text += &format!("; adhesion number of impacts at U {number:.4e}");
     }
-    lines.add("impacts stick", &text);
+    lines.add(&format!("impacts{} stick", partners.name), &text);
 }
 
 /// Force and work of parting, the latter returned; nothing if the two do not adhere.
@@ -77,14 +48,15 @@ fn describe(
     case: &Case,
     weight: f64,
 ) -> Option<WorkOfParting> {
-    let Partners { name, contact, bodies, attraction } = partners;
-    let softened = work_of_parting(&contact.law, *bodies, *attraction);
+    let Partners { name, contact, bodies, .. } = partners;
+    let attraction = partners.attraction();
+    let softened = work_of_parting(&contact.law, *bodies, attraction);
     if softened.total() <= 0.0 {
         return None;
     }
     let units = ColumnUnits::of_system(case.units.name());
     if weight > 0.0 {
-        let force = pull_off_force(&contact.law, *bodies, *attraction);
+        let force = pull_off_force(&contact.law, *bodies, attraction);
         let text = format!(
             "{force:.4e} {}, {:.4} of the weight of a particle",
             units.force,
@@ -137,5 +109,5 @@ fn work_of_real_particles(
         return Some(*softened);
     }
     let real = partners.contact.law.stiffened(reduction)?;
-    Some(work_of_parting(&real, partners.bodies, partners.attraction))
+    Some(work_of_parting(&real, partners.bodies, partners.attraction()))
 }

@@ -88,7 +88,7 @@ impl BedAtRest {
         let diameter = case.particles.reference_diameter;
         let mass = case.particles.mass_of(diameter);
         let bodies = ReducedBody::of_equal_spheres(mass, 0.5 * diameter);
-        let law = &stage.physics.contact.law;
+        let law = &stage.physics.contact.first().law;
         let gravity = &stage.physics.gravity;
         let largest = 1.0 + gravity.vibration.as_ref().map_or(0.0, |v| v.relative_acceleration);
         let stress =

@@ -5,6 +5,7 @@ mod bed;
 mod gas;
 mod lines;
 mod particle;
+mod partners;
 mod stage;
 mod trial;
 

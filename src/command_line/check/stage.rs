@@ -4,6 +4,7 @@ use super::adhesion::describe_adhesion;
 use super::gas::{describe_gas, inflow};
 use super::lines::Lines;
 use super::particle::ReferenceParticle;
+use super::partners::Partners;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, ContactLaw, VanDerWaals};
 use crate::domain::Vibration;
@@ -75,12 +76,21 @@ fn describe_vibration(lines: &mut Lines, case: &Case, number: usize, vibration: 
 fn describe_forces_over_weight(lines: &mut Lines, stage: &Stage, particle: &ReferenceParticle) {
     let (diameter, radius) = (particle.diameter, 0.5 * particle.diameter);
     let pair = ReducedBody::of_equal_spheres(particle.mass, radius);
-    let stiffness = stage.physics.contact.law.stiffness(SMALL_OVERLAP * diameter, pair.radius);
+    let stiffness =
+        stage.physics.contact.first().law.stiffness(SMALL_OVERLAP * diameter, pair.radius);
     let scaled = stiffness / (particle.density * particle.gravity * diameter * diameter);
     lines.add("k_n / (rho_s g d^2)", &format!("{scaled:.4e}"));
-    if let Some(cohesion) = &stage.physics.cohesion {
+    let attractions = stage.physics.attractions();
+    if let [cohesion, others @ ..] = attractions {
         let [pair, wall] = bond_numbers(cohesion, particle);
         lines.add("Bond number, particles and walls", &format!("{pair:.4}, {wall:.4}"));
+        let numbers = others.iter().map(|cohesion| bond_numbers(cohesion, particle));
+        let [pair, wall] = numbers.fold([pair, wall], |[pair, wall], [other, at_wall]| {
+            [pair.max(other), wall.max(at_wall)]
+        });
+        if !others.is_empty() {
+            lines.add("largest of all species", &format!("{pair:.4}, {wall:.4}"));
+        }
     }
 }
 
@@ -100,20 +110,26 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
 
 /// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
-    let mass = case.particles.least_mass_of(sizes.smallest_diameter);
     let radius = 0.5 * sizes.smallest_diameter;
+    // Contacts of the lightest of the smallest particles are the shortest.
+    let lightest = case.particles.least_mass_of(sizes.smallest_diameter);
     let unit = ColumnUnits::of_system(case.units.name()).time;
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
         let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;
         lines.add(name, &format!("{duration:.4e} {unit}, {steps:.1} time steps ({})", law.name()));
     };
-    let pair = ReducedBody::of_equal_spheres(mass, radius);
-    tell("duration of a contact", &stage.physics.contact.law, pair);
-    for (wall, contact) in case.domain.walls.iter().zip(&stage.physics.at_walls) {
-        if *contact != stage.physics.contact {
-            let bodies = ReducedBody::of_sphere_and_wall(mass, radius);
-            tell(&format!("with wall \"{}\"", wall.name), &contact.law, bodies);
+    for Partners { name, contact, wall, .. } in Partners::of_stage(case, stage) {
+        match wall {
+            None => {
+                let bodies = ReducedBody::of_equal_spheres(lightest, radius);
+                tell(&format!("duration of a contact{name}"), &contact.law, bodies);
+            }
+            Some(_) if stage.physics.contact.values().contains(contact) => {}
+            Some(_) => {
+                let bodies = ReducedBody::of_sphere_and_wall(lightest, radius);
+                tell(&format!("duration{name}"), &contact.law, bodies);
+            }
         }
     }
     if case.shortest_contact(stage, sizes) / stage.physics.time_step < LEAST_STEPS_PER_CONTACT {

@@ -14,7 +14,7 @@ use crate::contact::{
 };
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
-use crate::schema::{Allowed, Key, Value};
+use crate::schema::{Allowed, Key, Mixing, Value};
 
 const ADHESION: Key = Key::number(
     "adhesion",
@@ -22,13 +22,15 @@ const ADHESION: Key = Key::number(
     "Adhesion F0 in contact, for particles of all sizes",
 )
 .unit("force")
-.or(&["bond_number"]);
+.or(&["bond_number"])
+.mixed(Mixing::Geometric);
 const BOND_NUMBER: Key = Key::number(
     "bond_number",
     Allowed::NOT_NEGATIVE,
     "F0 over the weight at the reference diameter",
 )
-.or(&["adhesion"]);
+.or(&["adhesion"])
+.mixed(Mixing::Geometric);
 const PRIMARY_DIAMETER: Key = Key::number(
     "primary_diameter",
     Allowed::NOT_NEGATIVE,

@@ -17,7 +17,7 @@ use crate::contact::{
 use crate::numbers::power;
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
-use crate::schema::{Allowed, Key};
+use crate::schema::{Allowed, Key, Mixing};
 use std::f64::consts::PI;
 
 const SURFACE_ENERGY: Key = Key::number(
@@ -25,7 +25,7 @@ const SURFACE_ENERGY: Key = Key::number(
     Allowed::POSITIVE,
     "Surface energy gamma of each body, half the work of adhesion: the pull-off force is F_c = 3 pi gamma R*",
 )
-.unit("energy/area");
+.unit("energy/area").mixed(Mixing::Geometric);
 
 /// Law of Johnson, Kendall and Roberts.
 ///

@@ -13,10 +13,11 @@ use crate::contact::{
     Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
 };
 use crate::particles::ContactHistory;
-use crate::schema::{Allowed, Key};
+use crate::schema::{Allowed, Key, Mixing};
 
 const ADHESION_STIFFNESS: Key =
     Key::number("adhesion_stiffness", Allowed::NOT_NEGATIVE, "Stiffness k_c of adhesion")
+        .mixed(Mixing::Springs)
         .unit("force/length");
 
 /// Linear hysteretic law with adhesion.

@@ -12,11 +12,12 @@ use crate::contact::{
     Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, SpringStep, StoredInContact,
 };
 use crate::particles::ContactHistory;
-use crate::schema::{Allowed, Key, Value, Word};
+use crate::schema::{Allowed, Key, Mixing, Value, Word};
 use std::f64::consts::PI;
 
 const NORMAL_STIFFNESS: Key =
     Key::number("normal_stiffness", Allowed::POSITIVE, "Stiffness k_n of the normal spring")
+        .mixed(Mixing::Springs)
         .unit("force/length");
 const TANGENTIAL_STIFFNESS: Key = Key::number(
     "tangential_stiffness",
@@ -24,7 +25,8 @@ const TANGENTIAL_STIFFNESS: Key = Key::number(
     "Stiffness k_t of the tangential spring",
 )
 .unit("force/length")
-.or(&["poisson_ratio"]);
+.or(&["poisson_ratio"])
+.mixed(Mixing::Springs);
 const POISSON_RATIO: Key = Key::number(
     "poisson_ratio",
     Allowed::between(0.0, 0.5),

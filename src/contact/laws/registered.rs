@@ -1,18 +1,20 @@
 //! What a law of the registry says about itself: its keys in the case file, and examples for tests.
 
 use crate::contact::{ContactForceLaw, Elasticity, InvalidContactLaw};
-use crate::schema::{Allowed, Key, KeyValues};
+use crate::schema::{Allowed, Key, KeyValues, Mixing};
 
 /// `restitution`, a key of every law.
 pub const RESTITUTION: Key = Key::number(
     "restitution",
     Allowed::FRACTION,
     "Coefficient of restitution e of the dashpots; plasticity and adhesion dissipate more",
-);
+)
+.mixed(Mixing::Geometric);
 
 /// `friction`, a key of every law.
 pub const FRICTION: Key =
-    Key::number("friction", Allowed::NOT_NEGATIVE, "Coefficient mu of sliding friction");
+    Key::number("friction", Allowed::NOT_NEGATIVE, "Coefficient mu of sliding friction")
+        .mixed(Mixing::Geometric);
 
 /// A law of the registry. The tests of oddness, of energy over closed loops, and of equal bits on any ranks run over its
 /// examples.

@@ -2,14 +2,14 @@
 
 use super::attraction::attract;
 use crate::contact::ContactModel;
-use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
+use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ContactBlock, LawOnBlock, ManySizes, OneSize, PairsOfBlock, Sizes,
     WithBlockLaw, overlap_and_normal, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
-use crate::particles::{InnerList, LANES, PairBlock, PairBlocks, Particles};
+use crate::particles::{LANES, PairBlock, PairBlocks, Particles};
 use std::marker::PhantomData;
 
 /// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
@@ -19,8 +19,10 @@ const CACHED: usize = 1 << 22;
 /// too: they have a loop of their own, so that the common one stays small.
 pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
-    pub(super) inner: &'a mut InnerList,
-    pub(super) laws: &'a ForceLaws<'a>,
+    pub(super) pairs: &'a mut PairBlocks,
+    /// Radius and mass, if all particles have the same.
+    pub(super) one_size: Option<[f64; 2]>,
+    pub(super) laws: PairLaws<'a>,
 }
 
 impl<const EXTRAS: bool> SimdKernel for ContactLoop<'_, EXTRAS> {
@@ -53,7 +55,7 @@ impl<Q: F64x4, const EXTRAS: bool> WithBlockLaw for WithRegisters<'_, Q, EXTRAS>
             let resistance = RollingAndTwisting { rolling, twisting };
             return work.evaluate::<Q, _, _, _>(&law, resistance, ManySizes::default());
         }
-        match (rolling, work.inner.one_size.filter(|_| !EXTRAS)) {
+        match (rolling, work.one_size.filter(|_| !EXTRAS)) {
             (Some(rolling), _) => work.evaluate::<Q, _, _, _>(&law, rolling, ManySizes::default()),
             (None, None) => work.evaluate::<Q, _, _, _>(&law, NoRolling, ManySizes::default()),
             (None, Some([radius, mass])) => {
@@ -71,12 +73,12 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, inner, laws } = self;
+        let Self { particles, pairs, laws, .. } = self;
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
-        let count = inner.active.count();
-        let from_memory = size_of_val(&inner.active.blocks[..]) > CACHED;
-        let PairBlocks { blocks, rolling_angle, twisting_angle, .. } = &mut inner.active;
+        let count = pairs.count();
+        let from_memory = size_of_val(&pairs.blocks[..]) > CACHED;
+        let PairBlocks { blocks, rolling_angle, twisting_angle, .. } = pairs;
         for index in 0..blocks.len() {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
@@ -99,7 +101,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 block: &mut block,
                 histories,
             });
-            round_forces::<R, S>(&mut block, &sizes, laws);
+            round_forces::<R, S>(&mut block, &sizes, &laws);
             block.copy_touching(&mut pairs.touching);
             if let Some(lane) = first_flagged(&block.out_of_range) {
                 let ids = ends.map(|end| particles.id[end[lane] as usize]);
@@ -154,7 +156,7 @@ fn set_geometry<S: Sizes>(block: &mut ContactBlock, sizes: &S) {
 
 /// Sets the forces and torques of all pairs, rounded to multiples of their quanta.
 #[inline(always)]
-fn round_forces<R: Rolling, S: Sizes>(block: &mut ContactBlock, sizes: &S, laws: &ForceLaws) {
+fn round_forces<R: Rolling, S: Sizes>(block: &mut ContactBlock, sizes: &S, laws: &PairLaws) {
     for lane in 0..LANES {
         let [radius_i, radius_j] = sizes.radii(lane);
         let normal = vector(&block.normal, lane);

@@ -5,12 +5,12 @@ mod contacts;
 mod separated;
 
 use super::energy_pass::work_of_pairs;
-use super::force_laws::{ForceLaws, ForceOutOfRange};
+use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
 use super::{CohesionExpression, ContactModel, ContactWork, VanDerWaalsNow};
 use crate::numbers::with_simd;
-use crate::particles::{Contacts, Particles};
+use crate::particles::{Contacts, InnerList, PairsOfKind, Particles};
 use contacts::ContactLoop;
-use separated::SeparatedLoop;
+use separated::{SeparatedLoop, SeparatedReach};
 
 /// Adds the forces and torques of all pairs to both their particles.
 ///
@@ -32,25 +32,57 @@ pub(crate) fn add_pair_forces(
     laws: &ForceLaws,
     work: Option<&mut dyn FnMut(ContactWork)>,
 ) -> Result<(), ForceOutOfRange> {
-    let ContactModel { rolling, twisting, .. } = laws.contact;
-    contacts.inner.active.hold_angles(rolling.is_some(), twisting.is_some());
+    hold_angles(&mut contacts.inner, laws);
     contacts.update_inner_list(particles, laws.ranges);
     let inner = &mut contacts.inner;
     match laws.cohesion {
         None => inner.find_promotions(particles),
-        Some(cohesion) => with_simd(SeparatedLoop { particles, inner, cohesion, laws })?,
+        Some(_) => attract_separated(particles, inner, laws)?,
     }
     inner.promote();
     if let Some(sink) = work {
         work_of_pairs(particles, contacts, laws, sink);
     }
-    let inner = &mut contacts.inner;
+    let InnerList { kinds, one_size, .. } = &mut contacts.inner;
+    for (kind, PairsOfKind { active: pairs, .. }) in kinds.iter_mut().enumerate() {
+        let (one_size, laws) = (*one_size, laws.of_kind(kind));
+        match needs_extras(&laws) {
+            true => with_simd(ContactLoop::<true> { particles, pairs, one_size, laws })?,
+            false => with_simd(ContactLoop::<false> { particles, pairs, one_size, laws })?,
+        }
+    }
+    Ok(())
+}
+
+/// Makes room for the angles of the springs that the laws have.
+fn hold_angles(inner: &mut InnerList, laws: &ForceLaws) {
+    for (kind, pairs) in inner.kinds.iter_mut().enumerate() {
+        let ContactModel { rolling, twisting, .. } = laws.contact.of_kind(kind);
+        pairs.active.hold_angles(rolling.is_some(), twisting.is_some());
+    }
+}
+
+/// Adds the attraction of the pairs that do not touch, and finds those that have come within the range of contacts.
+fn attract_separated(
+    particles: &mut Particles,
+    inner: &mut InnerList,
+    laws: &ForceLaws,
+) -> Result<(), ForceOutOfRange> {
+    let InnerList { kinds, one_size, contact_range, .. } = inner;
+    for (kind, pairs) in kinds.iter_mut().enumerate() {
+        let laws = laws.of_kind(kind);
+        let Some(cohesion) = laws.cohesion else { continue };
+        let (one_size, contact_range) = (*one_size, *contact_range);
+        let reach = SeparatedReach { cohesion, contact_range };
+        with_simd(SeparatedLoop { particles, pairs, one_size, reach, laws })?;
+    }
+    Ok(())
+}
+
+/// Whether twisting or asperities act.
+fn needs_extras(laws: &PairLaws) -> bool {
     let is_rough = |cohesion: VanDerWaalsNow| {
         matches!(cohesion.expression(), CohesionExpression::Rough { .. })
     };
-    let is_rough = laws.cohesion.is_some_and(is_rough);
-    match twisting.is_some() || is_rough {
-        true => with_simd(ContactLoop::<true> { particles, inner, laws }),
-        false => with_simd(ContactLoop::<false> { particles, inner, laws }),
-    }
+    laws.contact.twisting.is_some() || laws.cohesion.is_some_and(is_rough)
 }

@@ -1,21 +1,31 @@
 //! The loop over separated pairs that attract each other: it needs little of what a contact needs.
 
-use crate::contact::force_laws::{ForceLaws, ForceOutOfRange, out_of_range};
+use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     Lanes, ManySizes, OneSize, Sizes, load_vectors, overlap_and_normal, store_vectors, vector,
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
-use crate::particles::{Candidates, ForceTorque, InnerList, LANES, Pair, Particles};
+use crate::particles::{Candidates, ForceTorque, LANES, Pair, PairsOfKind, Particles};
 
 /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
 /// those that have come within the range of contacts, and leaves them to that loop.
 pub(super) struct SeparatedLoop<'a> {
     pub(super) particles: &'a mut Particles,
-    pub(super) inner: &'a mut InnerList,
+    pub(super) pairs: &'a mut PairsOfKind,
+    /// Radius and mass, if all particles have the same.
+    pub(super) one_size: Option<[f64; 2]>,
+    pub(super) reach: SeparatedReach,
+    pub(super) laws: PairLaws<'a>,
+}
+
+/// What acts between separated surfaces.
+#[derive(Clone, Copy)]
+pub(super) struct SeparatedReach {
     pub(super) cohesion: VanDerWaalsNow,
-    pub(super) laws: &'a ForceLaws<'a>,
+    /// Separation of surfaces below which a pair is left to the loop over contacts.
+    pub(super) contact_range: f64,
 }
 
 impl SimdKernel for SeparatedLoop<'_> {
@@ -23,7 +33,7 @@ impl SimdKernel for SeparatedLoop<'_> {
 
     #[inline(always)]
     fn run<Q: F64x4>(self) -> Self::Output {
-        let cohesion = self.cohesion;
+        let cohesion = self.reach.cohesion;
         match cohesion.expression() {
             CohesionExpression::NearContact => self.with_sizes::<Q, _>(NearContact(cohesion)),
             CohesionExpression::Full => self.with_sizes::<Q, _>(Full(cohesion)),
@@ -38,7 +48,7 @@ impl SimdKernel for SeparatedLoop<'_> {
 impl SeparatedLoop<'_> {
     #[inline(always)]
     fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
-        match self.inner.one_size {
+        match self.one_size {
             Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
             None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
         }
@@ -50,12 +60,12 @@ impl SeparatedLoop<'_> {
         attraction: A,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, inner, laws, .. } = self;
-        let Candidates { pairs, contact_range, to_promote } = inner.candidates();
+        let Self { particles, pairs, reach: SeparatedReach { contact_range, .. }, laws, .. } = self;
+        let Candidates { pairs, to_promote } = pairs.candidates();
         let mut block = SeparatedBlock::default();
         for (number, pairs) in pairs.chunks(LANES).enumerate() {
             block.gather::<Q, S>(&mut sizes, pairs, particles);
-            block.attract(attraction, contact_range, &sizes, laws);
+            block.attract(attraction, contact_range, &sizes, &laws);
             block.collect_in_contact_range(number, pairs.len(), to_promote);
             if let Some(lane) = first_flagged(&block.out_of_range) {
                 let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
@@ -103,7 +113,7 @@ impl SeparatedBlock {
         attraction: A,
         contact_range: f64,
         sizes: &S,
-        laws: &ForceLaws,
+        laws: &PairLaws,
     ) {
         for lane in 0..LANES {
             let [radius_i, radius_j] = sizes.radii(lane);

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::measures::{self, MeasureHead};
-use super::schema::{FORMAT, LEDGER, Table, VERSION};
+use super::schema::{FORMAT, LEDGER, Table, VERSION, columns_of};
 use super::{Checkpoint, StoredLedger};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedFile};
@@ -175,8 +175,7 @@ fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {
 fn rows_of<R: Table>(file: &SerialFile, version: u64) -> MessageResult<u64> {
     let (rows, _) = file.shape(R::IDS[0].name)?;
     let ids = R::IDS.iter().map(|column| (column.name, 1));
-    let numbers = R::NUMBERS.iter().filter(|column| column.since <= version);
-    let numbers = numbers.map(|column| (column.name, column.width));
+    let numbers = columns_of::<R>(version).map(|column| (column.name, column.width));
     for (name, width) in ids.chain(numbers) {
         let shape = file.shape(name)?;
         if shape != (rows, width) {
@@ -208,7 +207,7 @@ fn read_rows<R: Table>(
             *(column.get_mut)(record) = value;
         }
     }
-    for column in R::NUMBERS.iter().filter(|column| column.since <= version) {
+    for column in columns_of::<R>(version) {
         let values: Vec<f64> = file.read_rows(column.name, first, count)?;
         for (record, value) in records.iter_mut().zip(values.chunks_exact(column.width)) {
             (column.get_mut)(record).copy_from_slice(value);

@@ -14,7 +14,10 @@ pub(super) const FORMAT: &str = "talcum checkpoint";
 /// 2: rolling angles of contacts, and a gas in three dimensions; in files of version 1 there are none.
 /// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
 /// 4: twisting angles of contacts, and a ledger of energies; in older files there are none.
-pub(super) const VERSION: u64 = 4;
+/// 5: species; written only where there are several, so that older programs read all other files.
+pub(super) const VERSION: u64 = 5;
+/// Version of files of one species.
+pub(super) const VERSION_OF_ONE_SPECIES: u64 = 4;
 
 /// The sums of a ledger of energies.
 pub(super) const LEDGER: &str = "/energy/work";
@@ -44,6 +47,11 @@ pub(super) struct NumberColumn<R> {
 pub(super) trait Table: Pod {
     const IDS: &'static [IdColumn<Self>];
     const NUMBERS: &'static [NumberColumn<Self>];
+}
+
+/// The columns of numbers that a file of this version has.
+pub(super) fn columns_of<R: Table>(version: u64) -> impl Iterator<Item = &'static NumberColumn<R>> {
+    R::NUMBERS.iter().filter(move |column| column.since <= version)
 }
 
 macro_rules! vector {
@@ -108,6 +116,7 @@ impl Table for ParticleRecord {
             "force of a gas in three dimensions as of its last step, which holds until the next",
             2
         ),
+        number!("/particles/species", species, number, "number of the species, from 0", 5),
     ];
 }
 

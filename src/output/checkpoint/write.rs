@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use super::schema::{FORMAT, LEDGER, NumberColumn, Table, VERSION};
+use super::schema::{
+    FORMAT, LEDGER, NumberColumn, Table, VERSION, VERSION_OF_ONE_SPECIES, columns_of,
+};
 use super::{Checkpoint, measures};
 use crate::analysis::Digest;
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
@@ -42,25 +44,27 @@ pub fn write(
     let rows = [particles.count(), contacts.len(), wall_contacts.len(), cells.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
     let kept = measures::row_counts(&checkpoint.measures, ranks);
+    let version = version_for(particles, ranks);
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
+        file.set_number("/", "schema_version", version)?;
         write_head(&file, checkpoint, provenance, digest)?;
         write_ledger(&file, checkpoint.energy.as_ref().map(|ledger| &ledger.start), sums)?;
         let units = ColumnUnits::of_system(&provenance.units);
-        make_datasets::<ParticleRecord>(&file, rows[0], &units)?;
-        make_datasets::<ContactRecord>(&file, rows[1], &units)?;
-        make_datasets::<WallContactRecord>(&file, rows[2], &units)?;
-        make_datasets::<CellRecord>(&file, rows[3], &units)?;
+        make_datasets::<ParticleRecord>(&file, rows[0], &units, version)?;
+        make_datasets::<ContactRecord>(&file, rows[1], &units, version)?;
+        make_datasets::<WallContactRecord>(&file, rows[2], &units, version)?;
+        make_datasets::<CellRecord>(&file, rows[3], &units, version)?;
         measures::make(&file, &checkpoint.measures, &kept)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
     let (written, synced) = while_syncing(&partial, || {
-        write_table(&file, particles, ranks)?;
-        write_table(&file, contacts, ranks)?;
-        write_table(&file, wall_contacts, ranks)?;
-        write_table(&file, cells, ranks)?;
+        write_table(&file, particles, version, ranks)?;
+        write_table(&file, contacts, version, ranks)?;
+        write_table(&file, wall_contacts, version, ranks)?;
+        write_table(&file, cells, version, ranks)?;
         measures::write(&file, &checkpoint.measures, ranks)?;
         file.close()
     });
@@ -72,6 +76,17 @@ pub fn write(
         sync_folder(path)
     })?;
     Ok(digest)
+}
+
+/// The version of the schema that says all there is to say: the last one only if there are several species.
+fn version_for(particles: &impl Records<ParticleRecord>, ranks: &dyn Communicator) -> u64 {
+    let species = (0..particles.count()).map(|index| particles.at(index).species);
+    let mut last = [species.fold(0.0, f64::max)];
+    ranks.maximum(&mut last);
+    match last[0] > 0.0 {
+        true => VERSION,
+        false => VERSION_OF_ONE_SPECIES,
+    }
 }
 
 /// Does some writing while a thread brings to the disk, over and over, what was written so far: otherwise the disk
@@ -104,7 +119,6 @@ fn write_head(
 ) -> MessageResult<()> {
     let text = |name: &str, text: &str| file.set_text("/", name, text);
     text("format", FORMAT)?;
-    file.set_number("/", "schema_version", VERSION)?;
     for (name, entry) in provenance.entries() {
         text(name, &entry)?;
     }
@@ -157,12 +171,13 @@ fn make_datasets<R: Table>(
     file: &SerialFile,
     rows: Rows,
     units: &ColumnUnits,
+    version: u64,
 ) -> MessageResult<()> {
     for column in R::IDS {
         let (name, description) = (column.name, column.description);
         file.make_table::<u64>(&TableHead { name, width: 1, unit: "1", description }, rows)?;
     }
-    for column in R::NUMBERS {
+    for column in columns_of::<R>(version) {
         let (name, width, description) = (column.name, column.width, column.description);
         let unit = (column.unit)(units);
         file.make_table::<f64>(&TableHead { name, width, unit, description }, rows)?;
@@ -174,29 +189,34 @@ fn make_datasets<R: Table>(
 fn write_table<R: Table>(
     file: &SharedFile<'_>,
     records: &impl Records<R>,
+    version: u64,
     ranks: &dyn Communicator,
 ) -> Result<(), OutputError> {
     let ids = R::IDS.iter().map(|column| column.name);
-    let names = ids.chain(R::NUMBERS.iter().map(|column| column.name));
+    let names = ids.chain(columns_of::<R>(version).map(|column| column.name));
     let datasets = names.map(|name| file.dataset(name)).collect::<Result<Vec<_>, _>>()?;
     let id = |record: &R, place: usize| R::IDS.get(place).map_or(0, |column| (column.get)(record));
     let ids_of = |record: &R| [id(record, 0), id(record, 1)];
     let mut errors = Vec::new();
     // Also after an error, for the sake of the other ranks.
     sort_by_id_in_chunks(records, ids_of, ranks, |rows| {
-        errors.extend(write_rows(&datasets, &rows).err())
+        errors.extend(write_rows(&datasets, &rows, version).err())
     });
     file.agreed(errors.into_iter().next().map_or(Ok(()), Err))
 }
 
-fn write_rows<R: Table>(datasets: &[SharedDataset<'_>], rows: &SortedRows<R>) -> MessageResult<()> {
+fn write_rows<R: Table>(
+    datasets: &[SharedDataset<'_>],
+    rows: &SortedRows<R>,
+    version: u64,
+) -> MessageResult<()> {
     let (ids, numbers) = datasets.split_at(R::IDS.len());
     let mut written = Ok(());
     for (column, dataset) in R::IDS.iter().zip(ids) {
         let values: Vec<u64> = rows.rows.iter().map(column.get).collect();
         written = written.and(dataset.write_rows(rows.offset, &values));
     }
-    for (column, dataset) in R::NUMBERS.iter().zip(numbers) {
+    for (column, dataset) in columns_of::<R>(version).zip(numbers) {
         let values = match column.width {
             1 => values_of::<R, 1>(column, &rows.rows),
             _ => values_of::<R, 3>(column, &rows.rows),

@@ -118,7 +118,7 @@ fn restart_without_the_custom_law_is_refused() {
 
     let law = ContactLaw::custom("scaled_hertz", Scaled { law: hertz(), factor: 1.0 });
     let own = case.clone().with_contact_law(&law).unwrap();
-    assert!(own.stages.iter().all(|stage| stage.physics.contact.law == law));
+    assert!(own.stages.iter().all(|stage| stage.physics.contact.first().law == law));
     let error = error_of_restart(&own, &[]).unwrap();
     assert!(error.contains("contact.law") && error.contains("scaled_hertz"), "{error}");
     let known = ["contact.law=linear_spring_dashpot".to_owned()];

@@ -7,19 +7,21 @@ use crate::contact::{
     ContactLawValues, ContactStep, ContactWork, ExampleScales, FRICTION, RESTITUTION, SpringStep,
 };
 use crate::particles::ContactHistory;
-use crate::schema::{Allowed, Key, KeyValues};
+use crate::schema::{Allowed, Key, KeyValues, Mixing};
 
 const YOUNG_MODULUS: Key = Key::number(
     "young_modulus",
     Allowed::POSITIVE,
     "Young's modulus E; at a wall that of the wall, 1e30 for a rigid one",
 )
-.unit("stress");
+.unit("stress")
+.mixed(Mixing::OfBody);
 const POISSON_RATIO: Key = Key::number(
     "poisson_ratio",
     Allowed::between(0.0, 0.5),
     "Poisson's ratio nu; at a wall that of the wall",
-);
+)
+.mixed(Mixing::OfBody);
 
 /// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is reported.
 const REPORTED_OVERLAP: f64 = 0.01;

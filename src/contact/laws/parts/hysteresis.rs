@@ -7,11 +7,12 @@ use crate::contact::{
 };
 use crate::contact::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION};
 use crate::particles::ContactHistory;
-use crate::schema::{Allowed, Key, Value};
+use crate::schema::{Allowed, Key, Mixing, Value};
 use std::f64::consts::PI;
 
 const UNLOADING_STIFFNESS: Key =
     Key::number("unloading_stiffness", Allowed::POSITIVE, "Stiffness k_unload (k_2) of unloading")
+        .mixed(Mixing::Springs)
         .unit("force/length");
 const LOADING_STIFFNESS: Key = Key::number(
     "loading_stiffness",
@@ -19,7 +20,8 @@ const LOADING_STIFFNESS: Key = Key::number(
     "Stiffness k_load (k_1) of first loading, at most `unloading_stiffness`",
 )
 .unit("force/length")
-.or(&["plasticity_index"]);
+.or(&["plasticity_index"])
+.mixed(Mixing::Springs);
 const PLASTICITY_INDEX: Key = Key::number(
     "plasticity_index",
     Allowed::from_to_below(0.0, 1.0),
@@ -32,7 +34,8 @@ const TANGENTIAL_STIFFNESS: Key = Key::number(
     "Stiffness k_t of the tangential spring",
 )
 .unit("force/length")
-.printed(Value::Derived("2/7 of the loading stiffness"), "");
+.printed(Value::Derived("2/7 of the loading stiffness"), "")
+.mixed(Mixing::Springs);
 
 /// Parameters of every hysteretic law.
 #[derive(Clone, Copy, Debug, PartialEq)]

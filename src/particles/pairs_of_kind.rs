@@ -1,0 +1,115 @@
+//! The pairs of the inner list that two species form: one law holds for all of them.
+
+use super::pair_blocks::{OrientedHistory, Pair, PairBlocks};
+use crate::numbers::{F64x4, SimdKernel, with_simd};
+
+use super::proximity::{SetBits, branch_vector, close_pairs};
+use super::{Body, Particles};
+
+/// The pairs of one kind.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PairsOfKind {
+    /// Pairs that are within the range of contacts, or were when the list was made; in the order of the neighbour list,
+    /// those that have been promoted since behind.
+    pub(crate) active: PairBlocks,
+    /// The other pairs. They may attract each other.
+    candidates: Vec<Pair>,
+    /// Numbers of the candidates that have come within the range of contacts.
+    to_promote: Vec<u32>,
+}
+
+/// The candidates, for a loop that looks for those to promote.
+pub(crate) struct Candidates<'a> {
+    pub(crate) pairs: &'a [Pair],
+    /// To be filled, in rising order: the numbers of the pairs to promote.
+    pub(crate) to_promote: &'a mut Vec<u32>,
+}
+
+impl PairsOfKind {
+    pub(super) fn clear(&mut self) {
+        self.active.clear();
+        self.candidates.clear();
+    }
+
+    /// Adds a touching pair with its history.
+    pub(super) fn restore(&mut self, pair: Pair, history: OrientedHistory) {
+        self.active.push(pair, Some(history));
+    }
+
+    /// Drops all candidates, and those active pairs that do not touch and for which `keep` does not hold.
+    pub(super) fn retain(&mut self, keep: impl Fn([u32; 2]) -> bool) {
+        self.active.retain(keep);
+        self.candidates.clear();
+    }
+
+    /// Adds a pair that does not touch.
+    #[inline(always)]
+    pub(super) fn add(&mut self, pair: Pair, is_active: bool) {
+        match is_active {
+            true => self.active.push(pair, None),
+            false => self.candidates.push(pair),
+        }
+    }
+
+    /// The candidates, among them all pairs that attract each other without contact.
+    pub(crate) fn candidates(&mut self) -> Candidates<'_> {
+        self.to_promote.clear();
+        Candidates { pairs: &self.candidates, to_promote: &mut self.to_promote }
+    }
+
+    /// The same pairs, to be read.
+    pub(super) fn separated(&self) -> &[Pair] {
+        &self.candidates
+    }
+
+    /// Finds the candidates that have come within the range of contacts, unless none can have.
+    pub(super) fn find_promotions(
+        &mut self,
+        particles: &Particles,
+        contact_range: f64,
+        is_new: bool,
+    ) {
+        let candidates = self.candidates();
+        if !is_new {
+            with_simd(PromotionSearch { bodies: &particles.body, contact_range, candidates });
+        }
+    }
+
+    /// Makes the candidates that were found active.
+    pub(super) fn promote(&mut self) {
+        let Self { active, candidates, to_promote } = self;
+        for &number in &*to_promote {
+            active.push(candidates[number as usize], None);
+        }
+        // From the back, so that those still to be removed keep their numbers.
+        for &number in to_promote.iter().rev() {
+            candidates.swap_remove(number as usize);
+        }
+    }
+}
+
+/// Finds the candidates that have come within the range of contacts.
+struct PromotionSearch<'a> {
+    bodies: &'a [Body],
+    contact_range: f64,
+    candidates: Candidates<'a>,
+}
+
+impl SimdKernel for PromotionSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<Q: F64x4>(self) {
+        let Self { bodies, contact_range, candidates: Candidates { pairs, to_promote } } = self;
+        let contact_range = Q::splat(contact_range);
+        for (four, pairs) in pairs.chunks(4).enumerate() {
+            let mut branch_vectors = [Q::splat(0.0); 4];
+            for (k, of_pair) in branch_vectors.iter_mut().enumerate() {
+                let [one, other, _] = pairs[k.min(pairs.len() - 1)];
+                *of_pair = branch_vector(&bodies[one as usize], &bodies[other as usize]);
+            }
+            let close = close_pairs(branch_vectors, contact_range) & ((1 << pairs.len()) - 1);
+            to_promote.extend(SetBits(close).map(|bit| (4 * four + bit) as u32));
+        }
+    }
+}
