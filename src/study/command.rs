@@ -7,6 +7,7 @@ use crate::study::definition::{Launcher, Study};
 use crate::study::file;
 use crate::study::folder::{StudyFolder, make_folder};
 use crate::study::job::TalcumRunner;
+use crate::study::known::KnownRuns;
 use crate::study::measure::Registry;
 use crate::study::scheduler::{Outcome, PAUSE, Scheduler};
 use crate::study::session::{Session, count_of};
@@ -41,6 +42,9 @@ pub struct StudyOptions {
     /// Work on one task only, by its number or name (see --only-list).
     #[arg(long, value_name = "TASK")]
     pub(crate) run: Option<String>,
+    /// A table runs.csv of this study from elsewhere, whose complete runs are not made again. May be given several times.
+    #[arg(long, value_name = "RUNS_CSV")]
+    pub(crate) known: Vec<PathBuf>,
     /// Try runs again that have failed.
     #[arg(long)]
     pub(crate) retry: bool,
@@ -83,7 +87,7 @@ impl StudyCommand {
     fn run(&self, options: &StudyOptions) -> anyhow::Result<ExitCode> {
         let mut study = file::read(&options.study, &Registry::default())?;
         options.apply(&mut study);
-        let folder = StudyFolder::at(&options.folder());
+        let folder = StudyFolder::at(&options.folder()).with_known(options.known_runs(&study)?);
         let starts = starting_states(&study, &CaseReader)?;
         let session = Session::new(&study, &folder, starts, &CaseReader)?;
         if options.only_list {
@@ -189,6 +193,18 @@ impl StudyOptions {
 
     fn folder(&self) -> PathBuf {
         self.output.clone().unwrap_or_else(|| StudyFolder::default_of(&self.study))
+    }
+
+    /// The runs that need not be made. Those of a chain begin with each other's ends, of which tables hold nothing.
+    fn known_runs(&self, study: &Study) -> anyhow::Result<KnownRuns> {
+        if !self.known.is_empty() && study.continuation.is_some() {
+            bail!(
+                "--known: {} has a continuation, whose runs begin with the checkpoints of others",
+                study.file.display()
+            );
+        }
+        KnownRuns::read(&self.known, &study.measures)
+            .map_err(|message| anyhow!("--known {message}"))
     }
 
     /// The tasks to work on.

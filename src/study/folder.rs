@@ -6,6 +6,7 @@
 use crate::output::lock::{Sharing, try_lock};
 use crate::output::readers::SeriesTable;
 use crate::study::case_text::EffectiveCase;
+use crate::study::known::{KnownRun, KnownRuns};
 use crate::study::measure::{Measured, NamedMeasure};
 use crate::study::member::Member;
 use crate::study::task::{Records, RunState};
@@ -29,6 +30,8 @@ pub(crate) struct StudyFolder {
     by_mark: HashMap<String, String>,
     /// Digests of runs that were found complete.
     complete: RefCell<HashMap<String, String>>,
+    /// Runs that need not be made here.
+    known: KnownRuns,
 }
 
 impl StudyFolder {
@@ -37,7 +40,17 @@ impl StudyFolder {
         let entries = std::fs::read_dir(root.join("runs")).into_iter().flatten().flatten();
         let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
         let by_mark = names.filter_map(|name| Some((name.rsplit_once("__")?.1.to_owned(), name)));
-        Self { root: root.to_owned(), by_mark: by_mark.collect(), complete: RefCell::default() }
+        Self {
+            root: root.to_owned(),
+            by_mark: by_mark.collect(),
+            complete: RefCell::default(),
+            known: KnownRuns::default(),
+        }
+    }
+
+    /// The folder with runs that were made elsewhere.
+    pub(crate) fn with_known(self, known: KnownRuns) -> Self {
+        Self { known, ..self }
     }
 
     /// Where that of a study file is unless the user says otherwise.
@@ -114,8 +127,10 @@ impl StudyFolder {
         if let Some(digest) = self.complete.borrow().get(&member.identity) {
             return RunState::Done(digest.clone());
         }
-        let folder = self.run(member);
-        let state = read_state(&folder, member);
+        let mut state = read_state(&self.run(member), member);
+        if let (RunState::Waiting | RunState::Begun, Some(known)) = (&state, self.known(member)) {
+            state = RunState::Done(known.digest.clone());
+        }
         if let RunState::Done(digest) = &state {
             self.complete.borrow_mut().insert(member.identity.clone(), digest.clone());
         }
@@ -130,10 +145,19 @@ impl StudyFolder {
         whole.rsplit('\n').next()?.split(',').next()?.parse().ok()
     }
 
-    /// A line of provenance of a run, for example `commit`.
-    pub(crate) fn provenance(&self, member: &Member, name: &str) -> Option<String> {
-        let series = SeriesTable::read(&self.run(member).join("series.csv")).ok()?;
-        series.entry(name).map(str::to_owned)
+    /// What a table from elsewhere says about a run that is not complete here.
+    pub(crate) fn known(&self, member: &Member) -> Option<&KnownRun> {
+        let known = self.known.run(&member.identity)?;
+        (!self.run(member).join(COMPLETE).exists()).then_some(known)
+    }
+
+    /// A line of provenance of a run, for example `commit`; several if it is known from a table of runs of several.
+    pub(crate) fn provenance(&self, member: &Member, name: &str) -> Vec<String> {
+        if let Some(known) = self.known(member) {
+            return known.provenance(name);
+        }
+        let series = SeriesTable::read(&self.run(member).join("series.csv")).ok();
+        series.and_then(|series| series.entry(name).map(str::to_owned)).into_iter().collect()
     }
 }
 
@@ -206,6 +230,9 @@ impl Records for Results<'_> {
     fn measure(&self, member: &Member, name: &str) -> Result<Measured, String> {
         let measure = self.measures.iter().find(|measure| measure.name == name);
         let measure = measure.ok_or_else(|| format!("there is no measure {name}"))?;
+        if let Some(known) = self.folder.known(member) {
+            return known.measure(name);
+        }
         let measured = measure.measure.value(&self.folder.run(member));
         measured.map_err(|error| format!("{name}: {error}"))
     }

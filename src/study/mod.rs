@@ -16,6 +16,7 @@ mod definition;
 mod file;
 mod folder;
 mod job;
+mod known;
 mod measure;
 mod member;
 mod plan;

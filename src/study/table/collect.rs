@@ -8,7 +8,7 @@ use crate::study::member::{Member, short_name};
 use crate::study::plan::Point;
 use crate::study::session::Session;
 use crate::study::setting::{Setting, shortest};
-use crate::study::task::RunState;
+use crate::study::task::{Records, RunState};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -75,9 +75,8 @@ impl Collector<'_> {
         let state = folder.state(&member);
         let mut measured = vec![None; study.measures.len()];
         if let RunState::Done(_) = state {
-            let results = folder.run(&member);
             for (index, measure) in study.measures.iter().enumerate() {
-                match measure.measure.value(&results) {
+                match self.session.results().measure(&member, &measure.name) {
                     Ok(value) => {
                         if let Value::Nothing(reason) = &value.value {
                             log::info!("{}: {}: {reason}", folder.name_of(&member), measure.name);
@@ -85,7 +84,7 @@ impl Collector<'_> {
                         measured[index] = Some(value.value);
                         self.units[index].get_or_insert(value.unit);
                     }
-                    Err(error) => self.failures.push(format!("{}: {error}", measure.name)),
+                    Err(error) => self.failures.push(error),
                 }
             }
         }
@@ -188,7 +187,7 @@ impl Collector<'_> {
             rows.iter().filter(|row| matches!(row.state, RunState::Done(_))).collect();
         let of_runs = |name: &str| {
             let texts =
-                done.iter().filter_map(|row| self.session.folder.provenance(&row.member, name));
+                done.iter().flat_map(|row| self.session.folder.provenance(&row.member, name));
             texts.collect::<BTreeSet<String>>().into_iter().collect::<Vec<_>>().join(", ")
         };
         let file_name = |path: &std::path::Path| {

@@ -4,6 +4,7 @@ use crate::study::checker::{CaseChecker, CaseRequest};
 use crate::study::definition::Study;
 use crate::study::folder::StudyFolder;
 use crate::study::job::{Exit, Job, Runner, Running};
+use crate::study::known::KnownRuns;
 use crate::study::measure::Registry;
 use crate::study::problem::{CaseProblem, Refusal};
 use crate::study::run_outline::RunOutline;
@@ -140,11 +141,13 @@ impl Running for FakeRun {
 /// A folder with a case and a study in it.
 pub(super) struct Desk {
     pub(super) folder: tempfile::TempDir,
+    /// A table in it of runs that need not be made.
+    pub(super) known: Option<String>,
 }
 
 impl Desk {
     pub(super) fn new(study: &str) -> Self {
-        let desk = Self { folder: tempfile::tempdir().unwrap() };
+        let desk = Self { folder: tempfile::tempdir().unwrap(), known: None };
         std::fs::write(desk.path("bed.toml"), CASE).unwrap();
         desk.write(study);
         desk
@@ -213,7 +216,9 @@ impl Desk {
 
     pub(super) fn with_session<T>(&self, function: impl FnOnce(&Session<'_>) -> T) -> T {
         let study = self.read().unwrap();
-        let folder = StudyFolder::at(&self.path("out"));
+        let tables: Vec<PathBuf> = self.known.iter().map(|name| self.path(name)).collect();
+        let known = KnownRuns::read(&tables, &study.measures).unwrap();
+        let folder = StudyFolder::at(&self.path("out")).with_known(known);
         let starts = starting_states(&study, &FakeChecker).unwrap();
         let session = Session::new(&study, &folder, starts, &FakeChecker).unwrap();
         function(&session)

@@ -2,6 +2,7 @@
 
 mod expansion;
 mod fakes;
+mod known;
 mod refusals;
 mod start;
 mod work;

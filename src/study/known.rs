@@ -1,0 +1,185 @@
+//! Runs that were made elsewhere, and of which only a table `runs.csv` is left.
+//!
+//! A run of the study that stands in such a table is not made again: its digest and its measures are taken from there.
+//! The identity says that it is the same run, the head of the table that the same things were measured on it.
+
+use crate::study::measure::{Measured, NamedMeasure, Value};
+use csv::{Reader, ReaderBuilder, StringRecord};
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+/// Runs that are known from tables.
+#[derive(Debug, Default)]
+pub(crate) struct KnownRuns {
+    by_identity: HashMap<String, KnownRun>,
+}
+
+/// What a table says about a complete run.
+#[derive(Debug)]
+pub(crate) struct KnownRun {
+    /// The digest of its last state.
+    pub(crate) digest: String,
+    measured: HashMap<String, Measured>,
+    provenance: Vec<(String, String)>,
+}
+
+impl KnownRun {
+    /// A measure of it.
+    ///
+    /// # Errors
+    /// If the table has none of that name.
+    pub(crate) fn measure(&self, name: &str) -> Result<Measured, String> {
+        self.measured.get(name).cloned().ok_or_else(|| format!("there is no measure {name}"))
+    }
+
+    /// A line of provenance of the runs of its table, for example `commit`.
+    pub(crate) fn provenance(&self, name: &str) -> Vec<String> {
+        let entry = self.provenance.iter().find(|(known, _)| known == name);
+        entry.map(|(_, text)| text.split(", ").map(str::to_owned).collect()).unwrap_or_default()
+    }
+}
+
+impl KnownRuns {
+    /// The runs of some tables on which these things were measured.
+    ///
+    /// # Errors
+    /// If a table cannot be read, is not one of runs, or if something else was measured.
+    pub(crate) fn read(
+        tables: &[impl AsRef<Path>],
+        measures: &[NamedMeasure],
+    ) -> Result<Self, String> {
+        let mut known = Self::default();
+        for path in tables {
+            let path = path.as_ref();
+            let text = std::fs::read_to_string(path)
+                .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
+            let added = known.add(&text, measures);
+            added.map_err(|message| format!("{}: {message}", path.display()))?;
+        }
+        Ok(known)
+    }
+
+    /// The run with this identity.
+    pub(crate) fn run(&self, identity: &str) -> Option<&KnownRun> {
+        self.by_identity.get(identity)
+    }
+
+    fn add(&mut self, text: &str, measures: &[NamedMeasure]) -> Result<(), String> {
+        let provenance = provenance_of(text);
+        check_measures(&provenance, measures)?;
+        let mut reader = ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+        let columns = Columns::find(&mut reader, measures)?;
+        for record in reader.records() {
+            let record = record.map_err(|error| error.to_string())?;
+            if let Some((identity, run)) = columns.run(&record, &provenance)? {
+                self.by_identity.insert(identity, run);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The lines `# name: text` at the head of a table.
+fn provenance_of(text: &str) -> Vec<(String, String)> {
+    let head = text.lines().map_while(|line| line.strip_prefix('#'));
+    let pairs = head.filter_map(|line| line.split_once(':'));
+    pairs.map(|(name, text)| (name.trim().to_owned(), text.trim().to_owned())).collect()
+}
+
+/// Refuses a table on whose runs something else was measured.
+fn check_measures(
+    provenance: &[(String, String)],
+    measures: &[NamedMeasure],
+) -> Result<(), String> {
+    let of_measures = provenance.iter().filter(|(name, _)| name == "measure");
+    let given: BTreeSet<&str> = of_measures.map(|(_, text)| text.as_str()).collect();
+    for measure in measures {
+        let wanted = format!("{}: {}", measure.name, measure.measure.describe());
+        if !given.contains(wanted.as_str()) {
+            let message = "this was not measured on the runs of the table";
+            return Err(format!("measure {wanted}: {message}"));
+        }
+    }
+    Ok(())
+}
+
+/// Where in a row things stand.
+struct Columns<'a> {
+    state: usize,
+    digest: usize,
+    identity: usize,
+    measures: Vec<MeasureCells<'a>>,
+}
+
+/// The cells of a measure.
+struct MeasureCells<'a> {
+    measure: &'a NamedMeasure,
+    column: usize,
+    unit: String,
+}
+
+impl<'a> Columns<'a> {
+    fn find(reader: &mut Reader<&[u8]>, measures: &'a [NamedMeasure]) -> Result<Self, String> {
+        let headings = reader.headers().map_err(|error| error.to_string())?;
+        let parts = |heading: &str| match heading.strip_suffix(']').and_then(|h| h.split_once(" ["))
+        {
+            Some((name, unit)) => (name.to_owned(), unit.to_owned()),
+            None => (heading.to_owned(), String::new()),
+        };
+        let headings: Vec<(String, String)> = headings.iter().map(parts).collect();
+        let place = |name: &str| {
+            let column = headings.iter().position(|(heading, _)| heading == name);
+            column.ok_or(format!("there is no column {name}: this is no runs.csv of a study"))
+        };
+        let cells = |measure: &'a NamedMeasure| {
+            let column = place(&measure.name)?;
+            Ok(MeasureCells { measure, column, unit: headings[column].1.clone() })
+        };
+        Ok(Self {
+            state: place("state")?,
+            digest: place("digest")?,
+            identity: place("identity_blake3")?,
+            measures: measures.iter().map(cells).collect::<Result<_, String>>()?,
+        })
+    }
+
+    /// The identity of a run and what is known about it; `None` if it was not complete, or could not be measured.
+    fn run(
+        &self,
+        record: &StringRecord,
+        provenance: &[(String, String)],
+    ) -> Result<Option<(String, KnownRun)>, String> {
+        if &record[self.state] != "complete" {
+            return Ok(None);
+        }
+        let mut measured = HashMap::new();
+        for cells in &self.measures {
+            let value = cells.value(&record[cells.column]).map_err(|message| {
+                let line = record.position().map_or(0, csv::Position::line);
+                format!("line {line}: {}: {message}", cells.measure.name)
+            })?;
+            let Some(value) = value else { return Ok(None) };
+            measured
+                .insert(cells.measure.name.clone(), Measured { value, unit: cells.unit.clone() });
+        }
+        let (digest, provenance) = (record[self.digest].to_owned(), provenance.to_vec());
+        let run = KnownRun { digest, measured, provenance };
+        Ok(Some((record[self.identity].to_owned(), run)))
+    }
+}
+
+impl MeasureCells<'_> {
+    /// What a cell says; `None` if the measure could not be taken.
+    fn value(&self, cell: &str) -> Result<Option<Value>, String> {
+        let measure = &self.measure.measure;
+        if cell.is_empty() {
+            let nothing = || Value::Nothing("there was nothing to measure".to_owned());
+            return Ok(measure.may_be_nothing().then(nothing));
+        }
+        if measure.texts().is_some() {
+            return Ok(Some(Value::Text(cell.to_owned())));
+        }
+        let number = cell.parse().map_err(|_| format!("{cell} is not a number"))?;
+        Ok(Some(Value::Number(number)))
+    }
+}
