@@ -171,7 +171,7 @@ def empty_panels(bed: Bed, count: int) -> tuple[Figure, Array]:
     figure, panels = new_figure(1, count, (width * count + 1.2, min(width * tall, 9.0) + 1.6))
     for panel in panels[0]:
         panel.set(xlim=(left, right), ylim=(0.0, top), aspect="equal")
-        panel.locator_params(axis="x", nbins=3)
+        panel.locator_params(axis="x", nbins=2)
         panel.set_xlabel(axis_label("x", bed.units["length"]))
         panel.grid(False)
     panels[0, 0].set_ylabel(axis_label("z", bed.units["length"]))
