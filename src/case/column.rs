@@ -43,6 +43,7 @@ pub(super) fn read_column(
         drag_share: read_drag_share(section)?,
         viscosity: viscosity?,
         density,
+        parcel_size: 1.0,
         drive: drive?,
         lateral_drag: section.boolean("lateral_drag")?,
         base_node: section.choice("base_node", &nodes)?,

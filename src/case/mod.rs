@@ -7,6 +7,7 @@ mod allowed_values;
 mod bed;
 mod boxes;
 mod changes;
+mod coarse_graining;
 mod column;
 mod contact;
 mod contact_laws;
@@ -52,7 +53,7 @@ pub use species::Species;
 pub use stage::Stage;
 pub use units::Units;
 
-use crate::contact::{BySpecies, ContactForceLaw, ContactModel};
+use crate::contact::{BySpecies, CoarseGraining, ContactForceLaw, ContactModel};
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
@@ -84,8 +85,11 @@ pub struct Case {
     pub domain: Domain,
     /// Stages, one after another; at least one.
     pub stages: Vec<Stage>,
-    /// Particles.
+    /// Particles; the parcels of a run that is coarse-grained.
     pub particles: ParticleSetup,
+    /// How many particles a parcel stands for and what it keeps, in a run of parcels. Particles and physics here are those of
+    /// the parcels.
+    pub coarse_graining: Option<CoarseGraining>,
     /// Results.
     pub output: OutputPlan,
     /// What is measured while the run goes on.
@@ -359,6 +363,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         domain: domain?,
         stages: stages?,
         particles: particles?,
+        coarse_graining: None,
         output: output?,
         measures: Vec::new(),
         checkpoint: or_defaults("checkpoint").and_then(|s| plans::read_checkpoint(&s))?,
@@ -367,6 +372,9 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         notes: problems.notes(),
         places: Places::of(tree),
     };
+    if let Some(section) = root.table("coarse_graining") {
+        case = coarse_graining::read_coarse_graining(&section, case)?;
+    }
     case.measures = measures::read_measures(&root, &case)?;
     if let Some(output) = root.table("output") {
         measures::check_agglomerates(&output, &case);

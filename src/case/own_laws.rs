@@ -13,6 +13,8 @@ impl Case {
     /// `contact.law`, instead of going on with another law. A program that knows it reads the text with an override of
     /// that key, and calls this function again.
     ///
+    /// Where bodies of the run are parcels (`[coarse_graining]`), the law is that of parcels.
+    ///
     /// # Errors
     /// If the text of the case is not valid TOML any more.
     pub fn with_contact_law(mut self, law: &ContactLaw) -> Result<Self, TomlError> {

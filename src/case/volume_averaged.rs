@@ -42,7 +42,14 @@ pub(super) fn read_volume_averaged(
         return None;
     }
     let coupling = CouplingModel {
-        drag: ParticleDrag { law, factor, share: read_drag_share(section)?, viscosity, density },
+        drag: ParticleDrag {
+            law,
+            factor,
+            share: read_drag_share(section)?,
+            viscosity,
+            density,
+            parcel_size: 1.0,
+        },
         filter_width,
         least_voidage: section.number("least_voidage")?,
     };

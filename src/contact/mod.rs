@@ -2,6 +2,7 @@
 //! history, and the loops that evaluate them.
 
 mod by_species;
+mod coarse_graining;
 mod energy;
 mod energy_pass;
 mod force_laws;
@@ -23,6 +24,7 @@ mod wall_tallies;
 mod walls;
 
 pub use by_species::{ByPair, BySpecies};
+pub use coarse_graining::{COARSE_GRAINING, CoarseGraining, Kept};
 pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
 pub(crate) use energy_pass::{WallWork, attraction_energy, elastic_energy, work_of_walls};
 pub(crate) use force_laws::{ForceLaws, WallLaws};

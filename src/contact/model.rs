@@ -1,6 +1,6 @@
 //! The contact model: a law, and resistance to rolling and twisting.
 
-use super::{ContactLaw, RollingFriction, Softening, TwistingFriction};
+use super::{CoarseGraining, ContactLaw, RollingFriction, Softening, TwistingFriction};
 
 /// How two kinds of bodies act on each other in contact: two particles, or a particle and a wall.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,12 @@ impl ContactModel {
     #[must_use]
     pub fn with_law(&self, law: &ContactLaw) -> Self {
         Self { law: law.clone(), ..self.clone() }
+    }
+
+    /// The model of parcels: resistance to rolling and twisting goes by the law and the radius.
+    #[must_use]
+    pub fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        self.with_law(&self.law.coarse_grained(parcels))
     }
 }
 

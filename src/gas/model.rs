@@ -47,6 +47,17 @@ impl GasModel {
         }
     }
 
+    /// The same gas around parcels of l^3 particles each, l being `size`.
+    #[must_use]
+    pub fn around_parcels(mut self, size: f64) -> Self {
+        match &mut self {
+            Self::None => {}
+            Self::Column(gas) => gas.parcel_size = size,
+            Self::VolumeAveraged(model) => model.coupling.drag.parcel_size = size,
+        }
+        self
+    }
+
     /// Steps of the particles in one of the gas.
     pub fn substeps(&self) -> u64 {
         match self {

@@ -85,6 +85,7 @@ pub fn start_from_case(
     let bed = match &case.particles.start {
         BedStart::Run { path } => {
             let (end, _, digest) = checkpoint::read(path, ranks)?;
+            require_same_parcels(&changes(&end.case_text, &case.text))?;
             begins_with = Some(digest);
             // The gas starts from rest.
             let (pairs, walls, gas_report) = (end.contacts, end.wall_contacts, end.gas_report);
@@ -128,8 +129,22 @@ pub fn start_from_checkpoint(
     Ok(initial)
 }
 
+/// Parcels stay parcels of as many particles.
+fn require_same_parcels(changes: &[Change]) -> Result<(), StartError> {
+    match changes.iter().find(|change| change.key == PARCEL_SIZE) {
+        Some(change) => Err(StartError::Changed {
+            change: change.clone(),
+            reason: "cannot be another than in the run that this one begins with",
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The key that says how large parcels are.
+const PARCEL_SIZE: &str = "coarse_graining.factor";
+
 /// Sections that describe a new bed: a checkpoint has its own.
-const OF_A_NEW_BED: [&str; 3] = ["units", "box.lengths", "particles"];
+const OF_A_NEW_BED: [&str; 4] = ["units", "box.lengths", "particles", PARCEL_SIZE];
 
 /// Refuses what cannot change when a run goes on; `over` counts the stages that are over.
 fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), StartError> {

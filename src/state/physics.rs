@@ -2,7 +2,7 @@
 
 use super::{Limits, SizeRange};
 use crate::contact::{
-    ByPair, BySpecies, ContactForceLaw, ContactModel, VanDerWaals, VanDerWaalsNow,
+    ByPair, BySpecies, CoarseGraining, ContactForceLaw, ContactModel, VanDerWaals, VanDerWaalsNow,
 };
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
@@ -36,6 +36,19 @@ impl Physics {
             gas: GasModel::None,
             gravity: EffectiveGravity { magnitude: 0.0, vibration: None },
             time_step,
+        }
+    }
+
+    /// The same for parcels.
+    #[must_use]
+    pub fn coarse_grained(self, parcels: &CoarseGraining) -> Self {
+        let contact = |model: &ContactModel| model.coarse_grained(parcels);
+        Self {
+            contact: self.contact.map(contact),
+            at_walls: self.at_walls.iter().map(|at_wall| at_wall.map(contact)).collect(),
+            cohesion: self.cohesion.map(|cohesion| cohesion.map(|law| law.coarse_grained(parcels))),
+            gas: self.gas.around_parcels(parcels.factor),
+            ..self
         }
     }
 

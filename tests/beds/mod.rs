@@ -88,6 +88,7 @@ pub(crate) fn gas(superficial_velocity: f64) -> ColumnGas {
         drag_share: DragShare::default(),
         viscosity: 1.0 / 55.0,
         density: 1.3e-3,
+        parcel_size: 1.0,
         drive: Drive::Velocity(Schedule::Constant(superficial_velocity)),
         lateral_drag: false,
         base_node: BaseNode::FullCell,

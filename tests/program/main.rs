@@ -10,6 +10,7 @@ mod case_files;
 mod case_meaning;
 mod case_schema;
 mod checkpoint_files;
+mod coarse_graining;
 mod energy_table;
 mod failures;
 mod faults;

@@ -1,6 +1,7 @@
 //! The tables of the case file: every section with its keys, and the text of the manual around them.
 
 mod boxes;
+mod coarse_graining;
 mod contact;
 mod forces;
 mod gas;
@@ -20,6 +21,7 @@ pub(super) use results::{CHECKPOINT, OUTPUT, PARALLEL, RUN};
 pub(super) use species::{PAIR, SPECIES};
 pub(super) use time::{STAGE, TIME};
 
+use crate::contact::COARSE_GRAINING;
 use crate::schema::{Key, Kind, Merged, SIGNED_SCHEDULE, Word};
 
 /// One section as the manual shows it.
@@ -46,6 +48,7 @@ pub(super) const CHAPTERS: &[Chapter] = &[
     particles::START_CHAPTER,
     species::CHAPTER,
     species::PAIR_CHAPTER,
+    coarse_graining::CHAPTER,
     forces::GRAVITY_CHAPTER,
     forces::VIBRATION_CHAPTER,
     contact::CHAPTER,
@@ -102,6 +105,8 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("particles", Kind::Table(PARTICLES), "How many particles, of which size and density"),
     Key::new("species", Kind::Tables(SPECIES), "Materials of a mixture").optional(),
     Key::new("pair", Kind::Tables(PAIR), "What two different species do to each other").optional(),
+    Key::new("coarse_graining", Kind::Table(COARSE_GRAINING), "Parcels in place of particles")
+        .optional(),
     Key::new("gravity", merged("gravity", GRAVITY), "Gravity").required_at_start(),
     Key::new("vibration", switched("vibration", VIBRATION), "Vibration of the plate").optional(),
     Key::new("contact", merged("contact", CONTACT), "Contacts between particles and with walls")

@@ -25,7 +25,8 @@ pub(super) fn describe_gas(
         GasModel::Column(gas) => [gas.density, gas.viscosity],
         GasModel::VolumeAveraged(model) => [model.gas.density, model.gas.viscosity],
     };
-    let ReferenceParticle { density: solid, gravity, diameter, .. } = *particle;
+    let ReferenceParticle { density: solid, gravity, .. } = *particle;
+    let diameter = case.particle_diameter(particle.diameter);
     if gravity > 0.0 && viscosity > 0.0 {
         lines.add(
             "Stokes number",

@@ -16,6 +16,7 @@ use super::reading::read_case;
 use super::report::six_digits;
 use super::run::say;
 use crate::case::Case;
+use crate::contact::Kept;
 use crate::domain::{Face, Wall, WallMotion, WallShape};
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
@@ -39,6 +40,7 @@ pub(super) fn check(
     let particles = ranks.total(initial.state.particles.owned_count());
     let sizes = initial.state.sizes;
     let mut message = super::report::head(&case, particles, ranks.size());
+    describe_parcels(&mut message, &case);
     describe_box(&mut message, &case, &sizes);
     let bed = BedAtRest::of(&case, &initial.state, ranks);
     bed.describe(&mut Lines(&mut message), &case, &sizes);
@@ -72,6 +74,27 @@ fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> St
         "run's time: {steps:.0} steps, about {total} at the pace {pace} here on {on_ranks}"
     );
     message
+}
+
+/// What bodies of the run are, if they are parcels.
+fn describe_parcels(message: &mut String, case: &Case) {
+    let Some(parcels) = &case.coarse_graining else { return };
+    let unit = ColumnUnits::of_system(case.units.name()).length;
+    let diameter = case.particle_diameter(case.particles.reference_diameter);
+    let kept = match parcels.keeps {
+        Kept::Strength => {
+            format!("the Bond number of parcels is 1/{} of theirs", parcels.factor)
+        }
+        Kept::BondNumber => {
+            format!("the tensile strength of parcels is {} times theirs", parcels.factor)
+        }
+    };
+    let _ = writeln!(
+        message,
+        "parcels: {} particles of diameter {diameter:.4e} {unit} in each; {kept}; the groups of the gas are those of the \
+         particles, all else is that of parcels",
+        parcels.particles()
+    );
 }
 
 fn describe_box(message: &mut String, case: &Case, sizes: &SizeRange) {

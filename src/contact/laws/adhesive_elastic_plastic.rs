@@ -10,7 +10,8 @@ use super::parts::{Hysteresis, HystereticParameters};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+    CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork,
+    StoredInContact,
 };
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
@@ -222,6 +223,15 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
         let unloading = self.hysteresis.unloading_stiffness();
         let limit = adhesion_stiffness(attraction, primary_diameter, unloading);
         let hysteresis = self.hysteresis.stiffened(1.0, limit);
+        Self { hysteresis, attraction, primary_diameter }
+    }
+
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        let attraction = parcels.force() * self.attraction;
+        let primary_diameter = parcels.length() * self.primary_diameter;
+        let unloading = parcels.stiffness() * self.hysteresis.unloading_stiffness();
+        let limit = adhesion_stiffness(attraction, primary_diameter, unloading);
+        let hysteresis = self.hysteresis.stiffened(parcels.stiffness(), limit);
         Self { hysteresis, attraction, primary_diameter }
     }
 

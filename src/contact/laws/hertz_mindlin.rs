@@ -14,8 +14,8 @@
 use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
 use super::{ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, InvalidContactLaw,
-    StoredInContact,
+    CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork,
+    InvalidContactLaw, StoredInContact,
 };
 use crate::particles::ContactHistory;
 use crate::schema::Key;
@@ -146,6 +146,10 @@ impl RegisteredContactLaw for HertzMindlin {
 
     fn keeping_work(&self, _reduction: f64) -> Self {
         *self
+    }
+
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        self.stiffened(parcels.stress())
     }
 
     fn examples(scales: ExampleScales) -> Vec<Self> {

@@ -12,7 +12,8 @@ use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+    CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork,
+    StoredInContact,
 };
 use crate::numbers::power;
 use crate::particles::ContactHistory;
@@ -240,6 +241,11 @@ impl RegisteredContactLaw for Jkr {
     fn keeping_work(&self, reduction: f64) -> Self {
         let factor = adhesion_factor(reduction, Self::OVERLAP_EXPONENT);
         Self::of(self.elastic, factor * self.surface_energy)
+    }
+
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        let elastic = self.elastic.stiffened(parcels.stress());
+        Self::of(elastic, parcels.stiffness() * self.surface_energy)
     }
 
     fn examples(scales: ExampleScales) -> Vec<Self> {

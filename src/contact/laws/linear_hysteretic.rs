@@ -10,7 +10,8 @@ use super::parts::{Hysteresis, HystereticParameters};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, StoredInContact,
+    CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork,
+    StoredInContact,
 };
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, Mixing};
@@ -124,6 +125,10 @@ impl RegisteredContactLaw for LinearHysteretic {
 
     fn keeping_work(&self, _reduction: f64) -> Self {
         *self
+    }
+
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        self.stiffened(parcels.stiffness())
     }
 
     fn examples(scales: ExampleScales) -> Vec<Self> {

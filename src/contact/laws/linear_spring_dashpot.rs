@@ -9,7 +9,8 @@
 use super::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
-    Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, SpringStep, StoredInContact,
+    CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork, SpringStep,
+    StoredInContact,
 };
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, Mixing, Value, Word};
@@ -220,6 +221,10 @@ impl RegisteredContactLaw for LinearSpringDashpot {
 
     fn keeping_work(&self, _reduction: f64) -> Self {
         *self
+    }
+
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
+        self.stiffened(parcels.stiffness())
     }
 
     fn examples(scales: ExampleScales) -> Vec<Self> {

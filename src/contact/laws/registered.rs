@@ -1,6 +1,6 @@
 //! What a law of the registry says about itself: its keys in the case file, and examples for tests.
 
-use crate::contact::{ContactForceLaw, Elasticity, InvalidContactLaw};
+use crate::contact::{CoarseGraining, ContactForceLaw, Elasticity, InvalidContactLaw};
 use crate::schema::{Allowed, Key, KeyValues, Mixing};
 
 /// `restitution`, a key of every law.
@@ -40,6 +40,10 @@ pub trait RegisteredContactLaw: ContactForceLaw + Sized {
     /// stiffness.
     #[must_use]
     fn keeping_work(&self, reduction: f64) -> Self;
+
+    /// The law of parcels: at l times the overlap and the radius all forces are multiplied by that of [`CoarseGraining`].
+    #[must_use]
+    fn coarse_grained(&self, parcels: &CoarseGraining) -> Self;
 
     /// The law of these values; `None` if one is missing or wrong.
     fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>>;

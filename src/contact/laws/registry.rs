@@ -100,6 +100,16 @@ macro_rules! contact_laws {
                 }
             }
 
+            /// The law of parcels. A law from outside the crate stays as it is.
+            #[must_use]
+            pub fn coarse_grained(&self, parcels: &$crate::contact::CoarseGraining) -> Self {
+                use $crate::contact::RegisteredContactLaw;
+                match self {
+                    $(Self::$Law(law) => law.coarse_grained(parcels).into(),)*
+                    Self::Custom(_) => self.clone(),
+                }
+            }
+
             /// Examples of every law of the registry, without rolling friction, for tests.
             pub fn examples(scales: $crate::contact::ExampleScales) -> Vec<Self> {
                 let mut examples = Vec::new();

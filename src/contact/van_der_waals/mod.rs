@@ -11,6 +11,7 @@
 //! * P. Liu, C. Q. LaMarche, K. M. Kellogg, C. M. Hrenya, "A square-force cohesion model and its extraction from bulk
 //!   measurements", AIChE J. 64 (2018) 2329-2339, <https://doi.org/10.1002/aic.16089>
 
+mod coarse_grained;
 mod energy;
 mod expression;
 mod softened;

@@ -23,6 +23,8 @@ pub struct ColumnGas {
     pub drag_share: DragShare,
     /// Gas density rho_g; only drag laws with a Reynolds number use it.
     pub density: f64,
+    /// l of parcels; 1 of particles.
+    pub parcel_size: f64,
     /// What sets the superficial velocity.
     pub drive: Drive,
     /// Whether the gas, which has no lateral velocity, resists lateral motion: -(V / phi) beta v.
@@ -99,6 +101,7 @@ impl ColumnGas {
             share: self.drag_share,
             viscosity: self.viscosity,
             density: self.density,
+            parcel_size: self.parcel_size,
         }
     }
 

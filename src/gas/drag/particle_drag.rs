@@ -17,10 +17,14 @@ pub struct ParticleDrag {
     pub viscosity: f64,
     /// Gas density.
     pub density: f64,
+    /// l of parcels that stand for l^3 particles each, d = D / l; 1 of particles. The drag on a parcel of diameter D is that on all of
+    /// its particles.
+    pub parcel_size: f64,
 }
 
 impl ParticleDrag {
-    /// xi (V / phi) beta = xi 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference,
+    /// xi (V / phi) beta = xi 3 pi mu d eps F, the drag on one particle of diameter d per velocity difference (on a parcel of
+    /// diameter D: l^3 times that of d = D / l),
     /// where the solids fraction is phi and U_s - u_s is `slip`.
     ///
     /// Re = (1 - phi) rho_g d |u_g - u_s| / mu = rho_g d |U_s - u_s| / mu.
@@ -73,12 +77,13 @@ impl ParticleDrag {
 
     #[inline(always)]
     fn reynolds(&self, diameter: f64, slip: f64) -> f64 {
-        self.density * diameter * slip.abs() / self.viscosity
+        self.density * diameter * slip.abs() / (self.viscosity * self.parcel_size)
     }
 
-    /// xi 3 pi mu d.
+    /// xi 3 pi mu d; of a parcel l^3 xi 3 pi mu D / l.
     #[inline(always)]
     fn stokes(&self, diameter: f64) -> f64 {
-        self.factor * (3.0 * PI * self.viscosity * diameter)
+        let factor = self.factor * (self.parcel_size * self.parcel_size);
+        factor * (3.0 * PI * self.viscosity * diameter)
     }
 }

@@ -52,6 +52,7 @@ fn gas_on_cells(
                 share: DragShare::default(),
                 viscosity,
                 density,
+                parcel_size: 1.0,
             },
             filter_width: 0.0,
             least_voidage: 0.2,

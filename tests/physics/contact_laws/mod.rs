@@ -1,5 +1,6 @@
 //! Contact laws, rolling friction and walls against closed forms, each with a negative control.
 
+mod coarse_graining;
 mod custom;
 mod documentation;
 mod elastic;

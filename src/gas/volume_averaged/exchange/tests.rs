@@ -30,6 +30,7 @@ fn model(filter_width: f64) -> CouplingModel {
         share: DragShare::Diameter,
         viscosity: 0.02,
         density: 0.05,
+        parcel_size: 1.0,
     };
     CouplingModel { drag, filter_width, least_voidage: 0.2 }
 }
