@@ -49,8 +49,8 @@ impl<'a> SpeciesSections<'a> {
         for section in root.tables("pair") {
             read.add_pair(&section);
         }
-        for (node, name) in read.nodes.iter().map(|node| (*node, "species")) {
-            require_cohesion(root, node, name);
+        for node in &read.nodes {
+            require_cohesion(root, node, "species");
         }
         for (_, node) in &read.pairs {
             require_cohesion(root, node, "pair");

@@ -177,7 +177,7 @@ fn what_the_case_measures_stands_in_the_tables_of_a_study() {
 
 #[test]
 fn every_study_of_the_repository_is_read_and_expanded() {
-    let files = toml_files("cases/moon2006/studies");
+    let files: Vec<PathBuf> = ["moon2006", "parcels"].into_iter().flat_map(studies_of).collect();
     assert!(files.len() >= 4);
     for file in files {
         let folder = tempfile::tempdir().unwrap();
@@ -185,4 +185,44 @@ fn every_study_of_the_repository_is_read_and_expanded() {
         assert_code(&listed, 0);
         assert!(listed.output.contains("   1  not complete  "), "{}", listed.output);
     }
+}
+
+/// Whoever adds a seed to a study of the repository can go on from its kept table, because neither the case nor what is measured
+/// has changed since.
+#[test]
+fn kept_tables_of_runs_are_known_to_their_studies() {
+    let mut kept = 0;
+    for study in ["moon2006", "parcels"].into_iter().flat_map(studies_of) {
+        let results = study.parent().unwrap().with_file_name("results");
+        let name = study.file_stem().unwrap().to_str().unwrap();
+        let table = results.join(format!("{name}-runs.csv"));
+        let Ok(text) = std::fs::read_to_string(&table) else { continue };
+        let rows = text.lines().filter(|line| line.contains(",complete,")).count();
+        let folder = tempfile::tempdir().unwrap();
+        let known = ["--known", table.to_str().unwrap(), "--status"];
+        let status = run(&study, folder.path(), &known);
+        assert_code(&status, 0);
+        assert!(status.output.contains(&format!(": {rows} done,")), "{name}: {}", status.output);
+        // The control: without the table nothing is done.
+        let status = run(&study, folder.path(), &["--status"]);
+        assert!(status.output.contains(": 0 done,"), "{name}: {}", status.output);
+        kept += 1;
+    }
+    assert!(kept >= 10);
+}
+
+fn studies_of(name: &str) -> Vec<PathBuf> {
+    toml_files(&format!("cases/{name}/studies"))
+}
+
+/// The refusal reaches the user.
+#[test]
+fn a_table_of_another_study_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = in_repository("cases/moon2006/results/fig7-runs.csv");
+    let study = in_repository("cases/moon2006/studies/fig3.toml");
+    let refused = run(&study, folder.path(), &["--known", table.to_str().unwrap(), "--status"]);
+    assert_code(&refused, 1);
+    assert!(refused.error().contains("fig7-runs.csv: measure "), "{}", refused.errors);
+    assert!(refused.error().contains("this was not measured"), "{}", refused.errors);
 }
