@@ -20,7 +20,8 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         let x = id as f64 / 3.0;
         let mut particle: ParticleRecord = Zeroable::zeroed();
         bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut particle)).fill(x);
-        ParticleRecord { id, velocity: [-x, 1.0e-300, -0.0], ..particle }
+        let species = (id / 10 % 2) as f64;
+        ParticleRecord { id, velocity: [-x, 1.0e-300, -0.0], species, ..particle }
     };
     let spring = [1.0e-9, -2.0e-9, 0.0];
     let contact = |k: u64| ContactRecord {
@@ -229,7 +230,7 @@ fn intact_files_with_inconsistent_content_are_refused() {
         path.as_path()
     };
     read(forged(|_| ()), &OneRank).unwrap();
-    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&5_u64).unwrap());
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&6_u64).unwrap());
     assert!(refusal(newer).contains("written by a newer Talcum"));
     let moved = forged(|file| {
         let mass = file.dataset("particles/mass").unwrap();
@@ -248,10 +249,15 @@ fn intact_files_with_inconsistent_content_are_refused() {
     assert!(refusal(earlier).contains("origin lies after"));
 }
 
-/// As there was no twisting before schema 4.
-fn forget_twisting(state: &mut Checkpoint) {
+/// As there were no species before schema 5, and no twisting before schema 4.
+fn forget_what_is_new(state: &mut Checkpoint) {
+    state.particles.iter_mut().for_each(|particle| particle.species = 0.0);
     state.contacts.iter_mut().for_each(|contact| contact.twisting_angle = 0.0);
     state.wall_contacts.iter_mut().for_each(|contact| contact.twisting_angle = -0.0);
+}
+
+fn schema_version(path: &Path) -> u64 {
+    hdf5::File::open(path).unwrap().attr("schema_version").unwrap().read_scalar().unwrap()
 }
 
 /// What only schema 4 has.
@@ -267,9 +273,12 @@ fn files_of_schema_version_3_are_read_and_their_digest_is_checked() {
     let path = folder.path().join("checkpoint.h5");
     let mut state = share(20, 12, &OneRank);
     let twisted = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
-    forget_twisting(&mut state);
+    assert_eq!(schema_version(&path), 5);
+    forget_what_is_new(&mut state);
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
     assert_ne!(digest, twisted);
+    // A bed of one species is a file that programs of schema 4 read.
+    assert_eq!(schema_version(&path), 4);
     forge(&path, without_twisting);
     // Control: the file is one of today's.
     assert!(refusal(&path).contains("energy"));
@@ -285,7 +294,7 @@ fn files_of_schema_version_1_are_read() {
     let mut state = share(20, 12, &OneRank);
     state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
     state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
-    forget_twisting(&mut state);
+    forget_what_is_new(&mut state);
     state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
     (state.cells, state.gas_report) = (Vec::new(), GasReport::default());
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
