@@ -109,10 +109,10 @@ fn table(case: &Case, stage: &Stage, partners: &Partners, options: &ContactOptio
     };
     let diameter = case.particles.reference_diameter;
     let radius = 0.5 * diameter;
-    let [mass, other] = species.map(|species| case.particles.reference_mass(species));
+    let masses = species.map(|species| case.particles.reference_mass(species));
     let bodies = match at_wall {
-        true => ReducedBody::of_sphere_and_wall(mass, radius),
-        false => ReducedBody { mass: mass * other / (mass + other), radius: 0.5 * radius },
+        true => ReducedBody::of_sphere_and_wall(masses[0], radius),
+        false => ReducedBody::of_spheres(masses, radius),
     };
     let cohesion = physics.cohesion.as_ref().map(|cohesion| cohesion.of(species).at(stage.start));
     let attraction = |separation: f64| match &cohesion {

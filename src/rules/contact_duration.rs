@@ -20,6 +20,11 @@ impl ReducedBody {
         Self { mass: 0.5 * mass, radius: 0.5 * radius }
     }
 
+    /// Two spheres of these masses and of one radius.
+    pub fn of_spheres([one, other]: [f64; 2], radius: f64) -> Self {
+        Self { mass: one * other / (one + other), radius: 0.5 * radius }
+    }
+
     /// A sphere and a wall, which is flat and has no end of mass: m* = m, R* = r.
     pub fn of_sphere_and_wall(mass: f64, radius: f64) -> Self {
         Self { mass, radius }

@@ -124,6 +124,11 @@ pub(crate) fn talcum(ranks: usize, arguments: &[&str]) -> Ended {
     start(ranks, arguments).wait()
 }
 
+/// Runs a case into an output folder.
+pub(crate) fn run_case(ranks: usize, [case, output]: [&str; 2], more: &[&str]) -> Ended {
+    talcum(ranks, &[&["run", case, "--output", output], more].concat())
+}
+
 impl Running {
     /// Waits for the end.
     pub(crate) fn wait(mut self) -> Ended {

@@ -1,6 +1,6 @@
 //! Parcels in place of particles: what acts on them, what is kept, and what is refused.
 
-use crate::launch::{checkpoints, talcum};
+use crate::launch::{checkpoints, in_repository, run_case, talcum};
 use std::path::Path;
 use talcum::case::Case;
 use talcum::output::checkpoint;
@@ -52,7 +52,7 @@ const VAN_DER_WAALS: [&str; 2] = [
 const JKR: &str = "contact={ law = \"jkr\", young_modulus = 5.0e5, poisson_ratio = 0.3, surface_energy = 2.0e-4, restitution = 0.8, friction = 0.4, wall = { surface_energy = 1.0e-4 } }";
 
 fn file() -> String {
-    format!("{}/tests/cases/good/parcels.toml", env!("CARGO_MANIFEST_DIR"))
+    in_repository("tests/cases/good/parcels.toml").display().to_string()
 }
 
 /// The particles at the end of a run of the file with changes.
@@ -162,10 +162,7 @@ fn each_rule_keeps_what_it_says() {
 fn parcels_have_one_digest_on_any_ranks_and_begin_with_parcels_only() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
-    let run = |ranks, name: &str, more: &[&str]| {
-        let output = place(name);
-        talcum(ranks, &[&["run", &file(), "--output", &output], more].concat())
-    };
+    let run = |ranks, name: &str, more: &[&str]| run_case(ranks, [&file(), &place(name)], more);
     let digest = run(0, "whole", &[]).digest();
     assert_eq!(run(2, "two", &[]).digest(), digest);
     run(2, "parts", &["--until", "0.02"]).digest();

@@ -1,12 +1,12 @@
 //! Several species in a case file: what they mix to, what is refused, files of particles, runs and restarts.
 
-use crate::launch::{checkpoints, talcum};
+use crate::launch::{checkpoints, in_repository, run_case};
 use std::path::Path;
 use talcum::case::{BedPart, Case};
 use talcum::contact::{ContactForceLaw, ContactLaw, FrictionCap, LinearSpringDashpot};
 
 fn file() -> String {
-    format!("{}/tests/cases/good/two-species.toml", env!("CARGO_MANIFEST_DIR"))
+    in_repository("tests/cases/good/two-species.toml").display().to_string()
 }
 
 fn read(overrides: &[&str]) -> Result<Case, String> {
@@ -118,10 +118,7 @@ fn classes_and_files_say_the_species() {
 fn a_mixture_has_one_digest_on_any_ranks_and_through_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).display().to_string();
-    let run = |ranks, name: &str, more: &[&str]| {
-        let output = place(name);
-        talcum(ranks, &[&["run", &file(), "--output", &output], more].concat())
-    };
+    let run = |ranks, name: &str, more: &[&str]| run_case(ranks, [&file(), &place(name)], more);
     let digest = run(0, "whole", &[]).digest();
     for ranks in [2, 3] {
         assert_eq!(run(ranks, &format!("{ranks}"), &[]).digest(), digest);
@@ -136,10 +133,9 @@ fn a_mixture_has_one_digest_on_any_ranks_and_through_a_restart() {
     let start = format!(
         "particles={{ density = 1.0, diameter = 1.0, start = {{ kind = \"run\", path = {newest:?} }} }}"
     );
-    let plain = format!("{}/tests/cases/good/plain.toml", env!("CARGO_MANIFEST_DIR"));
-    let output = place("refused");
+    let plain = in_repository("tests/cases/good/plain.toml").display().to_string();
     let changes = ["--set", &start, "--set", "box.lengths=[6.0, 6.0, 30.0]"];
-    let refused = talcum(0, &[&["run", &plain, "--output", &output], &changes[..]].concat());
+    let refused = run_case(0, [&plain, &place("refused")], &changes);
     let words = "the bed at the start has 2 species: the case has 1";
     assert!(refused.error().contains(words), "{}", refused.errors);
 }

@@ -32,7 +32,7 @@ impl<'a> Partners<'a> {
     pub(super) fn pair(case: &'a Case, stage: &'a Stage, pair: [usize; 2]) -> Self {
         let physics = &stage.physics;
         let radius = 0.5 * case.particles.reference_diameter;
-        let [one, other] = pair.map(|species| case.particles.reference_mass(species));
+        let masses = pair.map(|species| case.particles.reference_mass(species));
         let names = pair.map(|species| species_name(case, species));
         let name = match names {
             [Some(one), Some(other)] if one == other => format!(" of {one}"),
@@ -42,7 +42,7 @@ impl<'a> Partners<'a> {
         Self {
             name,
             contact: physics.contact.of(pair),
-            bodies: ReducedBody { mass: one * other / (one + other), radius: 0.5 * radius },
+            bodies: ReducedBody::of_spheres(masses, radius),
             wall: None,
             cohesion: physics.cohesion.as_ref().map(|cohesion| cohesion.of(pair)),
             radius,
