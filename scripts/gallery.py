@@ -46,6 +46,7 @@ ENTRIES = [
     Entry("vibrated-bed", spacetime, ("--from", "125")),
     Entry("bubbling-bed", fluidised_bed),
     Entry("spout", fluidised_bed),
+    Entry("round-column", fluidised_bed),
     Entry("pulsed-bed", particles, ("--colour", "rise", "--panels", "4", "--from", "0.8")),
     Entry("segregation", particles, ("--colour", "size", "--panels", "3")),
     Entry("moving-wall", particles, ("--colour", "rise", "--panels", "2", "--from", "0.5")),

@@ -109,7 +109,7 @@ impl Observation {
             momentum_imbalance: probe.map_or(0.0, imbalance),
             mean_energy,
             gas,
-            pressure_force: gas.pressure_drop * domain.bounds.cross_section(),
+            pressure_force: gas.pressure_drop * domain.cross_section(),
             bed_bottom,
             bed_top,
             volume_on_grid: profile.solids_volume(),

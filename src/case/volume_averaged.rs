@@ -5,11 +5,12 @@ use super::context::ReadContext;
 use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
 use super::section::Section;
+use crate::domain::{Wall, WallShape};
 use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{
     Boundary, CouplingModel, Inlet, Jet, Profile, VolumeAveragedGas, VolumeAveragedModel, across,
 };
-use crate::grid::BoxGrid;
+use crate::grid::{BoxGrid, RoundColumn};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
@@ -22,8 +23,12 @@ pub(super) fn read_volume_averaged(
 ) -> Option<VolumeAveragedModel> {
     let cells = section.counts("cells");
     let grid = cells.zip(context.domain).map(|(cells, domain)| BoxGrid::new(&domain.bounds, cells));
-    let boundaries = read_boundaries(section, grid.as_ref(), context);
-    let grid = grid?;
+    let column = read_column(section, grid.as_ref(), context);
+    let mut boundaries = read_boundaries(section, grid.as_ref(), context);
+    let (grid, column) = (grid?, column?);
+    if let (Some(column), Some(boundaries)) = (&column, &mut boundaries) {
+        boundaries.iter_mut().flatten().for_each(|boundary| fit_profile(boundary, column));
+    }
     let (density, viscosity) = (section.number("density")?, viscosity?);
     let tolerance = Tolerance::relative(section.number("tolerance")?);
     let gas = VolumeAveragedGas { density, viscosity, boundaries: boundaries?, tolerance };
@@ -54,7 +59,42 @@ pub(super) fn read_volume_averaged(
         least_voidage: section.number("least_voidage")?,
     };
     let driving = section.vector("driving").map(Vector3::from).unwrap_or_default();
-    Some(VolumeAveragedModel { grid, gas, coupling, substeps: section.count("substeps")?, driving })
+    let substeps = section.count("substeps")?;
+    Some(VolumeAveragedModel { grid, column, gas, coupling, substeps, driving })
+}
+
+/// The round wall in which the gas flows, if there is one.
+fn read_column(
+    section: &Section<'_>,
+    grid: Option<&BoxGrid>,
+    context: ReadContext<'_>,
+) -> Option<Option<RoundColumn>> {
+    let round: Vec<&Wall> = context.domain?.walls.iter().filter(|wall| wall.is_round()).collect();
+    let [wall] = round[..] else {
+        if !round.is_empty() {
+            section.fail("kind", "the gas flows in one round column: there are several");
+        }
+        return round.is_empty().then_some(None);
+    };
+    if !wall.motion.is_rest() {
+        let name = &wall.name;
+        section.fail("kind", format!(
+            "the gas flows in a round column at rest: {name:?} moves (for a column that vibrates use [vibration])"
+        ));
+        return None;
+    }
+    let WallShape::Cylinder { centre, radius } = wall.shape else { return Some(None) };
+    let column = RoundColumn::new(grid?, [centre.x, centre.y], radius);
+    column.map(Some).map_err(|message| section.fail("cells", message)).ok()
+}
+
+/// A parabolic profile in a round column is that of Poiseuille, 2 (1 - r^2 / R^2).
+fn fit_profile(boundary: &mut Boundary, column: &RoundColumn) {
+    if let Boundary::Inlet(inlet) = boundary
+        && inlet.profile == Profile::Parabolic
+    {
+        inlet.profile = Profile::Table(column.parabolic_profile());
+    }
 }
 
 /// What goes with inlets and outlets.
@@ -92,6 +132,16 @@ fn read_boundaries(
             if section.has(name) {
                 section.fail(name, "cannot be given: the box is periodic along this axis");
             }
+            continue;
+        }
+        if axis < 2 && context.domain?.walls.iter().any(Wall::is_round) {
+            if section.has(name) {
+                section.fail(
+                    name,
+                    "cannot be given: the gas flows in a round column, to whose wall it sticks",
+                );
+            }
+            boundaries[axis] = [Boundary::NO_SLIP, Boundary::NO_SLIP];
             continue;
         }
         section.require(name);

@@ -147,6 +147,8 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
     let fastest = |stage: &Stage| speed_limit(smallest_diameter, stage.physics.time_step);
     let limit = case.stages.iter().map(fastest).fold(f64::INFINITY, f64::min);
     let with_gas = case.stages.iter().any(|stage| stage.physics.gas != GasModel::None);
+    let is_column = |stage: &Stage| matches!(stage.physics.gas, GasModel::Column(_));
+    let with_column_gas = case.stages.iter().any(is_column);
     for wall in &case.domain.walls {
         let (name, speed) = (&wall.name, wall.largest_approach_speed());
         if speed > limit {
@@ -155,9 +157,9 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
                  smallest diameter per step): shorten time.step"
             )));
         }
-        let is_round = matches!(wall.shape, WallShape::Cylinder { .. });
-        if with_gas && is_round {
-            let message = "the gas fills the box: it cannot flow in a round column";
+        if with_column_gas && wall.is_round() {
+            let message =
+                "a gas of kind \"column\" fills the box: in a round column use \"volume_averaged\"";
             wrong.push(("gas", message.to_owned()));
         }
         let is_face = BoxFace::ALL.into_iter().any(|face| Wall::name_in_face(face) == name);

@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The cases by name: whole files of the repository.
-const CASES: [(&str, &str); 11] = [
+const CASES: [(&str, &str); 12] = [
     ("travelling-waves", include_str!("../../cases/gallery/travelling-waves.toml")),
     ("cohesive-plug", include_str!("../../cases/gallery/cohesive-plug.toml")),
     ("vibrated-bed", include_str!("../../cases/gallery/vibrated-bed.toml")),
     ("bubbling-bed", include_str!("../../cases/gallery/bubbling-bed.toml")),
     ("spout", include_str!("../../cases/gallery/spout.toml")),
+    ("round-column", include_str!("../../cases/gallery/round-column.toml")),
     ("pulsed-bed", include_str!("../../cases/gallery/pulsed-bed.toml")),
     ("segregation", include_str!("../../cases/gallery/segregation.toml")),
     ("moving-wall", include_str!("../../cases/gallery/moving-wall.toml")),

@@ -3,7 +3,7 @@
 use super::corners::{Corners, deposit};
 use super::filter::Filter;
 use crate::domain::{Bounds, Subdomain};
-use crate::grid::{BoxGrid, CellLocator, Field, LocalCells};
+use crate::grid::{BoxGrid, CellLocator, ColumnOnCells, Field, LocalCells, RoundColumn};
 use crate::numbers::Quantum;
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::Particles;
@@ -20,22 +20,32 @@ pub(crate) struct CellTransfer {
     ends: [[bool; 2]; 3],
     locator: CellLocator,
     halo: FieldHalo,
+    /// The round column that bounds the gas, if there is one.
+    column: Option<ColumnOnCells>,
     filter: Option<Filter>,
     /// Where each owned particle was at the last deposition of volume.
     corners: Vec<Corners>,
 }
 
 impl CellTransfer {
-    /// For one rank's part of a grid, and a filter of this full width at half maximum (0 for none).
-    pub(crate) fn new(grid: &BoxGrid, filter_width: f64, subdomain: Subdomain) -> Self {
+    /// For one rank's part of a grid, in the box or in a round column in it, and a filter of this full width at half
+    /// maximum (0 for none). Fields are like `field`.
+    pub(crate) fn new(
+        (grid, column): (&BoxGrid, Option<&RoundColumn>),
+        filter_width: f64,
+        subdomain: Subdomain,
+        field: &Field,
+    ) -> Self {
         let part = grid.local_cells(subdomain);
+        let column = column.map(|column| ColumnOnCells::new(column, &part, field));
         Self {
             bounds: subdomain.bounds.clone(),
             cell_volume: grid.cell_volume(),
             ends: std::array::from_fn(|axis| part.at_ends(axis)),
             locator: CellLocator::new(grid, part),
             halo: FieldHalo::new(subdomain),
-            filter: Filter::new(grid, filter_width),
+            filter: Filter::new(grid, filter_width, column.as_ref(), field),
+            column,
             corners: Vec::new(),
         }
     }
@@ -51,6 +61,11 @@ impl CellTransfer {
         self.locator.cells()
     }
 
+    /// The round column that bounds the gas, if there is one.
+    pub(crate) fn column(&self) -> Option<&ColumnOnCells> {
+        self.column.as_ref()
+    }
+
     /// The cells around each owned particle, as of the last [`CellTransfer::deposit_volume`].
     pub(crate) fn corners(&self) -> &[Corners] {
         &self.corners
@@ -59,8 +74,14 @@ impl CellTransfer {
     /// The cells around a point, for fields that are like `field`.
     #[inline(always)]
     pub(crate) fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
-        let weights = self.locator.weights(&self.bounds.wrap(*position));
-        Corners::of(&weights, field)
+        let wrapped = self.bounds.wrap(*position);
+        match &self.column {
+            None => Corners::of(&self.locator.weights(&wrapped), field),
+            Some(cells) => {
+                let weights = self.locator.weights(&cells.column.within_reach(&wrapped));
+                Corners::of(&weights, field).in_column(cells)
+            }
+        }
     }
 
     /// Sets the fraction of each owned cell that particles fill, and finds the cells around each particle.
@@ -84,7 +105,7 @@ impl CellTransfer {
         self.sum_per_volume(&mut [solids_fraction], ranks);
     }
 
-    /// Turns amounts that particles gave to cells and halos into amounts per volume of owned cells, filtered.
+    /// Turns amounts that particles gave to cells and halos into amounts per open volume of owned cells, filtered.
     /// Collective.
     ///
     /// After: halos are out of date.
@@ -92,6 +113,9 @@ impl CellTransfer {
         self.halo.add_to_owners(fields, ranks);
         for field in fields.iter_mut() {
             field.values_mut().iter_mut().for_each(|value| *value /= self.cell_volume);
+            if let Some(column) = &self.column {
+                divide_by_open_fractions(field, column);
+            }
         }
         self.filter(fields, ranks);
     }
@@ -119,6 +143,16 @@ impl CellTransfer {
     fn filter(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         if let Some(filter) = &mut self.filter {
             filter.apply(fields, &self.ends, &mut self.halo, ranks);
+        }
+    }
+}
+
+/// Closed cells were given nothing.
+fn divide_by_open_fractions(field: &mut Field, column: &ColumnOnCells) {
+    let fractions = column.layer();
+    for layer in field.values_mut().chunks_exact_mut(fractions.len()) {
+        for (value, &open) in layer.iter_mut().zip(fractions).filter(|(_, open)| **open > 0.0) {
+            *value /= open;
         }
     }
 }

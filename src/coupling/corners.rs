@@ -1,6 +1,6 @@
 //! Deposition and interpolation at one point, and means between cells and their faces.
 
-use crate::grid::{CellWeights, Field};
+use crate::grid::{CellWeights, ColumnOnCells, Field};
 use crate::numbers::Quantum;
 
 /// The eight cells around a point: places in the memory of fields of one shape, and weights.
@@ -18,6 +18,18 @@ impl Corners {
             places: corners.map(|(cell, _)| field.index(cell) as u32),
             weights: corners.map(|(_, weight)| weight),
         }
+    }
+
+    /// The weights of the open cells of a round column alone, over their sum.
+    pub(crate) fn in_column(mut self, column: &ColumnOnCells) -> Self {
+        for (place, weight) in self.places.into_iter().zip(&mut self.weights) {
+            if column.at(place as usize) == 0.0 {
+                *weight = 0.0;
+            }
+        }
+        let sum: f64 = self.weights.iter().sum();
+        self.weights.iter_mut().for_each(|weight| *weight /= sum);
+        self
     }
 }
 
@@ -73,6 +85,33 @@ pub(crate) fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &m
             let above = (values[place + stride] - values[place]) / distance;
             let below = (values[place] - values[place - stride]) / distance;
             cells.values_mut()[to + i] = 0.5 * (above + below);
+        }
+    }
+}
+
+/// Replaces the gradient across a round column, as [`mean_gradient`] left it, in cells beside closed ones: there it is that
+/// of the open side alone, as if the field went on linearly beyond the wall.
+pub(crate) fn mend_gradient_at_wall(
+    field: &Field,
+    (axis, distance): (usize, f64),
+    column: &ColumnOnCells,
+    cells: &mut Field,
+) {
+    let (stride, along_x) = (field.strides()[axis], field.count()[0]);
+    for row in field.rows() {
+        for place in row..row + along_x {
+            let is_open = |place: usize| column.at(place) > 0.0;
+            let sides = [place - stride, place + stride].map(is_open);
+            if !is_open(place) || sides == [true, true] {
+                continue;
+            }
+            let values = field.values();
+            let difference = match sides {
+                [true, _] => values[place] - values[place - stride],
+                [_, true] => values[place + stride] - values[place],
+                _ => 0.0,
+            };
+            cells.values_mut()[place] = difference / distance;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A filter of given width for cells that are not much larger than particles.
 
-use crate::grid::{BoxGrid, Field};
+use crate::grid::{BoxGrid, ColumnOnCells, Field};
 use crate::parallel::{Communicator, FieldHalo};
 use std::f64::consts::LN_2;
 
@@ -12,24 +12,40 @@ use std::f64::consts::LN_2;
 /// n steps, so many that sum 2 kappa <= 1: then no weight is negative, and what is positive stays so. Nothing
 /// passes the ends of a box that does not repeat. The filter is symmetric, so that what it does to a field
 /// given by particles and to one read by particles is adjoint, and conserves sums to round-off.
+///
+/// In a round column a difference across it counts min(theta_c, theta_nb) / theta_c, theta the open fractions of the two
+/// cells: that is symmetric per volume, leaves what is uniform as it is, and no weight is negative.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Filter {
     steps: usize,
     /// kappa along x, y, z.
     strength: [f64; 3],
     periodic: [bool; 3],
+    column: Option<ColumnShares>,
     scratch: Vec<f64>,
+}
+
+/// What the differences to the cells below and above along x and y count in a round column, for a layer across it.
+#[derive(Clone, Debug, PartialEq)]
+struct ColumnShares {
+    sides: [[Vec<f64>; 2]; 2],
 }
 
 impl Filter {
     /// Full width at half maximum of the Gaussian; none if it is 0.
-    pub(crate) fn new(grid: &BoxGrid, width: f64) -> Option<Self> {
+    pub(crate) fn new(
+        grid: &BoxGrid,
+        width: f64,
+        column: Option<&ColumnOnCells>,
+        field: &Field,
+    ) -> Option<Self> {
         // Variance width^2 / (8 ln 2) = 2 kappa n dx^2.
         let whole = [0, 1, 2].map(|a| width * width / (16.0 * LN_2 * grid.spacing()[a].powi(2)));
         let steps = (2.0 * (whole[0] + whole[1] + whole[2])).ceil() as usize;
         let periodic = std::array::from_fn(|axis| grid.is_periodic(axis));
         let strength = whole.map(|whole| whole / steps as f64);
-        (steps > 0).then_some(Self { steps, strength, periodic, scratch: Vec::new() })
+        let column = column.map(|column| ColumnShares::new(column, field));
+        (steps > 0).then_some(Self { steps, strength, periodic, column, scratch: Vec::new() })
     }
 
     /// Filters the owned cells of fields. Collective. After: halos are out of date.
@@ -58,6 +74,10 @@ impl Filter {
         self.scratch.clear();
         self.scratch.extend_from_slice(field.values());
         let (old, strides, along_x) = (&self.scratch, field.strides(), field.count()[0]);
+        if let Some(column) = &self.column {
+            column.step(field, old, self.strength);
+            return;
+        }
         for row in field.rows() {
             for (place, value) in (row..).zip(&mut field.values_mut()[row..row + along_x]) {
                 let mut change = 0.0;
@@ -66,6 +86,40 @@ impl Filter {
                     change += strength * (around - 2.0 * old[place]);
                 }
                 *value += change;
+            }
+        }
+    }
+}
+
+impl ColumnShares {
+    fn new(column: &ColumnOnCells, field: &Field) -> Self {
+        let (layer, strides) = (column.layer(), field.strides());
+        let open = |place: Option<usize>| place.and_then(|place| layer.get(place)).copied();
+        let share = |place: usize, other: Option<usize>| match layer[place] {
+            0.0 => 0.0,
+            own => open(other).unwrap_or(0.0).min(own) / own,
+        };
+        let along = |axis: usize| {
+            let below = |place: usize| share(place, place.checked_sub(strides[axis]));
+            let above = |place: usize| share(place, Some(place + strides[axis]));
+            [(0..layer.len()).map(below).collect(), (0..layer.len()).map(above).collect()]
+        };
+        Self { sides: [along(0), along(1)] }
+    }
+
+    /// One step of the filter, from `old`.
+    fn step(&self, field: &mut Field, old: &[f64], strength: [f64; 3]) {
+        let ([along_x, along_y, along_z], length) = (field.strides(), field.count()[0]);
+        let [[left, right], [front, back]] = &self.sides;
+        for row in field.rows() {
+            for (place, value) in (row..).zip(&mut field.values_mut()[row..row + length]) {
+                let (here, at) = (old[place], place % along_z);
+                let across_x = left[at] * (old[place - along_x] - here)
+                    + right[at] * (old[place + along_x] - here);
+                let across_y = front[at] * (old[place - along_y] - here)
+                    + back[at] * (old[place + along_y] - here);
+                let vertical = old[place + along_z] + old[place - along_z] - 2.0 * here;
+                *value += strength[0] * across_x + strength[1] * across_y + strength[2] * vertical;
             }
         }
     }
@@ -119,7 +173,7 @@ mod tests {
             };
             field.set_owned((0..part.cells()).map(|n| start(global(n))));
             let ends = [0, 1, 2].map(|axis| part.at_ends(axis));
-            let mut filter = Filter::new(&cells, width).unwrap();
+            let mut filter = Filter::new(&cells, width, None, &field).unwrap();
             filter.apply(&mut [&mut field], &ends, &mut halo, ranks);
             let mut whole = whole.lock().unwrap();
             for (n, value) in field.owned().enumerate() {

@@ -12,5 +12,7 @@ mod filter;
 pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
 pub use column_deposition::{Bed, ColumnDeposition};
-pub(crate) use corners::{Corners, deposit, interpolate, mean_gradient, mean_of_faces};
+pub(crate) use corners::{
+    Corners, deposit, interpolate, mean_gradient, mean_of_faces, mend_gradient_at_wall,
+};
 pub use drag_share::DragShare;

@@ -158,6 +158,11 @@ impl Wall {
         Self { name: name.into(), shape, motion: WallMotion::REST }
     }
 
+    /// Whether it is a cylinder.
+    pub fn is_round(&self) -> bool {
+        matches!(self.shape, WallShape::Cylinder { .. })
+    }
+
     /// Its displacement at the end of a step of this length, and its velocity in the middle of the step: those of
     /// particles are also taken at the half step.
     pub fn pose(&self, time: f64, step: f64) -> WallPose {

@@ -4,8 +4,11 @@ mod box_grid;
 mod cell_weights;
 mod column_grid;
 mod field;
+mod round_column;
 
 pub use box_grid::{BoxGrid, LocalCells};
 pub(crate) use cell_weights::{CellLocator, CellWeights};
 pub use column_grid::{ColumnGrid, NodeWeights};
 pub use field::Field;
+pub(crate) use round_column::ColumnOnCells;
+pub use round_column::RoundColumn;

@@ -51,6 +51,16 @@ impl Coefficients {
         }
     }
 
+    /// 1 in cells that are coupled to others or to zero, 0 in the rest.
+    pub(super) fn mark_coupled(&self, marks: &mut Field) {
+        let length = marks.count()[0];
+        for [from, to] in rows([&self.diagonal, marks]) {
+            for (i, mark) in marks.values_mut()[to..][..length].iter_mut().enumerate() {
+                *mark = if self.sum(from + i) > 0.0 { 1.0 } else { 0.0 };
+            }
+        }
+    }
+
     /// D p, D being the diagonal of A.
     pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
         let length = p.count()[0];

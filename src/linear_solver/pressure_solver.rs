@@ -126,7 +126,7 @@ impl PressureSolver {
     /// Solves A p = b, starting from the values in `solution`. Only owned cells of both fields are read and set.
     ///
     /// In a closed box (d_c = 0 everywhere) the mean of the right-hand side is subtracted, and the solution has mean
-    /// zero. This call is collective. The bits of the result do not depend on the decomposition.
+    /// zero, over the cells that are coupled to others; the rest keep what they have. This call is collective. The bits of the result do not depend on the decomposition.
     ///
     /// # Errors
     /// If the right-hand side or the start values are not finite, or after 200 iterations: the same error on all ranks;
@@ -140,10 +140,12 @@ impl PressureSolver {
     ) -> Result<Convergence, LinearSolverError> {
         copy_owned(solution, &mut self.solution);
         copy_owned(right_hand_side, &mut self.right_hand_side);
-        let Self { multigrid, halo, gradients, closed, .. } = self;
+        let Self { multigrid, halo, gradients, closed, coefficients, .. } = self;
         let right = &mut self.right_hand_side;
-        let removed_mean =
-            if *closed { remove_mean(right, &self.cells, gradients.scratch(), ranks) } else { 0.0 };
+        let removed_mean = match *closed {
+            true => remove_mean(right, coefficients, gradients.scratch(), ranks),
+            false => 0.0,
+        };
         let norm = DotProduct::default().of(right, right, ranks).sqrt();
         if norm == 0.0 {
             self.solution.values_mut().fill(0.0);
@@ -159,7 +161,7 @@ impl PressureSolver {
         let preconditioner = Preconditioner { multigrid, halo };
         let solved = gradients.solve(&mut equation, preconditioner, allowed, ranks)?;
         if *closed {
-            remove_mean(&mut self.solution, &self.cells, gradients.scratch(), ranks);
+            remove_mean(&mut self.solution, &self.coefficients, gradients.scratch(), ranks);
         }
         copy_owned(&self.solution, solution);
         Ok(Convergence {
@@ -171,22 +173,28 @@ impl PressureSolver {
     }
 }
 
-/// Subtracts the mean over all cells of the grid, whose sum is exact; returns it. Overwrites `ones`. This call is
-/// collective.
+/// Subtracts the mean over the cells that are coupled to others, or over all if none is, and returns it: the sum is
+/// exact. Overwrites `marks`. This call is collective.
 fn remove_mean(
     field: &mut Field,
-    cells: &LocalCells,
-    ones: &mut Field,
+    coefficients: &Coefficients,
+    marks: &mut Field,
     ranks: &dyn Communicator,
 ) -> f64 {
-    ones.values_mut().fill(1.0);
-    let sum = DotProduct::default().of(field, ones, ranks);
-    ones.values_mut().fill(0.0);
-    let mean = sum / cells.counts.iter().product::<usize>() as f64;
-    let length = field.count()[0];
-    for [row] in rows([&*field]) {
-        field.values_mut()[row..][..length].iter_mut().for_each(|value| *value -= mean);
+    coefficients.mark_coupled(marks);
+    let mut cells = DotProduct::default().of(marks, marks, ranks);
+    if cells == 0.0 {
+        marks.values_mut().fill(1.0);
+        cells = DotProduct::default().of(marks, marks, ranks);
     }
+    let mean = DotProduct::default().of(field, marks, ranks) / cells;
+    let length = field.count()[0];
+    for [row, mark] in rows([&*field, &*marks]) {
+        let marks = &marks.values()[mark..][..length];
+        let values = &mut field.values_mut()[row..][..length];
+        values.iter_mut().zip(marks).for_each(|(value, mark)| *value -= mark * mean);
+    }
+    marks.values_mut().fill(0.0);
     mean
 }
 

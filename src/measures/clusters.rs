@@ -72,7 +72,7 @@ impl Measure for Looks {
         ];
         let single = [
             ("label", Quantity::Number, "smallest number of its cells"),
-            ("cells", Quantity::Number, "number of cells"),
+            ("cells", Quantity::Number, "its open volume in cells"),
             ("volume", Quantity::Volume, "volume"),
             ("solids_fraction", Quantity::Number, "mean solids fraction"),
             ("height", Quantity::Length, "mean height of its solids"),
@@ -97,8 +97,8 @@ impl Measure for Looks {
         let Some(cells) = view.gas_cells else { return Findings::default() };
         let single = self.single(cells, ranks);
         let all = cells.iter().map(|cell| {
-            let solids = 1.0 - cell.voidage;
-            [1.0, solids, solids * cell.solids_velocity[2]]
+            let solids = cell.open_fraction * (1.0 - cell.voidage);
+            [cell.open_fraction, solids, solids * cell.solids_velocity[2]]
         });
         let rows =
             vec![self.summary(&single, totals(all, ranks), ranks), self.table(single, ranks)];
@@ -117,7 +117,9 @@ impl Measure for Looks {
 impl Looks {
     /// Sums of the clusters whose labels meet on this rank, by ascending label. Collective.
     fn single(&self, cells: &[CellSample], ranks: &dyn Communicator) -> Vec<Keyed<NUMBERS>> {
-        let dense = |cell: &&CellSample| 1.0 - cell.voidage >= self.settings.threshold;
+        let dense = |cell: &&CellSample| {
+            cell.open_fraction > 0.0 && 1.0 - cell.voidage >= self.settings.threshold
+        };
         let mut dense = send_to_rendezvous(
             cells.iter().filter(dense).copied(),
             |cell: &CellSample| cell.cell,
@@ -134,9 +136,9 @@ impl Looks {
         let links: Vec<Link> = are_dense.map(|pair| Link::new(pair, [0; 3])).collect();
         let sets = components(&ids, &links, ranks);
         let numbers = dense.iter().zip(&sets).map(|(cell, set)| {
-            let solids = 1.0 - cell.voidage;
+            let solids = cell.open_fraction * (1.0 - cell.voidage);
             let [x, y, z] = cell.solids_velocity.map(|velocity| solids * velocity);
-            let values = [1.0, solids, solids * self.height_of(cell.cell), x, y, z];
+            let values = [cell.open_fraction, solids, solids * self.height_of(cell.cell), x, y, z];
             Keyed { key: set.label, values }
         });
         let mut sums = totals_by_key(numbers.collect(), ranks);

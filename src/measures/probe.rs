@@ -69,6 +69,8 @@ struct Looks {
     bounds: Bounds,
     periodicity: Periodicity,
     gas_grid: Option<BoxGrid>,
+    /// Part of a horizontal section of the box that lies in the column.
+    horizontal_part: f64,
     average: Average,
 }
 
@@ -134,6 +136,7 @@ impl RegisteredMeasure for Probe {
             bounds: setting.bounds.clone(),
             periodicity: super::view::periodicity_of(setting.bounds),
             gas_grid: setting.gas_grid.cloned(),
+            horizontal_part: setting.column.cross_section() / setting.bounds.cross_section(),
             average: Average::new(self.looks_per_row),
         })
     }
@@ -212,7 +215,8 @@ impl Looks {
                     ((point[axis] / grid.spacing()[axis]) as usize).min(count - 1)
                 };
                 let place = [index(0, nx), index(1, ny), index(2, nz)];
-                cell.cell == (place[0] + nx * (place[1] + ny * place[2])) as u64
+                let number = (place[0] + nx * (place[1] + ny * place[2])) as u64;
+                cell.cell == number && cell.open_fraction > 0.0
             })
         };
         let cells = view.gas_cells.unwrap_or_default().iter().filter(|cell| is_here(cell));
@@ -250,11 +254,15 @@ impl Looks {
             })
         };
         let cells = view.gas_cells.unwrap_or_default().iter().filter(|cell| is_cut(cell));
-        let of_gas = cells
-            .map(|cell| [1.0, cell.pressure, cell.voidage, cell.voidage * cell.velocity[axis]]);
+        let of_gas = cells.map(|cell| {
+            let flux = cell.voidage * cell.velocity[axis];
+            let open = cell.open_fraction;
+            [open, open * cell.pressure, open * cell.voidage, open * flux]
+        });
         let [found, gas @ ..] = totals(of_gas, ranks);
         let lengths = self.bounds.lengths();
-        let area = self.bounds.volume() / lengths[axis];
+        let part = if axis == 2 { self.horizontal_part } else { 1.0 };
+        let area = part * (self.bounds.volume() / lengths[axis]);
         let mut plane = Vector3::zeros();
         plane[axis] = position;
         let sections = view.samples().iter().filter_map(|particle| {

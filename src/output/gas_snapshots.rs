@@ -133,7 +133,7 @@ fn create(
     let described = [
         (units.pressure, "pressure of the gas less its hydrostatic head"),
         (units.speed, "velocity of the gas between the particles, mean of a cell's faces"),
-        ("1", "volume of gas per volume"),
+        ("1", "volume of gas per open volume; 0 in cells outside of a round column"),
         (units.speed, "mean velocity of the solids by volume; 0 where there are none"),
     ];
     let fields = FIELDS.iter().zip(described).map(|(field, (unit, description))| ImageField {

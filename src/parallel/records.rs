@@ -125,8 +125,10 @@ pub struct CellSample {
     pub pressure: f64,
     /// Velocity of the gas, the mean of those at its faces.
     pub velocity: [f64; 3],
-    /// Volume of gas per volume.
+    /// Volume of gas per open volume; 0 in a closed cell.
     pub voidage: f64,
+    /// Open volume over that of the cell: 1 except outside and at the wall of a round column.
+    pub open_fraction: f64,
     /// Mean velocity of the solids by volume; 0 where there are none.
     pub solids_velocity: [f64; 3],
 }

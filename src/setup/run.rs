@@ -122,7 +122,8 @@ impl Run<'_> {
             false => None,
         };
         let SizeRange { smallest_diameter, largest_diameter, .. } = state.sizes;
-        let grid = ColumnGrid::new(&domain.bounds, 1.5 * largest_diameter, 1.0);
+        let grid = ColumnGrid::new(&domain.bounds, 1.5 * largest_diameter, 1.0)
+            .within(domain.cross_section());
         let diameters = [smallest_diameter, largest_diameter];
         let mut profile = BedProfile::new(grid, models.limits.speed, diameters, BED_THRESHOLD);
         let run = RunView { state, domain, models, work };

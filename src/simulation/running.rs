@@ -418,5 +418,6 @@ fn profile_of(case: &Case, models: &Models, sizes: &SizeRange) -> BedProfile {
         }
     };
     let diameters = [sizes.smallest_diameter, sizes.largest_diameter];
+    let grid = grid.within(case.domain.cross_section());
     BedProfile::new(grid, models.limits.speed, diameters, case.output.bed_threshold)
 }

@@ -22,6 +22,7 @@ mod measures;
 mod mpirun;
 mod new_case;
 mod restart;
+mod round_column;
 mod shell;
 mod snapshots;
 mod softened_adhesion;

@@ -9,7 +9,7 @@ fn cases_are_listed_and_each_is_written_and_valid() {
     assert_eq!(listed.code(), Some(0), "{listed:?}");
     let names: Vec<&str> =
         listed.output.lines().filter_map(|line| line.split(' ').next()).collect();
-    assert_eq!(names.len(), 11, "{}", listed.output);
+    assert_eq!(names.len(), 12, "{}", listed.output);
     for name in names {
         let file = folder.path().join(name).with_extension("toml").display().to_string();
         let written = talcum(0, &["new", name, "--output", &file]);

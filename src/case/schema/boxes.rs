@@ -120,8 +120,8 @@ A wall is displaced by v tau + A sin(2 pi f tau), where tau is the time since `s
 velocity acts on particles through dashpots and friction, in its plane too. The wall of a face moves in its plane or
 inwards, never out of the box. One that moves to and fro along its normal is a `[[wall]]` of its own, with its point
 inside the box. Walls are parallel to the axes along which the box is periodic. A round column needs faces along x and y
-that are not periodic, `\"stop\"` for example. The gas fills the box: with gas there are no round columns, and the walls
-of faces move in their planes only.",
+that are not periodic, `\"stop\"` for example. A volume-averaged gas flows in the round column alone, a gas of kind `\"column\"`
+in no round column. With gas the walls of faces move in their planes only.",
 };
 
 #[cfg(test)]

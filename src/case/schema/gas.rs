@@ -140,13 +140,16 @@ const SIDES: &[Key] = &[
 const BOTH: Kind = Kind::Either(&[Kind::Word(FACES), Kind::Table(SIDES)]);
 const FACES_MEANING: &str =
     "What the two faces across this axis do to the gas; refused where the box is periodic";
+const ACROSS_MEANING: &str = "What the two faces across this axis do to the gas; refused where the box is periodic and in a round column";
 const NOT_PERIODIC: &str = "the box is not periodic along this axis";
+const NEITHER_PERIODIC_NOR_ROUND: &str =
+    "the box is not periodic along this axis and the gas flows in no round column";
 
 const PROFILES: &[Word] = &[
     Word::new("uniform", "the same everywhere"),
     Word::new(
         "parabolic",
-        "between the faces across that are not periodic; its mean is the velocity",
+        "between the faces across that are not periodic, or 2 (1 - r^2 / R^2) in a round column; its mean is the velocity",
     ),
 ];
 
@@ -177,8 +180,8 @@ const VOLUME_AVERAGED: &[Key] = &[
         Kind::Count(1, 100_000),
         "Time steps of the particles in one of the gas; divides the number of steps before a stage that starts with gas",
     ),
-    Key::new("x", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
-    Key::new("y", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
+    Key::new("x", BOTH, ACROSS_MEANING).required_when(NEITHER_PERIODIC_NOR_ROUND),
+    Key::new("y", BOTH, ACROSS_MEANING).required_when(NEITHER_PERIODIC_NOR_ROUND),
     Key::new("z", BOTH, FACES_MEANING).required_when(NOT_PERIODIC),
     Key::new("inlet_velocity", SIGNED_SCHEDULE, "Superficial velocity into the box at inlets")
         .unit("speed")
@@ -256,5 +259,10 @@ it is far lower; `check` prints c for a voidage of 0.45. The gas's own inertia i
 The volume-averaged gas advances every `substeps` steps, with drag implicit in its own velocity; the force on each
 particle is kept until its next step. The run stops with an error message if that step is too long: 2 C + V / 2 must not
 exceed 1, where C is the Courant number and V the viscous number, and b dt / (m eps^2) of a particle must not exceed 1,
-where b is its drag per velocity. `check` prints all three.",
+where b is its drag per velocity. `check` prints all three.
+
+With a round column (`[[wall]]` with a `radius`) the volume-averaged gas flows in it, not in the rest of the box. It sticks to
+the column's wall, at the wall's true distance; cells whose centres lie outside are closed, and those at the wall share
+what the column has of them. Velocities and fluxes are per cross-section of the column, which stands still and is at least
+4 cells wide. Snapshots show a voidage of 0 in closed cells.",
 };

@@ -3,7 +3,6 @@
 use super::lines::Lines;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, overlap_under};
-use crate::domain::WallShape;
 use crate::gas::GasModel;
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
@@ -40,7 +39,7 @@ impl BedAtRest {
         let volumes = ranks.gather_to_root(&here.to_le_bytes()).unwrap_or_default();
         let read = |bytes: &Vec<u8>| bytes.as_slice().try_into().map_or(0.0, f64::from_le_bytes);
         let solid_volume: f64 = volumes.iter().map(read).sum();
-        let cross_section = cross_section(case);
+        let cross_section = case.domain.cross_section();
         Self { height: solid_volume / (POURED * cross_section), solid_volume, cross_section }
     }
 
@@ -114,15 +113,6 @@ fn tell(lines: &mut Lines, name: &str, [overlap, largest]: [f64; 2], when: &str)
     if overlap > largest {
         lines.warn(&format!("that is more than {largest}: raise the stiffness"));
     }
-}
-
-/// Of the box, or of the narrowest column in it.
-fn cross_section(case: &Case) -> f64 {
-    let columns = case.domain.walls.iter().filter_map(|wall| match wall.shape {
-        WallShape::Cylinder { radius, .. } => Some(PI * radius * radius),
-        WallShape::Plane { .. } => None,
-    });
-    columns.fold(case.domain.cross_section(), f64::min)
 }
 
 /// The highest of the speeds that are given: the superficial velocity, and the speeds of the plate and of walls.

@@ -161,6 +161,17 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
         "gas, cells",
         &format!("{nx} x {ny} x {nz} of {x:.3} x {y:.3} x {z:.3} of the largest diameter"),
     );
+    if let Some(column) = &model.column {
+        let across = 2.0 * column.radius() / sizes.largest_diameter;
+        lines.add(
+            "gas, round column",
+            &format!(
+                "{across:.3} of the largest diameter wide, {:.1} of {} cells across",
+                column.cross_section_in_cells(),
+                nx * ny
+            ),
+        );
+    }
     let unfiltered = model.coupling.filter_width < 3.0 * sizes.largest_diameter;
     if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
         lines.warn("cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised");

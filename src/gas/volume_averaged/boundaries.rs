@@ -8,6 +8,7 @@ use super::VolumeAveragedGas;
 use super::boundary::{FaceConditions, NormalVelocity, TangentialVelocity, across};
 use super::faces::Region;
 use super::model::LocalGas;
+use super::round_wall::RoundWall;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 
@@ -97,11 +98,11 @@ pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &V
     }
 }
 
-/// Sets the velocity in the faces of walls and inlets; in outlets it stays. Before halos between ranks are filled:
+/// Sets the velocity in the faces of walls and inlets; in outlets it stays. Nothing comes in outside of a round wall. Before halos between ranks are filled:
 /// the next rank has a narrow part's face in its halo.
 pub(super) fn set_boundary_faces(
     velocity: &mut [Field; 3],
-    voidage: &Field,
+    (voidage, wall): (&Field, Option<&RoundWall>),
     LocalGas { part, gas }: LocalGas,
     time: f64,
 ) {
@@ -109,7 +110,8 @@ pub(super) fn set_boundary_faces(
         let NormalVelocity::Fixed(inlet) = face.conditions.normal else { continue };
         let component = &mut velocity[face.axis];
         for cell in face.layer(part, component.halo() as isize, face.face) {
-            *component.at_mut(cell) = inlet.map_or(0.0, |inlet| {
+            let is_open = wall.is_none_or(|wall| wall.is_open(voidage, cell));
+            *component.at_mut(cell) = inlet.filter(|_| is_open).map_or(0.0, |inlet| {
                 let inflow = gas.inflow(inlet, time, part, face.axis, cell);
                 let inwards = -face.outwards as f64;
                 inwards * inflow / voidage_in_face(voidage, cell, face.axis)

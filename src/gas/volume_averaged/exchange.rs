@@ -7,14 +7,15 @@
 mod mean_diameter;
 
 use self::mean_diameter::MeanDiameter;
-use super::momentum_balance::{Exchanged, force_lost};
+use super::momentum_balance::{CellVolumes, Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
 use crate::coupling::{
     CellTransfer, DragShare, deposit, interpolate, mean_gradient, mean_of_faces,
+    mend_gradient_at_wall,
 };
 use crate::domain::Subdomain;
 use crate::gas::{GasForceOutOfRange, ParticleLimits};
-use crate::grid::{BoxGrid, Field, LocalCells};
+use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use crate::numbers::{Quantum, within};
 use crate::parallel::Communicator;
 use crate::particles::Particles;
@@ -52,14 +53,14 @@ struct Quanta {
 }
 
 impl ParticleExchange {
-    /// For one rank's part of a grid.
+    /// For one rank's part of a grid, in the box or in a round column in it.
     ///
     /// # Errors
     /// If cells are so small that particles may drift beyond their rank's halo between two sortings.
     pub fn new(
         model: &CouplingModel,
         limits: ParticleLimits,
-        grid: &BoxGrid,
+        (grid, column): (&BoxGrid, Option<&RoundColumn>),
         subdomain: Subdomain,
     ) -> Result<Self, String> {
         if !CellTransfer::reaches(grid, limits.drift) {
@@ -93,7 +94,7 @@ impl ParticleExchange {
             model: model.clone(),
             limits,
             spacing: grid.spacing(),
-            transfer: CellTransfer::new(grid, model.filter_width, subdomain),
+            transfer: CellTransfer::new((grid, column), model.filter_width, subdomain, &zero),
             mean_diameter: shares_surface
                 .then(|| MeanDiameter::new(&part, grid.cell_volume(), limits.diameters)),
             quanta,
@@ -127,8 +128,8 @@ impl ParticleExchange {
         self.exchanged.error(self.limits.force_quantum, ranks)
     }
 
-    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_cell, and
-    /// (beta v) = sum_i w_i b_i v_i / V_cell, with b_i by the solids fraction of now and the gas velocity of the
+    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_c, and
+    /// (beta v) = sum_i w_i b_i v_i / V_c, V_c the open volume of the cell, with b_i by the solids fraction of now and the gas velocity of the
     /// last gas step. `dt` is the length of the next. Collective.
     ///
     /// Before: halos of the gas are current. After: halos of voidage are; those of the rest are the gas's task.
@@ -289,11 +290,16 @@ impl ParticleExchange {
         self.centre_velocity(gas);
         for axis in 0..3 {
             let distance = self.spacing[axis];
-            mean_gradient(&gas.pressure, axis, distance, &mut self.in_cells[3 + axis]);
+            let gradient = &mut self.in_cells[3 + axis];
+            mean_gradient(&gas.pressure, axis, distance, gradient);
+            if let Some(column) = self.transfer.column().filter(|_| axis < 2) {
+                mend_gradient_at_wall(&gas.pressure, (axis, distance), column, gradient);
+            }
             let buoyancy = if axis == 2 { buoyancy } else { 0.0 };
             let volume = self.spacing.x * self.spacing.y * self.spacing.z;
+            let volumes = CellVolumes { whole: volume, column: self.transfer.column() };
             self.exchanged.lost[axis] =
-                force_lost(&self.bed, &self.in_cells, axis, buoyancy, volume);
+                force_lost(&self.bed, &self.in_cells, axis, buoyancy, volumes);
         }
         self.transfer.prepare_interpolation(&mut self.in_cells.each_mut(), ranks);
     }

@@ -29,7 +29,7 @@
 //! * The pressure is kept less the hydrostatic head rho g.x: gravity, whatever it does in time, is balanced to the
 //!   last bit, and does not appear here. A particle of volume V feels -V (grad p + rho g) of this pressure. Gas in a
 //!   periodic box is held by the mean gradient that balances its weight.
-//! * At the faces of the box: see [`Boundary`].
+//! * At the faces of the box: see [`Boundary`]. In a round column: see `round_wall`.
 
 mod advection;
 mod boundaries;
@@ -40,6 +40,7 @@ mod model;
 mod momentum;
 mod momentum_balance;
 mod navier_stokes;
+mod round_wall;
 mod solver;
 mod state;
 mod viscosity;

@@ -6,7 +6,7 @@ use super::boundary::{
 };
 use crate::domain::{Bounds, BoxFace, Decomposition, Face, Wall};
 use crate::gas::ParticleDrag;
-use crate::grid::{BoxGrid, LocalCells};
+use crate::grid::{BoxGrid, LocalCells, RoundColumn};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
@@ -19,6 +19,8 @@ pub const GAS_HALO: usize = 2;
 pub struct VolumeAveragedModel {
     /// Its cells.
     pub grid: BoxGrid,
+    /// The round column that it flows in; none if it fills the box.
+    pub column: Option<RoundColumn>,
     /// What it is made of, and what happens at the faces of the box.
     pub gas: VolumeAveragedGas,
     /// How it is coupled to the particles.
@@ -63,15 +65,19 @@ impl VolumeAveragedModel {
         let (axis, counts) = (face.axis, self.grid.counts());
         let [first, second] = across(axis);
         let cells = (0..counts[second]).flat_map(|j| (0..counts[first]).map(move |i| [i, j]));
+        let open = |[i, j]: [usize; 2]| match &self.column {
+            Some(column) if axis == 2 => column.open_fraction([i as isize, j as isize]),
+            _ => 1.0,
+        };
         let velocity = |place| {
             let cell = FaceCell { axis, place };
-            self.gas.velocity_in_cell(inlet, counts, cell, &Schedule::largest)
+            (open(place), self.gas.velocity_in_cell(inlet, counts, cell, &Schedule::largest))
         };
-        let (sum, peak) =
-            cells.map(velocity).fold((0.0, 0.0), |(sum, peak): (f64, f64), velocity| {
-                (sum + velocity, peak.max(velocity.abs()))
-            });
-        LargestInflow { mean: sum / (counts[first] * counts[second]) as f64, peak }
+        let (mut area, mut sum, mut peak) = (0.0, 0.0, 0.0_f64);
+        for (open, velocity) in cells.map(velocity).filter(|(open, _)| *open > 0.0) {
+            (area, sum, peak) = (area + open, sum + open * velocity, peak.max(velocity.abs()));
+        }
+        LargestInflow { mean: sum / area, peak }
     }
 }
 

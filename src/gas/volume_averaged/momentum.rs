@@ -7,9 +7,11 @@
 //! ```
 //!
 //! R advection and viscous force, f the driving force per volume of gas, S another force per volume. With
-//! beta dt/rho >> 1 this is Darcy's law, whatever u_old was.
+//! beta dt/rho >> 1 this is Darcy's law, whatever u_old was. Beside the wall of a round column eps, beta and (beta v) are
+//! theta times those of the gas, and the denominator has eps mu k more: see [`RoundWall`].
 
 use super::faces::{Region, moved};
+use super::round_wall::RoundWall;
 use super::{BedOnGrid, VolumeAveragedGas};
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
@@ -23,6 +25,8 @@ pub(super) struct Momentum<'a> {
     pub(super) part: &'a LocalCells,
     pub(super) spacing: Vector3<f64>,
     pub(super) bed: &'a BedOnGrid,
+    /// The round wall around the gas, if there is one; the bed is then per volume of whole cells.
+    pub(super) wall: Option<&'a RoundWall>,
     pub(super) dt: f64,
 }
 
@@ -40,16 +44,22 @@ struct FaceRow<'a> {
     eps: [&'a [f64]; 2],
     beta: [&'a [f64]; 2],
     inertia: f64,
+    /// mu k of a round wall.
+    friction: Option<&'a [f64]>,
 }
 
 impl FaceRow<'_> {
-    /// eps, eps rho/dt and eps rho/dt + beta in the i-th face.
+    /// eps, eps rho/dt and the sum of that, beta and the friction of a round wall in the i-th face.
     #[inline(always)]
     fn at(&self, i: usize) -> (f64, f64, f64) {
         let eps = 0.5 * (self.eps[0][i] + self.eps[1][i]);
         let beta = 0.5 * (self.beta[0][i] + self.beta[1][i]);
         let inertia = eps * self.inertia;
-        (eps, inertia, inertia + beta)
+        let total = inertia + beta;
+        match self.friction {
+            None => (eps, inertia, total),
+            Some(friction) => (eps, inertia, total + eps * friction[i]),
+        }
     }
 }
 
@@ -67,8 +77,11 @@ impl<'a> Momentum<'a> {
         self.bed.voidage.strides()[axis] as isize
     }
 
-    fn face_row(&self, row: &Range<usize>, stride: isize) -> FaceRow<'a> {
+    fn face_row(&self, row: &Range<usize>, axis: usize) -> FaceRow<'a> {
+        let stride = self.stride(axis);
+        let friction = self.wall.map(|wall| moved(wall.friction[axis].values(), row, 0));
         FaceRow {
+            friction,
             eps: both(&self.bed.voidage, row, stride),
             beta: both(&self.bed.momentum_transfer, row, stride),
             inertia: self.gas.density / self.dt,
@@ -79,7 +92,7 @@ impl<'a> Momentum<'a> {
     pub(super) fn predict(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
         let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
         for row in self.faces(axis).rows(old) {
-            let face = self.face_row(&row, stride);
+            let face = self.face_row(&row, axis);
             let solids = both(&self.bed.transferred_velocity[axis], &row, stride);
             let pressure = both(forces.pressure, &row, stride);
             let (u, rate) = (moved(old.values(), &row, 0), moved(forces.rate.values(), &row, 0));
@@ -101,10 +114,9 @@ impl<'a> Momentum<'a> {
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
         for (axis, faces) in faces.iter_mut().enumerate() {
-            let stride = self.stride(axis);
             let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
             for row in self.faces(axis).rows(faces) {
-                let face = self.face_row(&row, stride);
+                let face = self.face_row(&row, axis);
                 let target = &mut faces.values_mut()[row];
                 for (i, coefficient) in target.iter_mut().enumerate() {
                     let (eps, _, total) = face.at(i);
@@ -165,7 +177,7 @@ impl<'a> Momentum<'a> {
         for (axis, velocity) in velocity.iter_mut().enumerate() {
             let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
             for row in self.faces(axis).rows(velocity) {
-                let face = self.face_row(&row, stride);
+                let face = self.face_row(&row, axis);
                 let change = both(change, &row, stride);
                 let target = &mut velocity.values_mut()[row];
                 for (i, u) in target.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! What the gas loses against what particles gain.
 
 use super::BedOnGrid;
-use crate::grid::Field;
+use crate::grid::{ColumnOnCells, Field};
 use crate::numbers::{ExactSum, Quantum};
 use crate::parallel::Communicator;
 
@@ -36,15 +36,30 @@ impl Exchanged {
     }
 }
 
+/// Volumes of cells, in the box or in a round column.
+#[derive(Clone, Copy)]
+pub(super) struct CellVolumes<'a> {
+    /// Of a whole cell.
+    pub(super) whole: f64,
+    pub(super) column: Option<&'a ColumnOnCells>,
+}
+
+impl CellVolumes<'_> {
+    /// Of the cell at an index into a field.
+    fn at(self, index: usize) -> f64 {
+        self.column.map_or(self.whole, |column| self.whole * column.at(index))
+    }
+}
+
 /// Force along an axis that the gas loses on this rank,
 /// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the sum over faces of what it solves for. `in_cells`
-/// are its velocity and pressure gradient, `buoyancy` is rho_g g along the axis, `volume` that of a cell.
+/// are its velocity and pressure gradient, `buoyancy` is rho_g g along the axis, `volumes` those of the cells.
 pub(super) fn force_lost(
     bed: &BedOnGrid,
     in_cells: &[Field; 6],
     axis: usize,
     buoyancy: f64,
-    volume: f64,
+    volumes: CellVolumes,
 ) -> ExactSum {
     let mut sum = ExactSum::default();
     let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
@@ -56,7 +71,7 @@ pub(super) fn force_lost(
             fields.map(|field| &field.values()[row(field)..][..length]);
         for i in 0..length {
             let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
-            sum.add(volume * (beta[i] * u[i] - beta_v[i] - by_pressure));
+            sum.add(volumes.at(row(&bed.voidage) + i) * (beta[i] * u[i] - beta_v[i] - by_pressure));
         }
     }
     sum

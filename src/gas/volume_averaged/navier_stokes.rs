@@ -6,11 +6,12 @@ use super::boundaries::{
 };
 use super::model::LocalGas;
 use super::momentum::{Forces, Momentum};
+use super::round_wall::RoundWall;
 use super::viscosity::{ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation};
 use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
 use crate::domain::Subdomain;
 use crate::gas::NavierStokesError;
-use crate::grid::{BoxGrid, Field, LocalCells};
+use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::rules::{LARGEST_STEP_NUMBER, step_number};
@@ -27,6 +28,8 @@ pub struct NavierStokesSolver {
     spacing: Vector3<f64>,
     halo: FieldHalo,
     pressure_solver: PressureSolver,
+    /// Around the gas, in a round column.
+    wall: Option<RoundWall>,
     explicit: ExplicitForces,
     predicted: [Field; 3],
     coefficients: [Field; 3],
@@ -47,6 +50,8 @@ struct ExplicitForces {
     dilatation: Field,
     /// Force per volume on faces.
     rate: [Field; 3],
+    /// Viscous force per open volume, in a round column.
+    viscous: Option<Field>,
 }
 
 impl ExplicitForces {
@@ -54,19 +59,24 @@ impl ExplicitForces {
         set_fluxes(&mut self.flux, velocity, voidage, part);
     }
 
-    /// Adds the forces of a velocity whose fluxes are set.
+    /// Adds the forces of a velocity whose fluxes are set, in a voidage per open volume.
     fn add(
         &mut self,
         velocity: &[Field; 3],
         voidage: &Field,
-        local: LocalGas,
+        (local, wall): (LocalGas, Option<&RoundWall>),
         spacing: Vector3<f64>,
     ) {
         set_dilatation(&mut self.dilatation, velocity, local.part, spacing);
         let fields = ViscousFields { velocity, dilatation: &self.dilatation, voidage };
         for (axis, rate) in self.rate.iter_mut().enumerate() {
             add_advection(rate, axis, &velocity[axis], &self.flux, local, spacing);
-            add_viscous_force(rate, axis, fields, local, spacing);
+            match (wall, &mut self.viscous) {
+                (Some(wall), Some(viscous)) => {
+                    wall.add_viscous_force([rate, viscous], axis, fields, local, spacing);
+                }
+                _ => add_viscous_force(rate, axis, fields, local, spacing),
+            }
         }
     }
 
@@ -109,17 +119,30 @@ impl NavierStokesSolver {
         let zero = || Field::new(&part, GAS_HALO);
         let three = || [zero(), zero(), zero()];
         Self {
+            wall: None,
             part,
             spacing: grid.spacing(),
             halo: FieldHalo::new(subdomain),
             pressure_solver: PressureSolver::new(grid, subdomain),
-            explicit: ExplicitForces { flux: three(), dilatation: zero(), rate: three() },
+            explicit: ExplicitForces {
+                flux: three(),
+                dilatation: zero(),
+                rate: three(),
+                viscous: None,
+            },
             predicted: three(),
             coefficients: three(),
             diagonal: zero(),
             residual: zero(),
             change: zero(),
         }
+    }
+
+    /// For a gas of this viscosity in a round column of the same grid.
+    pub fn in_column(mut self, grid: &BoxGrid, column: &RoundColumn, viscosity: f64) -> Self {
+        self.wall = Some(RoundWall::new(grid, &self.part, column, viscosity));
+        self.explicit.viscous = Some(Field::new(&self.part, GAS_HALO));
+        self
     }
 
     /// This rank's part of the grid.
@@ -139,7 +162,7 @@ impl NavierStokesSolver {
         self.halo.refresh(&mut [&mut state.voidage], ranks);
         mirror(&mut [&mut state.voidage], &self.part, gas);
         let local = LocalGas { part: &self.part, gas };
-        set_boundary_faces(&mut state.velocity, &state.voidage, local, time);
+        set_boundary_faces(&mut state.velocity, (&state.voidage, self.wall.as_ref()), local, time);
         self.fill_halos(gas, state, ranks);
     }
 
@@ -181,22 +204,42 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) -> Result<NavierStokesReport, NavierStokesError> {
         self.complete_bed(gas, bed, ranks);
-        let local = LocalGas { part: &self.part.clone(), gas };
+        let mut wall = self.wall.take();
+        if let Some(wall) = &mut wall {
+            wall.set_bed(bed, &state.voidage);
+        }
+        let result = self.advance_in(wall.as_ref(), gas, (state, bed), step, ranks);
+        self.wall = wall;
+        result
+    }
+
+    /// The same for a bed with its halos, within a round wall if there is one.
+    fn advance_in(
+        &mut self,
+        wall: Option<&RoundWall>,
+        gas: &VolumeAveragedGas,
+        (state, bed): (&mut GasFields, &BedOnGrid),
+        step: &NavierStokesStep,
+        ranks: &dyn Communicator,
+    ) -> Result<NavierStokesReport, NavierStokesError> {
+        let (part, dt, spacing) = (&self.part.clone(), step.dt, self.spacing);
+        let local = LocalGas { part, gas };
         continue_velocity(&mut state.velocity, local, step.time);
-        self.explicit.set_fluxes(&state.velocity, &state.voidage, local.part);
-        let (courant, viscous) = self.limits(gas, bed, step.dt, ranks)?;
+        let in_cells = wall.map_or(bed, |wall| &wall.bed);
+        let momentum = Momentum { gas, part, spacing, bed: in_cells, wall, dt };
+        let before = wall.map_or(&state.voidage, |wall| &wall.voidage_before);
+        self.explicit.set_fluxes(&state.velocity, before, part);
+        let (courant, viscous) = self.limits(&momentum, &bed.voidage, ranks)?;
         self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
-        self.explicit.add(&state.velocity, &state.voidage, local, self.spacing);
-        let (dt, spacing, part) = (step.dt, self.spacing, local.part);
-        let momentum = Momentum { gas, part, spacing, bed, dt };
-        self.predict(&momentum, state, step, ranks);
-        self.explicit.set_fluxes(&self.predicted, &bed.voidage, part);
-        self.explicit.add(&self.predicted, &bed.voidage, local, spacing);
+        self.explicit.add(&state.velocity, &state.voidage, (local, wall), spacing);
+        self.predict(&momentum, (state, &bed.voidage), step, ranks);
+        self.explicit.set_fluxes(&self.predicted, &in_cells.voidage, part);
+        self.explicit.add(&self.predicted, &bed.voidage, (local, wall), spacing);
         self.explicit.halve();
-        self.predict(&momentum, state, step, ranks);
+        self.predict(&momentum, (state, &bed.voidage), step, ranks);
         let rounding = self.rounding_of_continuity(courant / dt);
-        let convergence = self.solve_pressure(&momentum, &state.voidage, rounding, ranks)?;
-        self.finish(&momentum, state, ranks);
+        let convergence = self.solve_pressure(&momentum, before, rounding, ranks)?;
+        self.finish(&momentum, (state, &bed.voidage), ranks);
         Ok(NavierStokesReport { courant, viscous, convergence })
     }
 
@@ -212,8 +255,12 @@ impl NavierStokesSolver {
         if step_number(last.courant, last.viscous) < NEAR_THE_LIMIT * LARGEST_STEP_NUMBER {
             return false;
         }
-        self.explicit.set_fluxes(&state.velocity, &state.voidage, &self.part);
-        let rate = courant_rate(&self.explicit.flux, &state.voidage, &self.part, self.spacing);
+        if let Some(wall) = &mut self.wall {
+            wall.set_voidage(&state.voidage);
+        }
+        let voidage = self.wall.as_ref().map_or(&state.voidage, |wall| &wall.voidage_before);
+        self.explicit.set_fluxes(&state.velocity, voidage, &self.part);
+        let rate = courant_rate(&self.explicit.flux, voidage, &self.part, self.spacing);
         let mut courant = [dt * rate];
         ranks.maximum(&mut courant);
         step_number(courant[0], last.viscous) > LARGEST_STEP_NUMBER
@@ -234,16 +281,15 @@ impl NavierStokesSolver {
     /// Courant and viscous numbers; an error if the step is too long for them.
     fn limits(
         &self,
-        gas: &VolumeAveragedGas,
-        bed: &BedOnGrid,
-        dt: f64,
+        momentum: &Momentum,
+        voidage: &Field,
         ranks: &dyn Communicator,
     ) -> Result<(f64, f64), NavierStokesError> {
-        let largest = bed.voidage.owned().fold(0.0, |largest, eps| larger(eps, largest));
-        let least = -bed.voidage.owned().fold(-1.0, |largest, eps| larger(-eps, largest));
-        let courant = courant_rate(&self.explicit.flux, &bed.voidage, &self.part, self.spacing);
-        let viscous =
-            largest_viscous_rate(&bed.voidage, LocalGas { part: &self.part, gas }, self.spacing);
+        let &Momentum { gas, part, spacing, bed, dt, .. } = momentum;
+        let largest = voidage.owned().fold(0.0, |largest, eps| larger(eps, largest));
+        let least = -voidage.owned().fold(-1.0, |largest, eps| larger(-eps, largest));
+        let courant = courant_rate(&self.explicit.flux, &bed.voidage, part, spacing);
+        let viscous = largest_viscous_rate(voidage, LocalGas { part, gas }, spacing);
         let mut numbers = [largest, -least, courant, viscous];
         ranks.maximum(&mut numbers);
         let [largest, least, courant, viscous] = numbers;
@@ -268,7 +314,7 @@ impl NavierStokesSolver {
     fn predict(
         &mut self,
         momentum: &Momentum,
-        state: &GasFields,
+        (state, voidage): (&GasFields, &Field),
         step: &NavierStokesStep,
         ranks: &dyn Communicator,
     ) {
@@ -283,7 +329,7 @@ impl NavierStokesSolver {
         }
         let local = LocalGas { part: &self.part, gas: momentum.gas };
         let end = step.time + step.dt;
-        set_boundary_faces(&mut self.predicted, &momentum.bed.voidage, local, end);
+        set_boundary_faces(&mut self.predicted, (voidage, momentum.wall), local, end);
         self.halo.refresh(&mut self.predicted.each_mut(), ranks);
         continue_velocity(&mut self.predicted, local, end);
     }
@@ -319,7 +365,12 @@ impl NavierStokesSolver {
     }
 
     /// Brings the state to the end of the step.
-    fn finish(&mut self, momentum: &Momentum, state: &mut GasFields, ranks: &dyn Communicator) {
+    fn finish(
+        &mut self,
+        momentum: &Momentum,
+        (state, voidage): (&mut GasFields, &Field),
+        ranks: &dyn Communicator,
+    ) {
         momentum.correct(&mut self.predicted, &self.change);
         for (velocity, predicted) in state.velocity.iter_mut().zip(&self.predicted) {
             velocity.values_mut().copy_from_slice(predicted.values());
@@ -327,7 +378,7 @@ impl NavierStokesSolver {
         let changes = self.change.values();
         let pressures = state.pressure.values_mut().iter_mut();
         pressures.zip(changes).for_each(|(pressure, change)| *pressure += change);
-        state.voidage.values_mut().copy_from_slice(momentum.bed.voidage.values());
+        state.voidage.values_mut().copy_from_slice(voidage.values());
         self.halo.refresh(&mut state.velocity.each_mut(), ranks);
         continue_pressure(&mut state.pressure, &self.part, momentum.gas);
     }

@@ -35,8 +35,12 @@ impl VolumeAveragedSolver {
         let mut model = model.clone();
         model.gas = model.gas.with_walls(subdomain.bounds, walls);
         model.gas.check(&model.grid)?;
-        let exchange = ParticleExchange::new(&model.coupling, limits, &model.grid, subdomain)?;
-        let equations = NavierStokesSolver::new(&model.grid, subdomain);
+        let (grid, column) = (&model.grid, model.column.as_ref());
+        let exchange = ParticleExchange::new(&model.coupling, limits, (grid, column), subdomain)?;
+        let mut equations = NavierStokesSolver::new(grid, subdomain);
+        if let Some(column) = column {
+            equations = equations.in_column(grid, column, model.gas.viscosity);
+        }
         Ok(Self { model, limits, exchange, equations, next_is_too_long: false })
     }
 
@@ -141,21 +145,31 @@ impl VolumeAveragedSolver {
             0.5 * (field.at([i, j, k - 1]) + field.at([i, j, k]))
         };
         for (i, j) in columns().filter(|_| at_bottom) {
-            let face = [i, j, 0];
-            sums[0].add(mean(&fields.voidage, face) * fields.velocity[2].at(face));
-            sums[1].add(mean(&fields.pressure, face));
+            let (face, open) = ([i, j, 0], self.open_fraction([i, j, 0]));
+            sums[0].add(open * (mean(&fields.voidage, face) * fields.velocity[2].at(face)));
+            sums[1].add(open * mean(&fields.pressure, face));
         }
         for (i, j) in columns().filter(|_| at_top) {
-            sums[1].add(-mean(&fields.pressure, [i, j, nz]));
+            sums[1].add(-(self.open_fraction([i, j, 0]) * mean(&fields.pressure, [i, j, nz])));
         }
         let mut integers: Vec<i64> = sums.iter().flat_map(ExactSum::to_integers).collect();
         ranks.sum_integers(&mut integers);
         let mut totals = integers.chunks(ExactSum::INTEGERS).map(ExactSum::from_integers);
-        let faces = (part.counts[0] * part.counts[1]) as f64;
+        let faces = match &self.model.column {
+            None => (part.counts[0] * part.counts[1]) as f64,
+            Some(column) => column.cross_section_in_cells(),
+        };
         let mut total = || totals.next().map_or(0.0, |sum| sum.value()) / faces;
         let (velocity, drop) = (total(), total());
         let driven = self.model.driving.z * self.model.grid.spacing().z * part.counts[2] as f64;
         (velocity, drop + driven)
+    }
+
+    /// Part of a cell that is open: less than 1 outside and at the wall of a round column.
+    fn open_fraction(&self, [i, j, _]: [isize; 3]) -> f64 {
+        let [start_x, start_y, _] = self.equations.part().start;
+        let column = self.model.column.as_ref();
+        column.map_or(1.0, |c| c.open_fraction([i + start_x as isize, j + start_y as isize]))
     }
 
     /// What snapshots show of each owned cell. Collective.
@@ -177,7 +191,8 @@ impl VolumeAveragedSolver {
             cell: part.number_of(cell),
             pressure: pressure.at(cell),
             velocity: std::array::from_fn(|axis| mean(axis, cell)),
-            voidage: voidage.at(cell),
+            voidage: if self.open_fraction(cell) > 0.0 { voidage.at(cell) } else { 0.0 },
+            open_fraction: self.open_fraction(cell),
             solids_velocity: std::array::from_fn(|axis| solids[axis].at(cell)),
         };
         part.owned().map(sample).collect()

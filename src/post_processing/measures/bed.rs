@@ -146,7 +146,7 @@ fn expanded(height: Estimate, least: f64) -> Result<Estimate, NoValue> {
 
 /// Means over the rows of the series.
 fn add_weight_and_pressure_drop(found: &mut Findings, results: &Results) -> Result<(), Unmeasured> {
-    let area = results.case()?.domain.bounds.cross_section();
+    let area = results.case()?.domain.cross_section();
     let columns = || -> Result<[Vec<f64>; 2], Unmeasured> {
         Ok([results.column("weight")?, results.column("grid_pressure_drop")?])
     };

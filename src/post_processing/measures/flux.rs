@@ -37,7 +37,8 @@ const LAYERS: f64 = 100.0;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let snapshots = results.particle_snapshots()?;
-    let bounds = &results.case()?.domain.bounds;
+    let domain = &results.case()?.domain;
+    let (bounds, area) = (&domain.bounds, domain.cross_section());
     if bounds.is_periodic(2) {
         return Err(NoValue::because("the box repeats along z: there is no lowest plane").into());
     }
@@ -45,7 +46,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         [first, .., last] => (snapshots.snapshot(0)?, last - first),
         _ => return Err(NoValue::because("there is one snapshot; crossings need two").into()),
     };
-    let height = height_of(&first, bounds.lengths().z, bounds.cross_section())?;
+    let height = height_of(&first, bounds.lengths().z, area)?;
     let planes = PLANES.map(|part| part * height);
     let particles = &results.case()?.particles;
     if particles.has_several_densities() && first.masses.is_none() {
@@ -53,7 +54,7 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         return Err(NoValue::because(reason).into());
     }
     let crossings = crossings(&snapshots, &planes, particles.density)?;
-    let fluxes = solids_flux(&crossings, planes.len(), bounds.cross_section(), duration)?;
+    let fluxes = solids_flux(&crossings, planes.len(), area, duration)?;
     let entrance = Gate { plane: 0, upwards: true };
     let exit = Gate { plane: planes.len() - 1, upwards: true };
     let residence = residence_times(&crossings, entrance, exit, BINS);

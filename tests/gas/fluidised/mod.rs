@@ -6,6 +6,7 @@ mod force_balance;
 mod moving_wall;
 mod one_answer;
 mod packed_bed;
+mod round_column;
 mod settling;
 
 use crate::beds::Bench;
@@ -44,6 +45,7 @@ fn gas_on_cells(
     let boundaries = boundaries(bench, inflow);
     VolumeAveragedModel {
         grid: BoxGrid::new(&bench.domain.bounds, cells),
+        column: None,
         gas: VolumeAveragedGas { density, viscosity, boundaries, tolerance },
         coupling: CouplingModel {
             drag: ParticleDrag {

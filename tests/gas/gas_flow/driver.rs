@@ -7,7 +7,7 @@ use talcum::gas::volume_averaged::{
     BedOnGrid, Boundary, GAS_HALO, GasFields, Inlet, NavierStokesReport, NavierStokesSolver,
     NavierStokesStep, Profile, VolumeAveragedGas,
 };
-use talcum::grid::{BoxGrid, Field, LocalCells};
+use talcum::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use talcum::linear_solver::Tolerance;
 use talcum::numbers::Schedule;
 use talcum::parallel::{Communicator, OneRank};
@@ -36,6 +36,8 @@ pub(crate) struct Problem {
     pub(crate) gas: VolumeAveragedGas,
     pub(crate) lengths: Vector3<f64>,
     pub(crate) counts: [usize; 3],
+    /// Axis and radius of a round column, if the gas flows in one.
+    pub(crate) column: Option<([f64; 2], f64)>,
 }
 
 impl Problem {
@@ -48,7 +50,7 @@ impl Problem {
         // Continuity to 1e-10 of what the pressure has to correct: far below every error that is measured.
         let tolerance = Tolerance { relative: 1.0e-10, absolute: 0.0 };
         let gas = VolumeAveragedGas { density: 1.0, viscosity: 1.0, boundaries, tolerance };
-        Self { gas, lengths: Vector3::from(lengths), counts }
+        Self { gas, lengths: Vector3::from(lengths), counts, column: None }
     }
 
     fn bounds(&self) -> Bounds {
@@ -86,7 +88,12 @@ impl Problem {
         self.gas.check(&grid).unwrap();
         let decomposition = grid.aligned(decomposition, GAS_HALO).unwrap();
         let bounds = self.bounds();
-        let solver = NavierStokesSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));
+        let mut solver =
+            NavierStokesSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));
+        if let Some((centre, radius)) = self.column {
+            let column = RoundColumn::new(&grid, centre, radius).unwrap();
+            solver = solver.in_column(&grid, &column, self.gas.viscosity);
+        }
         let part = *solver.part();
         let (state, bed) = (GasFields::at_rest(&part), BedOnGrid::empty(&part));
         let spacing = grid.spacing();

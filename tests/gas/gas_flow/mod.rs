@@ -9,5 +9,6 @@ mod manufactured;
 mod manufactured_in_space;
 mod outlet;
 mod ranks;
+mod round_column;
 mod source;
 mod taylor_green;

@@ -23,6 +23,7 @@ fn cells(step: usize) -> Vec<CellSample> {
         pressure: number(cell, 0),
         velocity: [1, 2, 3].map(|k| number(cell, k)),
         voidage: number(cell, 4),
+        open_fraction: 1.0,
         solids_velocity: [5, 6, 7].map(|k| number(cell, k)),
     };
     (0..COUNTS.iter().product::<usize>() as u64).map(cell).collect()

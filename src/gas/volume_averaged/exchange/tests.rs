@@ -119,7 +119,8 @@ fn couple(
     let results = run_on_threads(grid.iter().product(), |ranks| {
         let bounds = bounds();
         let subdomain = decomposition.subdomain(&bounds, ranks.rank());
-        let mut exchange = ParticleExchange::new(model, limits(), &cells, subdomain).unwrap();
+        let mut exchange =
+            ParticleExchange::new(model, limits(), (&cells, None), subdomain).unwrap();
         let part = *exchange.part();
         let mut particles = bed_of(&decomposition, ranks.rank(), count);
         let mut halo = FieldHalo::new(subdomain);
@@ -266,6 +267,6 @@ fn cells_smaller_than_the_drift_of_particles_are_refused() {
     let bounds = bounds();
     let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
     let subdomain = decomposition.subdomain(&bounds, 0);
-    let result = ParticleExchange::new(&model(0.0), limits(), &cells, subdomain);
+    let result = ParticleExchange::new(&model(0.0), limits(), (&cells, None), subdomain);
     assert!(result.unwrap_err().contains("may drift"));
 }

@@ -1,0 +1,243 @@
+//! The wall of a round column, around the gas.
+//!
+//! Where the wall cuts cells, the open fraction theta of each ([`RoundColumn`]) stands beside its voidage: cells hold theta eps of gas
+//! per volume, a face has the mean theta of its two cells and, between an open and a closed one, nothing passes. So all
+//! balances keep their form with theta eps, theta beta and theta (beta v) in the place of eps, beta and (beta v), and the
+//! pressure equation stays symmetric. (A porosity in the place of cut cells: Hirt & Sicilian, 4th Int. Conf. Numerical
+//! Ship Hydrodynamics (1985).)
+//!
+//! The gas sticks to the wall where the wall is: if the neighbour of a velocity u along an axis across the column is closed, the
+//! viscous force per open volume has
+//!
+//! ```math
+//! -\frac{\mu \varepsilon\, u}{h\, \Delta x} \qquad \text{instead of} \qquad -\frac{\mu \varepsilon\, u}{\Delta x^2},
+//! ```
+//!
+//! h the distance of the wall along the axis: of second order in space (Gibou, Fedkiw, Cheng & Kang, J. Comput. Phys. 176
+//! (2002) 205-227). It is implicit in time, as drag is, so that a small h needs no small step. For the component along that axis
+//! both are twice as large, as everywhere.
+
+use super::faces::{Region, moved};
+use super::model::LocalGas;
+use super::viscosity::{ViscousFields, add_viscous_force};
+use super::{BedOnGrid, GAS_HALO};
+use crate::grid::{BoxGrid, ColumnOnCells, Field, LocalCells, RoundColumn};
+use nalgebra::Vector3;
+
+/// The wall of a round column on a rank's cells, and the bed in it per volume of whole cells.
+#[derive(Clone, Debug)]
+pub(super) struct RoundWall {
+    cells: ColumnOnCells,
+    /// mu k of the faces normal to each axis, k the sum of 1 / (h dx) over closed neighbours (see above); infinite in closed faces,
+    /// so that the gas in them rests.
+    pub(super) friction: [Field; 3],
+    /// Neighbours of faces of each component across the wall.
+    closed_neighbours: [Vec<ClosedNeighbour>; 3],
+    /// theta eps, theta beta, theta (beta v); 1 and 0 in closed cells.
+    pub(super) bed: BedOnGrid,
+    /// theta eps at the beginning of the step.
+    pub(super) voidage_before: Field,
+}
+
+/// That a face has no open neighbour on one side along an axis across the column.
+#[derive(Clone, Copy, Debug)]
+struct ClosedNeighbour {
+    /// Of the face, counted from the part's first cell.
+    place: [isize; 2],
+    axis: usize,
+    side: isize,
+    /// Distance of the wall along the axis.
+    distance: f64,
+}
+
+/// A component of the velocity, on the faces normal to its axis.
+#[derive(Clone, Copy)]
+struct Component<'a> {
+    axis: usize,
+    part: &'a LocalCells,
+    spacing: Vector3<f64>,
+    column: &'a RoundColumn,
+}
+
+impl Component<'_> {
+    /// Whether both cells of a face are open.
+    fn is_open(&self, [i, j]: [isize; 2]) -> bool {
+        let below = match self.axis {
+            0 => [i - 1, j],
+            1 => [i, j - 1],
+            _ => [i, j],
+        };
+        let open = |[i, j]: [isize; 2]| {
+            let global = [i + self.part.start[0] as isize, j + self.part.start[1] as isize];
+            self.column.open_fraction(global) > 0.0
+        };
+        open([i, j]) && open(below)
+    }
+
+    /// Where the velocity of a face is, across the column.
+    fn point(&self, place: [isize; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let half = if axis == self.axis { 0.0 } else { 0.5 };
+            ((self.part.start[axis] as isize + place[axis]) as f64 + half) * self.spacing[axis]
+        })
+    }
+
+    /// The closed neighbours of an open face.
+    fn closed_neighbours(self, place: [isize; 2]) -> impl Iterator<Item = ClosedNeighbour> {
+        let sides = [0, 1].into_iter().flat_map(|axis| [(axis, -1), (axis, 1)]);
+        sides.filter_map(move |(axis, side)| {
+            let mut neighbour = place;
+            neighbour[axis] += side;
+            let least = LEAST_DISTANCE * self.spacing[axis];
+            let distance =
+                self.column.distance_to_wall(self.point(place), axis, side > 0).max(least);
+            (!self.is_open(neighbour)).then_some(ClosedNeighbour { place, axis, side, distance })
+        })
+    }
+
+    /// How often the viscous force counts what varies along an axis.
+    fn factor(&self, axis: usize) -> f64 {
+        if axis == self.axis { 2.0 } else { 1.0 }
+    }
+}
+
+/// Over the spacing: nearer walls hold the gas as fast as one needs.
+const LEAST_DISTANCE: f64 = 1.0e-6;
+
+impl RoundWall {
+    /// Around a gas of this viscosity on a part of a grid.
+    pub(super) fn new(
+        grid: &BoxGrid,
+        part: &LocalCells,
+        column: &RoundColumn,
+        viscosity: f64,
+    ) -> Self {
+        let zero = Field::new(part, GAS_HALO);
+        let of = |axis: usize| Component { axis, part, spacing: grid.spacing(), column };
+        Self {
+            cells: ColumnOnCells::new(column, part, &zero),
+            friction: [0, 1, 2].map(|axis| friction(of(axis), viscosity)),
+            closed_neighbours: [0, 1, 2].map(|axis| closed_neighbours(of(axis))),
+            bed: BedOnGrid::empty(part),
+            voidage_before: zero,
+        }
+    }
+
+    /// Whether the cells at a place across the column are open.
+    pub(super) fn is_open(&self, field: &Field, cell: [isize; 3]) -> bool {
+        self.cells.at(field.index(cell)) > 0.0
+    }
+
+    /// Sets the bed and the voidage of the beginning of the step from those per open volume, halos included.
+    pub(super) fn set_bed(&mut self, bed: &BedOnGrid, voidage_before: &Field) {
+        let Self { cells, bed: scaled, voidage_before: before, .. } = self;
+        scale(cells, (voidage_before, 1.0), before);
+        scale(cells, (&bed.voidage, 1.0), &mut scaled.voidage);
+        scale(cells, (&bed.momentum_transfer, 0.0), &mut scaled.momentum_transfer);
+        let to = &mut scaled.transferred_velocity;
+        for (from, to) in bed.transferred_velocity.iter().zip(to) {
+            scale(cells, (from, 0.0), to);
+        }
+    }
+
+    /// Sets theta eps from a voidage, as that of the beginning of a step.
+    pub(super) fn set_voidage(&mut self, voidage: &Field) {
+        scale(&self.cells, (voidage, 1.0), &mut self.voidage_before);
+    }
+
+    /// Adds the viscous force per volume of whole cells on the free faces of a component, without the part that is implicit
+    /// in time. `force` is overwritten.
+    pub(super) fn add_viscous_force(
+        &self,
+        [rate, force]: [&mut Field; 2],
+        axis: usize,
+        fields: ViscousFields,
+        local: LocalGas,
+        spacing: Vector3<f64>,
+    ) {
+        force.values_mut().fill(0.0);
+        add_viscous_force(force, axis, fields, local, spacing);
+        for neighbour in &self.closed_neighbours[axis] {
+            neighbour.take_out(force, axis, fields, (local, spacing));
+        }
+        let step = force.strides()[axis] as isize;
+        for row in Region::free_faces(local.part, axis, local.gas).rows(rate) {
+            let force = moved(force.values(), &row, 0);
+            let first = row.start;
+            for (i, rate) in rate.values_mut()[row].iter_mut().enumerate() {
+                let here = first + i;
+                let below = here.wrapping_add_signed(-step);
+                *rate += 0.5 * (self.cells.at(below) + self.cells.at(here)) * force[i];
+            }
+        }
+    }
+}
+
+impl ClosedNeighbour {
+    /// Takes out of the viscous force per open volume what it has of the neighbour.
+    fn take_out(
+        &self,
+        force: &mut Field,
+        component: usize,
+        fields: ViscousFields,
+        (local, spacing): (LocalGas, Vector3<f64>),
+    ) {
+        let (u, eps) = (fields.velocity[component].values(), fields.voidage.values());
+        let (strides, [i, j]) = (force.strides().map(|stride| stride as isize), self.place);
+        let (own, step) = (strides[component], self.side * strides[self.axis]);
+        let faces = Region::free_faces(local.part, component, local.gas);
+        for k in faces.from[2]..faces.to[2] {
+            let here = force.index([i, j, k]);
+            let at = |values: &[f64], steps: isize| values[here.wrapping_add_signed(steps)];
+            let voidage = if self.axis == component {
+                2.0 * at(eps, if self.side > 0 { 0 } else { -own })
+            } else {
+                0.25 * ((at(eps, -own) + at(eps, 0)) + (at(eps, step - own) + at(eps, step)))
+            };
+            let width = spacing[self.axis];
+            let slope = (at(u, step) - at(u, 0)) / width;
+            force.values_mut()[here] -= local.gas.viscosity * voidage * slope / width;
+        }
+    }
+}
+
+/// theta times a field, and another value in closed cells.
+fn scale(cells: &ColumnOnCells, (from, closed): (&Field, f64), to: &mut Field) {
+    let layer = cells.layer();
+    let layers = from.values().chunks_exact(layer.len());
+    for (from, to) in layers.zip(to.values_mut().chunks_exact_mut(layer.len())) {
+        for ((value, open), to) in from.iter().zip(layer).zip(to) {
+            *to = if *open > 0.0 { open * value } else { closed };
+        }
+    }
+}
+
+/// mu k of all faces of a component, halo included but for its outermost layer.
+fn friction(component: Component, viscosity: f64) -> Field {
+    let mut friction = Field::new(component.part, GAS_HALO);
+    let Region { from, to } = Region::widened(component.part, GAS_HALO as isize);
+    for (i, j) in (from[1]..to[1]).flat_map(|j| (from[0]..to[0]).map(move |i| (i, j))) {
+        let coefficient = match component.is_open([i, j]) {
+            true => component
+                .closed_neighbours([i, j])
+                .map(|neighbour| {
+                    let (axis, distance) = (neighbour.axis, neighbour.distance);
+                    component.factor(axis) * viscosity / (distance * component.spacing[axis])
+                })
+                .sum(),
+            false => f64::INFINITY,
+        };
+        for k in from[2]..to[2] {
+            *friction.at_mut([i, j, k]) = coefficient;
+        }
+    }
+    friction
+}
+
+/// Those of the owned faces of a component.
+fn closed_neighbours(component: Component) -> Vec<ClosedNeighbour> {
+    let [nx, ny, _] = component.part.count.map(|count| count as isize);
+    let places = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j]));
+    let open = places.filter(|&place| component.is_open(place));
+    open.flat_map(|place| component.closed_neighbours(place)).collect()
+}
