@@ -56,6 +56,7 @@ pub(super) fn read_volume_averaged(
             parcel_size: 1.0,
         },
         filter_width,
+        undisturbed: section.boolean("undisturbed_velocity")?,
         least_voidage: section.number("least_voidage")?,
     };
     let driving = section.vector("driving").map(Vector3::from).unwrap_or_default();

@@ -61,6 +61,11 @@ impl CellTransfer {
         self.locator.cells()
     }
 
+    /// What the filter leaves of a wave: see [`Filter::part_of_wave`]; all of it without a filter.
+    pub(crate) fn part_of_wave(&self, squares: [f64; 3]) -> f64 {
+        self.filter.as_ref().map_or(1.0, |filter| filter.part_of_wave(squares))
+    }
+
     /// The round column that bounds the gas, if there is one.
     pub(crate) fn column(&self) -> Option<&ColumnOnCells> {
         self.column.as_ref()

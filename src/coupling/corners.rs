@@ -20,6 +20,11 @@ impl Corners {
         }
     }
 
+    /// The sum of the squares of the weights: what a point sees of what it gives, 8/27 in the mean over a cell.
+    pub(crate) fn own_share(&self) -> f64 {
+        self.weights.iter().map(|weight| weight * weight).sum()
+    }
+
     /// The weights of the open cells of a round column alone, over their sum.
     pub(crate) fn in_column(mut self, column: &ColumnOnCells) -> Self {
         for (place, weight) in self.places.into_iter().zip(&mut self.weights) {

@@ -48,6 +48,12 @@ impl Filter {
         (steps > 0).then_some(Self { steps, strength, periodic, column, scratch: Vec::new() })
     }
 
+    /// What it leaves of a wave, given by sin^2 of half its angle from cell to cell along each axis.
+    pub(crate) fn part_of_wave(&self, squares: [f64; 3]) -> f64 {
+        let change: f64 = (0..3).map(|axis| 4.0 * self.strength[axis] * squares[axis]).sum();
+        (1.0 - change).powi(self.steps as i32)
+    }
+
     /// Filters the owned cells of fields. Collective. After: halos are out of date.
     pub(crate) fn apply(
         &mut self,

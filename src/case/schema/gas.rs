@@ -214,6 +214,13 @@ const VOLUME_AVERAGED: &[Key] = &[
     )
     .unit("length")
     .default(Value::Number(0.0)),
+    Key::new(
+        "undisturbed_velocity",
+        Kind::Boolean,
+        "Whether the drag on a particle is that of the gas without what the particle itself does to its cells: for dilute gases, in \
+         cells of at least 3 diameters or with a filter of as much; in a packed bed it changes nothing",
+    )
+    .default(Value::Boolean(false)),
     Key::number(
         "least_voidage",
         Allowed::between(0.01, 0.9),

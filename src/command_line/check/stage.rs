@@ -175,6 +175,9 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     let unfiltered = model.coupling.filter_width < 3.0 * sizes.largest_diameter;
     if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
         lines.warn("cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised");
+        if model.coupling.undisturbed {
+            lines.warn("gas.undisturbed_velocity: on such cells without a filter a lone particle falls up to 10 % too fast");
+        }
     }
     if in_diameters.max() > COARSE_CELL {
         lines.warn(&format!(

@@ -5,8 +5,10 @@
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
 mod mean_diameter;
+mod own_disturbance;
 
 use self::mean_diameter::MeanDiameter;
+use self::own_disturbance::{OwnDisturbance, SeenGas};
 use super::momentum_balance::{CellVolumes, Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
 use crate::coupling::{
@@ -32,6 +34,8 @@ pub struct ParticleExchange {
     transfer: CellTransfer,
     /// Where particles of different sizes share the drag by surface.
     mean_diameter: Option<MeanDiameter>,
+    /// Where drag is that of the undisturbed gas.
+    own_disturbance: Option<OwnDisturbance>,
     quanta: Quanta,
     largest_drag: f64,
     pub(super) bed: BedOnGrid,
@@ -81,6 +85,10 @@ impl ParticleExchange {
             true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
             false => model.drag.per_velocity(largest, dense, slip),
         };
+        let largest_drag = match model.undisturbed {
+            true => largest_drag * OwnDisturbance::LARGEST_FACTOR,
+            false => largest_drag,
+        };
         // A cell has room for this many of the smallest particles; quanta allow for four times as many.
         let room = 1.0 + grid.cell_volume() / (PI / 6.0 * smallest.powi(3));
         let drag = room * largest_drag;
@@ -90,11 +98,15 @@ impl ParticleExchange {
             drag_flux: Quantum::spanning(drag * limits.speed),
         };
         let zero = Field::new(&part, GAS_HALO);
+        let transfer = CellTransfer::new((grid, column), model.filter_width, subdomain, &zero);
+        let gas = [model.drag.density, model.drag.viscosity];
+        let own_disturbance = model.undisturbed.then(|| OwnDisturbance::new(grid, &transfer, gas));
         Ok(Self {
             model: model.clone(),
             limits,
             spacing: grid.spacing(),
-            transfer: CellTransfer::new((grid, column), model.filter_width, subdomain, &zero),
+            transfer,
+            own_disturbance,
             mean_diameter: shares_surface
                 .then(|| MeanDiameter::new(&part, grid.cell_volume(), limits.diameters)),
             quanta,
@@ -189,15 +201,25 @@ impl ParticleExchange {
         for (i, corners) in self.transfer.corners().iter().enumerate() {
             let [u, v, w, eps] = interpolate([gas_x, gas_y, gas_z, &*voidage], corners);
             let velocity = particles.body[i].velocity;
-            let slip = eps * (Vector3::new(u, v, w) - velocity).norm();
+            let slip = Vector3::new(u, v, w) - velocity;
             let diameter = 2.0 * particles.body[i].radius;
+            let mean = self.mean_diameter.as_ref().map(|mean| mean.at(corners, diameter));
             let law = &self.model.drag;
-            let drag = match &self.mean_diameter {
-                Some(mean) => {
-                    let diameters = [diameter, mean.at(corners, diameter)];
-                    law.per_velocity_in_mixture(diameters, 1.0 - eps, slip)
+            let drag_at = |solids_fraction: f64, slip: f64| match mean {
+                Some(mean) => law.per_velocity_in_mixture([diameter, mean], solids_fraction, slip),
+                None => law.per_velocity(diameter, solids_fraction, slip),
+            };
+            let drag = match &self.own_disturbance {
+                Some(own) => {
+                    let seen = SeenGas {
+                        slip,
+                        solids_fraction: 1.0 - eps,
+                        volume: particles.volume(i),
+                        own_share: corners.own_share(),
+                    };
+                    own.coefficient(&seen, drag_at)
                 }
-                None => law.per_velocity(diameter, 1.0 - eps, slip),
+                None => drag_at(1.0 - eps, eps * slip.norm()),
             };
             result = result.and(check.of(i, drag, eps));
             self.drag.push(drag);

@@ -38,6 +38,8 @@ pub struct CouplingModel {
     pub drag: ParticleDrag,
     /// Full width at half maximum of the filter; 0 for none.
     pub filter_width: f64,
+    /// Whether drag is that of the gas as it would be without the particle itself.
+    pub undisturbed: bool,
     /// Smallest voidage: lower ones are raised to it, and their cells counted.
     pub least_voidage: f64,
 }

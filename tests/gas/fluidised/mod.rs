@@ -3,6 +3,7 @@
 mod column;
 mod cooling;
 mod force_balance;
+mod lone_particle;
 mod moving_wall;
 mod one_answer;
 mod packed_bed;
@@ -57,6 +58,7 @@ fn gas_on_cells(
                 parcel_size: 1.0,
             },
             filter_width: 0.0,
+            undisturbed: false,
             least_voidage: 0.2,
         },
         substeps: 5,

@@ -36,7 +36,8 @@ fn a_bed_in_a_gas_has_one_answer_on_any_ranks() {
     let shares = [DragShare::Diameter, DragShare::Surface];
     for (width, share) in [0.0, 3.0].into_iter().flat_map(|width| shares.map(|s| (width, s))) {
         let mut bench = bed(width, 200);
-        bench.volume_averaged.as_mut().unwrap().coupling.drag.share = share;
+        let coupling = &mut bench.volume_averaged.as_mut().unwrap().coupling;
+        (coupling.drag.share, coupling.undisturbed) = (share, share == DragShare::Surface);
         let alone = bench.on_ranks([1; 3], |run| run.steps(200).snapshot().bits());
         for grid in GRIDS {
             let bits = bench.on_ranks(grid, |run| run.steps(200).snapshot().bits());

@@ -19,7 +19,18 @@ fn gradient_in(
     diameters: &[f64],
     voidage: f64,
     velocity: f64,
+    law_of_drag: (DragLaw, DragShare),
+) -> f64 {
+    gradient_of(diameters, voidage, velocity, law_of_drag, false)
+}
+
+/// The same with the drag of the undisturbed gas, or not.
+fn gradient_of(
+    diameters: &[f64],
+    voidage: f64,
+    velocity: f64,
     (law_of_drag, share): (DragLaw, DragShare),
+    undisturbed: bool,
 ) -> f64 {
     // A cubic lattice, spheres overlapping a little: so heavy that nothing moves.
     let cube = diameters.iter().map(|d| d.powi(3)).sum::<f64>() / diameters.len() as f64;
@@ -33,6 +44,7 @@ fn gradient_in(
     bench.add_layers(2048, (spacing * (1.0 - 1.0e-9), 0.5 * spacing), diameters, (0.0, 0.0));
     let mut model = gas_on_cells(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);
     model.coupling.drag.share = share;
+    model.coupling.undisturbed = undisturbed;
     bench.volume_averaged = Some(model);
     let mut run = bench.alone();
     run.steps(100);
@@ -70,4 +82,16 @@ fn a_packed_bed_of_two_sizes_has_the_drop_of_its_sauter_diameter() {
     assert!((shared / expected - 1.0).abs() < 0.001, "{shared} for {expected}");
     // The control: each with the drag of a bed of its own size.
     assert!((found(DragShare::Diameter) / expected - 1.0).abs() > 0.01);
+}
+
+/// What a particle does to its own gas is no error where all of them do it.
+#[test]
+fn the_undisturbed_velocity_changes_nothing_in_a_packed_bed() {
+    let ergun = (DragLaw::Ergun(Ergun), DragShare::default());
+    let [with, without] =
+        [true, false].map(|own| gradient_of(&[DIAMETER], 0.45, 0.5, ergun.clone(), own));
+    println!("Ergun: {with:.3} Pa/m undisturbed, {without:.3} Pa/m as seen");
+    // S = 0.01 of a share of some per cent, and as much of the particle's own volume.
+    assert!((with / without - 1.0).abs() < 0.005, "{with} for {without}");
+    assert!(with != without); // a control: it acts
 }

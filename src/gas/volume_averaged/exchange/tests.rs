@@ -32,7 +32,7 @@ fn model(filter_width: f64) -> CouplingModel {
         density: 0.05,
         parcel_size: 1.0,
     };
-    CouplingModel { drag, filter_width, least_voidage: 0.2 }
+    CouplingModel { drag, filter_width, undisturbed: false, least_voidage: 0.2 }
 }
 
 fn limits() -> ParticleLimits {
