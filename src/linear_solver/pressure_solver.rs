@@ -126,7 +126,8 @@ impl PressureSolver {
     /// Solves A p = b, starting from the values in `solution`. Only owned cells of both fields are read and set.
     ///
     /// In a closed box (d_c = 0 everywhere) the mean of the right-hand side is subtracted, and the solution has mean
-    /// zero, over the cells that are coupled to others; the rest keep what they have. This call is collective. The bits of the result do not depend on the decomposition.
+    /// zero, over the cells that are coupled to others; in the rest the solution means nothing. This call is collective.
+    /// The bits of the result do not depend on the decomposition.
     ///
     /// # Errors
     /// If the right-hand side or the start values are not finite, or after 200 iterations: the same error on all ranks;

@@ -271,5 +271,5 @@ where b is its drag per velocity. `check` prints all three.
 With a round column (`[[wall]]` with a `radius`) the volume-averaged gas flows in it, not in the rest of the box. It sticks to
 the column's wall, at the wall's true distance; cells whose centres lie outside are closed, and those at the wall share
 what the column has of them. Velocities and fluxes are per cross-section of the column, which stands still and is at least
-4 cells wide. Snapshots show a voidage of 0 in closed cells.",
+4 cells wide. Snapshots show a voidage and a pressure of 0 in closed cells.",
 };

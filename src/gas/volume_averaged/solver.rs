@@ -187,11 +187,16 @@ impl VolumeAveragedSolver {
             above[axis] += 1;
             0.5 * (velocity[axis].at(cell) + velocity[axis].at(above))
         };
+        // Pressure and voidage of closed cells mean nothing.
+        let if_open = |field: &Field, cell: [isize; 3]| match self.open_fraction(cell) > 0.0 {
+            true => field.at(cell),
+            false => 0.0,
+        };
         let sample = |cell: [isize; 3]| CellSample {
             cell: part.number_of(cell),
-            pressure: pressure.at(cell),
+            pressure: if_open(pressure, cell),
             velocity: std::array::from_fn(|axis| mean(axis, cell)),
-            voidage: if self.open_fraction(cell) > 0.0 { voidage.at(cell) } else { 0.0 },
+            voidage: if_open(voidage, cell),
             open_fraction: self.open_fraction(cell),
             solids_velocity: std::array::from_fn(|axis| solids[axis].at(cell)),
         };

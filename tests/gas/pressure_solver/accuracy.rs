@@ -92,6 +92,34 @@ fn in_a_closed_box_the_mean_is_removed_from_sources_and_solution() {
     }
 }
 
+/// The corners of a box around a round column: nothing flows to or from them.
+#[test]
+fn cells_that_are_coupled_to_none_have_no_part_in_the_mean() {
+    let mut equation = Equation::new([12, 12, 14], [false, false, true]);
+    equation.diagonal.fill(0.0);
+    let is_open = |equation: &Equation, cell: usize| {
+        let [i, j, _] = equation.indices(cell);
+        (i as f64 - 5.6).hypot(j as f64 - 5.3) < 5.4
+    };
+    for (axis, cell) in (0..3).flat_map(|axis| (0..12 * 12 * 14).map(move |cell| (axis, cell))) {
+        let below = equation.below(cell, axis);
+        if !is_open(&equation, cell) || below.is_some_and(|below| !is_open(&equation, below)) {
+            equation.faces[axis][cell] = 0.0;
+        }
+    }
+    let open: Vec<bool> = (0..equation.cells()).map(|cell| is_open(&equation, cell)).collect();
+    let count = open.iter().filter(|&&open| open).count() as f64;
+    equation.right.iter_mut().zip(&open).filter(|(_, open)| !**open).for_each(|(b, _)| *b = 0.0);
+    let outcome = equation.solve_on(&equation.even_decomposition([2, 1, 2]), TIGHT);
+    let mean = equation.right.iter().sum::<f64>() / count;
+    // The rounding errors of both sums are below 1e-12.
+    assert!((outcome.result.unwrap().removed_mean - mean).abs() < 1.0e-12);
+    assert!((mean * count / equation.cells() as f64 - mean).abs() > 1.0e-3); // a control: over all cells it is another
+    let pairs = equation.right.iter_mut().zip(&open);
+    pairs.filter(|(_, open)| **open).for_each(|(value, _)| *value -= mean);
+    equation.check(&outcome, TIGHT.relative);
+}
+
 #[test]
 fn in_a_box_with_an_outlet_no_mean_is_removed() {
     // Negative control of the test above.
