@@ -70,8 +70,14 @@ fn read_column(
     grid: Option<&BoxGrid>,
     context: ReadContext<'_>,
 ) -> Option<Option<RoundColumn>> {
-    let round: Vec<&Wall> = context.domain?.walls.iter().filter(|wall| wall.is_round()).collect();
-    let [wall] = round[..] else {
+    let walls = context.domain?.walls.iter();
+    let round: Vec<_> = walls
+        .filter_map(|wall| match wall.shape {
+            WallShape::Cylinder { centre, radius } => Some((wall, centre, radius)),
+            WallShape::Plane { .. } => None,
+        })
+        .collect();
+    let [(wall, centre, radius)] = round[..] else {
         if !round.is_empty() {
             section.fail("kind", "the gas flows in one round column: there are several");
         }
@@ -84,7 +90,6 @@ fn read_column(
         ));
         return None;
     }
-    let WallShape::Cylinder { centre, radius } = wall.shape else { return Some(None) };
     let column = RoundColumn::new(grid?, [centre.x, centre.y], radius);
     column.map(Some).map_err(|message| section.fail("cells", message)).ok()
 }

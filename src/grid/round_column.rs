@@ -70,7 +70,9 @@ impl RoundColumn {
             open_fractions: vec![0.0; nx * ny],
         };
         let open: Vec<bool> = (0..nx * ny)
-            .map(|cell| column.depth(column.cell_centre([cell % nx, cell / nx])) > 0.0)
+            .map(|cell| {
+                column.distance_from_axis(column.cell_centre([cell % nx, cell / nx])) < radius
+            })
             .collect();
         column.share_area(&open, &CellLocator::new(grid, LocalCells::whole([nx, ny, 1])), 0.5 * dz);
         Ok(column)
@@ -93,11 +95,16 @@ impl RoundColumn {
         if inside { self.open_fractions[(i + nx * j) as usize] } else { 0.0 }
     }
 
+    /// The same, counted from the first cell of a rank's part.
+    pub(crate) fn open_fraction_in(&self, part: &LocalCells, [i, j]: [isize; 2]) -> f64 {
+        self.open_fraction([i + part.start[0] as isize, j + part.start[1] as isize])
+    }
+
     /// 2 (1 - r^2 / R^2) in open cells, x fastest, scaled so that its mean over the column is 1; 0 in closed ones.
     pub fn parabolic_profile(&self) -> Vec<f64> {
         let parabola = |(cell, open): (usize, &f64)| {
             let [nx, _] = self.counts;
-            let distance = self.radius - self.depth(self.cell_centre([cell % nx, cell / nx]));
+            let distance = self.distance_from_axis(self.cell_centre([cell % nx, cell / nx]));
             if *open > 0.0 { 1.0 - (distance / self.radius).powi(2) } else { 0.0 }
         };
         let mut profile: Vec<f64> = self.open_fractions.iter().enumerate().map(parabola).collect();
@@ -108,10 +115,14 @@ impl RoundColumn {
 
     /// Distance from a point in the column to its wall along x (0) or y (1), forwards or backwards.
     pub(crate) fn distance_to_wall(&self, point: [f64; 2], axis: usize, forwards: bool) -> f64 {
-        let across = point[1 - axis] - self.centre[1 - axis];
-        let half_chord = (self.radius * self.radius - across * across).max(0.0).sqrt();
         let along = point[axis] - self.centre[axis];
-        half_chord + if forwards { -along } else { along }
+        self.half_chord(axis, point[1 - axis]) + if forwards { -along } else { along }
+    }
+
+    /// Half of the column's chord along an axis, at a place along the other.
+    fn half_chord(&self, axis: usize, across: f64) -> f64 {
+        let out = across - self.centre[1 - axis];
+        (self.radius * self.radius - out * out).max(0.0).sqrt()
     }
 
     /// The point whose weights a point in the column has: itself, unless it lies in the outermost segments.
@@ -135,9 +146,8 @@ impl RoundColumn {
         (self.radius * self.radius - 0.25 * (dx * dx + dy * dy)).sqrt() * rounding
     }
 
-    /// Distance from the wall, negative outside.
-    fn depth(&self, [x, y]: [f64; 2]) -> f64 {
-        self.radius - length_of([x - self.centre[0], y - self.centre[1]])
+    fn distance_from_axis(&self, [x, y]: [f64; 2]) -> f64 {
+        length_of([x - self.centre[0], y - self.centre[1]])
     }
 
     fn cell_centre(&self, cell: [usize; 2]) -> [f64; 2] {
@@ -154,8 +164,8 @@ impl RoundColumn {
                 inside.then(|| i - 1 + nx * (j - 1))
             };
             let within = |&cell: &usize| {
-                let [x, y] = self.cell_centre([cell % nx, cell / nx]);
-                open[cell] && self.radius - self.depth([x, y]) <= self.reach()
+                let centre = self.cell_centre([cell % nx, cell / nx]);
+                open[cell] && self.distance_from_axis(centre) <= self.reach()
             };
             let cells: Vec<usize> = corners.into_iter().filter_map(cell).filter(within).collect();
             if cells.len() == corners.len() {
@@ -181,8 +191,7 @@ impl RoundColumn {
         for strip in 0..STRIPS {
             let mut point = Vector3::new(0.0, 0.0, z);
             point[across] = edges[across][0] + (strip as f64 + 0.5) * width;
-            let out = point[across] - self.centre[across];
-            let half_chord = (self.radius * self.radius - out * out).max(0.0).sqrt();
+            let half_chord = self.half_chord(along, point[across]);
             let lowest = edges[along][0].max(self.centre[along] - half_chord);
             let highest = edges[along][1].min(self.centre[along] + half_chord);
             let step = (highest - lowest) / STRIPS as f64;
@@ -246,8 +255,7 @@ impl ColumnOnCells {
         let [nx, ny] = [0, 1].map(|axis| part.count[axis] as isize);
         let halo = field.halo() as isize;
         let places = (-halo..ny + halo).flat_map(|j| (-halo..nx + halo).map(move |i| [i, j]));
-        let global = |[i, j]: [isize; 2]| [i + part.start[0] as isize, j + part.start[1] as isize];
-        let open_fractions = places.map(|place| column.open_fraction(global(place))).collect();
+        let open_fractions = places.map(|place| column.open_fraction_in(part, place)).collect();
         Self { column: column.clone(), open_fractions }
     }
 
@@ -287,11 +295,12 @@ mod tests {
             for [i, j] in cells {
                 let open = column.open_fraction([i, j]);
                 let centre = column.cell_centre([i as usize, j as usize]);
-                prop_assert_eq!(open > 0.0, column.depth(centre) > 0.0);
+                let depth = radius - column.distance_from_axis(centre);
+                prop_assert_eq!(open > 0.0, depth > 0.0);
                 // No open cell is small, nor has it more than it and its neighbours outwards.
                 prop_assert!(open == 0.0 || (0.3..2.5).contains(&open), "{}", open);
                 let diagonal = (column.spacing[0].powi(2) + column.spacing[1].powi(2)).sqrt();
-                let is_inside = column.depth(centre) > 2.0 * diagonal;
+                let is_inside = depth > 2.0 * diagonal;
                 prop_assert!(!is_inside || open == 1.0, "{}", open);
                 full += i32::from(is_inside);
                 sum += open;

@@ -129,6 +129,14 @@ pub(crate) fn run_case(ranks: usize, [case, output]: [&str; 2], more: &[&str]) -
     talcum(ranks, &[&["run", case, "--output", output], more].concat())
 }
 
+/// Runs of one case, each on so many ranks into its own folder in `folder`, with more options.
+pub(crate) fn runs_of(case: &str, folder: &Path) -> impl Fn(usize, &str, &[&str]) -> Ended + use<> {
+    let (case, folder) = (case.to_owned(), folder.to_owned());
+    move |ranks, name, more| {
+        run_case(ranks, [&case, &folder.join(name).display().to_string()], more)
+    }
+}
+
 impl Running {
     /// Waits for the end.
     pub(crate) fn wait(mut self) -> Ended {

@@ -1,6 +1,6 @@
 //! Parcels in place of particles: what acts on them, what is kept, and what is refused.
 
-use crate::launch::{checkpoints, in_repository, run_case, talcum};
+use crate::launch::{checkpoints, in_repository, runs_of, talcum};
 use std::path::Path;
 use talcum::case::Case;
 use talcum::output::checkpoint;
@@ -161,8 +161,7 @@ fn each_rule_keeps_what_it_says() {
 #[test]
 fn parcels_have_one_digest_on_any_ranks_and_begin_with_parcels_only() {
     let folder = tempfile::tempdir().unwrap();
-    let place = |name: &str| folder.path().join(name).display().to_string();
-    let run = |ranks, name: &str, more: &[&str]| run_case(ranks, [&file(), &place(name)], more);
+    let run = runs_of(&file(), folder.path());
     let digest = run(0, "whole", &[]).digest();
     assert_eq!(run(2, "two", &[]).digest(), digest);
     run(2, "parts", &["--until", "0.02"]).digest();

@@ -1,7 +1,6 @@
 //! Gas in a round column, as a case and through its files.
 
-use crate::launch::{checkpoints, in_repository, run_case, series};
-use std::path::Path;
+use crate::launch::{checkpoints, in_repository, run_case, runs_of, series, talcum};
 
 fn file() -> String {
     in_repository("tests/cases/good/round-column.toml").display().to_string()
@@ -10,16 +9,15 @@ fn file() -> String {
 #[test]
 fn a_case_has_one_digest_on_any_ranks_and_through_a_restart() {
     let folder = tempfile::tempdir().unwrap();
-    let place = |name: &str| folder.path().join(name).display().to_string();
-    let run = |ranks, name: &str, more: &[&str]| run_case(ranks, [&file(), &place(name)], more);
+    let run = runs_of(&file(), folder.path());
     let digest = run(0, "whole", &[]).digest();
     for ranks in [2, 3, 4] {
         assert_eq!(run(ranks, &format!("{ranks}"), &[]).digest(), digest, "{ranks} ranks");
     }
     run(2, "part", &["--until", "0.5"]);
-    let start = checkpoints(Path::new(&place("part"))).pop().unwrap().display().to_string();
-    let output = place("rest");
-    let rest = crate::launch::talcum(3, &["restart", &start, "--output", &output]).digest();
+    let start = checkpoints(&folder.path().join("part")).pop().unwrap().display().to_string();
+    let output = folder.path().join("rest").display().to_string();
+    let rest = talcum(3, &["restart", &start, "--output", &output]).digest();
     assert_eq!(rest, digest);
     // Control: a narrower column.
     assert_ne!(run(0, "narrower", &["--set", "wall.1.radius=3.7"]).digest(), digest);

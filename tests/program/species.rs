@@ -1,6 +1,6 @@
 //! Several species in a case file: what they mix to, what is refused, files of particles, runs and restarts.
 
-use crate::launch::{checkpoints, in_repository, run_case};
+use crate::launch::{checkpoints, in_repository, runs_of};
 use std::path::Path;
 use talcum::case::{BedPart, Case};
 use talcum::contact::{ContactForceLaw, ContactLaw, FrictionCap, LinearSpringDashpot};
@@ -117,8 +117,7 @@ fn classes_and_files_say_the_species() {
 #[test]
 fn a_mixture_has_one_digest_on_any_ranks_and_through_a_restart() {
     let folder = tempfile::tempdir().unwrap();
-    let place = |name: &str| folder.path().join(name).display().to_string();
-    let run = |ranks, name: &str, more: &[&str]| run_case(ranks, [&file(), &place(name)], more);
+    let run = runs_of(&file(), folder.path());
     let digest = run(0, "whole", &[]).digest();
     for ranks in [2, 3] {
         assert_eq!(run(ranks, &format!("{ranks}"), &[]).digest(), digest);
@@ -135,7 +134,7 @@ fn a_mixture_has_one_digest_on_any_ranks_and_through_a_restart() {
     );
     let plain = in_repository("tests/cases/good/plain.toml").display().to_string();
     let changes = ["--set", &start, "--set", "box.lengths=[6.0, 6.0, 30.0]"];
-    let refused = run_case(0, [&plain, &place("refused")], &changes);
+    let refused = runs_of(&plain, folder.path())(0, "refused", &changes);
     let words = "the bed at the start has 2 species: the case has 1";
     assert!(refused.error().contains(words), "{}", refused.errors);
 }

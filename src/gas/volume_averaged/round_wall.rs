@@ -46,8 +46,6 @@ struct ClosedNeighbour {
     place: [isize; 2],
     axis: usize,
     side: isize,
-    /// Distance of the wall along the axis.
-    distance: f64,
 }
 
 /// A component of the velocity, on the faces normal to its axis.
@@ -67,11 +65,7 @@ impl Component<'_> {
             1 => [i, j - 1],
             _ => [i, j],
         };
-        let open = |[i, j]: [isize; 2]| {
-            let global = [i + self.part.start[0] as isize, j + self.part.start[1] as isize];
-            self.column.open_fraction(global) > 0.0
-        };
-        open([i, j]) && open(below)
+        [[i, j], below].into_iter().all(|cell| self.column.open_fraction_in(self.part, cell) > 0.0)
     }
 
     /// Where the velocity of a face is, across the column.
@@ -88,16 +82,17 @@ impl Component<'_> {
         sides.filter_map(move |(axis, side)| {
             let mut neighbour = place;
             neighbour[axis] += side;
-            let least = LEAST_DISTANCE * self.spacing[axis];
-            let distance =
-                self.column.distance_to_wall(self.point(place), axis, side > 0).max(least);
-            (!self.is_open(neighbour)).then_some(ClosedNeighbour { place, axis, side, distance })
+            (!self.is_open(neighbour)).then_some(ClosedNeighbour { place, axis, side })
         })
     }
 
-    /// How often the viscous force counts what varies along an axis.
-    fn factor(&self, axis: usize) -> f64 {
-        if axis == self.axis { 2.0 } else { 1.0 }
+    /// 1 / (h dx) of a closed neighbour; twice that along the component's own axis.
+    fn friction_at(&self, neighbour: ClosedNeighbour) -> f64 {
+        let ClosedNeighbour { place, axis, side } = neighbour;
+        let spacing = self.spacing[axis];
+        let distance = self.column.distance_to_wall(self.point(place), axis, side > 0);
+        let factor = if axis == self.axis { 2.0 } else { 1.0 };
+        factor / (distance.max(LEAST_DISTANCE * spacing) * spacing)
     }
 }
 
@@ -130,8 +125,8 @@ impl RoundWall {
 
     /// Sets the bed and the voidage of the beginning of the step from those per open volume, halos included.
     pub(super) fn set_bed(&mut self, bed: &BedOnGrid, voidage_before: &Field) {
-        let Self { cells, bed: scaled, voidage_before: before, .. } = self;
-        scale(cells, (voidage_before, 1.0), before);
+        self.set_voidage(voidage_before);
+        let Self { cells, bed: scaled, .. } = self;
         scale(cells, (&bed.voidage, 1.0), &mut scaled.voidage);
         scale(cells, (&bed.momentum_transfer, 0.0), &mut scaled.momentum_transfer);
         let to = &mut scaled.transferred_velocity;
@@ -212,19 +207,16 @@ fn scale(cells: &ColumnOnCells, (from, closed): (&Field, f64), to: &mut Field) {
     }
 }
 
-/// mu k of all faces of a component, halo included but for its outermost layer.
+/// mu k of all faces of a component, halo included.
 fn friction(component: Component, viscosity: f64) -> Field {
     let mut friction = Field::new(component.part, GAS_HALO);
     let Region { from, to } = Region::widened(component.part, GAS_HALO as isize);
     for (i, j) in (from[1]..to[1]).flat_map(|j| (from[0]..to[0]).map(move |i| (i, j))) {
         let coefficient = match component.is_open([i, j]) {
-            true => component
-                .closed_neighbours([i, j])
-                .map(|neighbour| {
-                    let (axis, distance) = (neighbour.axis, neighbour.distance);
-                    component.factor(axis) * viscosity / (distance * component.spacing[axis])
-                })
-                .sum(),
+            true => {
+                let neighbours = component.closed_neighbours([i, j]);
+                viscosity * neighbours.map(|it| component.friction_at(it)).sum::<f64>()
+            }
             false => f64::INFINITY,
         };
         for k in from[2]..to[2] {

@@ -167,9 +167,8 @@ impl VolumeAveragedSolver {
 
     /// Part of a cell that is open: less than 1 outside and at the wall of a round column.
     fn open_fraction(&self, [i, j, _]: [isize; 3]) -> f64 {
-        let [start_x, start_y, _] = self.equations.part().start;
-        let column = self.model.column.as_ref();
-        column.map_or(1.0, |c| c.open_fraction([i + start_x as isize, j + start_y as isize]))
+        let (part, column) = (self.equations.part(), self.model.column.as_ref());
+        column.map_or(1.0, |column| column.open_fraction_in(part, [i, j]))
     }
 
     /// What snapshots show of each owned cell. Collective.

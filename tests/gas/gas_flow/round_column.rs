@@ -2,6 +2,7 @@
 
 use super::driver::{Flow, OUTLET, PERIODIC, Problem, inlet, no_slip};
 use nalgebra::Vector3;
+use talcum::analysis::LineFit;
 use talcum::gas::volume_averaged::{Boundary, Profile};
 use talcum::grid::RoundColumn;
 
@@ -51,12 +52,9 @@ fn errors(flow: &Flow, radius: f64) -> [f64; 2] {
 
 /// Exponent of the power of the number of cells that fits errors best; single pairs depend on how the wall lies among the cells.
 fn fitted_order(cells: &[usize], errors: &[f64]) -> f64 {
-    let points: Vec<[f64; 2]> =
-        cells.iter().zip(errors).map(|(&n, error)| [-(n as f64).ln(), error.ln()]).collect();
-    let mean = |of: usize| points.iter().map(|point| point[of]).sum::<f64>() / points.len() as f64;
-    let [x, y] = [mean(0), mean(1)];
-    let covariance: f64 = points.iter().map(|point| (point[0] - x) * (point[1] - y)).sum();
-    covariance / points.iter().map(|point| (point[0] - x).powi(2)).sum::<f64>()
+    let fineness: Vec<f64> = cells.iter().map(|&n| -(n as f64).ln()).collect();
+    let logarithms: Vec<f64> = errors.iter().map(|error| error.ln()).collect();
+    LineFit::of(&fineness, &logarithms).unwrap().slope.value
 }
 
 #[test]

@@ -204,12 +204,12 @@ impl Wave {
         let (halves, h) = (modes.map(|mode| mode.square), grid.spacing());
         let filter = transfer.part_of_wave(halves);
         let of_volume = halves.map(of_hats).iter().product::<f64>() * (filter * filter);
-        let along = |value: &dyn Fn(usize) -> f64| [value(0), value(1), value(2)];
+        let axes = [0, 1, 2];
         Self {
             count: modes.iter().map(|mode| mode.count).product(),
-            squares: along(&|a| 4.0 * halves[a] / (h[a] * h[a])),
-            central: along(&|a| 4.0 * halves[a] * (1.0 - halves[a]) / (h[a] * h[a])),
-            of_force: along(&|a| of_volume * (1.0 - halves[a])),
+            squares: axes.map(|a| 4.0 * halves[a] / (h[a] * h[a])),
+            central: axes.map(|a| 4.0 * halves[a] * (1.0 - halves[a]) / (h[a] * h[a])),
+            of_force: halves.map(|half| of_volume * (1.0 - half)),
             of_volume,
         }
     }
