@@ -26,6 +26,11 @@ impl<const N: usize> Quanta<N> {
     /// Quanta of addends whose magnitudes on this rank are up to `largest`. Collective.
     pub(crate) fn new(mut largest: [f64; N], ranks: &dyn Communicator) -> Self {
         ranks.maximum(&mut largest);
+        Self::spanning(largest)
+    }
+
+    /// Quanta of addends whose magnitudes on all ranks are up to `largest`.
+    pub(crate) fn spanning(largest: [f64; N]) -> Self {
         let quantum = largest.map(|largest| {
             let is_usable = largest.is_finite() && largest > SMALLEST;
             is_usable.then(|| Quantum::spanning(largest))
@@ -36,11 +41,6 @@ impl<const N: usize> Quanta<N> {
             shift: quantum.map(|quantum| quantum.map_or(of_one, Quantum::shift)),
             undefined: largest.map(|largest| !largest.is_finite()),
         }
-    }
-
-    /// Whether all addends of all ranks are zero.
-    pub(crate) fn are_zero(&self) -> bool {
-        self.spacing == [0.0; N] && self.undefined == [false; N]
     }
 
     /// The integers that stand for these numbers: x + 1.5 * 2^52 quanta is rounded to quanta, and is between 2^52 and 2^53
@@ -61,37 +61,62 @@ impl<const N: usize> Quanta<N> {
     }
 }
 
-/// Sums of N quantities, in quanta.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FixedPointSum<const N: usize> {
-    recent: [i64; N],
-    /// Addends since the last carry.
-    additions: u32,
-    carried: [i128; N],
+/// Sums of N quantities in many places, in quanta.
+#[derive(Clone, Debug)]
+pub(crate) struct FixedPointSums<const N: usize> {
+    recent: Vec<[i64; N]>,
+    /// Addends of each place since its last carry.
+    additions: Vec<u32>,
+    carried: Vec<[i128; N]>,
 }
 
 /// Counts are at most 2^51: so many have room in 64 bits.
 const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 11;
 
-impl<const N: usize> Default for FixedPointSum<N> {
-    fn default() -> Self {
-        Self { recent: [0; N], additions: 0, carried: [0; N] }
-    }
-}
-
-impl<const N: usize> FixedPointSum<N> {
-    #[inline(always)]
-    pub(crate) fn add(&mut self, counts: &[i64; N]) {
-        // Those of an undefined number have no meaning, and may be of any size.
-        self.recent.iter_mut().zip(counts).for_each(|(sum, &count)| *sum = sum.wrapping_add(count));
-        self.additions += 1;
-        if self.additions == ADDITIONS_BETWEEN_CARRIES {
-            *self = Self { carried: self.total(), ..Self::default() };
+impl<const N: usize> FixedPointSums<N> {
+    /// Zero in so many places.
+    pub(crate) fn zero(places: usize) -> Self {
+        Self {
+            recent: vec![[0; N]; places],
+            additions: vec![0; places],
+            carried: vec![[0; N]; places],
         }
     }
 
-    fn total(&self) -> [i128; N] {
-        std::array::from_fn(|k| self.carried[k] + i128::from(self.recent[k]))
+    /// Number of places.
+    #[inline(always)]
+    pub(crate) fn places(&self) -> usize {
+        self.recent.len()
+    }
+
+    /// One more place, with sums of zero.
+    pub(crate) fn grow(&mut self) {
+        self.recent.push([0; N]);
+        self.additions.push(0);
+        self.carried.push([0; N]);
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, place: usize, counts: &[i64; N]) {
+        // Those of an undefined number have no meaning, and may be of any size.
+        let recent = &mut self.recent[place];
+        recent.iter_mut().zip(counts).for_each(|(sum, &count)| *sum = sum.wrapping_add(count));
+        self.additions[place] += 1;
+        if self.additions[place] == ADDITIONS_BETWEEN_CARRIES {
+            self.carry(place);
+        }
+    }
+
+    #[cold]
+    fn carry(&mut self, place: usize) {
+        self.carried[place] = self.total(place);
+        self.recent[place] = [0; N];
+        self.additions[place] = 0;
+    }
+
+    fn total(&self, place: usize) -> [i128; N] {
+        let (carried, recent) = (&self.carried[place], &self.recent[place]);
+        std::array::from_fn(|k| carried[k] + i128::from(recent[k]))
     }
 }
 
@@ -129,12 +154,13 @@ impl Slots {
 /// The sums of each key over all ranks, on the rendezvous rank of the key, by ascending key. Collective.
 pub(crate) fn sums_by_key<const N: usize>(
     keys: &[u64],
-    sums: &[FixedPointSum<N>],
+    sums: &FixedPointSums<N>,
     quanta: &Quanta<N>,
     ranks: &dyn Communicator,
 ) -> Vec<Keyed<N>> {
     let halves = |sum: i128| [sum as u64, (sum >> 64) as u64];
-    let records = keys.iter().zip(sums).map(|(&key, sum)| (key, sum.total().map(halves)));
+    let records = keys.iter().enumerate();
+    let records = records.map(|(place, &key)| (key, sums.total(place).map(halves)));
     let records = sorted_by_key(send_keyed(records, ranks), |record| record.0);
     let of_key = |group: &[(u64, [[u64; 2]; N])]| {
         let mut total = [0_i128; N];
@@ -151,13 +177,16 @@ pub(crate) fn sums_by_key<const N: usize>(
 /// The largest magnitude of each quantity; infinite if a number is undefined.
 #[inline(always)]
 pub(crate) fn largest<const N: usize>(values: impl IntoIterator<Item = [f64; N]>) -> [f64; N] {
-    let mut largest = [0.0_f64; N];
+    // The bits of magnitudes are in the order of the numbers, with undefined ones last.
+    let mut largest = [0_u64; N];
     for value in values {
         for (largest, x) in largest.iter_mut().zip(value) {
-            *largest = if x.is_nan() { f64::INFINITY } else { largest.max(x.abs()) };
+            *largest = x.abs().to_bits().max(*largest);
         }
     }
-    largest
+    largest.map(
+        |bits| if f64::from_bits(bits).is_nan() { f64::INFINITY } else { f64::from_bits(bits) },
+    )
 }
 
 #[cfg(test)]
@@ -172,11 +201,9 @@ mod tests {
     ) -> Vec<(u64, [f64; N])> {
         let quanta = Quanta::new(largest(addends.clone().map(|(_, values)| values)), ranks);
         let mut slots = Slots::new(20);
-        let mut sums = Vec::new();
+        let mut sums = FixedPointSums::zero(20);
         for (key, values) in addends {
-            let slot = slots.of(key);
-            sums.resize(slots.keys().len(), FixedPointSum::default());
-            sums[slot].add(&quanta.counts_of(&values));
+            sums.add(slots.of(key), &quanta.counts_of(&values));
         }
         let found = sums_by_key(slots.keys(), &sums, &quanta, ranks);
         found.into_iter().map(|sums| (sums.key, sums.values)).collect()

@@ -1,7 +1,7 @@
 //! A run as measures see it: read only, at one instant.
 
 use crate::analysis::agglomerates::ParticleSample;
-use crate::analysis::stress::{ContactForce, MovingParticle};
+use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
 use crate::analysis::{BedProfile, Measures, Ownership, Pair, Periodicity, RunView};
 use crate::contact::{PairForce, WallForce, WallLaws, for_each_pair_force, wall_forces};
 use crate::domain::{Bounds, PosedWalls};
@@ -24,7 +24,7 @@ pub struct View<'a> {
     touching: OnceCell<Vec<Pair>>,
     samples: OnceCell<Vec<ParticleSample>>,
     ownership: OnceCell<Ownership>,
-    contact_forces: OnceCell<Vec<ContactForce>>,
+    contact_forces: OnceCell<ContactForces>,
     moving: OnceCell<Vec<MovingParticle>>,
 }
 
@@ -99,7 +99,9 @@ impl<'a> View<'a> {
             let state = self.run.state;
             let pairs = state.contacts.touching_pairs(&state.particles);
             let two = pairs.filter(|[lower, higher]| lower != higher);
-            let pairs = two.map(|[lower, higher]| Pair { lower, higher }).collect();
+            // Some three contacts a particle.
+            let mut pairs = Vec::with_capacity(3 * state.particles.owned_count());
+            pairs.extend(two.map(|[lower, higher]| Pair { lower, higher }));
             let mut pairs = ascending(pairs, Pair::ends);
             // In a narrow box two particles may touch in two images.
             pairs.dedup();
@@ -121,7 +123,7 @@ impl<'a> View<'a> {
     }
 
     /// The forces of pairs and walls, each on one rank.
-    pub fn contact_forces(&self) -> &[ContactForce] {
+    pub fn contact_forces(&self) -> &ContactForces {
         self.contact_forces.get_or_init(|| {
             let mut forces = Vec::with_capacity(4 * self.run.state.particles.owned_count());
             self.for_each_pair_force(|pair| {
@@ -136,7 +138,7 @@ impl<'a> View<'a> {
                 cohesive: wall.cohesive,
             });
             forces.extend(walls);
-            forces
+            ContactForces::of(forces)
         })
     }
 
@@ -178,5 +180,9 @@ pub(super) fn periodicity_of(bounds: &Bounds) -> Periodicity {
 
 /// Records by the two ids of a pair, the lower first.
 pub(super) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
-    sorted_by_key(sorted_by_key(records, |record| ids(record)[1]), |record| ids(record)[0])
+    let mut records = sorted_by_key(records, |record| ids(record)[0]);
+    // A particle has few partners.
+    let of_lower = records.chunk_by_mut(|a, b| ids(a)[0] == ids(b)[0]);
+    of_lower.for_each(|group| group.sort_by_key(|record| ids(record)[1]));
+    records
 }

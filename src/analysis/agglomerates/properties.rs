@@ -3,7 +3,7 @@
 use super::{Counts, ParticleSample};
 use crate::analysis::components::ConnectedSets;
 use crate::analysis::exact_sums::Keyed;
-use crate::analysis::fixed_point::{FixedPointSum, Quanta, largest, sums_by_key};
+use crate::analysis::fixed_point::{FixedPointSums, Quanta, largest, sums_by_key};
 use crate::analysis::periodicity::Periodicity;
 use crate::analysis::rendezvous::ask;
 use crate::parallel::Communicator;
@@ -222,8 +222,9 @@ impl Members<'_> {
             }
             (body.part, [body.mass * displacement.norm_squared()])
         });
-        let bounds = largest(addends.clone().map(|(_, moment)| moment));
-        self.sums(addends, bounds, ranks)
+        let addends: Vec<(usize, [f64; 1])> = addends.collect();
+        let bounds = largest(addends.iter().map(|(_, moment)| *moment));
+        self.sums(addends.into_iter(), bounds, ranks)
     }
 
     /// Sums of addends by the label of their part, whose magnitudes are up to `bounds`, on the rendezvous ranks of the labels
@@ -244,8 +245,8 @@ impl Members<'_> {
             }
         }
         let quanta = Quanta::new(bounds, ranks);
-        let mut sums = vec![FixedPointSum::default(); labels.len()];
-        addends.for_each(|(part, values)| sums[slots[part]].add(&quanta.counts_of(&values)));
+        let mut sums = FixedPointSums::zero(labels.len());
+        addends.for_each(|(part, values)| sums.add(slots[part], &quanta.counts_of(&values)));
         sums_by_key(&labels, &sums, &quanta, ranks)
     }
 }

@@ -54,7 +54,11 @@ impl CellGrid {
         // Every point lies in the one cell of an axis that repeats: its coordinate there is 0.
         let is_whole = |axis: usize| self.counts[axis] == 1 && self.periodic[axis];
         let per_length = |axis: usize| if is_whole(axis) { 0.0 } else { 1.0 / self.spacing[axis] };
-        Ruler { grid: self, per_length: Vector3::new(per_length(0), per_length(1), per_length(2)) }
+        Ruler {
+            grid: self,
+            per_length: Vector3::new(per_length(0), per_length(1), per_length(2)),
+            is_whole: [is_whole(0), is_whole(1), is_whole(2)],
+        }
     }
 
     /// The cell of an index along each axis.
@@ -86,6 +90,8 @@ impl CellGrid {
 pub(super) struct Ruler<'a> {
     grid: &'a CellGrid,
     per_length: Vector3<f64>,
+    /// Along which axes every point lies in the one cell.
+    is_whole: [bool; 3],
 }
 
 impl Ruler<'_> {
@@ -120,12 +126,11 @@ impl Ruler<'_> {
         if !(is_usable(from.x, to.x) && is_usable(from.y, to.y) && is_usable(from.z, to.z)) {
             return;
         }
-        let ends = [0, 1, 2].map(|axis| ends_of(from[axis], to[axis], along[axis]));
+        let ends = [0, 1, 2].map(|axis| match self.is_whole[axis] {
+            true => [0, 0],
+            false => ends_of(from[axis], to[axis], along[axis]),
+        });
         let [mut index, last] = [0, 1].map(|end| [ends[0][end], ends[1][end], ends[2][end]]);
-        if index == last {
-            pieces.push(Piece { cell: self.grid.cell_of_index(index), first: 0.0, last: 1.0 });
-            return;
-        }
         let mut crossings = Crossings::default();
         for axis in 0..3 {
             crossings.insert_planes(axis, [from[axis], along[axis]], [index[axis], last[axis]]);

@@ -32,7 +32,7 @@ mod tests;
 pub use grid::CellGrid;
 
 use super::exact_sums::Keyed;
-use super::fixed_point::{FixedPointSum, Quanta, Slots, largest, sums_by_key};
+use super::fixed_point::{FixedPointSums, Quanta, Slots, largest, sums_by_key};
 use super::periodicity::Periodicity;
 use super::rendezvous::{ask, distinct};
 use crate::numbers::{VectorWork, in_wide_vectors};
@@ -153,25 +153,24 @@ impl StressMeasurement {
     pub fn run(
         &self,
         particles: &[MovingParticle],
-        contacts: &[ContactForce],
+        contacts: &ContactForces,
         ranks: &dyn Communicator,
     ) -> StressField {
         let Placed { inside, cells } = self.placed(particles);
-        let mut outside = (particles.len() - inside.len()) as i64;
         let solids = solids(&inside, &cells, ranks);
         let kinetic = kinetic(&inside, &cells, &solids, ranks);
-        let contact = self.forces(contacts, |contact| &contact.contact, Some(&mut outside), ranks);
-        let cohesive = self.forces(contacts, |contact| &contact.cohesive, None, ranks);
+        let forces = self.forces(contacts, ranks);
         let volume = self.grid.cell_volume();
         let known = solids.iter().map(|sums| sums.key);
-        let known = known.chain(contact.iter().chain(&cohesive).map(|sums| sums.key));
-        let known = distinct(known);
+        let known = distinct(known.chain(forces.dyads.iter().map(|sums| sums.key)));
         let [mut solids, mut kinetic] = [solids, kinetic].map(InOrder::of);
-        let [mut contact, mut cohesive] = [contact, cohesive].map(InOrder::of);
+        let mut dyads = InOrder::of(forces.dyads);
         let cell = |cell: u64| {
             let [count, mass, solid, px, py, pz] = solids.of_key(cell);
             let momentum = Vector3::new(px, py, pz);
-            let stress = |sums: [f64; 9]| -Matrix3::from_column_slice(&sums) / volume;
+            let dyads = dyads.of_key(cell);
+            let (contact, cohesive) = dyads.split_at(DYAD);
+            let stress = |sums: &[f64]| -Matrix3::from_column_slice(sums) / volume;
             CellStress {
                 cell,
                 count,
@@ -179,27 +178,30 @@ impl StressMeasurement {
                 solids_fraction: solid / volume,
                 velocity: mean_velocity(mass, momentum),
                 kinetic: symmetric(&kinetic.of_key(cell)) / volume,
-                contact: stress(contact.of_key(cell)),
-                cohesive: stress(cohesive.of_key(cell)),
+                contact: stress(contact),
+                cohesive: stress(cohesive),
                 volume,
             }
         };
         let cells = known.into_iter().map(cell).collect();
-        let mut total = [outside];
+        let mut total = [(particles.len() - inside.len()) as i64 + forces.leaving];
         ranks.sum_integers(&mut total);
         StressField { cells, outside: total[0] as u64 }
     }
 
     /// The particles inside of the grid, seen from the frame, and their cells.
     fn placed(&self, particles: &[MovingParticle]) -> Placed {
+        let ruler = self.grid.ruler();
         let mut cells = Slots::new(self.grid.cells());
-        let inside = particles.iter().filter_map(|particle| {
+        let mut inside = Vec::with_capacity(particles.len());
+        for particle in particles {
             let position = self.seen(&particle.position);
-            let velocity = particle.velocity - self.frame.velocity;
-            let slot = cells.of(self.grid.cell_of(&position)?);
-            Some((slot, MovingParticle { position, velocity, ..*particle }))
-        });
-        Placed { inside: inside.collect(), cells }
+            if let Some(cell) = ruler.cell_of(&position) {
+                let velocity = particle.velocity - self.frame.velocity;
+                inside.push((cells.of(cell), MovingParticle { position, velocity, ..*particle }));
+            }
+        }
+        Placed { inside, cells }
     }
 
     /// A position seen from the frame, the same for every image of a particle.
@@ -212,72 +214,137 @@ impl StressMeasurement {
         self.periodicity.wrapped(wrapped - self.frame.displacement)
     }
 
-    /// The components of sum w f (x) l by cell, by columns, each on its rendezvous rank; f is one of the forces of a
-    /// contact. Counts the branches that leave the grid. Collective.
-    fn forces(
-        &self,
-        contacts: &[ContactForce],
-        force: impl Fn(&ContactForce) -> &Vector3<f64>,
-        outside: Option<&mut i64>,
-        ranks: &dyn Communicator,
-    ) -> Vec<Keyed<9>> {
-        let quanta = quanta_of_dyads(contacts.iter().map(|it| (force(it), &it.branch)), ranks);
-        if quanta.are_zero() && outside.is_none() {
-            return Vec::new();
+    /// The dyads of forces and branches by cell. Collective.
+    fn forces(&self, contacts: &ContactForces, ranks: &dyn Communicator) -> ForcesOnCells {
+        let mut largest = contacts.largest;
+        // First over ranks: products of the largest of each rank would depend on who has which contacts.
+        ranks.maximum(&mut largest);
+        let [lx, ly, lz, fx, fy, fz, cx, cy, cz] = largest;
+        let largest = ContactForce {
+            position: Vector3::zeros(),
+            branch: Vector3::new(lx, ly, lz),
+            contact: Vector3::new(fx, fy, fz),
+            cohesive: Vector3::new(cx, cy, cz),
+        };
+        match largest.cohesive == Vector3::zeros() {
+            true => self.shared(contacts, &Quanta::<DYAD>::spanning(dyads(&largest)), ranks),
+            false => self.shared(contacts, &Quanta::<DYADS>::spanning(dyads(&largest)), ranks),
         }
-        let shared = in_wide_vectors(Share { measurement: self, contacts, force, quanta: &quanta });
-        if let Some(outside) = outside {
-            *outside += shared.leaving;
-        }
-        sums_by_key(shared.cells.keys(), &shared.sums, &quanta, ranks)
     }
+
+    /// The same, of the first N components of all dyads. Collective.
+    fn shared<const N: usize>(
+        &self,
+        contacts: &ContactForces,
+        quanta: &Quanta<N>,
+        ranks: &dyn Communicator,
+    ) -> ForcesOnCells {
+        let contacts = &contacts.contacts;
+        let Shared { cells, sums, leaving } =
+            in_wide_vectors(Share { measurement: self, contacts, quanta });
+        let sums = sums_by_key(cells.keys(), &sums, quanta, ranks).into_iter();
+        let filled =
+            |values: [f64; N]| std::array::from_fn(|k| values.get(k).copied().unwrap_or_default());
+        let dyads = sums.map(|Keyed { key, values }| Keyed { key, values: filled(values) });
+        ForcesOnCells { dyads: dyads.collect(), leaving }
+    }
+}
+
+/// What contacts give to cells.
+struct ForcesOnCells {
+    /// The components of sum w f (x) l for both forces of contacts, each cell on its rendezvous rank.
+    dyads: Vec<Keyed<DYADS>>,
+    /// Number of this rank's branches that leave the grid.
+    leaving: i64,
 }
 
 /// Shares the dyads f (x) l of contacts among the cells through which their branches pass. What a branch gives its cells
 /// adds up to the whole exactly: differences of f (x) l times the pieces' ends, as integers.
-struct Share<'a, F> {
+struct Share<'a, const N: usize> {
     measurement: &'a StressMeasurement,
     contacts: &'a [ContactForce],
-    force: F,
-    quanta: &'a Quanta<9>,
+    quanta: &'a Quanta<N>,
 }
 
 /// The shares of the cells, and the number of branches that leave the grid.
-struct Shared {
+struct Shared<const N: usize> {
     cells: Slots,
-    sums: Vec<FixedPointSum<9>>,
+    sums: FixedPointSums<N>,
     leaving: i64,
 }
 
-impl<F: Fn(&ContactForce) -> &Vector3<f64>> VectorWork for Share<'_, F> {
-    type Output = Shared;
+impl<const N: usize> VectorWork for Share<'_, N> {
+    type Output = Shared<N>;
 
     #[inline(always)]
-    fn run(self) -> Shared {
-        let Self { measurement, contacts, force, quanta } = self;
+    fn run(self) -> Shared<N> {
+        let Self { measurement, contacts, quanta } = self;
         let ruler = measurement.grid.ruler();
         let mut cells = Slots::new(measurement.grid.cells());
-        let mut sums = Vec::<FixedPointSum<9>>::new();
+        let mut sums = FixedPointSums::zero(0);
         let (mut pieces, mut leaving) = (Vec::new(), 0);
         for contact in contacts {
             ruler.pieces(&measurement.seen(&contact.position), &contact.branch, &mut pieces);
             leaving += i64::from(pieces.is_empty() || pieces.iter().any(|p| p.cell.is_none()));
-            let dyad = dyad(force(contact), &contact.branch);
-            let mut before = [0; 9];
+            let dyads = dyads::<N>(contact);
+            let mut before = [0; N];
             for piece in &pieces {
-                let upto = quanta.counts_of(&dyad.map(|component| component * piece.last));
+                let upto = quanta.counts_of(&dyads.map(|component| component * piece.last));
                 if let Some(cell) = piece.cell {
                     let slot = cells.of(cell);
-                    if slot == sums.len() {
-                        sums.push(FixedPointSum::default());
+                    if slot == sums.places() {
+                        sums.grow();
                     }
-                    sums[slot].add(&std::array::from_fn(|k| upto[k].wrapping_sub(before[k])));
+                    sums.add(slot, &std::array::from_fn(|k| upto[k].wrapping_sub(before[k])));
                 }
                 before = upto;
             }
         }
         Shared { cells, sums, leaving }
     }
+}
+
+/// The forces of a rank's contacts, and of its pairs that attract each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactForces {
+    contacts: Vec<ContactForce>,
+    /// The largest magnitudes of the components of branches, contact forces and cohesive forces.
+    largest: [f64; 9],
+}
+
+impl ContactForces {
+    /// Of these contacts.
+    pub fn of(contacts: Vec<ContactForce>) -> Self {
+        let largest = in_wide_vectors(LargestComponents(&contacts));
+        Self { contacts, largest }
+    }
+}
+
+/// Finds the largest magnitude of each component.
+struct LargestComponents<'a>(&'a [ContactForce]);
+
+impl VectorWork for LargestComponents<'_> {
+    type Output = [f64; 9];
+
+    #[inline(always)]
+    fn run(self) -> [f64; 9] {
+        largest(self.0.iter().map(|ContactForce { branch: l, contact: f, cohesive: c, .. }| {
+            [l.x, l.y, l.z, f.x, f.y, f.z, c.x, c.y, c.z]
+        }))
+    }
+}
+
+/// Number of components of a dyad, and of those of both forces of a contact.
+const DYAD: usize = 9;
+const DYADS: usize = 2 * DYAD;
+
+/// The components of f (x) l by columns: first those of the contact's force, then those of cohesion.
+#[inline(always)]
+fn dyads<const N: usize>(contact: &ContactForce) -> [f64; N] {
+    std::array::from_fn(|k| {
+        let force = if k < DYAD { &contact.contact } else { &contact.cohesive };
+        force[k % 3] * contact.branch[k % DYAD / 3]
+    })
 }
 
 /// Particles inside of the grid.
@@ -374,8 +441,8 @@ fn sums_by_cell(
     ranks: &dyn Communicator,
 ) -> Vec<Keyed<6>> {
     let quanta = Quanta::new(largest(addends.clone().map(|(_, values)| values)), ranks);
-    let mut sums = vec![FixedPointSum::default(); cells.keys().len()];
-    addends.for_each(|(slot, values)| sums[slot].add(&quanta.counts_of(&values)));
+    let mut sums = FixedPointSums::zero(cells.keys().len());
+    addends.for_each(|(slot, values)| sums.add(slot, &quanta.counts_of(&values)));
     sums_by_key(cells.keys(), &sums, &quanta, ranks)
 }
 
@@ -385,23 +452,4 @@ fn mean_velocity(mass: f64, momentum: Vector3<f64>) -> Vector3<f64> {
 
 fn symmetric(&[xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-}
-
-/// Quanta of the dyads of forces and branches, from the largest component of each. Collective.
-fn quanta_of_dyads<'a>(
-    factors: impl Iterator<Item = (&'a Vector3<f64>, &'a Vector3<f64>)>,
-    ranks: &dyn Communicator,
-) -> Quanta<9> {
-    let mut factors = largest(factors.map(|(f, l)| [f.x, f.y, f.z, l.x, l.y, l.z]));
-    // First over ranks: products of the largest of each rank would depend on who has which contacts.
-    ranks.maximum(&mut factors);
-    let [fx, fy, fz, lx, ly, lz] = factors;
-    let (force, branch) = (Vector3::new(fx, fy, fz), Vector3::new(lx, ly, lz));
-    Quanta::new(dyad(&force, &branch), ranks)
-}
-
-/// The components of f (x) l by columns.
-#[inline(always)]
-fn dyad(force: &Vector3<f64>, branch: &Vector3<f64>) -> [f64; 9] {
-    std::array::from_fn(|k| force[k % 3] * branch[k / 3])
 }

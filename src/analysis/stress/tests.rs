@@ -32,7 +32,7 @@ fn run(
             let position = measurement.periodicity.shifted(force.position, image(place));
             forces.push(ContactForce { position, ..*force });
         }
-        let field = measurement.run(&here, &forces, ranks);
+        let field = measurement.run(&here, &ContactForces::of(forces), ranks);
         (field.gathered(ranks), field.outside)
     });
     let bits = |field: &(Vec<CellStress>, u64)| bytemuck::cast_slice::<_, u64>(&field.0).to_vec();
