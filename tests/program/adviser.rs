@@ -58,7 +58,10 @@ fn a_box_in_another_unit_than_the_diameter_is_warned_of() {
 #[test]
 fn a_bed_of_few_cells_is_warned_of() {
     let words = "cells of the gas high";
-    assert!(warns(&check("fluidised", &[]), words));
+    // 0.85 cells of a bed 1.8 cells high, and 0.85 sqrt(1 + (3/4 4/3)^2) of them with a filter of four thirds of a cell.
+    let unfiltered = check("fluidised", &[]);
+    assert!(warns(&unfiltered, words) && unfiltered.output.contains("takes some 47 %"));
+    assert!(check("fluidised", &["gas.filter_width=1.6e-4"]).output.contains("takes some 66 %"));
     assert!(!warns(&check("fluidised", &["gas.cells=[4, 4, 60]"]), words));
 }
 

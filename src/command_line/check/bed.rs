@@ -14,11 +14,12 @@ use std::f64::consts::PI;
 const POURED: f64 = 0.6;
 /// With fewer layers there is no bed for a gas to flow through: lengths are mostly in two units then.
 const FEWEST_LAYERS: f64 = 3.0;
-/// Below, the gas sees little of the bed but its smeared surface.
-const FEWEST_CELLS: f64 = 5.0;
-/// The part of the pressure drop that a surface smeared over cells takes away, times the number of cells of the bed's height: 13.5 %
-/// was measured in packed beds 5.5 cells high, 5.6 % in beds of 15.8.
-const SMEARED: f64 = 0.8;
+/// Of the depth of a packed bed, so much is missing from its pressure drop at its two surfaces: 0.85 times the height of a cell and
+/// three quarters of the filter's width, added as squares (docs/verification.md has the measured values).
+const LOST_DEPTH: f64 = 0.85;
+const OF_FILTER: f64 = 0.75;
+/// The part of the pressure drop whose loss is told.
+const LARGE_LOSS: f64 = 0.15;
 /// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
 const AT_REST: f64 = 0.05;
 /// The same of an impact at the highest speed, which is rare and short.
@@ -62,7 +63,7 @@ impl BedAtRest {
             ));
         }
         if let Some(gas) = case.volume_averaged() {
-            self.describe_cells(lines, gas.grid.spacing().z);
+            self.describe_cells(lines, gas.grid.spacing().z, gas.coupling.filter_width);
         }
         let room = case.domain.bounds.lengths().z;
         if self.height > room {
@@ -70,14 +71,15 @@ impl BedAtRest {
         }
     }
 
-    /// Whether the cells of a gas resolve the bed's height.
-    fn describe_cells(&self, lines: &mut Lines, spacing: f64) {
-        let cells = self.height / spacing;
-        if cells < FEWEST_CELLS {
+    /// Whether the cells of a gas, and the filter between them and the particles, resolve the bed's height.
+    fn describe_cells(&self, lines: &mut Lines, spacing: f64, filter_width: f64) {
+        let lost = LOST_DEPTH * spacing.hypot(OF_FILTER * filter_width) / self.height;
+        if lost > LARGE_LOSS {
+            let cells = self.height / spacing;
+            let percent = 100.0 * lost.min(1.0);
             lines.warn(&format!(
-                "at rest the bed is {cells:.1} cells of the gas high: its surface is smeared over a cell, which lowers the pressure \
-                 drop by some {:.0} %, and voids smaller than a cell are not seen; at least {FEWEST_CELLS} are advised",
-                SMEARED * 100.0 / cells
+                "at rest the bed is {cells:.1} cells of the gas high: cells and filter smear its surfaces, which takes some \
+                 {percent:.0} % from its pressure drop below U_mf, and raises U_mf; voids smaller than a cell are not seen"
             ));
         }
     }
