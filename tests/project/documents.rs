@@ -4,12 +4,13 @@ use std::fs;
 use std::path::Path;
 
 /// Documents besides those of the book, which are all that lie in docs/.
-const DOCUMENTS: [&str; 7] = [
+const DOCUMENTS: [&str; 8] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",
     "cases/benchmark/README.md",
+    "cases/experiments/README.md",
     "cases/liu2016/README.md",
     "cases/moon2006/README.md",
 ];
