@@ -11,8 +11,6 @@ MEASURED = Path(__file__).resolve().parent.parent / "cases/experiments/measured"
 
 def provenance(results: Path) -> list[str]:
     """Comment lines on a run, or on a table that was kept of one: program, machine, title, and the digest of the end if it came to it."""
-    if results.is_file():
-        return [line for line in complete_lines(results) if line.startswith("#")]
     said = [f"# {line}" for line in read_series(results).provenance if not line.startswith("case:")]
     end = results / "complete"
     return said + [f"# {line}" for line in complete_lines(end) if line.startswith("digest")] if end.exists() else said

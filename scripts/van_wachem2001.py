@@ -9,12 +9,11 @@ script reads in place of a run.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
-from talcum_results import BLACK, BLUE, ORANGE, Array, ResultsError, argument_parser, complete_lines, new_figure, run_script, save_figure
+from talcum_results import BLACK, BLUE, ORANGE, Array, ResultsError, argument_parser, new_figure, picture_of, run_script, save_figure
 
 import h5py
 import numpy as np
@@ -104,16 +103,9 @@ def measured() -> Signals:
 
 
 def columns(file: Path, names: list[str], along: str = "time") -> Signals:
-    """Columns of a table over its first, the time, whose headings have units in brackets."""
-    rows = list(csv.reader(line for line in complete_lines(file) if not line.startswith("#")))
-    if not rows:
-        raise ResultsError(f"{file}: has no rows")
-    headings = [heading.split(" [")[0] for heading in rows[0]]
-    missing = [name for name in [along, *names] if name not in headings]
-    if missing:
-        raise ResultsError(f"{file}: has no column '{missing[0]}'; it has {', '.join(headings)}")
-    table = np.array(rows[1:], dtype=float).T
-    return {name: Signal(table[0], table[headings.index(name)]) for name in names}
+    """Columns of a table over another one of it, the time."""
+    table = read_series(file)
+    return {name: Signal(table[along], table[name]) for name in names}
 
 
 def of_run(results: Path, start: float, end: float) -> Signals:
@@ -263,8 +255,7 @@ def main(command_line: list[str] | None = None) -> None:
     print("\n".join(compared_spectra(*spectra)))
     if arguments.keep:
         keep(found, provenance(arguments.results), arguments.keep)
-    folder = arguments.results.parent if arguments.results.is_file() else arguments.results
-    save_figure(draw(of_experiment, found, spectra), arguments.output or folder / "van-wachem2001.png")
+    save_figure(draw(of_experiment, found, spectra), picture_of(arguments, "van-wachem2001.png"))
 
 
 if __name__ == "__main__":

@@ -10,18 +10,17 @@ of a run.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
-from talcum_results import BLACK, BLUE, GREY, Array, ResultsError, argument_parser, complete_lines, new_figure, run_script, save_figure
+from talcum_results import BLACK, BLUE, GREY, Array, argument_parser, new_figure, picture_of, run_script, save_figure
 
 import h5py
 import numpy as np
 from experiments import MEASURED, provenance
 from matplotlib.figure import Figure
-from talcum_results import result_file, rows_between, snapshot_rows, snapshot_times
+from talcum_results import read_series, result_file, rows_between, snapshot_rows, snapshot_times
 
 AT_REST = 0.2
 """Height of the bed at rest [m]."""
@@ -68,44 +67,43 @@ Profiles = dict[float, Profile]
 
 def measured() -> Profiles:
     """The profiles of the experiment by height over that of the bed at rest."""
-    return {height: Profile(places * 1e-3, speeds) for height, (places, speeds) in read_table(MEASURED / "yue2020.csv").items()}
+    return read_table(MEASURED / "yue2020.csv")
 
 
-def read_table(file: Path) -> dict[float, tuple[Array, Array]]:
-    """Places [mm] and speeds of each height."""
-    rows = list(csv.reader(line for line in complete_lines(file) if not line.startswith("#")))[1:]
-    if not rows:
-        raise ResultsError(f"{file}: has no rows")
-    table = np.array(rows, dtype=float)
-    heights = sorted(set(table[:, 0]))
-    return {float(height): (table[table[:, 0] == height, 1], table[table[:, 0] == height, 2]) for height in heights}
+def read_table(file: Path) -> Profiles:
+    """The profiles of a table."""
+    table = read_series(file)
+    heights = table["height_at_rest"]
+    rows_of = {float(height): heights == height for height in np.unique(heights)}
+    return {height: Profile(table["x"][rows] * 1e-3, table["speed"][rows]) for height, rows in rows_of.items()}
 
 
 def of_run(results: Path, start: float | None, end: float | None) -> tuple[Profiles, list[str]]:
     """The profiles of a run, or of the table that was kept of one, at the places of the experiment; and where they come from."""
     if results.is_file():
-        return {height: Profile(x * 1e-3, speed) for height, (x, speed) in read_table(results).items()}, provenance(results)
+        return read_table(results), provenance(results)
+    of_experiment = measured()
     with h5py.File(result_file(results, "particles.vtkhdf")) as file:
         root = file["VTKHDF"]
         times = snapshot_times(root)
         steps = np.flatnonzero(rows_between(times, STEADY if start is None else start, end))
-        sums = [speeds_of(root, int(step)) for step in steps]
+        sums = [speeds_of(root, int(step), of_experiment) for step in steps]
     looks = f"# mean of {len(steps)} snapshots from {times[steps[0]]:g} to {times[steps[-1]]:g} s"
     profiles = {}
-    for height, profile in measured().items():
+    for height, profile in of_experiment.items():
         count, speed = np.sum([sums_of[height] for sums_of in sums], axis=0)
         profiles[height] = Profile(profile.place, np.divide(speed, count, out=np.full(len(count), np.nan), where=count > 0))
     return profiles, [*provenance(results), looks]
 
 
-def speeds_of(root: h5py.Group, step: int) -> dict[float, Array]:
+def speeds_of(root: h5py.Group, step: int, places: Profiles) -> dict[float, Array]:
     """Number of particles and sum of their speeds in the windows of each height, as seen from the front."""
     rows = snapshot_rows(root, step)
     position, velocity = root["Points"][rows], root["PointData/velocity"][rows]
     seen = np.minimum(position[:, 1], DEPTH - position[:, 1]) <= SEEN
     position, speed = position[seen], np.hypot(velocity[seen, 0], velocity[seen, 2])
     found = {}
-    for height, profile in measured().items():
+    for height, profile in places.items():
         at_height = np.abs(position[:, 2] - height * AT_REST) <= HALF_HEIGHT
         across = np.abs(position[at_height, 0] - MIDDLE - profile.place[:, np.newaxis]) <= HALF_WIDTH
         found[height] = np.array([across.sum(axis=1), (across * speed[at_height]).sum(axis=1)])
@@ -153,8 +151,7 @@ def main(command_line: list[str] | None = None) -> None:
     print("\n".join(compared(of_experiment, found)))
     if arguments.keep:
         keep(found, comments, arguments.keep)
-    folder = arguments.results.parent if arguments.results.is_file() else arguments.results
-    save_figure(draw(of_experiment, found), arguments.output or folder / "yue2020.png")
+    save_figure(draw(of_experiment, found), picture_of(arguments, "yue2020.png"))
 
 
 if __name__ == "__main__":
