@@ -58,7 +58,7 @@ use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::measures::MeasurePlan;
-use crate::particles::ListRange;
+use crate::particles::{ListRange, Skin};
 use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange};
 use allowed_values::rounded;
@@ -244,8 +244,15 @@ impl Case {
     pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
         let ranges = self.stages.iter().map(|stage| stage.physics.range(sizes));
         let interaction = ranges.fold(0.0, f64::max);
-        let skin = self.parallel.skin * sizes.largest_diameter;
+        let skin = self.skin(sizes).narrowest();
         ListRange { interaction, skin }.ghost_width(sizes.largest_diameter)
+    }
+
+    /// How the skin of the neighbour lists of these particles is chosen.
+    pub fn skin(&self, sizes: &SizeRange) -> Skin {
+        let diameter = sizes.largest_diameter;
+        let given = self.parallel.skin.map(|skin| Skin::Fixed(skin * diameter));
+        given.unwrap_or(Skin::FromSpeeds { diameter })
     }
 
     /// What is wrong with box and time step for particles of these sizes: (key, message).
@@ -300,7 +307,7 @@ fn check_flow(case: &Case, stage: &Stage, sizes: &SizeRange) -> Option<(&'static
         let message = format!("must be {:?} in all stages", first.grid.counts());
         return Some(("gas.cells", message));
     }
-    let drift = 0.5 * case.parallel.skin * sizes.largest_diameter;
+    let drift = 0.5 * case.skin(sizes).narrowest();
     let smallest = model.grid.spacing().min();
     (drift > smallest).then(|| {
         let message = format!(

@@ -90,8 +90,8 @@ pub enum RankLayout {
 pub struct ParallelPlan {
     /// How the box is divided.
     pub layout: RankLayout,
-    /// Skin of the neighbour list over the largest diameter.
-    pub skin: f64,
+    /// Skin of the neighbour lists over the largest diameter, if it is given.
+    pub skin: Option<f64>,
     /// Load balancing, unless it is switched off.
     pub balance: Option<Balance>,
 }
@@ -143,7 +143,7 @@ pub(super) fn read_parallel(section: &Section<'_>) -> Option<ParallelPlan> {
         true => RankLayout::Grid(RankGrid(section.counts("ranks")?)),
         false => RankLayout::Slabs(section.choice("axis", &axes)?),
     };
-    Some(ParallelPlan { layout, skin: section.number("skin")?, balance: read_balance(section)? })
+    Some(ParallelPlan { layout, skin: section.number("skin"), balance: read_balance(section)? })
 }
 
 /// Load balancing; `Some(None)`: none.

@@ -50,10 +50,9 @@ impl CellTransfer {
         }
     }
 
-    /// Whether particles that have moved so far since they were sorted to ranks still lie within reach of their
-    /// rank's halos.
-    pub(crate) fn reaches(grid: &BoxGrid, drift: f64) -> bool {
-        drift <= CellLocator::MARGIN * grid.spacing().min()
+    /// How far particles may move, after they were sorted to ranks, and still lie within reach of their rank's halos.
+    pub(crate) fn reach(grid: &BoxGrid) -> f64 {
+        CellLocator::MARGIN * grid.spacing().min()
     }
 
     /// The cells of this rank.

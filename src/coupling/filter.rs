@@ -164,7 +164,7 @@ mod tests {
     ) -> Vec<f64> {
         let cells = BoxGrid::new(&bounds(), COUNTS);
         let even = Decomposition::even(RankGrid(grid), &bounds());
-        let decomposition = cells.aligned(&even, 2).unwrap();
+        let decomposition = cells.aligned(&even, [2; 3]).unwrap();
         let whole = Mutex::new(vec![0.0; COUNTS.iter().product()]);
         run_on_threads(grid.iter().product(), |ranks| {
             let bounds = bounds();

@@ -2,6 +2,7 @@
 
 use super::ColumnGas;
 use super::volume_averaged::VolumeAveragedModel;
+use crate::coupling::CellTransfer;
 use crate::domain::Decomposition;
 use crate::parallel::CollectiveError;
 
@@ -63,6 +64,14 @@ impl GasModel {
         match self {
             Self::None | Self::Column(_) => 1,
             Self::VolumeAveraged(model) => model.substeps,
+        }
+    }
+
+    /// How far particles may move before they are sorted to their ranks anew; length.
+    pub fn reach(&self) -> f64 {
+        match self {
+            Self::None | Self::Column(_) => f64::INFINITY,
+            Self::VolumeAveraged(model) => CellTransfer::reach(&model.grid),
         }
     }
 

@@ -57,14 +57,19 @@ impl BoxGrid {
         ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
     }
 
-    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells along
-    /// each divided axis.
+    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells, which
+    /// are given for each axis, along the divided ones.
     ///
     /// Returns `None` if the grid has too few cells for that.
-    pub fn aligned(&self, decomposition: &Decomposition, least: usize) -> Option<Decomposition> {
+    pub fn aligned(
+        &self,
+        decomposition: &Decomposition,
+        least: [usize; 3],
+    ) -> Option<Decomposition> {
         let mut cut_planes: [Vec<f64>; 3] = Default::default();
         for (axis, planes) in cut_planes.iter_mut().enumerate() {
-            let (ranks, cells) = (decomposition.grid().0[axis], self.counts[axis]);
+            let (ranks, cells, least) =
+                (decomposition.grid().0[axis], self.counts[axis], least[axis]);
             if ranks > 1 && ranks * least > cells {
                 return None;
             }
@@ -155,7 +160,7 @@ mod tests {
             wanted.push(bounds().lengths().z);
             wanted.sort_by(f64::total_cmp);
             let decomposition = even.with_cut_planes([even.cut_planes(0).to_vec(), even.cut_planes(1).to_vec(), wanted]);
-            let decomposition = grid.aligned(&decomposition, 2).expect("there are enough cells");
+            let decomposition = grid.aligned(&decomposition, [2; 3]).expect("there are enough cells");
             let (bounds, mut next) = (bounds(), 0);
             for rank in 0..ranks {
                 let local = grid.local_cells(decomposition.subdomain(&bounds, rank));
@@ -171,6 +176,6 @@ mod tests {
     fn a_grid_with_too_few_cells_for_the_ranks_is_refused() {
         let grid = BoxGrid::new(&bounds(), [3, 4, 5]);
         let decomposition = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
-        assert_eq!(grid.aligned(&decomposition, 2), None);
+        assert_eq!(grid.aligned(&decomposition, [2; 3]), None);
     }
 }

@@ -50,7 +50,8 @@ mod tests {
         let bounds = Bounds::new(Vector3::new(1.1, 0.7, 2.3), faces);
         let grid = BoxGrid::new(&bounds, [4, 5, 9]);
         let decomposition = |shape: [usize; 3]| {
-            grid.aligned(&Decomposition::even(RankGrid(shape), &bounds), 2).expect("cells suffice")
+            grid.aligned(&Decomposition::even(RankGrid(shape), &bounds), [2; 3])
+                .expect("cells suffice")
         };
         let (old, new) = (decomposition([2, 2, 1]), decomposition([1, 1, 4]));
         run_on_threads(4, |ranks| {

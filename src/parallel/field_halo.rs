@@ -203,7 +203,7 @@ mod tests {
         run_on_threads(grid.iter().product(), |ranks| {
             let cells = BoxGrid::new(&bounds(), COUNTS);
             let even = Decomposition::even(RankGrid(grid), &bounds());
-            let decomposition = cells.aligned(&even, 2).expect("there are enough cells");
+            let decomposition = cells.aligned(&even, [2; 3]).expect("there are enough cells");
             let bounds = bounds();
             let subdomain = decomposition.subdomain(&bounds, ranks.rank());
             work(cells.local_cells(subdomain), FieldHalo::new(subdomain), ranks);

@@ -12,6 +12,7 @@ mod pair_kind;
 mod pairs_of_kind;
 mod proximity;
 mod range;
+mod skin;
 mod store;
 
 pub use body::{Body, ForceTorque, sphere_volume};
@@ -27,4 +28,5 @@ pub(crate) use pair_blocks::{
 pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
 pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};
 pub use range::ListRange;
+pub use skin::Skin;
 pub use store::Particles;

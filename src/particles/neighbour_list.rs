@@ -14,6 +14,8 @@ use crate::numbers::{F64x4, SimdKernel, with_simd};
 pub struct NeighbourList {
     /// Largest possible displacement of a particle since the list was built.
     displacement: f64,
+    /// Steps since.
+    age: u64,
     /// Smallest displacement by which a particle can pass a face that particles leave through, or that ends the run.
     clearance: f64,
     reference_poses: Vec<WallPose>,
@@ -24,6 +26,12 @@ impl NeighbourList {
     /// Adds a bound of the displacements of all particles of all ranks since the last call.
     pub fn moved(&mut self, displacement: f64) {
         self.displacement += displacement;
+        self.age += 1;
+    }
+
+    /// Mean over the steps since the list was built of the largest displacement of a particle; none of a new list.
+    pub fn displacement_in_a_step(&self) -> Option<f64> {
+        (self.age > 0).then(|| self.displacement / self.age as f64)
     }
 
     /// Whether a particle may have moved more than half the skin since the list was built.
@@ -74,7 +82,7 @@ impl NeighbourList {
         range: ListRange,
         histories: &ContactHistories,
     ) -> Result<(), LostContact> {
-        self.displacement = 0.0;
+        (self.displacement, self.age) = (0.0, 0);
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.poses);
         let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);

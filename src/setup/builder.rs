@@ -5,7 +5,7 @@ use crate::contact::{ByPair, BySpecies, ContactModel, VanDerWaals};
 use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
 use crate::gas::GasModel;
 use crate::parallel::{Communicator, OneRank, ParticleRecord};
-use crate::particles::ListRange;
+use crate::particles::{ListRange, Skin};
 use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
 use crate::time_step::{begin, find_first_forces};
 
@@ -22,9 +22,6 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Margin of the neighbour list over the largest diameter, if none is given.
-    pub const SKIN: f64 = 0.1;
-
     /// An empty box from the origin to `lengths`, with faces `[axis][lower, upper]`; a wall lies in each face that is
     /// one.
     ///
@@ -126,8 +123,8 @@ impl Setup {
         self
     }
 
-    /// Margin of the neighbour list, [`Setup::SKIN`] of the largest diameter if not given; length. It changes how often
-    /// lists are rebuilt, and no result.
+    /// Skin of the neighbour lists, [`Skin::FromSpeeds`] if not given; length. It changes how often lists are rebuilt, and no
+    /// result.
     #[must_use]
     pub fn skin(mut self, skin: f64) -> Self {
         self.skin = Some(skin);
@@ -203,9 +200,10 @@ impl Setup {
         ranks: &'a dyn Communicator,
     ) -> Result<Run<'a>, SetupError> {
         let (domain, models) = (self.domain.clone(), self.models(&whole.sizes)?);
-        let skin = self.skin.unwrap_or(Self::SKIN * whole.sizes.largest_diameter);
-        let list_range = ListRange { interaction: models.range(&whole.sizes), skin };
-        let ghost_width = list_range.ghost_width(whole.sizes.largest_diameter);
+        let diameter = whole.sizes.largest_diameter;
+        let skin = self.skin.map_or(Skin::FromSpeeds { diameter }, Skin::Fixed);
+        let (interaction, narrowest) = (models.range(&whole.sizes), skin.narrowest());
+        let ghost_width = ListRange { interaction, skin: narrowest }.ghost_width(diameter);
         self.check_width(ghost_width)?;
         let gas = &models.physics.gas;
         let layout = Layout { bounds: &domain.bounds, gas, ghost_width };

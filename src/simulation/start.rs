@@ -244,8 +244,7 @@ fn distribute(
     let gas = case.gas_on_cells();
     let DistributedState { state, histories } =
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
-    let skin = case.parallel.skin * sizes.largest_diameter;
-    let work = Workspace::new(decomposition, skin, case.parallel.balance);
+    let work = Workspace::new(decomposition, case.skin(&sizes), case.parallel.balance);
     let measures = Vec::new();
     Ok(InitialState { state, work, histories, measures, origin, begins_with: None })
 }

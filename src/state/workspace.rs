@@ -5,7 +5,7 @@ use crate::contact::WallTallies;
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
 use crate::parallel::ParticleHalo;
-use crate::particles::{ListRange, NeighbourList};
+use crate::particles::{ListRange, NeighbourList, Skin};
 use crate::timers::{Phase, Timers, processor_time};
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -19,6 +19,8 @@ pub struct Workspace {
     pub halo: ParticleHalo,
     /// How the box is cut.
     pub decomposition: Decomposition,
+    /// How the skin of the lists is chosen.
+    pub skin: Skin,
     /// How far lists look.
     pub list_range: ListRange,
     /// When cut planes move.
@@ -60,12 +62,13 @@ pub struct Tallies {
 
 impl Workspace {
     /// An empty workspace.
-    pub fn new(decomposition: Decomposition, skin: f64, balance: Option<Balance>) -> Self {
+    pub fn new(decomposition: Decomposition, skin: Skin, balance: Option<Balance>) -> Self {
         Self {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
             decomposition,
-            list_range: ListRange { interaction: 0.0, skin },
+            skin,
+            list_range: ListRange { interaction: 0.0, skin: skin.narrowest() },
             balance,
             wall_poses: Vec::new(),
             gas: GasSolver::None,

@@ -15,11 +15,21 @@ pub(super) struct StepDecision {
     pub(super) requests: Requests,
 }
 
+/// How far particles move in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Displacement {
+    /// No particle of this rank has moved farther; length.
+    pub(super) largest: f64,
+    /// How far they may move; length.
+    pub(super) allowed: f64,
+}
+
 /// One reduction per step: how far have particles moved, is any list outdated, has any particle left, has anything
-/// gone wrong, was any rank asked to stop? No particle of this rank has moved farther than `displacement`.
+/// gone wrong, was any rank asked to stop? Particles that moved too far are looked for when lists are made anew: at
+/// once, however wide the skin.
 pub(super) fn decide(
     state: &mut State,
-    displacement: f64,
+    Displacement { largest: displacement, allowed }: Displacement,
     domain: &Domain,
     work: &mut Workspace,
     ranks: &dyn Communicator,
@@ -44,7 +54,8 @@ pub(super) fn decide(
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|flag| flag > 0.0);
         state.contacts.moved(displacement);
         neighbours.moved(displacement);
-        let outdated = outdated || neighbours.outdated(*list_range);
+        let too_far = displacement >= 0.999 * allowed;
+        let outdated = outdated || too_far || neighbours.outdated(*list_range);
         if faulty {
             let message = agreed_message(fault.take(), ranks);
             return Err(StepError::Unstable { step: step - 1, message });

@@ -19,7 +19,7 @@ use crate::particles::{
 };
 use crate::state::{Domain, EnergyLedger, Models, Requests, State, Workspace};
 use crate::timers::Phase;
-use decision::{agreed_message, decide};
+use decision::{Displacement, agreed_message, decide};
 use rebuild::arrange;
 use thiserror::Error;
 
@@ -150,19 +150,23 @@ pub fn confirm(
 }
 
 /// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
-/// the weight. No particle has moved farther than the length that it returns.
+/// the weight. Returns how far particles have moved.
 fn kick_and_drift(
     state: &mut State,
     kick_due: Option<f64>,
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
-) -> f64 {
+) -> Displacement {
+    let dt = models.physics.time_step;
     let quantum = domain.bounds.position_quantum();
     let weight = models.weight_at(state.clock.time());
-    let step = DriftStep { dt: models.physics.time_step, quantum, weight };
+    let step = DriftStep { dt, quantum, weight };
     let particles = &mut state.particles;
-    work.timers.time(Phase::Integrate, || particles::kick_and_drift(particles, kick_due, step))
+    let timers = &mut work.timers;
+    let largest =
+        timers.time(Phase::Integrate, || particles::kick_and_drift(particles, kick_due, step));
+    Displacement { largest, allowed: dt * models.limits.speed }
 }
 
 /// Brings ghosts up to date. Collective.

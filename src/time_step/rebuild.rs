@@ -42,6 +42,7 @@ pub(super) fn arrange(
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
     let before = work.decomposition.clone();
+    choose_skin(state, domain, models, work);
     let width = work.list_range.ghost_width(state.sizes.largest_diameter);
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &domain.bounds);
@@ -50,6 +51,24 @@ pub(super) fn arrange(
     migrate(&mut state.particles, &mut histories, &work.decomposition, ranks);
     rebuild_lists(state, domain, work, &histories, ranks)?;
     distribute_gas(state, domain, models, work, &before, ranks)
+}
+
+/// Chooses the skin for the speeds since the lists were last made; the narrowest if these are not known.
+fn choose_skin(state: &State, domain: &Domain, models: &Models, work: &mut Workspace) {
+    let ghosts = room_for_ghosts(&work.decomposition, &domain.bounds);
+    let bare = state.sizes.largest_diameter + work.list_range.interaction;
+    let room = (ghosts - bare).min(2.0 * models.physics.gas.reach());
+    let cheapest = |displacement| work.skin.cheapest(displacement, room);
+    let displacement = work.neighbours.displacement_in_a_step();
+    work.list_range.skin = displacement.map_or(work.skin.narrowest(), cheapest);
+}
+
+/// Widest ghost layer of which two fit into the narrowest subdomain: then cut planes may move, and a particle has one
+/// image only in a periodic box.
+fn room_for_ghosts(decomposition: &Decomposition, bounds: &Bounds) -> f64 {
+    let has_ghosts = |axis: &usize| bounds.is_periodic(*axis) || decomposition.grid().0[*axis] > 1;
+    let narrowest = (0..3).filter(has_ghosts).map(|axis| decomposition.narrowest(axis));
+    0.499 * narrowest.fold(f64::INFINITY, f64::min)
 }
 
 /// Brings positions back into the box along periodic axes.

@@ -40,7 +40,8 @@ pub(crate) struct Bench {
     pub(crate) volume_averaged: Option<VolumeAveragedModel>,
     pub(crate) gravity: EffectiveGravity,
     pub(crate) time_step: f64,
-    pub(crate) skin: f64,
+    /// Of the neighbour lists; chosen from the speeds if none.
+    pub(crate) skin: Option<f64>,
     pub(crate) balance: Option<Balance>,
     /// The largest force, where a closed form asks for overlaps beyond those of a real case.
     pub(crate) force_limit: Option<f64>,
@@ -134,7 +135,7 @@ impl Bench {
             volume_averaged: None,
             gravity: EffectiveGravity { magnitude: 0.0, vibration: None },
             time_step: 2.5e-4,
-            skin: 0.15,
+            skin: Some(0.15),
             balance: None,
             force_limit: None,
             density: 1.0,
@@ -209,8 +210,8 @@ impl Bench {
     pub(crate) fn setup(&self) -> Setup {
         let setup = Setup::in_domain(self.domain.clone(), self.physics())
             .particles(self.particles.iter().copied())
-            .sizes(self.sizes())
-            .skin(self.skin);
+            .sizes(self.sizes());
+        let setup = self.skin.into_iter().fold(setup, Setup::skin);
         let setup = self.balance.into_iter().fold(setup, Setup::balance);
         self.force_limit.into_iter().fold(setup, Setup::force_limit)
     }

@@ -108,7 +108,7 @@ fn attractive_box() -> Bench {
     let mut bench = agitated_box(&[0.6, 1.0, 1.1, 0.8]);
     bench.contact = law(STIFFNESS, 1.0, 0.0);
     bench.cohesion = Some(attraction((ATTRACTION, 0.0), 1.0, (CUT_OFF, 0.2)));
-    bench.skin = 0.03; // rebuilt often
+    bench.skin = Some(0.03); // rebuilt often
     bench
 }
 
@@ -148,7 +148,7 @@ fn forces_are_those_of_all_pairs_in_reach_through_rebuild_and_migration() {
 fn an_attractive_pair_that_does_not_touch_survives_borders() {
     let mut bench = Bench::new([4.0, 4.0, 6.0], [PERIODIC; 3]);
     bench.cohesion = Some(attraction((1.0e-3, 0.0), 1.0, (0.05, 0.2)));
-    bench.skin = 0.01;
+    bench.skin = Some(0.01);
     bench.time_step = 2.0e-3;
     let velocity = [0.9, -0.7, 2.1];
     bench.add([1.0, 1.0, 0.3], velocity, 0.5).add([1.6, 1.6, 1.0], velocity, 0.5);

@@ -46,7 +46,7 @@ fn bed_between_walls(law: ContactLaw, kind: RollingKind) -> Bench {
     bench.domain.walls.push(piston);
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
-    bench.skin = 0.04;
+    bench.skin = Some(0.04);
     bench.balance = Some(Balance::new(200, 1.05));
     bench.add_layers(128, (1.22, 0.8), &[1.0, 0.9, 1.1], (0.05, 2.0));
     bench
@@ -63,7 +63,7 @@ fn bed_in_column(law: ContactLaw) -> Bench {
     bench.domain.walls.push(column);
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
-    bench.skin = 0.04;
+    bench.skin = Some(0.04);
     bench.add_layers(396, (1.15, 0.8), &[1.0, 0.9], (0.05, 2.0));
     bench.particles.retain(|particle| {
         let [x, y, _] = particle.position;

@@ -112,11 +112,11 @@ fn blocks_give_the_same_bits_as_one() {
 fn load_balancing_and_skin_do_not_change_the_bits() {
     let mut bench = vibrated_bed();
     let reference = after(&bench, [1, 1, 1], STEPS);
-    for (skin, every) in [(0.02, 37), (0.1, 250), (0.4, 1000)] {
+    for (skin, every) in [(Some(0.02), 37), (Some(0.1), 250), (Some(0.4), 1000), (None, 250)] {
         bench.skin = skin;
         bench.balance = Some(Balance::new(every, 1.05));
         for grid in [[1, 1, 1], [1, 1, 3], [2, 1, 2]] {
-            let what = format!("skin {skin}, balanced every {every} steps, ranks {grid:?}");
+            let what = format!("skin {skin:?}, balanced every {every} steps, ranks {grid:?}");
             let planes_moved = bench.on_ranks(grid, |run| {
                 let before = run.work.decomposition.clone();
                 let end = run.steps(STEPS).snapshot();
@@ -125,6 +125,43 @@ fn load_balancing_and_skin_do_not_change_the_bits() {
             });
             assert_eq!(planes_moved, grid[2] > 1, "{what}");
         }
+    }
+}
+
+#[test]
+fn the_skin_follows_the_speeds_as_far_as_there_is_room() {
+    let skin_after = |speed: f64, width: f64, ranks: usize| {
+        let mut bench = Bench::new([width, width, 30.0], [PERIODIC, PERIODIC, PLATE]);
+        bench.skin = None;
+        bench.add([2.0, 2.0, 5.0], [0.0, 0.0, speed], 0.5);
+        bench.on_ranks([1, 1, ranks], |run| run.steps(STEPS).work.list_range.skin)
+    };
+    // With 2.5e-4 d in a step, sqrt(120 2.5e-4) d; the displacement that is added up is a bound, at most sqrt(3) of it.
+    let wide = skin_after(1.0, 4.0, 1);
+    assert!((0.173..0.228).contains(&wide), "{wide}");
+    assert_eq!(skin_after(1.0, 4.0, 2), wide, "on two ranks as on one");
+    assert_eq!(skin_after(0.01, 4.0, 1), 0.08, "slow: the narrowest");
+    // Two ghost layers of a diameter and the skin fit into 2.3 d.
+    let narrow = skin_after(1.0, 2.3, 1);
+    assert!((0.14..0.15).contains(&narrow), "{narrow}");
+    assert_eq!(skin_after(1.0, 2.161, 1), 0.08, "there is room for the narrowest only");
+}
+
+#[test]
+fn a_particle_that_is_too_fast_ends_the_run_at_the_same_step_with_any_skin() {
+    let end = |skin| {
+        let mut bench = Bench::new([4.0, 4.0, 30.0], [PERIODIC, PERIODIC, PLATE]);
+        (bench.skin, bench.time_step) = (skin, 0.01);
+        bench.gravity.magnitude = 10.0;
+        bench.add([2.0, 2.0, 29.0], [0.0; 3], 0.5);
+        let mut run = bench.setup().start_alone().unwrap();
+        run.steps(200).unwrap_err().to_string()
+    };
+    // 10 d in a unit of time, a tenth of d in a step, after 100 steps.
+    let expected = end(Some(0.02));
+    assert!(expected.contains("step 101: particle 0 moves at"), "{expected}");
+    for skin in [Some(0.5), Some(0.9), None] {
+        assert_eq!(end(skin), expected, "{skin:?}");
     }
 }
 
@@ -212,7 +249,7 @@ fn a_restart_on_other_ranks_gives_the_bits_of_the_uninterrupted_run() {
         {
             let middle = after(&bench, first, STEPS / 2 + 7);
             let mut other = bench.clone();
-            other.skin = 0.25;
+            other.skin = Some(0.25);
             let grid = RankGrid(second);
             let ends = run_on_threads(grid.size(), |ranks| {
                 let mut run = other.resume(&middle, grid, ranks);

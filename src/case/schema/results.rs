@@ -140,7 +140,7 @@ pub(in crate::case) const PARALLEL: &[Key] = &[
     .optional(),
     Key::number("skin", Allowed::between(0.001, 2.0), "Skin of the neighbour lists")
         .unit("largest diameter")
-        .default(Value::Number(0.08)),
+        .optionally("what the speeds of the particles make cheapest"),
     Key::new(
         "balance",
         Kind::Either(&[Kind::Word(OFF), Kind::Table(BALANCE)]),

@@ -67,7 +67,7 @@ impl ParticleExchange {
         (grid, column): (&BoxGrid, Option<&RoundColumn>),
         subdomain: Subdomain,
     ) -> Result<Self, String> {
-        if !CellTransfer::reaches(grid, limits.drift) {
+        if limits.drift > CellTransfer::reach(grid) {
             return Err(format!(
                 "a cell of the gas is {:.3e} wide, but particles may drift {:.3e} before they are sorted to ranks \
                  again: use larger cells or a smaller parallel.skin",

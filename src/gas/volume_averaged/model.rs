@@ -57,9 +57,8 @@ impl VolumeAveragedModel {
     /// A decomposition with its cut planes moved to cell faces, subdomains being at least `width` and two cells wide;
     /// none if there are too few cells.
     pub fn aligned(&self, decomposition: &Decomposition, width: f64) -> Option<Decomposition> {
-        let cut_axes = (0..3).filter(|&axis| decomposition.grid().0[axis] > 1);
-        let cells = cut_axes.map(|axis| (width / self.grid.spacing()[axis]).ceil() as usize);
-        self.grid.aligned(decomposition, cells.max().unwrap_or(0).max(GAS_HALO))
+        let cells = |spacing: f64| GAS_HALO.max((width / spacing).ceil() as usize);
+        self.grid.aligned(decomposition, self.grid.spacing().map(cells).into())
     }
 
     /// What comes in through an inlet while its velocities are at their largest.

@@ -16,7 +16,7 @@ fn temperatures(restitution: f64, viscosity: Option<f64>) -> Vec<f64> {
     let mut bench = Bench::new([LENGTH; 3], [PERIODIC; 3]);
     bench.contact = law(2.0e4, restitution, 0.0);
     bench.time_step = 1.0e-3;
-    bench.skin = 0.4;
+    bench.skin = Some(0.4);
     bench.add_layers(COUNT, (2.1, 1.0), &[1.0], (0.4, 0.0));
     let mut mean = Vector3::zeros();
     let mut velocities: Vec<Vector3<f64>> = (0..COUNT)

@@ -24,7 +24,7 @@ fn fall(
     bench.contact = law(1.0, 0.9, 0.1);
     bench.gravity.magnitude = 9.81;
     bench.density = DENSITY;
-    bench.skin = 0.15 * diameter;
+    bench.skin = Some(0.15 * diameter);
     // Six gas steps while the gas passes a cell, and a quarter of the time of viscosity across it.
     let viscous = GAS_DENSITY * spacing * spacing / VISCOSITY / 32.0;
     bench.time_step = (spacing / terminal / 6.0).min(viscous) / 10.0;

@@ -39,7 +39,7 @@ fn gradient_of(
     let mut bench = Bench::new(lengths, [PERIODIC, PERIODIC, OPEN]);
     bench.contact = law(1.0e3, 0.9, 0.1);
     bench.density = 1.0e9;
-    bench.skin = 0.1 * DIAMETER;
+    bench.skin = Some(0.1 * DIAMETER);
     bench.time_step = 1.0e-5;
     bench.add_layers(2048, (spacing * (1.0 - 1.0e-9), 0.5 * spacing), diameters, (0.0, 0.0));
     let mut model = gas_on_cells(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);

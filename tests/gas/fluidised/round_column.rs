@@ -23,7 +23,7 @@ fn packed(velocity: f64, column: bool) -> Bench {
     let mut bench = Bench::new([edge, edge, f64::from(LAYERS) * height], [STOP, STOP, OPEN]);
     bench.contact = law(1.0e3, 0.9, 0.1);
     bench.density = 1.0e9;
-    bench.skin = 0.1 * DIAMETER;
+    bench.skin = Some(0.1 * DIAMETER);
     bench.time_step = 1.0e-5;
     let sphere = PI / 6.0 * DIAMETER.powi(3);
     let in_layer = ((1.0 - VOIDAGE) * PI * radius * radius * height / sphere).round() as u32;

@@ -17,7 +17,7 @@ fn velocities(drag: DragLaw) -> Vec<f64> {
     bench.contact = law(10.0, 0.9, 0.1);
     bench.gravity.magnitude = 9.81;
     bench.density = DENSITY;
-    bench.skin = 0.15 * DIAMETER;
+    bench.skin = Some(0.15 * DIAMETER);
     bench.time_step = 1.0e-5;
     bench.add([0.02, 0.02, 0.06], [0.0, 0.0, INFLOW], 0.5 * DIAMETER);
     let mut model = gas_on_cells(&bench, [4, 4, 12], (GAS_DENSITY, VISCOSITY), drag, INFLOW);

@@ -86,7 +86,7 @@ impl Problem {
     ) -> Flow<'r> {
         let grid = self.grid();
         self.gas.check(&grid).unwrap();
-        let decomposition = grid.aligned(decomposition, GAS_HALO).unwrap();
+        let decomposition = grid.aligned(decomposition, [GAS_HALO; 3]).unwrap();
         let bounds = self.bounds();
         let mut solver =
             NavierStokesSolver::new(&grid, decomposition.subdomain(&bounds, ranks.rank()));

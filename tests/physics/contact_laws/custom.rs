@@ -52,7 +52,7 @@ fn bed(law: ContactLaw, rolling: bool, diameters: &[f64]) -> Bench {
     bench.interface = Some(ContactModel { rolling, ..law.into() });
     bench.gravity = EffectiveGravity { magnitude: 5.0, vibration: None };
     bench.time_step = 4.0e-4;
-    bench.skin = 0.05;
+    bench.skin = Some(0.05);
     bench.add_layers(63, (1.25, 0.7), diameters, (0.05, 2.0));
     bench
 }

@@ -47,7 +47,7 @@ fn chung_and_ooi_test_2() {
         let radius = 0.1;
         let mut bench = Bench::new([1.0; 3], [PERIODIC, PERIODIC, crate::beds::PLATE]);
         bench.density = density;
-        bench.skin = 0.01;
+        bench.skin = Some(0.01);
         bench.interface = Some(smooth(law));
         bench.time_step = expected[2] / 2000.0;
         bench.add([0.5, 0.5, radius + 1.0e-9], [0.0, 0.0, -0.2], radius);
@@ -164,7 +164,7 @@ fn the_pull_off_force_of_jkr_holds_a_weight() {
         let faces = [talcum::domain::Face::Open, talcum::domain::Face::Wall];
         let mut bench = Bench::new([10.0 * radius; 3], [OPEN, OPEN, faces]);
         bench.density = density;
-        bench.skin = 0.1 * radius;
+        bench.skin = Some(0.1 * radius);
         bench.interface = Some(smooth(damped.clone()));
         bench.gravity =
             talcum::domain::EffectiveGravity { magnitude: weight / mass, vibration: None };

@@ -62,7 +62,7 @@ impl HeadOn<'_> {
         let r = self.radius;
         let mut bench = Bench::new([12.0 * r; 3], [PERIODIC, PERIODIC, OPEN]);
         bench.density = self.density;
-        bench.skin = 0.1 * r;
+        bench.skin = Some(0.1 * r);
         bench.interface = Some(smooth(self.law.clone()));
         bench.time_step = self.step();
         bench.add([6.0 * r, 6.0 * r, 4.0 * r], [0.0, 0.0, 0.5 * speed], r);

@@ -207,7 +207,7 @@ fn a_wall_that_comes_towards_a_sphere_is_found_by_the_list() {
     let mut bench = Bench::new([4.0, 4.0, 12.0], [PERIODIC, PERIODIC, PLATE]);
     bench.interface = Some(linear(2.0e4, 1.0, 0.3));
     bench.time_step = 1.0e-4;
-    bench.skin = 0.05;
+    bench.skin = Some(0.05);
     bench.domain.walls[0].motion = WallMotion { velocity: Vector3::z() * 2.0, ..WallMotion::REST };
     bench.add([2.0, 2.0, 2.0], [0.0; 3], 0.5);
     let mut run = bench.alone();
@@ -295,7 +295,7 @@ fn a_moving_column_carries_a_sphere() {
     assert!(up > 0.05 && rest.abs() < 1.0e-12, "{up} {rest}");
     let mut bench = in_column(linear(2.0e5, 1.0, 0.0), 0.0);
     bench.add([4.0 - 2.6, 4.0, 50.0], [0.0; 3], 0.4);
-    bench.skin = 0.05;
+    bench.skin = Some(0.05);
     bench.domain.walls[0].motion = WallMotion { velocity: Vector3::x() * 0.5, ..WallMotion::REST };
     let pushed = bench.alone().steps(9000).particle(1).velocity[0];
     assert!((pushed - 1.0).abs() < 1.0e-3, "{pushed}");

@@ -70,7 +70,7 @@ fn dem06(drag: DragLaw) -> f64 {
     let buoyant = 9.81 * (1.0 - 1.2 / 2000.0);
     bench.gravity = EffectiveGravity { magnitude: buoyant, vibration: None };
     bench.density = 2000.0;
-    bench.skin = 0.15 * d;
+    bench.skin = Some(0.15 * d);
     bench.time_step = 1.0e-5;
     bench.add([100.0 * d, 100.0 * d, 0.05], [0.0, 0.0, 0.4], 0.5 * d);
     bench.alone().steps(35_000).particle(0).velocity[2]

@@ -19,7 +19,7 @@ fn stack(restitution: f64, time_step: f64) -> Bench {
     bench.contact = law(STIFFNESS, restitution, 0.0);
     bench.gravity = EffectiveGravity { magnitude: GRAVITY, vibration: None };
     bench.time_step = time_step;
-    bench.skin = 0.1 * RADIUS;
+    bench.skin = Some(0.1 * RADIUS);
     bench.density = 20_000.0;
     bench.add([0.5 * side, 0.5 * side, 0.25 * CEILING], [0.0; 3], RADIUS);
     bench.density = 10_000.0;

@@ -100,7 +100,7 @@ fn uneven(grid: [usize; 3]) -> Decomposition {
         let plane = |k: usize| lengths[axis] * (k as f64 / n as f64).powf(1.3);
         (0..=n).map(|k| if k == n { lengths[axis] } else { plane(k) }).collect()
     });
-    BoxGrid::new(&bounds(), COUNTS).aligned(&even.with_cut_planes(cut_planes), 2).unwrap()
+    BoxGrid::new(&bounds(), COUNTS).aligned(&even.with_cut_planes(cut_planes), [2; 3]).unwrap()
 }
 
 fn couple(
