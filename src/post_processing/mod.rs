@@ -12,6 +12,7 @@ mod evenly_spaced;
 mod findings;
 mod measures;
 mod report;
+mod result_file;
 mod results;
 
 pub use analysis_file::write as write_analysis;
@@ -20,6 +21,8 @@ pub use measures::MEASURES;
 pub use report::{list, report};
 pub use results::{Results, TimeWindow};
 
+use crate::analysis::NoValue;
+use crate::case::Case;
 use crate::output::OutputError;
 use std::fmt;
 
@@ -32,6 +35,8 @@ pub struct Measure {
     pub title: &'static str,
     /// The numbers and texts that it may give; one with an empty name goes by the measure's own.
     pub scalars: fn() -> Vec<Kind>,
+    /// Whether a run of this case gives it, so far as the case can tell.
+    pub of_case: fn(&Case) -> Result<(), NoValue>,
     /// Measures.
     pub find: fn(&Results) -> Result<Findings, Unmeasured>,
 }

@@ -1,6 +1,7 @@
 //! The folder of a run, read as far as measures ask for it.
 
 use super::Unmeasured;
+use super::result_file::ResultFile;
 use crate::analysis::{Digest, NoValue, Periodicity};
 use crate::case::{Case, Stage};
 use crate::gas::GasModel;
@@ -96,7 +97,7 @@ impl Results {
     /// All rows of `series.csv`.
     pub fn whole_series(&self) -> Result<&SeriesTable, Unmeasured> {
         let read = || {
-            let path = self.file("series.csv", "output.series")?;
+            let path = self.file(ResultFile::Series)?;
             Ok(SeriesTable::read(&path)?)
         };
         as_ref(self.series.get_or_init(read))
@@ -105,7 +106,7 @@ impl Results {
     /// The rows of `series.csv` that count; at least one.
     pub fn series(&self) -> Result<SeriesTable, Unmeasured> {
         let rows = self.whole_series()?.between(self.window.from, self.window.to);
-        self.require_times(rows.rows.len(), "series.csv")?;
+        self.require_times(rows.rows.len(), ResultFile::Series)?;
         Ok(rows)
     }
 
@@ -118,7 +119,7 @@ impl Results {
     /// All rows of `profiles.h5`.
     pub fn whole_profiles(&self) -> Result<&ProfileTable, Unmeasured> {
         let read = || {
-            let path = self.file("profiles.h5", "output.profiles")?;
+            let path = self.file(ResultFile::Profiles)?;
             Ok(ProfileTable::read(&path)?)
         };
         as_ref(self.profiles.get_or_init(read))
@@ -127,25 +128,25 @@ impl Results {
     /// The rows of `profiles.h5` that count; at least one.
     pub fn profiles(&self) -> Result<ProfileTable, Unmeasured> {
         let rows = self.whole_profiles()?.between(self.window.from, self.window.to);
-        self.require_times(rows.times.len(), "profiles.h5")?;
+        self.require_times(rows.times.len(), ResultFile::Profiles)?;
         Ok(rows)
     }
 
     /// The snapshots of particles that count; at least one.
     pub fn particle_snapshots(&self) -> Result<ParticleSnapshotReader, Unmeasured> {
-        let path = self.file("particles.vtkhdf", "output.particles")?;
+        let path = self.file(ResultFile::Particles)?;
         let snapshots = ParticleSnapshotReader::open(&path)?;
         let snapshots = snapshots.between(self.window.from, self.window.to);
-        self.require_times(snapshots.times.len(), "particles.vtkhdf")?;
+        self.require_times(snapshots.times.len(), ResultFile::Particles)?;
         Ok(snapshots)
     }
 
     /// The snapshots of a gas in three dimensions that count; at least one.
     pub fn gas_snapshots(&self) -> Result<GasSnapshotReader, Unmeasured> {
-        let path = self.file("gas.vtkhdf", "output.gas, of a gas in three dimensions,")?;
+        let path = self.file(ResultFile::Gas)?;
         let snapshots = GasSnapshotReader::open(&path)?;
         let snapshots = snapshots.between(self.window.from, self.window.to);
-        self.require_times(snapshots.times.len(), "gas.vtkhdf")?;
+        self.require_times(snapshots.times.len(), ResultFile::Gas)?;
         Ok(snapshots)
     }
 
@@ -210,18 +211,13 @@ impl Results {
     }
 
     /// The path of a file, if it is there.
-    fn file(&self, name: &str, key: &str) -> Result<PathBuf, NoValue> {
-        let path = self.folder.join(name);
-        if path.exists() {
-            return Ok(path);
-        }
-        Err(NoValue::because(format!(
-            "there is no {name}: the key {key} of the case would give it"
-        )))
+    fn file(&self, file: ResultFile) -> Result<PathBuf, NoValue> {
+        let path = self.folder.join(file.name());
+        if path.exists() { Ok(path) } else { Err(file.absent()) }
     }
 
-    fn require_times(&self, count: usize, name: &str) -> Result<(), NoValue> {
-        let TimeWindow { from, to } = self.window;
+    fn require_times(&self, count: usize, file: ResultFile) -> Result<(), NoValue> {
+        let (name, TimeWindow { from, to }) = (file.name(), self.window);
         match count {
             0 if self.window == TimeWindow::WHOLE => {
                 Err(NoValue::because(format!("{name} holds no results yet")))

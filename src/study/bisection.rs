@@ -181,7 +181,7 @@ impl Bisection {
 
     /// Why a search ended without a crossing.
     pub(crate) fn explain(&self, bracket: [f64; 2], measured: [f64; 2]) -> String {
-        let Self { key, measure, threshold, .. } = self;
+        let Self { key, measure, threshold, line, .. } = self;
         let [lower, upper] = bracket;
         let [at_lower, at_upper] = measured;
         let values =
@@ -193,11 +193,11 @@ impl Bisection {
         };
         match reversed {
             true => format!(
-                "the criterion changes in the other direction: {values}; did you mean direction = \"{}\"?",
+                "[bisection] in line {line}: the criterion changes in the other direction: {values}; did you mean direction = \"{}\"?",
                 other.name()
             ),
             false => format!(
-                "the criterion never changes over the bracket: {values}, both on one side of {threshold}; \
+                "[bisection] in line {line}: the criterion never changes over the bracket: {values}, both on one side of {threshold}; \
                  take another bracket or threshold"
             ),
         }

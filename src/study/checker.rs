@@ -1,6 +1,7 @@
 //! Reads the cases of runs, and refuses them before anything runs.
 
 use crate::case::Case;
+use crate::post_processing;
 use crate::study::case_text::EffectiveCase;
 use crate::study::problem::CaseProblem;
 use crate::study::run_outline::RunOutline;
@@ -50,7 +51,14 @@ impl CaseChecker for CaseReader {
     fn check(&self, request: &CaseRequest) -> Result<RunOutline, Vec<CaseProblem>> {
         let case = Case::read(&request.case, &overrides(&request.settings));
         let case = case.map_err(CaseProblem::all_of)?;
-        Ok(RunOutline { end_time: case.end_time(), measures: case.measured_scalars() })
+        let reason = |measure: &&post_processing::Measure| {
+            Some((measure.name, (measure.of_case)(&case).err()?.reason().to_owned()))
+        };
+        Ok(RunOutline {
+            end_time: case.end_time(),
+            measures: case.measured_scalars(),
+            impossible: post_processing::MEASURES.iter().filter_map(reason).collect(),
+        })
     }
 }
 

@@ -9,4 +9,6 @@ pub(crate) struct RunOutline {
     pub(crate) end_time: f64,
     /// Its sections `[measure.NAME]`, each with the names of its numbers.
     pub(crate) measures: BTreeMap<String, Vec<&'static str>>,
+    /// Measures of `talcum analyse` that find nothing on it, and why.
+    pub(crate) impossible: BTreeMap<&'static str, String>,
 }

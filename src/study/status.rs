@@ -30,6 +30,7 @@ pub(crate) fn list(session: &Session<'_>) -> Result<String, String> {
 pub(crate) fn status(session: &Session<'_>) -> Result<String, String> {
     let (mut text, mut counts) = (String::new(), [0; 4]);
     let search = session.study.bisection.as_ref();
+    let mut failed_searches = 0;
     for task in &session.plan.tasks {
         for member in task.members(search, &session.factory, &session.results())? {
             let (kind, line) = describe(session, &member);
@@ -37,6 +38,7 @@ pub(crate) fn status(session: &Session<'_>) -> Result<String, String> {
             let _ = writeln!(text, "{line}");
         }
         if let (Progress::Failed(reason), true) = (progress(session, task)?, search.is_some()) {
+            failed_searches += 1;
             let _ = writeln!(text, "search {}: {}", task.name, indented(&reason));
         }
     }
@@ -47,6 +49,9 @@ pub(crate) fn status(session: &Session<'_>) -> Result<String, String> {
         text,
         "{known}{so_far}: {done} done, {running} running, {waiting} waiting, {failed} failed"
     );
+    if failed_searches > 0 {
+        let _ = write!(text, "; {failed_searches} of the searches without a result");
+    }
     Ok(text)
 }
 

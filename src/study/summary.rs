@@ -4,7 +4,7 @@ use crate::output::readers::SeriesTable;
 use crate::output::{Cells, Column, ResultTable};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
-use crate::study::measure::{Reduction, Statistic, Value, Window, reduced};
+use crate::study::measure::{Measure, OfResults, Reduction, Statistic, Value, Window, reduced};
 use crate::study::member::short_name;
 use crate::study::table::{Replicates, csv};
 use anyhow::{Context, bail};
@@ -18,9 +18,12 @@ pub struct SummaryOptions {
     /// Folders of results.
     #[arg(required = true)]
     pub(crate) results: Vec<PathBuf>,
-    /// Columns of series.csv (default: all).
+    /// Columns of series.csv (default: all, or none if there is --measure).
     #[arg(long = "column", value_name = "NAME")]
     pub(crate) columns: Vec<String>,
+    /// Numbers of `talcum analyse` (waves.speed), or of a section [measure.NAME] of the case (NAME.COLUMN).
+    #[arg(long = "measure", value_name = "NAME")]
+    pub(crate) measures: Vec<String>,
     /// mean, last, max, min or deviation of the rows.
     #[arg(long, default_value = "mean")]
     pub(crate) statistic: String,
@@ -127,7 +130,37 @@ impl<'o> Summary<'o> {
             values
                 .push(row.map_err(|error| anyhow::anyhow!("{}/series.csv: {error}", run.folder))?);
         }
-        Ok(Self { keys: differing_keys(&runs), runs, options, columns, values })
+        let mut summary = Self { keys: differing_keys(&runs), runs, options, columns, values };
+        let of_results = OfResults::default();
+        for name in &options.measures {
+            let measure = of_results.named(name, reduction);
+            let measure = measure.map_err(|error| anyhow::anyhow!("--measure {name}: {error}"))?;
+            let added = summary.add(name, measure.as_ref());
+            let is_of_case = of_results.is_of_case(name);
+            added.with_context(|| match is_of_case {
+                true => format!("--measure {name}: {}", of_results.unknown(name)),
+                false => format!("--measure {name}"),
+            })?;
+        }
+        Ok(summary)
+    }
+
+    /// Adds a column. Where a run gives nothing, the reason is told and the cell stays empty.
+    fn add(&mut self, name: &str, measure: &dyn Measure) -> anyhow::Result<()> {
+        let mut unit = None;
+        for (run, row) in self.runs.iter().zip(&mut self.values) {
+            let measured = measure.value(Path::new(&run.folder))?;
+            row.push(match measured.value {
+                Value::Number(value) => value,
+                Value::Text(reason) | Value::Nothing(reason) => {
+                    log::warn!("{}: {name}: {reason}", run.folder);
+                    f64::NAN
+                }
+            });
+            unit.get_or_insert(measured.unit);
+        }
+        self.columns.push((name.to_owned(), unit.unwrap_or_default()));
+        Ok(())
     }
 
     fn runs(&self) -> ResultTable {
@@ -245,7 +278,7 @@ fn columns(runs: &[Run], options: &SummaryOptions) -> anyhow::Result<Vec<(String
     };
     let all = first.series.columns.iter().filter(|(name, _)| name != "time" && in_all(name));
     if options.columns.is_empty() {
-        return Ok(all.cloned().collect());
+        return Ok(all.cloned().filter(|_| options.measures.is_empty()).collect());
     }
     let known: Vec<(String, String)> = all.cloned().collect();
     let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();

@@ -115,6 +115,67 @@ fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
     let [.., whole, _, _, late] = row[..] else { panic!("{runs}") };
     let [whole, late] = [whole, late].map(|cell| cell.parse::<f64>().unwrap());
     assert!((10.0..60.0).contains(&whole) && late != whole, "{runs}");
+    // A summary of the same runs has the same numbers, and says why there is none.
+    let folders = std::fs::read_dir(output.join("runs")).unwrap().flatten();
+    let mut folders: Vec<String> = folders.map(|run| run.path().display().to_string()).collect();
+    folders.sort();
+    let measures = ["--measure", "bed.height", "--measure", "u_mf"];
+    let options = folders.iter().map(String::as_str).chain(measures);
+    let summary = talcum(0, &["summary"].into_iter().chain(options).collect::<Vec<_>>());
+    assert_code(&summary, 0);
+    let (table, warnings) = (&summary.output, &summary.errors);
+    assert!(table.contains(",bed.height [d],u_mf [sqrt(g d)]\n"), "{table}");
+    let row: Vec<&str> = table.lines().last().unwrap().split(',').collect();
+    let [.., height, u_mf] = row[..] else { panic!("{table}") };
+    assert_eq!((height.parse::<f64>().unwrap(), u_mf), (whole, ""), "{table}");
+    assert!(warnings.contains("u_mf: "), "{warnings}");
+}
+
+#[test]
+fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("measured.toml");
+    let head =
+        format!("title = \"measured\"\ncase = {:?}\n", data("bed.toml").display().to_string());
+    let output = folder.path().join("out");
+    for (measure, reason) in [
+        (
+            "waves.speed",
+            "there is no profiles.h5: the key output.profiles of the case would give it",
+        ),
+        ("cycle.lift", "the plate vibrates in no stage"),
+    ] {
+        std::fs::write(&study, format!("{head}measures = [{measure:?}]\n")).unwrap();
+        let refused = run(&study, &output, &[]);
+        assert_code(&refused, 1);
+        let message = format!("{measure} cannot be measured on this case: {reason}");
+        assert!(refused.errors.contains(&message), "{}", refused.errors);
+        assert!(refused.errors.contains("measured.toml:3: "), "{}", refused.errors);
+    }
+    assert!(!output.join("runs").exists());
+    // The control: with the key it is measured.
+    let text = "measures = [\"waves.speed\"]\n[set]\noutput.profiles = 0.1\n";
+    std::fs::write(&study, head + text).unwrap();
+    assert_code(&run(&study, &output, &[]), 0);
+}
+
+#[test]
+fn a_search_may_name_its_own_measure_and_counts_as_failed_if_it_has_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("search.toml");
+    let head = format!("title = \"search\"\ncase = {:?}\n", data("bed.toml").display().to_string());
+    let search = "[set]\noutput.profiles = 0.1\n[bisection]\nkey = \"gas.superficial_velocity\"\n\
+                  bracket = [0.01, 0.02]\ntolerance = 0.005\nmeasure = \"bed.height\"\n\
+                  threshold = 1000.0\ndirection = \"rises\"\n";
+    std::fs::write(&study, head + search).unwrap();
+    let output = folder.path().join("out");
+    let ended = run(&study, &output, &[]);
+    assert_code(&ended, 1);
+    let message = "[bisection] in line 5: the criterion never changes over the bracket";
+    assert!(ended.errors.contains(message), "{}", ended.errors);
+    let status = run(&study, &output, &["--status"]);
+    let counted = "2 done, 0 running, 0 waiting, 0 failed; 1 of the searches without a result";
+    assert!(status.output.contains(counted), "{}", status.output);
 }
 
 #[test]

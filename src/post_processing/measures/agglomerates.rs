@@ -28,6 +28,7 @@ pub(super) const MEASURE: Measure = Measure {
             DIMENSION,
         ]
     },
+    of_case: |_| Ok(()),
     find,
 };
 

@@ -7,6 +7,7 @@ use crate::analysis::statistics::{correlated_mean, moments};
 use crate::analysis::{Estimate, NoValue, Quantity};
 use crate::output::readers::ProfileTable;
 use crate::output::{Column, ColumnUnits, ResultTable};
+use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -25,6 +26,7 @@ pub(super) const MEASURE: Measure = Measure {
             OVER_WEIGHT,
         ]
     },
+    of_case: |case| ResultFile::Profiles.require_of(case),
     find,
 };
 

@@ -6,12 +6,14 @@ use crate::analysis::bubbles::{
 use crate::analysis::statistics::SampleMean;
 use crate::analysis::{NoValue, Quantity};
 use crate::output::{Cells, Column, ColumnUnits, ResultTable};
+use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 
 pub(super) const MEASURE: Measure = Measure {
     name: "bubbles",
     title: "Bubbles: regions of a voidage above 0.7, of four cells or more",
     scalars: || vec![COUNT, DIAMETER, ASPECT, RISE],
+    of_case: |case| ResultFile::Gas.require_of(case),
     find,
 };
 

@@ -10,6 +10,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "coordination",
     title: "Coordination number of the last checkpoint that counts",
     scalars: || vec![MEAN, ALONE],
+    of_case: |_| Ok(()),
     find,
 };
 

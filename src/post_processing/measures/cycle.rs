@@ -2,6 +2,7 @@
 
 use crate::analysis::phase_average::{PhaseAverage, PhaseOptions, phase_average};
 use crate::analysis::{NoValue, Quantity};
+use crate::case::{Case, Stage};
 use crate::domain::Vibration;
 use crate::output::{Column, ResultTable};
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
@@ -10,6 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "cycle",
     title: "The cycle of the vibrated plate",
     scalars: || vec![FREQUENCY, CYCLES, PLATE_PEAK, PLATE_PEAK_PHASE, LIFT, FLOW_SWING],
+    of_case: require_vibration,
     find,
 };
 
@@ -45,9 +47,11 @@ const COLUMNS: [&str; 10] = [
 const BINS: usize = 40;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
-    let vibration = last_vibration(results)?;
+    let Vibrating { vibration, from, to } = last_vibration(results)?;
     let times = results.column("time")?;
-    let from = times.partition_point(|&time| time < vibration.start);
+    // The row at the start of a stage belongs to the stage before.
+    let rows =
+        times.partition_point(|&time| time <= from)..times.partition_point(|&time| time <= to);
     let options = PhaseOptions {
         frequency: vibration.frequency,
         origin: vibration.start,
@@ -60,10 +64,10 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let mut averages = Vec::new();
     for name in COLUMNS {
         let Some(values) = series.column(name) else { continue };
-        if times.len() - from < 2 {
+        if rows.len() < 2 {
             return Err(NoValue::because("the plate vibrates at none of these times").into());
         }
-        let average = phase_average(&times[from..], &values[from..], &options)?;
+        let average = phase_average(&times[rows.clone()], &values[rows.clone()], &options)?;
         if columns.is_empty() {
             columns.push(Column::numbers("phase", "1", "part of a cycle", average.phases.clone()));
         }
@@ -77,22 +81,40 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     let peak = of("plate_stress").and_then(peak);
     found.add(&PLATE_PEAK, peak.clone().map_or_else(nothing, |(_, value)| value));
     found.add(&PLATE_PEAK_PHASE, peak.map_or_else(nothing, |(phase, _)| phase.into()));
-    found.add(&LIFT, of("bed_bottom").and_then(swing).map_or_else(nothing, Value::from));
-    let flow = of("superficial_velocity").and_then(swing);
-    found.add(&FLOW_SWING, flow.map_or_else(nothing, Value::from));
+    found.add(&LIFT, of("bed_bottom").and_then(swing).unwrap_or_else(nothing));
+    found.add(&FLOW_SWING, of("superficial_velocity").and_then(swing).unwrap_or_else(nothing));
     found.tables.push(ResultTable::new("cycle/phases", columns));
     Ok(found)
+}
+
+fn require_vibration(case: &Case) -> Result<(), NoValue> {
+    let vibrates = case.stages.iter().any(|stage| stage.physics.gravity.vibration.is_some());
+    if vibrates { Ok(()) } else { Err(NoValue::because("the plate vibrates in no stage")) }
 }
 
 fn nothing() -> Value {
     Value::Nothing(NoValue::because("no phase of the cycle has rows"))
 }
 
-/// The vibration of the last stage that counts.
-fn last_vibration(results: &Results) -> Result<Vibration, Unmeasured> {
-    let vibrations = results.stages()?.filter_map(|stage| stage.physics.gravity.vibration);
+/// How the plate vibrates, and when.
+struct Vibrating {
+    vibration: Vibration,
+    from: f64,
+    to: f64,
+}
+
+/// The vibration of the last stage that has one, over that stage and those right before it with the same.
+fn last_vibration(results: &Results) -> Result<Vibrating, Unmeasured> {
+    let stages: Vec<&Stage> = results.stages()?.collect();
+    let vibration_of = |place: usize| stages[place].physics.gravity.vibration;
     let none = || NoValue::because("the plate does not vibrate at these times");
-    Ok(vibrations.last().ok_or_else(none)?)
+    let last = (0..stages.len()).rev().find(|&place| vibration_of(place).is_some());
+    let last = last.ok_or_else(none)?;
+    let vibration = vibration_of(last).ok_or_else(none)?;
+    let same = |place: &usize| vibration_of(*place) == Some(vibration);
+    let first = (0..=last).rev().take_while(same).last().unwrap_or(last);
+    let from = stages[first].start.max(vibration.start);
+    Ok(Vibrating { vibration, from, to: stages[last].end })
 }
 
 fn columns_of(name: &str, unit: &str, average: &PhaseAverage) -> [Column; 2] {
@@ -118,9 +140,17 @@ fn peak(average: &PhaseAverage) -> Option<(f64, Value)> {
     Some((average.phases[bin], Value::Number { value, error: average.errors[bin] }))
 }
 
-/// Largest less smallest mean.
-fn swing(average: &PhaseAverage) -> Option<f64> {
-    let known = || average.means.iter().flatten().copied();
-    let highest = known().reduce(f64::max)?;
-    Some(highest - known().fold(highest, f64::min))
+/// Largest less smallest mean; the error is that of these two means, as if they were independent.
+fn swing(average: &PhaseAverage) -> Option<Value> {
+    let known = || {
+        average
+            .means
+            .iter()
+            .zip(&average.errors)
+            .filter_map(|(mean, error)| Some(((*mean)?, *error)))
+    };
+    let (highest, of_highest) = known().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (lowest, of_lowest) = known().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let error = of_highest.zip(of_lowest).map(|(one, other)| one.hypot(other));
+    Some(Value::Number { value: highest - lowest, error })
 }

@@ -7,6 +7,7 @@ use crate::analysis::residence::{
 use crate::analysis::{NoValue, Quantity};
 use crate::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use crate::output::{Cells, Column, ColumnUnits, ResultTable};
+use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use std::f64::consts::PI;
 
@@ -14,6 +15,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "flux",
     title: "Solids flux through planes in the bed, and residence time between them",
     scalars: || vec![UP, NET, RESIDENCE, PASSAGES],
+    of_case: |case| ResultFile::Particles.require_of(case),
     find,
 };
 

@@ -6,8 +6,13 @@ use crate::output::{Cells, Column, ResultTable};
 use crate::post_processing::evenly_spaced::EvenRows;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 
-pub(super) const MEASURE: Measure =
-    Measure { name: "mean", title: "Means of series.csv", scalars: || kinds().collect(), find };
+pub(super) const MEASURE: Measure = Measure {
+    name: "mean",
+    title: "Means of series.csv",
+    scalars: || kinds().collect(),
+    of_case: |_| Ok(()),
+    find,
+};
 
 /// One for each column.
 fn kinds() -> impl Iterator<Item = Kind> {

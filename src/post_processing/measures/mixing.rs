@@ -8,6 +8,7 @@ use crate::analysis::{NoValue, Ownership, Periodicity, Quantity};
 use crate::output::readers::{ParticleSnapshot, ParticleSnapshotReader};
 use crate::output::{Column, ColumnUnits, ResultTable};
 use crate::parallel::OneRank;
+use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 use std::f64::consts::PI;
 
@@ -18,6 +19,7 @@ pub(super) const MEASURE: Measure = Measure {
         let (fitted, secant) = (DISPERSION.into_iter(), SECANT.into_iter());
         fitted.chain(secant).chain([LACEY, LACEY_BY_SIZE]).collect()
     },
+    of_case: |case| ResultFile::Particles.require_of(case),
     find,
 };
 

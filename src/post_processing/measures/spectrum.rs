@@ -11,6 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     name: "spectrum",
     title: "Power spectra of series.csv: the highest peak of each column",
     scalars: || COLUMNS.to_vec(),
+    of_case: |_| Ok(()),
     find,
 };
 

@@ -7,6 +7,7 @@ use crate::analysis::waves::{
 use crate::analysis::{NoValue, Quantity};
 use crate::output::{Cells, Column, ColumnUnits, ResultTable};
 use crate::post_processing::evenly_spaced::EvenRows;
+use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
 
 pub(super) const MEASURE: Measure = Measure {
@@ -31,6 +32,7 @@ pub(super) const MEASURE: Measure = Measure {
             DISORDERED,
         ]
     },
+    of_case: |case| ResultFile::Profiles.require_of(case),
     find,
 };
 

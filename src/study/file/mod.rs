@@ -51,9 +51,9 @@ fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> 
     let replicates = axes::replicates(root, &axes);
     let grid: Vec<Axis> = axes.into_iter().filter(|axis| !axis.replicate).map(|a| a.axis).collect();
     let start = root.optional("start").map(|entry| start(&entry, path));
-    let mut measures = measures(root, registry);
     let bisection = root.optional("bisection").map(|entry| search::bisection(&entry, &grid));
-    measures.extend(search::own_measure(bisection.as_ref(), &measures, registry));
+    let own = search::own_measure(bisection.as_ref(), registry);
+    let measures = measures(root, registry, own);
     let continuation = root.optional("continuation").map(|entry| continuation(&entry, &grid));
     let confidence = confidence(root);
     let resources = resources(root);
@@ -115,14 +115,18 @@ fn collect_settings(path: &str, entry: &Entry<'_>, all: &mut Vec<Setting>) {
 const COLUMNS: [&str; 7] =
     ["run", "point", "runs", "state", "digest", "begins_with", "identity_blake3"];
 
-/// The list `measures`, then the sections `[measure.NAME]`.
-fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
+/// The list `measures`, then the sections `[measure.NAME]`, then that of a search by itself if it is none of them: at least one.
+fn measures(
+    root: &Section<'_>,
+    registry: &Registry,
+    of_search: Option<NamedMeasure>,
+) -> Vec<NamedMeasure> {
     let listed = root.optional("measures");
     let allowed =
         "one section [measure.NAME] or more, or a list measures: what is measured on every run";
-    let sections = match listed {
-        Some(_) => root.optional("measure"),
-        None => root.required("measure", allowed),
+    let sections = match listed.is_some() || of_search.is_some() {
+        true => root.optional("measure"),
+        false => root.required("measure", allowed),
     };
     let names = listed.and_then(|entry| entry.list()).unwrap_or_default();
     let mut measures: Vec<NamedMeasure> = Vec::new();
@@ -145,6 +149,9 @@ fn measures(root: &Section<'_>, registry: &Registry) -> Vec<NamedMeasure> {
             measures.push(NamedMeasure { name, measure, line: entry.line });
         }
     }
+    let is_new = |own: &NamedMeasure| measures.iter().all(|measure| measure.name != own.name);
+    let of_search = of_search.filter(is_new);
+    measures.extend(of_search);
     measures
 }
 

@@ -89,15 +89,13 @@ fn pair(entry: &Entry<'_>) -> Option<[f64; 2]> {
     }
 }
 
-/// The measure of a search that names one by itself, which the study has not listed.
+/// The measure of a search that names one by itself.
 pub(super) fn own_measure(
     search: Option<&Option<Bisection>>,
-    listed: &[NamedMeasure],
     registry: &Registry,
 ) -> Option<NamedMeasure> {
     let search = search?.as_ref()?;
-    let known = listed.iter().any(|measure| measure.name == search.measure);
-    let measure = registry.named(&search.measure).ok().filter(|_| !known)?;
+    let measure = registry.named(&search.measure).ok()?;
     Some(NamedMeasure { name: search.measure.clone(), measure, line: search.line })
 }
 

@@ -44,9 +44,15 @@ impl MeasureSource for Analysis {
     }
 
     fn named(&self, name: &str) -> Option<Box<dyn Measure>> {
+        self.over(name, Window::default())
+    }
+}
+
+impl Analysis {
+    /// The measure of one of its names over a window.
+    pub(super) fn over(&self, name: &str, window: Window) -> Option<Box<dyn Measure>> {
         let scalar = post_processing::scalar_named(name)?;
-        let found = Rc::clone(&self.found);
-        Some(Box::new(Quantity { scalar, window: Window::default(), found }))
+        Some(Box::new(Quantity { scalar, window, found: Rc::clone(&self.found) }))
     }
 }
 
@@ -93,6 +99,9 @@ impl Measure for Quantity {
     }
 
     fn check(&self, run: &RunOutline) -> Result<(), String> {
+        if let Some(reason) = run.impossible.get(self.scalar.measure.name) {
+            return Err(format!("{} cannot be measured on this case: {reason}", self.scalar));
+        }
         self.window.check(run.end_time)
     }
 

@@ -28,16 +28,21 @@ impl MeasureSource for CaseMeasures {
 
 /// One statistic of one column of the table `results` of a measure.
 #[derive(Clone, Debug, PartialEq)]
-struct ResultStatistic {
-    measure: String,
-    column: String,
-    reduction: Reduction,
+pub(super) struct ResultStatistic {
+    pub(super) measure: String,
+    pub(super) column: String,
+    pub(super) reduction: Reduction,
 }
 
 impl Measure for ResultStatistic {
     /// Rows that are not defined, such as the mean size of no agglomerates, do not count.
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let path = MeasureResults::file_of(&self.measure, results);
+        if !path.exists() {
+            let message =
+                format!("is not there: the case has no section [measure.{}]", self.measure);
+            return Err(OutputError { path, message });
+        }
         let table = MeasureResults::read(&path)?;
         let column = table.columns.iter().find(|column| column.name == self.column);
         let Some(column) = column else {

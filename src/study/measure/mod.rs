@@ -18,7 +18,7 @@ use crate::output::OutputError;
 use crate::study::run_outline::RunOutline;
 use crate::study::section::{Section, advice};
 use analysis::Analysis;
-use case_measures::CaseMeasures;
+use case_measures::{CaseMeasures, ResultStatistic};
 use std::fmt;
 use std::path::Path;
 use window::window_of;
@@ -107,6 +107,51 @@ pub(crate) struct NamedMeasure {
     pub(crate) measure: Box<dyn Measure>,
     /// The line of the study file, from 1.
     pub(crate) line: usize,
+}
+
+/// Measures of results that are there, by their names: a number of `talcum analyse`, as in `waves.speed`, or a column of a
+/// measure of the case, as in `network.mean_age`.
+#[derive(Debug, Default)]
+pub(crate) struct OfResults(Analysis);
+
+impl OfResults {
+    /// The measure of that name. The times of the reduction hold for both kinds; its statistic is that of rows.
+    ///
+    /// # Errors
+    /// If the name stands for no number.
+    pub(crate) fn named(
+        &self,
+        name: &str,
+        reduction: Reduction,
+    ) -> Result<Box<dyn Measure>, String> {
+        if let Some(measure) = self.0.over(name, reduction.window) {
+            return match measure.texts() {
+                Some(_) => Err("is a text: only numbers have means".to_owned()),
+                None => Ok(measure),
+            };
+        }
+        let of_case = name.split_once('.').map(|(measure, column)| ResultStatistic {
+            measure: measure.to_owned(),
+            column: column.to_owned(),
+            reduction,
+        });
+        match of_case {
+            Some(measure) => Ok(Box::new(measure)),
+            None => Err(self.unknown(name)),
+        }
+    }
+
+    /// Whether a name is looked up among the measures of the case.
+    pub(crate) fn is_of_case(&self, name: &str) -> bool {
+        !self.0.names().iter().any(|known| known == name)
+    }
+
+    /// Says that `talcum analyse` has nothing of that name.
+    pub(crate) fn unknown(&self, name: &str) -> String {
+        let names = self.0.names();
+        let known: Vec<&str> = names.iter().map(String::as_str).collect();
+        format!("nothing that talcum analyse measures: {}", advice(name, &known))
+    }
 }
 
 /// All sources of measures.

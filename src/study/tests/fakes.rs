@@ -43,7 +43,8 @@ impl CaseChecker for FakeChecker {
         }
         let end_time = self.effective(&request.case, &request.settings).unwrap().end_time();
         let measures = [("network".to_owned(), vec!["contacts", "mean_age"])].into();
-        Ok(RunOutline { end_time: end_time.unwrap(), measures })
+        let impossible = [("bubbles", "there is no gas.vtkhdf".to_owned())].into();
+        Ok(RunOutline { end_time: end_time.unwrap(), measures, impossible })
     }
 }
 

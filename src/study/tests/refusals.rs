@@ -76,6 +76,10 @@ const REFUSED: &[(&str, &str)] = &[
         "study.toml:3: measure.x: the window begins at 50, but the run ends at 4",
     ),
     (
+        "measures = [\"bubbles.rise_velocity\"]\n",
+        "study.toml:3: measure.bubbles.rise_velocity: bubbles.rise_velocity cannot be measured on this case: there is no gas",
+    ),
+    (
         "[measure.x]\nsource = \"case\"\nmeasure = \"net\"\ncolumn = \"contacts\"\nstatistic = \"mean\"\n",
         "study.toml:3: measure.x: the case has no [measure.net]: did you mean network?",
     ),

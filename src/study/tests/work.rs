@@ -118,7 +118,8 @@ fn a_search_without_a_crossing_is_told_and_others_go_on() {
     let runner = FakeRunner::new(constant_in_a_slow_gas);
     let outcome = desk.work(&runner, None);
     assert_eq!(outcome.failures.len(), 3);
-    assert!(outcome.failures[0].contains("never changes over the bracket"), "{outcome:?}");
+    let message = "[bisection] in line 7: the criterion never changes over the bracket";
+    assert!(outcome.failures[0].contains(message), "{outcome:?}");
     let slow = runner.started.borrow().iter().filter(|name| name.contains("=0.1__")).count();
     assert_eq!(slow, 6, "two ends of three seeds");
     let tables = desk.tables();
@@ -216,6 +217,7 @@ fn a_summary_of_the_runs_has_the_means_of_the_study() {
     let mut options = crate::study::SummaryOptions {
         results,
         columns: vec!["bed_top".to_owned()],
+        measures: Vec::new(),
         statistic: "last".to_owned(),
         from: None,
         to: None,
@@ -236,4 +238,14 @@ fn a_summary_of_the_runs_has_the_means_of_the_study() {
     assert_eq!(numbers(same), numbers(point)[1..]);
     options.columns = vec!["bed_tip".to_owned()];
     assert!(crate::study::summary(&options).unwrap_err().to_string().contains("no such column"));
+    for (name, message) in [
+        ("bed.hight", "measures: did you mean bed.height?"),
+        ("hight", "nothing that talcum analyse measures"),
+        ("waves.state", "is a text"),
+    ] {
+        options.measures = vec![name.to_owned()];
+        options.columns.clear();
+        let refused = crate::study::summary(&options).unwrap_err().to_string();
+        assert!(refused.contains(message), "{name}: {refused}");
+    }
 }

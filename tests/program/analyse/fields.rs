@@ -233,9 +233,36 @@ fn a_vibrated_bed_is_averaged_over_its_cycle() {
     assert!((number(&found, "cycle.plate_stress_peak_phase").0 - 0.5).abs() < 0.08);
     assert!((number(&found, "cycle.lift").0 - 0.6).abs() < 0.01);
     assert!((number(&found, "cycle.flow_swing").0 - 0.01).abs() < 1.0e-4);
+    // The bottom repeats itself exactly.
+    let (_, error) = number(&found, "cycle.lift");
+    assert!(error < 1.0e-12, "{error}");
     // The control: the same series of a plate at rest has no cycle.
     let still = Made::of(CASE);
     still.series(times(1600, 0.125).into_iter().map(row));
     let found = still.find("cycle", TimeWindow::WHOLE);
     assert!(reason(&found, "cycle.lift").contains("does not vibrate"));
+}
+
+#[test]
+fn a_cycle_is_averaged_while_the_plate_vibrates_and_not_before_or_after() {
+    let staged = CASE.replace("[time]", "[vibration]\ngamma = 3.0\nfrequency = 0.16\n[time]");
+    let stages = "\n[[stage]]\nname = \"rest\"\nduration = 60.0\nvibration = \"off\"\n\
+        [[stage]]\nname = \"shake\"\nduration = 50.0\nvibration = \"on\"\n[[stage]]\nname = \"shake on\"\nduration = 50.0\n\
+        [[stage]]\nname = \"rest again\"\nduration = 40.0\nvibration = \"off\"\n";
+    let made = Made::of(&(staged.replace("end = 1000.0\n", "") + stages));
+    // At rest, the gas is off and the bottom lies still; else both repeat themselves exactly.
+    let row = |time: f64| {
+        let phase = 2.0 * PI * 0.16 * time;
+        let vibrates = time > 60.0 && time <= 160.0;
+        let bed_bottom = if vibrates { 0.3 * (1.0 + phase.cos()) } else { 0.0 };
+        let superficial_velocity = if vibrates { 0.02 } else { 0.0 };
+        Measures { time, bed_bottom, superficial_velocity, ..Default::default() }
+    };
+    made.series(times(1600, 0.125).into_iter().map(row));
+    let found = made.find("cycle", TimeWindow::WHOLE);
+    // 100 times 0.16 cycles, of which those are complete that begin with phase -1/80.
+    assert_eq!(number(&found, "cycle.cycles").0, 15.0);
+    assert!(number(&found, "cycle.flow_swing").0 < 1.0e-12);
+    let (lift, error) = number(&found, "cycle.lift");
+    assert!((lift - 0.6).abs() < 0.01 && error < 1.0e-12, "{lift} +- {error}");
 }
