@@ -19,7 +19,7 @@ from pathlib import Path
 import fluidised_bed
 import particles
 import spacetime
-from PIL import Image
+from stored_figures import store
 
 ROOT = Path(__file__).resolve().parent.parent
 CASES = ROOT / "cases/gallery"
@@ -50,7 +50,7 @@ ENTRIES = [
     Entry("pulsed-bed", particles, ("--colour", "rise", "--panels", "4", "--from", "0.8")),
     Entry("segregation", particles, ("--colour", "size", "--panels", "3")),
     Entry("moving-wall", particles, ("--colour", "rise", "--panels", "2", "--from", "0.5")),
-    Entry("agglomerates", fluidised_bed),
+    Entry("agglomerates", fluidised_bed, ("--colour", "members")),
     Entry("two-species", particles, ("--colour", "species", "--panels", "3")),
     Entry("heap", particles, ("--panels", "3", "--to", "1.2")),
 ]
@@ -85,12 +85,6 @@ def part(name: str, seconds: float) -> str:
     )
 
 
-def make_smaller(picture: Path) -> None:
-    """A picture in 128 colours: it takes a third of the room in the repository."""
-    with Image.open(picture) as image:
-        image.convert("RGB").quantize(128).save(picture, optimize=True)
-
-
 def main(words: list[str] | None = None) -> None:
     """Runs, draws, and writes the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -112,7 +106,7 @@ def main(words: list[str] | None = None) -> None:
             seconds[entry.name] = run(CASES / f"{entry.name}.toml", results)
         picture = PAGE.parent / f"gallery-{entry.name}.png"
         entry.script.main([str(results), *entry.options, "--output", str(picture)])
-        make_smaller(picture)
+        store(picture)
     told = [part(name, seconds[name]) for name in known if name in seconds]
     PAGE.write_text("\n".join([HEAD, *told]))
     print(f"page: {PAGE}")

@@ -23,13 +23,13 @@ from pathlib import Path
 from unittest import mock
 
 import nbformat
-import numpy as np
 from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 from PIL import Image
 from traitlets.config import Config
 
+import stored_figures
 from talcum_results import program
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -44,7 +44,7 @@ CASES = {
     "beads.toml": ("how-to/gas-in-three-dimensions.md", slice(0, 1)),
 }
 LONGEST_CELL = 600  # seconds; a cell takes some 10
-WIDEST, COLOURS, FREQUENT = 800, 128, 8  # of stored figures: pixels, colours, those of them that are kept exactly
+WIDEST, COLOURS = 800, 128  # of stored figures: pixels, colours
 
 
 def notebooks() -> list[Path]:
@@ -126,28 +126,10 @@ def differences(stored: NotebookNode, anew: NotebookNode) -> list[str]:
 
 def smaller(figure: str, widest: int = WIDEST) -> str:
     """A figure, PNG in base64, with fewer pixels and colours."""
-    with Image.open(io.BytesIO(base64.b64decode(figure))) as drawn:
-        flat = drawn.convert("RGB")
-    if flat.width > widest:
-        flat = flat.resize((widest, round(flat.height * widest / flat.width)), Image.LANCZOS)
     written = io.BytesIO()
-    with_palette(flat).save(written, "PNG", optimize=True)
+    with Image.open(io.BytesIO(base64.b64decode(figure))) as drawn:
+        stored_figures.smaller(drawn, widest, COLOURS).save(written, "PNG", optimize=True)
     return base64.b64encode(written.getvalue()).decode()
-
-
-def with_palette(figure: Image.Image) -> Image.Image:
-    """A figure in few colours that stand for all. A colour counts by the root of its area, so that small colour bars stay
-    smooth; the most frequent, such as white, are kept as they are."""
-    pixels = np.asarray(figure).reshape(-1, 3)
-    colours, places, areas = np.unique(pixels, axis=0, return_inverse=True, return_counts=True)
-    counted = Image.fromarray(np.repeat(colours, np.ceil(np.sqrt(areas)).astype(int), axis=0)[np.newaxis])
-    others = np.reshape(counted.quantize(COLOURS - FREQUENT).getpalette() or [], (-1, 3))[: COLOURS - FREQUENT]
-    palette = np.concatenate([colours[np.argsort(-areas, kind="stable")[:FREQUENT]], others]).astype(int)
-    distances = ((colours[:, np.newaxis].astype(int) - palette) ** 2).sum(axis=2)
-    numbers = distances.argmin(axis=1).astype(np.uint8)[places.ravel()]
-    flat = Image.fromarray(numbers.reshape(figure.height, figure.width))
-    flat.putpalette(palette.ravel().tolist())
-    return flat
 
 
 def tidied(notebook: NotebookNode) -> NotebookNode:
