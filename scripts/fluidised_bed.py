@@ -1,4 +1,7 @@
-"""Draws a bed in a gas of three dimensions: particles coloured by speed, and velocity (arrows) and voidage (grey) of the gas.
+"""Draws a bed in a gas of three dimensions: its particles, and velocity (arrows) and voidage (grey) of the gas.
+
+Particles are coloured by speed, or by the size of their agglomerates (--colour members) in results of a case with
+output.agglomerates; those in none are grey.
 
 Both are cut in the middle along y: the particles whose centres are in the middle third of the box, and the middle
 layer of cells. The picture is of the last time in particles.vtkhdf and gas.vtkhdf, or of --to. The mean of the pressure
@@ -29,6 +32,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 Array = np.ndarray
@@ -41,7 +45,8 @@ class Bed:
     time: float
     lengths: Array
     centres: Array
-    speeds: Array
+    colours: Array
+    label: str
     diameters: Array
     voidage: Array
     velocity: Array
@@ -56,7 +61,22 @@ def step_at(times: Array, time: float | None) -> int:
     return int(steps[-1])
 
 
-def read_bed(folder: Path, time: float | None) -> Bed:
+def members_of(labels: Array) -> Array:
+    """Of each particle the number of members of its agglomerate; not a number for those in none, whose label is below 0."""
+    _, places, counts = np.unique(labels, return_inverse=True, return_counts=True)
+    return np.where(labels < 0, np.nan, counts[places.ravel()])
+
+
+def colours_of(data: h5py.Group, rows: slice, colour: str) -> tuple[Array, str]:
+    """What colours the particles of a snapshot, and what stands beside it."""
+    if colour == "speed":
+        return np.linalg.norm(data["velocity"][rows], axis=1), axis_label("speed", data["velocity"].attrs["unit"])
+    if "agglomerate" not in data:
+        raise ResultsError("particles.vtkhdf shows no agglomerates: see output.agglomerates")
+    return members_of(data["agglomerate"][rows]), "members of the agglomerate; grey: in none"
+
+
+def read_bed(folder: Path, time: float | None, colour: str = "speed") -> Bed:
     """The last snapshot in both files that is not after a time."""
     with (
         h5py.File(result_file(folder, "particles.vtkhdf")) as particles,
@@ -73,7 +93,7 @@ def read_bed(folder: Path, time: float | None) -> Bed:
             particles["Steps/Values"][step],
             np.array(shape[:0:-1]) * gas.attrs["Spacing"],
             particles["Points"][rows],
-            np.linalg.norm(data["velocity"][rows], axis=1),
+            *colours_of(data, rows, colour),
             2.0 * data["radius"][rows],
             cells["voidage"][gas_step, :, middle],
             cells["velocity"][gas_step, :, middle],
@@ -87,11 +107,24 @@ def read_bed(folder: Path, time: float | None) -> Bed:
 
 def draw_particles(figure: Figure, panel, bed: Bed) -> None:
     inside = np.abs(bed.centres[:, 1] - 0.5 * bed.lengths[1]) < bed.lengths[1] / 6.0
-    spheres = draw_spheres(panel, bed.centres[inside][:, [0, 2]], bed.diameters[inside], bed.speeds[inside])
-    if len(bed.speeds):
-        spheres.set_clim(0.0, np.percentile(bed.speeds, 99.0))
+    spheres = draw_spheres(panel, bed.centres[inside][:, [0, 2]], bed.diameters[inside], bed.colours[inside])
+    shown = bed.colours[np.isfinite(bed.colours)]
+    if len(shown) and "members" in bed.label:
+        spheres.set_norm(LogNorm(shown.min(), max(shown.max(), 2.0 * shown.min())))
+    elif len(shown):
+        spheres.set_clim(0.0, np.percentile(shown, 99.0))
     panel.set_title(f"particles, {axis_label(f'time {bed.time:.4g}', bed.units['time'])}")
-    figure.colorbar(spheres, ax=panel, location="bottom", label=axis_label("speed", bed.units["speed"]))
+    key = figure.colorbar(spheres, ax=panel, location="bottom", label=bed.label)
+    if isinstance(spheres.norm, LogNorm):
+        marks = round_marks(spheres.norm.vmin, spheres.norm.vmax)
+        key.set_ticks(marks, labels=[str(mark) for mark in marks])
+        key.set_ticks([], minor=True)
+
+
+def round_marks(low: float, high: float) -> list[int]:
+    """The numbers 1, 2, 5, 10, 20 ... between two, which are marks of a logarithmic scale."""
+    marks = (digit * 10**power for power in range(9) for digit in (1, 2, 5))
+    return [mark for mark in marks if low <= mark <= high]
 
 
 def draw_gas(figure: Figure, panel, bed: Bed, top: float) -> None:
@@ -141,8 +174,11 @@ def draw(bed: Bed) -> Figure:
 
 
 def main(words: list[str] | None = None) -> None:
-    arguments = argument_parser(__doc__, "bed.png").parse_args(words)
-    bed = read_bed(arguments.results, arguments.end)
+    parser = argument_parser(__doc__, "bed.png")
+    meaning = "what colours the particles (default: speed)"
+    parser.add_argument("--colour", choices=["speed", "members"], default="speed", help=meaning)
+    arguments = parser.parse_args(words)
+    bed = read_bed(arguments.results, arguments.end, arguments.colour)
     rows = read_series(arguments.results).between(arguments.start, arguments.end)
     drop = rows["grid_pressure_drop"]
     print(f"pressure drop over weight: mean {drop.mean():.4f}, standard deviation {drop.std():.4f}")

@@ -32,6 +32,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 MOST_CLASSES = 12
@@ -57,6 +58,7 @@ class Bed:
     snapshots: list[Snapshot]
     label: str
     units: dict[str, str]
+    are_diameters: bool = False
 
     @cached_property
     def values(self) -> Array:
@@ -65,20 +67,32 @@ class Bed:
         return values[np.isfinite(values)]
 
     @cached_property
+    def sizes(self) -> Array:
+        """The diameters, ascending, where colours stand for a few of them; else none."""
+        sizes = np.unique(self.values) if self.are_diameters else self.values[:0]
+        return sizes if 2 <= len(sizes) <= MOST_CLASSES else sizes[:0]
+
+    @cached_property
     def is_numbered(self) -> bool:
-        """Whether colours stand for numbers of classes or contacts."""
-        return are_numbers_of_few(self.values)
+        """Whether colours stand for numbers of classes or contacts, or for a few sizes."""
+        return len(self.sizes) > 0 or are_numbers_of_few(self.values)
 
     @cached_property
     def limits(self) -> tuple[float, float]:
         """The range of the colours, but for a few fast particles."""
         if len(self.values) == 0:
             return 0.0, 1.0
+        if len(self.sizes) > 0:
+            return -0.5, len(self.sizes) - 0.5
         if self.is_numbered:
             # Each number has a colour of its own.
             return float(self.values.min()) - 0.5, float(self.values.max()) + 0.5
         low, high = np.percentile(self.values, [1.0, 99.0])
         return float(low), float(high if high > low else low + 1.0)
+
+    def coloured(self, value: Array) -> Array:
+        """What the colours show of the values of a snapshot: of a few sizes their number."""
+        return np.searchsorted(self.sizes, value).astype(float) if len(self.sizes) > 0 else value
 
 
 def value_of(data: h5py.Group, rows: slice, colour: str, file: Path) -> Array:
@@ -118,7 +132,7 @@ def read_bed(folder: Path, colour: str, start: float | None, end: float | None) 
         label = label_of(data, colour, units["length"])
     if not snapshots:
         raise ResultsError(f"{file}: holds no snapshot at these times")
-    return Bed(snapshots, label, units)
+    return Bed(snapshots, label, units, colour == "size")
 
 
 def label_of(data: h5py.Group, colour: str, length: str) -> str:
@@ -152,15 +166,21 @@ def frame(bed: Bed) -> tuple[float, float, float]:
 
 def spheres(panel, snapshot: Snapshot, bed: Bed) -> EllipseCollection:
     """The particles of a snapshot in a panel."""
-    drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, snapshot.value)
+    drawn = draw_spheres(panel, snapshot.place, snapshot.diameter, bed.coloured(snapshot.value))
     drawn.set_clim(*bed.limits)
     if bed.is_numbered:
         low, high = bed.limits
         # Light enough for outlines, which keep neighbours of one colour apart.
-        drawn.set(cmap=colormaps["Set2" if high - low <= 8.0 else "viridis"].resampled(int(high - low)))
+        drawn.set(cmap=class_colours(int(high - low)))
         drawn.set(edgecolor="black", linewidth=0.3)
     panel.set_title(axis_label(f"time {snapshot.time:.4g}", bed.units["time"]))
     return drawn
+
+
+def class_colours(count: int) -> Colormap:
+    """A colour for each of so many classes, neighbours far apart where there are few."""
+    few = colormaps["Set2"].colors
+    return ListedColormap(few[:count]) if count <= len(few) else colormaps["viridis"].resampled(count)
 
 
 def empty_panels(bed: Bed, count: int) -> tuple[Figure, Array]:
@@ -188,7 +208,7 @@ def draw(bed: Bed, count: int) -> Figure:
     key = figure.colorbar(drawn, ax=list(panels[0]), location="right", label=bed.label, shrink=0.6)
     if bed.is_numbered:
         low, high = bed.limits
-        key.set_ticks(np.arange(low + 0.5, high))
+        key.set_ticks(np.arange(low + 0.5, high), labels=[f"{size:.4g}" for size in bed.sizes] or None)
     return figure
 
 

@@ -1,7 +1,7 @@
 """Draws the solids fraction over height and time, with the rays of the waves where they were measured.
 
 `talcum analyse` measures (docs/analyse.md); its numbers are printed. Each line is a ray of the measured speed in the window
-of height and time in which it was measured; the front between waves and still bed is dotted.
+of height and time in which it was measured; a front between waves and still bed is dotted if it moves.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from matplotlib import colormaps
 
 NUMBERS = ("speed", "period", "wavelength", "amplitude", "void_speed", "front_speed", "share", "frozen_share", "plug_share")
 FREEBOARD = 0.02  # solids fraction below which nothing is drawn
+FRONT_MOVES = 3.0  # standard errors of its speed from which on a front is drawn: below, it may as well stand still, or be chance
 
 
 def describe(found: Analysis) -> str:
@@ -89,15 +90,29 @@ def draw(profiles: Profiles, found: Analysis, top: float | None, colours: str, p
     save_figure(figure, picture)
 
 
+def speed_of_waves(found: Analysis) -> str:
+    """The speed; where a record has too few windows for an error, that of single voids too, which has one."""
+    speed = found.text("waves.speed")
+    if "waves.speed" in found.errors or "waves.void_speed" not in found.errors:
+        return speed
+    return f"{speed}; single voids, {found.text('waves.void_speed')}"
+
+
+def moving_front(found: Analysis) -> dict[str, Array] | None:
+    """Times and heights of the front between waves and still bed, if its speed is more than chance."""
+    speed, error = found.number("waves.front_speed"), found.errors.get("waves.front_speed", np.inf)
+    return found.tables.get("waves/front") if abs(speed) > FRONT_MOVES * error else None
+
+
 def draw_measured(panel, found: Analysis) -> None:
     """The rays, and the front."""
     windows = found.tables.get("waves/windows")
     lines = rays(windows) if windows else []
     for number, (times, heights) in enumerate(lines):
-        label = f"measured waves, {found.text('waves.speed')}" if number == 0 else None
+        label = f"measured waves, {speed_of_waves(found)}" if number == 0 else None
         panel.plot(times, heights, color="white", linewidth=4.0, solid_capstyle="round")
         panel.plot(times, heights, color="#d4005a", linewidth=2.2, solid_capstyle="round", label=label)
-    front = found.tables.get("waves/front")
+    front = moving_front(found)
     if front:
         label = f"front, {found.text('waves.front_speed')}"
         panel.plot(front["time"], front["height"], linestyle="", marker="o", markersize=3.0, color="black", label=label)

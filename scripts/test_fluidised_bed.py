@@ -36,10 +36,20 @@ class TestFluidisedBed(ScriptTest):
         self.assertEqual(bed.time, 1.0)
         self.assertEqual(bed.lengths.tolist(), [4.0, 2.0, 12.0])
         self.assertEqual(bed.centres[:, 2].tolist(), [1.0, 3.0])
-        self.assertEqual(bed.speeds.tolist(), [0.0, 5.0])
+        self.assertEqual(bed.colours.tolist(), [0.0, 5.0])
 
     def test_picture_and_words(self) -> None:
         self.assertIn("mean 1.0000, standard deviation 0.0816", self.call(fluidised_bed))
+        self.assert_picture("bed.png")
+
+    def test_members_of_agglomerates(self) -> None:
+        members = fluidised_bed.members_of(np.array([4, -1, 7, 4, -1, 4]))
+        np.testing.assert_array_equal(members, [3.0, np.nan, 1.0, 3.0, np.nan, 3.0])
+        with self.assertRaisesRegex(ResultsError, "shows no agglomerates: see output.agglomerates"):
+            self.call(fluidised_bed, "--colour", "members")
+        with h5py.File(self.folder / "particles.vtkhdf", "r+") as file:
+            file["VTKHDF/PointData/agglomerate"] = np.tile([0, 0], 3)
+        self.call(fluidised_bed, "--colour", "members")
         self.assert_picture("bed.png")
 
     def test_a_time_before_the_first(self) -> None:

@@ -47,6 +47,15 @@ class TestParticles(ScriptTest):
         self.call(particles, "--colour", "class")
         self.assert_picture("particles.png")
 
+    def test_a_few_sizes_have_a_colour_each(self) -> None:
+        bed = particles.read_bed(self.folder, "size", None, None)
+        self.assertEqual((bed.sizes.tolist(), bed.limits), ([0.5, 1.0], (-0.5, 1.5)))
+        self.assertEqual(bed.coloured(bed.snapshots[0].value).tolist(), [1.0, 0.0])
+        key = particles.draw(bed, 1).axes[-1]
+        self.assertEqual([mark.get_text() for mark in key.get_yticklabels()], ["0.5", "1"])
+        mass = particles.read_bed(self.folder, "mass", None, None)  # the control: numbers that are no sizes
+        self.assertEqual(len(mass.sizes), 0)
+
     def test_times_are_chosen(self) -> None:
         times = [snapshot.time for snapshot in particles.read_bed(self.folder, "speed", 0.5, 1.5).snapshots]
         self.assertEqual(times, [1.0])

@@ -11,7 +11,7 @@ import numpy as np
 import spacetime
 import talcum_results
 from made_up_results import ScriptTest, bed, write_profiles
-from talcum_results import ResultsError
+from talcum_results import Analysis, ResultsError
 
 
 class TestSpacetime(ScriptTest):
@@ -66,6 +66,20 @@ class TestSpacetime(ScriptTest):
             return self.call(spacetime, *arguments)
         except ResultsError as reason:
             return str(reason) + talcum_results.analyse(self.folder, ["waves"], 1000.0).reasons["waves.state"]
+
+    def test_a_front_without_a_speed_is_not_drawn(self) -> None:
+        front = {"time": np.arange(4.0), "height": np.arange(4.0)}
+        for error, drawn in [(0.1, True), (0.2, False)]:  # of a speed of 0.42: each is the control of the other
+            found = Analysis({"waves.front_speed": 0.42}, {"waves.front_speed": error}, {}, {}, {"waves/front": front})
+            self.assertEqual(spacetime.moving_front(found) is not None, drawn)
+        self.assertIsNone(spacetime.moving_front(Analysis({}, {}, {}, {}, {})))
+
+    def test_a_speed_without_an_error_stands_beside_one_with(self) -> None:
+        numbers = {"waves.speed": 0.301, "waves.void_speed": 0.28}
+        found = Analysis(numbers, {"waves.void_speed": 0.01}, {}, {}, {})
+        self.assertEqual(spacetime.speed_of_waves(found), "0.301; single voids, 0.28 +- 0.01")
+        found.errors["waves.speed"] = 0.02
+        self.assertEqual(spacetime.speed_of_waves(found), "0.301 +- 0.02")
 
     def test_unknown_colour_map(self) -> None:
         with self.assertRaisesRegex(ResultsError, "--colours rainbowish"):
