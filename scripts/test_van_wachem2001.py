@@ -58,6 +58,20 @@ class TestBesideExperiment(ScriptTest):
         self.assertEqual(rows(of_table), rows(of_run))
         self.assertGreater(len(rows(of_run)), 5)
 
+    def test_the_band_of_a_spectrum_is_that_of_its_freedom(self) -> None:
+        # Chi square with 10 degrees of freedom: 3.247 and 20.483 bound 95 % (tables).
+        lower, upper = van_wachem2001.Spectrum(np.ones(1), np.ones(1), 10.0).band
+        self.assertAlmostEqual(lower[0], 10.0 / 20.483, delta=0.005)
+        self.assertAlmostEqual(upper[0], 10.0 / 3.247, delta=0.03)
+        # White noise, whose density is even: the bands of 19 of 20 frequencies hold its mean.
+        noise = Signal(np.arange(1001) * 0.01, np.random.default_rng(2).standard_normal(1001))
+        spectrum = van_wachem2001.spectrum_of(noise, 2.98)
+        lower, upper = spectrum.band
+        even = spectrum.density.mean()
+        self.assertGreater(np.mean((lower < even) & (even < upper)), 0.88)
+        narrow = van_wachem2001.Spectrum(spectrum.frequency, spectrum.density, 4.0 * spectrum.freedom).band  # the control
+        self.assertLess(np.mean((narrow[0] < even) & (even < narrow[1])), 0.88)
+
     def test_noise_about_the_mean_is_no_cycle(self) -> None:
         signal = swing(2.0, 100.0).even()
         without = Signal(signal.time, np.where(np.abs(signal.values) < 20.0, 0.0, signal.values))

@@ -28,6 +28,8 @@ INTERVAL = 0.01
 """Interval of the signals that are compared and kept."""
 DECLINE = (4.0, 20.0)
 """Frequencies over which the spectrum falls as a power [Hz]."""
+NORMAL_QUANTILE = 1.96
+"""Of the normal distribution, for a confidence of 95 %."""
 
 
 @dataclass
@@ -181,6 +183,16 @@ class Spectrum:
 
     frequency: Array
     density: Array
+    freedom: float = np.inf
+    """Degrees of freedom of each density, as far as they are known."""
+
+    @property
+    def band(self) -> tuple[Array, Array]:
+        """Lower and upper end of the densities' interval of 95 %: over a density, freedom times its estimate is distributed as chi
+        square. Its quantiles by Wilson & Hilferty (1931, doi:10.1073/pnas.17.12.684), within 1 % for the freedom here."""
+        spread = 2.0 / (9.0 * self.freedom)
+        low, high = ((1.0 - spread + sign * NORMAL_QUANTILE * np.sqrt(spread)) ** 3 for sign in (-1.0, 1.0))
+        return self.density / high, self.density / low
 
     @property
     def peak(self) -> float:
@@ -198,7 +210,10 @@ def spectrum_of(pressure: Signal, segment: float) -> Spectrum:
     """Mean over segments that overlap by half, each with a Hann window (Welch's method)."""
     rows = round(segment / INTERVAL)
     density, frequency = mlab.psd(pressure.values, rows, 1.0 / INTERVAL, detrend="mean", noverlap=rows // 2)
-    return Spectrum(frequency[1:], density[1:] / integral(frequency, density))
+    count = (len(pressure.values) - rows) // (rows // 2) + 1
+    # Neighbouring segments share half of their values: of a Hann window's squares that is a correlation of 1/36 (Welch 1967).
+    freedom = 2.0 * count / (1.0 + 2.0 * (1.0 - 1.0 / count) / 36.0)
+    return Spectrum(frequency[1:], density[1:] / integral(frequency, density), freedom)
 
 
 def measured_spectrum() -> Spectrum:
@@ -232,13 +247,14 @@ def draw(of_experiment: Signals, found: Signals, spectra: list[Spectrum]) -> Fig
         panel.set_xlim(of_experiment[record].time[0], of_experiment[record].time[-1])
         panel.set_xlabel("time [s]")
         panel.set_ylabel(label)
-        panel.legend(fontsize=7)
+        panel.legend(fontsize=8)
     panel = panels[1, 1]
     for spectrum, colour in zip(spectra, (BLACK, BLUE)):
         panel.loglog(spectrum.frequency, spectrum.density, color=colour, linewidth=1.3)
+        panel.fill_between(spectrum.frequency, *spectrum.band, color=colour, alpha=0.25, linewidth=0.0)
     panel.set_xlim(0.3, 50.0)
     panel.set_xlabel("frequency [Hz]")
-    panel.set_ylabel("normalised spectrum of the pressure [1/Hz]")
+    panel.set_ylabel("spectrum of the pressure\nover its integral [1/Hz]")
     return figure
 
 
