@@ -7,7 +7,7 @@ from pathlib import Path
 
 from moon2006_tables import over, source, table
 from report import Section, Statement
-from talcum_results import BLUE, ORANGE, RED, Array, new_figure
+from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure
 
 import h5py
 import numpy as np
@@ -88,16 +88,22 @@ def read_wave_profiles(files: list[Path]) -> WaveProfiles | None:
 def drawn(profiles: WaveProfiles) -> Figure:
     """Solids fraction, temperature and pressure over height at five phases of the cycle."""
     shown = range(0, len(profiles.phase), max(len(profiles.phase) // 5, 1))
-    figure, panels = new_figure(1, len(shown), size=(3.2 * len(shown), 4.2))
+    figure, panels = new_figure(1, len(shown), size=(2.4 * len(shown), 4.6))
+    lines = (
+        (profiles.solids_fraction, BLUE, r"solids fraction $\phi$"),
+        (profiles.temperature, ORANGE, r"granular temperature $T$ [$g d$]"),
+        (profiles.pressure, RED, r"solids pressure $p$ [$\rho_s g d$]"),
+    )
     for panel, phase in zip(panels[0], shown):
-        panel.plot(profiles.solids_fraction[phase], profiles.height, color=BLUE, label="solids fraction")
-        panel.plot(profiles.temperature[phase], profiles.height, color=ORANGE, label="granular temperature")
-        panel.plot(profiles.pressure[phase], profiles.height, color=RED, label="solids pressure")
-        panel.set_title(f"phase {profiles.phase[phase]:.2f}")
-        panel.set_xlim(-0.8, 3.2)
-        panel.set_xlabel("rho_s = d = g = 1")
-    panels[0, 0].set_ylabel("height above the middle of the void [d]")
-    panels[0, 0].legend(fontsize=7, loc="center right")
+        for values, colour, words in lines:
+            panel.plot(values[phase], profiles.height, color=colour, label=words)
+        panel.set_title(rf"$f t$ = {profiles.phase[phase]:.2f}")
+        panel.set(xlim=(-0.8, 3.2), ylim=(profiles.height[0], profiles.height[-1]), xlabel=r"$\phi$, $T$, $p$")
+        panel.axvline(0.0, color=GREY, linewidth=0.8)
+        if panel is not panels[0, 0]:
+            panel.tick_params(labelleft=False)
+    panels[0, 0].set_ylabel("height above the middle of the void [$d$]")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False)
     return figure
 
 
