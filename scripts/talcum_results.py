@@ -304,8 +304,8 @@ def analyse(results: Path, measures: list[str], start: float | None = None, end:
         raise ResultsError(f"{results}: there is no such folder; name the output folder of a run")
     command = [program(), "analyse", str(results)]
     command += [word for name in measures for word in ("--measure", name)]
-    command += [f"--from={start!r}"] if start is not None else []
-    command += [f"--to={end!r}"] if end is not None else []
+    command += [f"--from={float(start)!r}"] if start is not None else []
+    command += [f"--to={float(end)!r}"] if end is not None else []
     with tempfile.TemporaryDirectory() as folder:
         ended = subprocess.run([*command, "--output", folder], capture_output=True, text=True)
         if ended.returncode != 0:

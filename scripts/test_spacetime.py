@@ -58,6 +58,8 @@ class TestSpacetime(ScriptTest):
 
         printed = self.measure(wave, "--from", "100", "--height", "90")
         self.assertIn("state waves", printed)
+        # Times of a table are numbers of numpy, whose own text the program does not read.
+        self.assertEqual(talcum_results.analyse(self.folder, ["waves"], np.float64(100.0)).text("waves.state"), "waves")
         self.assertIn("holds nothing of the times 1000", self.fails("--from", "1000"))
 
     def fails(self, *arguments: str) -> str:
