@@ -49,6 +49,12 @@ def fitted(fit: dict[str, Array], highest: float) -> tuple[Array, Array]:
     return np.append(packed, end), np.append(drops, fit["plateau"][0])
 
 
+def goes(velocity: Array, way: str, found: Analysis) -> bool:
+    """Whether a value is missed: of a run that only goes the other way, and has one there, it is not."""
+    steps = np.diff(velocity) * (1.0 if way == "up" else -1.0)
+    return bool(np.any(steps > 0.0)) or "u_mf" not in found.values
+
+
 def draw(series: Series, found: Analysis):
     """Pressure drop over superficial velocity, with the fits."""
     figure, panels = new_figure(size=(8.5, 5.5))
@@ -66,12 +72,12 @@ def draw(series: Series, found: Analysis):
         if fit:
             panel.plot(*fitted(fit, points["superficial_velocity"].max()), color=colour, linewidth=1.6)
             panel.axvline(fit["velocity"][0], color=colour, linestyle=":", linewidth=1.2)
-    missing = [report(found, way) for way in WAYS if f"u_mf.{way}" not in found.values]
+    missing = [report(found, way) for way in WAYS if f"u_mf.{way}" not in found.values and goes(velocity, way, found)]
     panel.set_title(textwrap.fill("; ".join(missing), 90), loc="left", fontsize=9)
     panel.axhline(1.0, color=GREY, linewidth=0.8)
     panel.set_xlim(left=0.0)
     panel.set_ylim(bottom=0.0)
-    panel.set_xlabel(series.label("superficial_velocity"))
+    panel.set_xlabel(series.label("superficial_velocity", "superficial velocity $U_s$"))
     panel.set_ylabel("pressure drop over the bed's weight")
     panel.legend(loc="lower right")
     return figure

@@ -76,6 +76,14 @@ class TestMinimumFluidisation(ScriptTest):
             self.assertIn("phi 0.62", line)
         self.assert_picture("minimum_fluidisation.png")
 
+    def test_a_way_that_a_run_does_not_go_is_not_missed(self) -> None:
+        found = talcum_results.Analysis({"u_mf": 0.03, "u_mf.up": 0.03}, {}, {}, {}, {})
+        rises, swings = np.linspace(0.0, 0.06, 9), np.array([0.0, 0.06, 0.0])
+        self.assertFalse(minimum_fluidisation.goes(rises, "down", found))
+        self.assertTrue(minimum_fluidisation.goes(swings, "down", found))
+        nothing = talcum_results.Analysis({}, {}, {}, {}, {})
+        self.assertTrue(minimum_fluidisation.goes(rises, "down", nothing))
+
     def test_the_picture_is_drawn_where_no_value_can_be_given(self) -> None:
         noise = np.random.default_rng(3)
         for velocity, drop, reason in [
