@@ -1,0 +1,152 @@
+"""Makes the runs from which the figures of docs/measures.md, docs/analyse.md and docs/files.md are drawn, and draws them.
+
+    scripts/measures_gallery.py                  all of them, on one core each: some five minutes
+    scripts/measures_gallery.py vibrated heap    these runs and their figures only
+    scripts/measures_gallery.py --draw-only      figures of runs that were made before
+
+Each run is a case of the repository with other values for some keys, as by `talcum run CASE --set KEY=VALUE`.
+"""
+
+from __future__ import annotations
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import ResultsError, program, run_script, save_figure
+
+import argparse
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(ROOT / "python"))
+
+import measures_figures as figures
+import minimum_fluidisation
+import talcum
+from matplotlib.figure import Figure
+from stored_figures import store
+
+
+@dataclass
+class Run:
+    """A case, and the keys that take other values."""
+
+    case: str
+    values: dict[str, Any]
+
+    @property
+    def command(self) -> list[str]:
+        """What stands behind `talcum run` or `talcum check`."""
+        settings = (f"{key}={in_toml(value)}" for key, value in self.values.items())
+        return [str(ROOT / "cases" / self.case), *(word for setting in settings for word in ("--set", setting))]
+
+
+def in_toml(value: Any) -> str:
+    """A value as the program reads it."""
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def measure(name: str, **values: Any) -> dict[str, Any]:
+    """The keys of a `[measure.NAME]`."""
+    return {f"measure.{name}.{key}": value for key, value in values.items()}
+
+
+# A thicker gas holds the bed on the plate; at this Stokes number it is thrown up and lands in every cycle.
+SHAKEN = {"vibration.frequency": 0.2, "gas.stokes_number": 500.0}
+RUNS = {
+    "vibrated": Run(
+        "measures/vibrated.toml",
+        SHAKEN
+        | {"particles.count": 800, "time.end": 150.0, "output.series": 0.05}
+        | measure("cycle", start=25.0, cycles=24)
+        | measure("stress", start=25.0, average=25.0, frame="phase", phases=8)
+        | measure("coordination", average=0.5)
+        | measure("spread", kind="mixing", every=0.1, start=25.0, window=10.0, about="mean"),
+    ),
+    "ledger": Run("measures/vibrated.toml", SHAKEN | {"time.end": 10.0, "output.energy": 0.05}),
+    "heap": Run(
+        "gallery/heap.toml",
+        measure("network", kind="contacts", every=0.1)
+        | measure("stress", kind="stress", every=0.01, start=1.0, average=0.2, cells=[30, 1, 15]),
+    ),
+    "bubbling-bed": Run(
+        "gallery/bubbling-bed.toml",
+        {"stage.fluidise.duration": 4.0, "output.gas": 0.01}
+        | measure("mixing", kind="mixing", every=0.005, start=0.65, window=0.5, tracers="region", lower_corner=[0.0, 0.0, 0.0],
+                  upper_corner=[0.06, 0.0045, 0.018], cells=[12, 1, 12])
+        | measure("point", kind="probe", every=0.002, at="point", point=[0.03, 0.00225, 0.02], radius=0.004)
+        | measure("average", kind="time_average", every=0.005, start=0.65, average=3.5),
+    ),
+    "agglomerates": Run("gallery/agglomerates.toml", {}),
+    "ramp": Run(
+        "moon2006/slow-ramp.toml",
+        {"particles.count": 1000, "contact.normal_stiffness": 5.0e4, "time.step": 5.0e-4, "output.series": 2.5},
+    ),
+}  # fmt: skip
+"""The runs by the names of their folders."""
+
+
+@dataclass
+class Drawn:
+    """A figure, and the runs that it shows."""
+
+    runs: tuple[str, ...]
+    draw: Callable[..., Figure]
+
+
+def ramp(bed: talcum.Bed) -> Figure:
+    """The pressure drop over the superficial velocity, as `python -m talcum.minimum_fluidisation` draws it."""
+    return minimum_fluidisation.draw(figures.read_series(bed.folder), bed.analyse(["u_mf"]))
+
+
+DRAWN = {
+    "measure-phase-average": Drawn(("vibrated",), figures.phase_average),
+    "measure-stress": Drawn(("vibrated",), figures.stress),
+    "measure-coordination": Drawn(("vibrated",), figures.coordination),
+    "measure-contacts": Drawn(("heap",), figures.contact_network),
+    "measure-stress-cells": Drawn(("heap",), figures.stress_in_cells),
+    "measure-agglomerates": Drawn(("agglomerates",), figures.agglomerates),
+    "measure-mixing": Drawn(("vibrated", "bubbling-bed"), figures.mixing),
+    "measure-probe": Drawn(("bubbling-bed",), figures.probe),
+    "measure-time-average": Drawn(("bubbling-bed",), figures.time_average),
+    "analyse-bubbles": Drawn(("bubbling-bed",), figures.bubbles),
+    "analyse-spectrum": Drawn(("bubbling-bed",), figures.spectrum),
+    "analyse-minimum-fluidisation": Drawn(("ramp",), ramp),
+    "energy-ledger": Drawn(("ledger",), figures.ledger),
+}
+"""The figures by the names of their files in docs."""
+
+
+def make(name: str, folder: Path) -> None:
+    """Makes a run anew."""
+    command = [program(), "run", *RUNS[name].command, "--output", str(folder / name), "--force"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise ResultsError(f"{name}: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'failed'}")
+
+
+def main(words: list[str] | None = None) -> None:
+    """Runs and draws."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", help=f"which runs: {', '.join(RUNS)} (default: all)")
+    parser.add_argument("--results", type=Path, default=ROOT / "results/measures", metavar="FOLDER", help="where they are run")
+    parser.add_argument("--draw-only", action="store_true", help="draw what was run before")
+    arguments = parser.parse_args(words)
+    names = arguments.names or list(RUNS)
+    if unknown := [name for name in names if name not in RUNS]:
+        raise ResultsError(f"{unknown[0]}: there is no such run: {', '.join(RUNS)}")
+    for name in [] if arguments.draw_only else names:
+        print(f"== {name}")
+        make(name, arguments.results)
+    for file, drawn in DRAWN.items():
+        if any(name in names for name in drawn.runs):
+            picture = DOCS / f"{file}.png"
+            save_figure(drawn.draw(*(talcum.open(arguments.results / name) for name in drawn.runs)), picture)
+            store(picture)
+
+
+if __name__ == "__main__":
+    run_script(main)

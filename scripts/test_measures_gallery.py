@@ -1,0 +1,50 @@
+"""Tests of measures_gallery.py: its cases, its figures in the book, and one run that is made and drawn."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import measures_gallery
+from measures_gallery import DOCS, DRAWN, RUNS
+from PIL import Image
+from talcum_results import ResultsError, program
+
+LARGEST = 150_000
+"""Bytes of a figure: the book and the repository stay small."""
+
+
+class MeasuresGallery(unittest.TestCase):
+    """The figures of the measures."""
+
+    def test_every_figure_stands_in_the_book(self) -> None:
+        pages = "".join(page.read_text(encoding="utf-8") for page in DOCS.glob("*.md"))
+        for name in DRAWN:
+            self.assertIn(f"({name}.png)", pages)
+            self.assertLess((DOCS / f"{name}.png").stat().st_size, LARGEST)
+
+    def test_every_case_is_accepted(self) -> None:
+        for name, run in RUNS.items():
+            done = subprocess.run([program(), "check", *run.command], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"{name}: {done.stderr}")
+        wrong = measures_gallery.Run(RUNS["heap"].case, {"measure.stress.kind": "strain"})  # the control
+        done = subprocess.run([program(), "check", *wrong.command], capture_output=True, text=True)
+        self.assertIn("measure.stress.kind", done.stderr)
+
+    def test_every_run_is_drawn(self) -> None:
+        self.assertEqual({name for drawn in DRAWN.values() for name in drawn.runs}, set(RUNS))
+        with self.assertRaisesRegex(ResultsError, "bed: there is no such run: vibrated, ledger"):
+            measures_gallery.main(["bed"])
+
+    def test_a_run_is_made_and_drawn(self) -> None:
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(measures_gallery, "DOCS", Path(folder)):
+            measures_gallery.main(["ledger", "--results", folder])
+            with Image.open(Path(folder) / "energy-ledger.png") as drawn:
+                self.assertGreater(len(drawn.convert("RGB").getcolors(1 << 24)), 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
