@@ -358,3 +358,26 @@ def ledger(bed: talcum.Bed) -> Figure:
         panel.axhline(0.0, color=GREY, linewidth=0.8)
         panel.legend(frameon=False)
     return figure
+
+
+def points_of_studies(few: talcum.Study, many: talcum.Study) -> Figure:
+    """The height of the bed at each point of a study: its runs, and means with Student's intervals, from few and from many seeds."""
+    velocities = np.unique(many.points.numbers("superficial_velocity"))
+    figure, panels = new_figure(1, len(velocities), WIDE)
+    for panel, velocity in zip(panels[0], velocities):
+        for study, colour, shift in ((few, GREY, -0.12), (many, BLUE, 0.12)):
+            seeds = len(np.unique(study.runs.numbers("seed")))
+            points = study.points.where(superficial_velocity=float(velocity))
+            found = points.estimates("top")
+            places = np.arange(len(found)) + shift
+            mean = np.array([estimate.mean for estimate in found])
+            ends = [[estimate.mean - estimate.lower for estimate in found], [estimate.upper - estimate.mean for estimate in found]]
+            panel.errorbar(places, mean, ends, color=colour, linestyle="", marker="_", markersize=14, capsize=5, label=f"{seeds} seeds")
+            for place, bond in zip(places, points.numbers("bond_number")):
+                runs = study.runs.where(superficial_velocity=float(velocity), bond_number=bond).numbers("top")
+                panel.plot(np.full(len(runs), place), runs, ".", color=colour, alpha=0.6)
+        panel.set(xticks=range(len(found)), xticklabels=[f"{bond:g}" for bond in points.numbers("bond_number")], xlim=(-0.5, 1.5))
+        panel.set(xlabel="Bond number $Bo$", ylabel=label("top of the bed $H$", "d"))
+        panel.set_title(rf"$U_s$ = {velocity:g} $\sqrt{{g d}}$", loc="left")
+    panels[0, 0].legend(frameon=False, loc="upper left")
+    return figure

@@ -1,6 +1,6 @@
-"""Makes the runs from which the figures of docs/measures.md, docs/analyse.md and docs/files.md are drawn, and draws them.
+"""Makes the runs from which the figures of docs/measures.md, analyse.md, files.md and study.md are drawn, and draws them.
 
-    scripts/measures_gallery.py                  all of them, on one core each: some five minutes
+    scripts/measures_gallery.py                  all of them, one after another: some ten minutes
     scripts/measures_gallery.py vibrated heap    these runs and their figures only
     scripts/measures_gallery.py --draw-only      figures of runs that were made before
 
@@ -13,6 +13,7 @@ from __future__ import annotations
 from talcum_results import ResultsError, program, run_script, save_figure
 
 import argparse
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -44,6 +45,22 @@ class Run:
         return [str(ROOT / "cases" / self.case), *(word for setting in settings for word in ("--set", setting))]
 
 
+@dataclass
+class FirstStudy:
+    """The first study of docs/study.md, with so many seeds."""
+
+    seeds: int
+
+    def make(self, folder: Path) -> None:
+        """Runs it anew."""
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        text = (ROOT / "tests/program/study/study.toml").read_text(encoding="utf-8")
+        text = text.replace('"bed.toml"', f'"{ROOT / "tests/program/study/bed.toml"}"').replace("seeds = 2", f"seeds = {self.seeds}")
+        (folder / "study.toml").write_text(text, encoding="utf-8")
+        talcum.run_study(folder / "study.toml", output=folder)
+
+
 def in_toml(value: Any) -> str:
     """A value as the program reads it."""
     return f'"{value}"' if isinstance(value, str) else str(value)
@@ -56,7 +73,7 @@ def measure(name: str, **values: Any) -> dict[str, Any]:
 
 # A thicker gas holds the bed on the plate; at this Stokes number it is thrown up and lands in every cycle.
 SHAKEN = {"vibration.frequency": 0.2, "gas.stokes_number": 500.0}
-RUNS = {
+RUNS: dict[str, Run | FirstStudy] = {
     "vibrated": Run(
         "measures/vibrated.toml",
         SHAKEN
@@ -85,6 +102,8 @@ RUNS = {
         "moon2006/slow-ramp.toml",
         {"particles.count": 1000, "contact.normal_stiffness": 5.0e4, "time.step": 5.0e-4, "output.series": 2.5},
     ),
+    "study-2": FirstStudy(2),
+    "study-5": FirstStudy(5),
 }  # fmt: skip
 """The runs by the names of their folders."""
 
@@ -116,16 +135,25 @@ DRAWN = {
     "analyse-spectrum": Drawn(("bubbling-bed",), figures.spectrum),
     "analyse-minimum-fluidisation": Drawn(("ramp",), ramp),
     "energy-ledger": Drawn(("ledger",), figures.ledger),
+    "study-points": Drawn(("study-2", "study-5"), figures.points_of_studies),
 }
 """The figures by the names of their files in docs."""
 
 
 def make(name: str, folder: Path) -> None:
     """Makes a run anew."""
-    command = [program(), "run", *RUNS[name].command, "--output", str(folder / name), "--force"]
+    run = RUNS[name]
+    if isinstance(run, FirstStudy):
+        return run.make(folder / name)
+    command = [program(), "run", *run.command, "--output", str(folder / name), "--force"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise ResultsError(f"{name}: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'failed'}")
+
+
+def results_of(name: str, folder: Path) -> talcum.Bed | talcum.Study:
+    """What a run left."""
+    return talcum.read_study(folder / name) if isinstance(RUNS[name], FirstStudy) else talcum.open(folder / name)
 
 
 def main(words: list[str] | None = None) -> None:
@@ -144,7 +172,7 @@ def main(words: list[str] | None = None) -> None:
     for file, drawn in DRAWN.items():
         if any(name in names for name in drawn.runs):
             picture = DOCS / f"{file}.png"
-            save_figure(drawn.draw(*(talcum.open(arguments.results / name) for name in drawn.runs)), picture)
+            save_figure(drawn.draw(*(results_of(name, arguments.results) for name in drawn.runs)), picture)
             store(picture)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from unittest import mock
 
 import measures_gallery
-from measures_gallery import DOCS, DRAWN, RUNS
+from measures_gallery import DOCS, DRAWN, RUNS, Run
 from PIL import Image
 from talcum_results import ResultsError, program
 
@@ -27,10 +27,12 @@ class MeasuresGallery(unittest.TestCase):
             self.assertLess((DOCS / f"{name}.png").stat().st_size, LARGEST)
 
     def test_every_case_is_accepted(self) -> None:
-        for name, run in RUNS.items():
+        runs = {name: run for name, run in RUNS.items() if isinstance(run, Run)}
+        self.assertGreater(len(runs), 5)
+        for name, run in runs.items():
             done = subprocess.run([program(), "check", *run.command], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"{name}: {done.stderr}")
-        wrong = measures_gallery.Run(RUNS["heap"].case, {"measure.stress.kind": "strain"})  # the control
+        wrong = Run("gallery/heap.toml", {"measure.stress.kind": "strain"})  # the control
         done = subprocess.run([program(), "check", *wrong.command], capture_output=True, text=True)
         self.assertIn("measure.stress.kind", done.stderr)
 
