@@ -259,7 +259,7 @@ impl Followed {
             self.rates.add(&changes.fates);
             let window = settings.looks_per_window as f64 * settings.every;
             rows.push(rows::rates(&self.rates.rates(window, ranks)));
-            rows.push(rows::events(&changes.fates, settings.event, ranks));
+            rows.extend(rows::events(&changes.fates, settings.event, ranks));
         }
         self.before = Some(now);
         rows

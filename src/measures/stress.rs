@@ -61,7 +61,7 @@ impl RegisteredMeasure for Stress {
         )
         .or(&["layers"])
         .optional(),
-        Key::word("frame", FRAMES, "Frame in which layers are at rest")
+        Key::word("frame", FRAMES, "Frame in which layers or cells are at rest")
             .default(Value::Word("laboratory")),
     ];
 
@@ -76,8 +76,8 @@ impl RegisteredMeasure for Stress {
         if !is_room_for(cells, frame.as_ref(), values) {
             return None;
         }
-        if matches!(cells, Cells::Boxes(_)) && frame.is_some_and(|frame| !frame.is_laboratory()) {
-            values.fail("cells", "are at rest: leave frame out, or give layers".to_owned());
+        if matches!(cells, Cells::Boxes(_)) && frame.is_some_and(|frame| frame.has_phases()) {
+            values.fail("cells", "have no phases: leave phases out, or give layers".to_owned());
             return None;
         }
         Some(Self { frame: frame?, cells, looks_per_row: looks_per_row? })
@@ -104,7 +104,10 @@ impl RegisteredMeasure for Stress {
             }),
         };
         match self.cells {
-            Cells::Boxes(_) => Box::new(cells::Fields::new(grid, self.looks_per_row)),
+            Cells::Boxes(_) => {
+                let waves = self.frame.waves(lengths.z);
+                Box::new(cells::Fields::new(self.frame, grid, waves, self.looks_per_row))
+            }
             _ => Box::new(Layers::new(self, grid, lengths.z)),
         }
     }

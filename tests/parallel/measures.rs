@@ -102,6 +102,9 @@ fn agglomerates_glued_and_parted_across_a_rank_border() {
     let event: Vec<f64> = events[0].values.iter().map(|column| column[0]).collect();
     assert_eq!(event, [0.0, 54.0, 27.0, 2.0, 0.0, 27.0, 0.0]);
     assert_eq!(events[1].count, 0);
+    // With the label of the one of 54, that of each cube, its members, and how many are of the 54.
+    let fragments = &of(5)[0].values;
+    assert_eq!(fragments[..], [vec![0.0; 2], vec![0.0, 27.0], vec![27.0; 2], vec![27.0; 2]]);
     // Two agglomerates of the last look, by their smallest ids; they fly apart.
     let single = of(1);
     let last = single[single.len() - 1];

@@ -10,6 +10,7 @@ pub(super) const SINGLE: usize = 1;
 pub(super) const WINDOWS: usize = 2;
 pub(super) const RATES: usize = 3;
 pub(super) const EVENTS: usize = 4;
+pub(super) const FRAGMENTS: usize = 5;
 
 type Described = (&'static str, Quantity, &'static str);
 
@@ -84,6 +85,13 @@ const OF_EVENT: [Described; 7] = [
     ("gained", Number, "members of the successor that come from elsewhere"),
 ];
 
+const OF_FRAGMENT: [Described; 4] = [
+    ("label", Number, "label of the agglomerate of the event at the end of the window before"),
+    ("fragment", Number, "label of an agglomerate that holds members of it now"),
+    ("size", Number, "members of the fragment, also those from elsewhere"),
+    ("shared", Number, "members that both share"),
+];
+
 fn scalars(described: &[Described]) -> impl Iterator<Item = Column> + '_ {
     described.iter().map(|&(name, quantity, meaning)| Column::scalar(name, quantity, meaning))
 }
@@ -112,6 +120,7 @@ pub(super) fn layout(settings: &Agglomerates) -> Layout {
         table("windows", scalars(&OF_WINDOW)),
         table("rates", arrays(&BY_SIZE, bins).chain(scalars(&CROSSING))),
         table("events", scalars(&OF_EVENT)),
+        table("fragments", scalars(&OF_FRAGMENT)),
     ];
     let meaning =
         "limits of the bins of the number of members: bin k holds limits[k] <= n < limits[k + 1]";

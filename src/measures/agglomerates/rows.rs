@@ -1,9 +1,9 @@
 //! Rows of the file of agglomerates.
 
-use super::columns::{EVENTS, RATES, RESULTS, SINGLE, WINDOWS};
+use super::columns::{EVENTS, FRAGMENTS, RATES, RESULTS, SINGLE, WINDOWS};
 use super::{Agglomerates, Found};
 use crate::analysis::agglomerates::{Agglomerate, MassWeightedMeans, Search, SizeDistribution};
-use crate::analysis::breakage::{AtLag, CriticalTimes, Fate, RatesOfSize, crossing};
+use crate::analysis::breakage::{AtLag, CriticalTimes, Fate, Fragment, RatesOfSize, crossing};
 use crate::analysis::{MassRadius, PopulationFit, totals};
 use crate::measures::Rows;
 use crate::parallel::{Communicator, Message, records_of_bytes};
@@ -157,19 +157,36 @@ pub(super) fn rates(rates: &[RatesOfSize]) -> Rows {
     Rows::one(RATES, row)
 }
 
-/// A row for each agglomerate that lost or gained at least so many members, on rank 0. Collective.
-pub(super) fn events(fates: &[Fate], threshold: u64, ranks: &dyn Communicator) -> Rows {
+/// A row for each agglomerate that lost or gained at least so many members, and one for each of its fragments, on rank 0.
+/// Collective.
+pub(super) fn events(fates: &[Fate], threshold: u64, ranks: &dyn Communicator) -> [Rows; 2] {
     let is_event = |fate: &&Fate| fate.lost() >= threshold || fate.gained() >= threshold;
-    let record = |fate: &Fate| {
+    let events = || fates.iter().filter(is_event);
+    let event = |fate: &Fate| {
         let after = fate.successor().map_or(0, |successor| successor.size);
         let fragments = fate.fragments.len() as u64;
         [fate.label, fate.size, after, fragments, fate.released, fate.lost(), fate.gained()]
     };
-    let records: Vec<[u64; 7]> = fates.iter().filter(is_event).map(record).collect();
-    let gathered = ranks.gather_to_root(bytemuck::cast_slice(&records)).unwrap_or_default();
-    let mut all: Vec<[u64; 7]> =
+    let fragments_of = |fate: &Fate| {
+        let label = fate.label;
+        let row = move |part: &Fragment| [label, part.label, part.size, part.shared];
+        fate.fragments.iter().map(row).collect::<Vec<[u64; 4]>>()
+    };
+    [
+        gathered(EVENTS, events().map(event).collect(), ranks),
+        gathered(FRAGMENTS, events().flat_map(fragments_of).collect(), ranks),
+    ]
+}
+
+/// The rows of all ranks, sorted, on rank 0. Collective.
+fn gathered<const N: usize>(table: usize, rows: Vec<[u64; N]>, ranks: &dyn Communicator) -> Rows
+where
+    [u64; N]: bytemuck::Pod,
+{
+    let gathered = ranks.gather_to_root(bytemuck::cast_slice(&rows)).unwrap_or_default();
+    let mut all: Vec<[u64; N]> =
         gathered.iter().flat_map(|bytes| records_of_bytes(bytes)).collect();
     all.sort_unstable();
-    let rows: Vec<[f64; 7]> = all.into_iter().map(|row| row.map(|value| value as f64)).collect();
-    Rows::of(EVENTS, &rows)
+    let rows: Vec<[f64; N]> = all.into_iter().map(|row| row.map(|value| value as f64)).collect();
+    Rows::of(table, &rows)
 }

@@ -1,9 +1,10 @@
 //! Stress and granular temperature on cells, averaged over looks: fields for ParaView.
 
 use super::columns::{Derived, fields};
+use super::frame::FrameSettings;
 use super::{NUMBERS, numbers_of};
 use crate::analysis::Quantity::{Number, Pressure, SquaredSpeed, Time};
-use crate::analysis::stress::{CellGrid, Frame, StressMeasurement};
+use crate::analysis::stress::CellGrid;
 use crate::analysis::totals;
 use crate::measures::cell_sums::CellSums;
 use crate::measures::layout::{Column, Image, Layout, Rows, Table};
@@ -12,7 +13,10 @@ use crate::parallel::Communicator;
 
 /// Sums of the present interval, on the rendezvous ranks of the cells.
 pub(super) struct Fields {
+    frame: FrameSettings,
     grid: CellGrid,
+    /// As of layers: waves that are laid over one another.
+    waves: f64,
     looks_per_row: u64,
     looks: u64,
     from: f64,
@@ -20,8 +24,15 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    pub(super) fn new(grid: CellGrid, looks_per_row: u64) -> Self {
-        Self { grid, looks_per_row, looks: 0, from: 0.0, sums: CellSums::default() }
+    /// In a frame without phases.
+    pub(super) fn new(
+        frame: FrameSettings,
+        grid: CellGrid,
+        waves: f64,
+        looks_per_row: u64,
+    ) -> Self {
+        let sums = CellSums::default();
+        Self { frame, grid, waves, looks_per_row, looks: 0, from: 0.0, sums }
     }
 
     /// The means of the interval, which ends. Collective.
@@ -84,15 +95,14 @@ impl Measure for Fields {
     }
 
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
-        let (grid, periodicity) = (self.grid, view.periodicity());
-        let measurement = StressMeasurement { grid, periodicity, frame: Frame::default() };
+        let measurement = self.frame.measurement(self.grid, view);
         let field = measurement.run(view.moving_particles(), view.contact_forces(), ranks);
         if self.looks == 0 {
             self.from = view.time();
         }
         self.looks += 1;
         for cell in &field.cells {
-            let numbers: [f64; NUMBERS] = numbers_of(cell, 1.0);
+            let numbers: [f64; NUMBERS] = numbers_of(cell, 1.0 / self.waves);
             self.sums.add(cell.cell, &numbers);
         }
         if self.looks < self.looks_per_row { Findings::default() } else { self.take(ranks) }

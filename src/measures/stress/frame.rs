@@ -1,4 +1,4 @@
-//! The frame in which layers are at rest.
+//! The frame in which layers or cells are at rest.
 
 use crate::analysis::stress::{CellGrid, Frame, StressMeasurement};
 use crate::measures::View;
@@ -11,7 +11,7 @@ pub(super) const FRAMES: &[Word] = &[
     Word::new("laboratory", "the frame of the box"),
     Word::with(
         "wave",
-        "moves upwards with a wave: layers divide one wavelength, all waves of the box are laid over one another",
+        "moves upwards with a wave: layers or cells divide one wavelength, all waves of the box are laid over one another",
         &[
             Key::number("wave_speed", Allowed::FINITE, "Speed of the wave, upwards").unit("speed"),
             Key::number(
@@ -80,9 +80,9 @@ impl FrameSettings {
         Some(Self { wave, cycle })
     }
 
-    /// Whether cells at rest would be measured the same.
-    pub(super) fn is_laboratory(&self) -> bool {
-        *self == Self::default()
+    /// Whether looks are averaged by the phase of the vibration.
+    pub(super) fn has_phases(&self) -> bool {
+        self.cycle.is_some()
     }
 
     /// Height that the layers divide, in a box of a height.

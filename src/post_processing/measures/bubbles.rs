@@ -8,6 +8,7 @@ use crate::analysis::{NoValue, Quantity};
 use crate::output::{Cells, Column, ColumnUnits, ResultTable};
 use crate::post_processing::result_file::ResultFile;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured, Value};
+use std::f64::consts::PI;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "bubbles",
@@ -114,6 +115,12 @@ fn bubble_table(seen: &[Seen], units: &ColumnUnits) -> ResultTable {
         numbers("diameter", units.length, "of the sphere or circle of equal size", &|seen| {
             seen.bubble.equivalent_diameter
         }),
+        numbers(
+            "area",
+            units.area,
+            "of the circle of that diameter: of the bubble in a flat bed",
+            &|seen| 0.25 * PI * seen.bubble.equivalent_diameter.powi(2),
+        ),
         numbers("volume", units.volume, "of its cells", &|seen| seen.bubble.volume),
         numbers("aspect_ratio", "1", "vertical over horizontal size", &|seen| {
             seen.bubble.aspect_ratio

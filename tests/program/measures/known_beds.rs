@@ -197,13 +197,18 @@ fn the_stress_below_a_resting_particle_follows_the_plate() {
     assert!(lift.iter().all(|lift| lift.abs() < 1.0), "{lift:?}");
 }
 
-/// Solids fraction of each phase and layer of a sheet that rises at 1 through a periodic box, in a frame.
-fn rising_sheet(frame: &str) -> Vec<f64> {
+/// Sixteen particles side by side that rise at 1 through a periodic box 4 d wide and 10 d high, from a height of 2.5 d.
+fn sheet() -> String {
     let mut text = "id,x,y,z,vx,vy,vz\n".to_owned();
     for site in 0..16 {
         let (x, y) = (f64::from(site % 4) + 0.5, f64::from(site / 4) + 0.5);
         writeln!(text, "{site},{x},{y},2.5,0,0,1").unwrap();
     }
+    text
+}
+
+/// The same for twelve periods of a look, and a measure with these keys.
+fn with_sheet<T>(keys: &str, read: impl FnOnce(&Path) -> T) -> T {
     let sections = format!(
         r#"
 [box]
@@ -219,21 +224,52 @@ end = 12.0
 [output]
 series = 1.0
 [measure.known]
-kind = "stress"
 every = 0.125
-average = 12.0
-layers = 10
-phases = 4
-frequency = 0.25
-{frame}
+{keys}
 "#
     );
-    measured(&text, &sections, 2, |file| {
+    measured(&sheet(), &sections, 2, read)
+}
+
+/// Solids fraction of each phase and layer of the sheet in a frame.
+fn rising_sheet(frame: &str) -> Vec<f64> {
+    let keys = format!(
+        "kind = \"stress\"\naverage = 12.0\nlayers = 10\nphases = 4\nfrequency = 0.25\n{frame}"
+    );
+    with_sheet(&keys, |file| {
         let file = hdf5::File::open(file).unwrap();
         let dataset = file.dataset("results/solids_fraction").unwrap();
         assert_eq!(dataset.shape()[1..], [4, 10]);
         dataset.read_raw::<f64>().unwrap()[..40].to_vec()
     })
+}
+
+/// Solids fraction of cells of 2 x 4 x 2 d in a frame, x fastest.
+fn sheet_on_cells(frame: &str) -> Vec<f64> {
+    let keys = format!("kind = \"stress\"\naverage = 12.0\ncells = [2, 1, 5]\n{frame}");
+    with_sheet(&keys, |file| {
+        let image = hdf5::File::open(file.with_extension("vtkhdf")).unwrap();
+        let dataset = image.dataset("VTKHDF/CellData/solids_fraction").unwrap();
+        dataset.read_raw::<f64>().unwrap()[..10].to_vec()
+    })
+}
+
+#[test]
+fn cells_move_with_the_wave_too() {
+    let in_frame = sheet_on_cells("frame = \"wave\"\nwave_speed = 1.0\nwavelength = 10.0");
+    // Eight spheres in each of the two cells of the second layer, of 16 d^3; the others are empty.
+    for (cell, &fraction) in in_frame.iter().enumerate() {
+        let expected = if cell / 2 == 1 { 8.0 * PI / 6.0 / 16.0 } else { 0.0 };
+        // Positions are rounded to their quantum at each of 12,000 steps.
+        assert!((fraction - expected).abs() < 1.0e-6, "{in_frame:?}");
+    }
+    // Two waves in the box are laid over one another: there is one sheet for both.
+    let halved = sheet_on_cells("frame = \"wave\"\nwave_speed = 1.0\nwavelength = 5.0");
+    let total = |fractions: &[f64], height: f64| fractions.iter().sum::<f64>() * 8.0 * height;
+    assert!((total(&in_frame, 2.0) - 16.0 * PI / 6.0).abs() < 1.0e-9, "{in_frame:?}");
+    assert!((total(&halved, 1.0) - 8.0 * PI / 6.0).abs() < 1.0e-9, "{halved:?}");
+    // The control: cells at rest see the sheet in all layers.
+    assert!(sheet_on_cells("").iter().all(|&fraction| fraction > 0.01));
 }
 
 #[test]
@@ -253,4 +289,71 @@ fn what_moves_with_the_wave_is_at_rest_in_its_frame_at_every_phase() {
     assert!((total - PI / 6.0).abs() < 1.0e-9, "{total}");
     // The control: at rest in the box each phase of a cycle of 4 sees the sheet elsewhere.
     assert!(spread(&rising_sheet("frame = \"phase\"")) > 0.05);
+}
+
+/// All values of a column.
+#[track_caller]
+fn all<'a>(results: &'a MeasureResults, name: &str) -> &'a [f64] {
+    &results.columns.iter().find(|column| column.name == name).unwrap().values
+}
+
+#[test]
+fn a_probe_at_a_point_sees_the_particles_that_pass() {
+    // Four particles of the sheet pass the point at a distance of sqrt(1/2) d, the next ones at 1.58 d.
+    let probe = |radius: f64| {
+        let keys =
+            format!("kind = \"probe\"\nat = \"point\"\npoint = [2.0, 2.0, 5.0]\nradius = {radius}");
+        with_sheet(&keys, |file| MeasureResults::read(file).unwrap())
+    };
+    let found = probe(1.2);
+    let near = (1.2_f64 * 1.2 - 0.5).sqrt();
+    let [fraction, velocity] =
+        ["solids_fraction", "solids_velocity_z"].map(|name| all(&found, name));
+    for (look, &time) in found.times.iter().enumerate() {
+        // The box is 10 d high and periodic.
+        let height = (2.5 + time - 5.0 + 5.0).rem_euclid(10.0) - 5.0;
+        let passes = height.abs() < near;
+        let expected = if passes { 4.0 * 0.125 / 1.2_f64.powi(3) } else { 0.0 };
+        assert!((fraction[look] - expected).abs() < 1.0e-12, "{time}: {}", fraction[look]);
+        assert_eq!(velocity[look].is_nan(), !passes, "{time}");
+        assert!(!passes || (velocity[look] - 1.0).abs() < 1.0e-12, "{time}");
+    }
+    let passing = fraction.iter().filter(|&&fraction| fraction > 0.0).count();
+    assert_eq!(passing, 15 + 4, "a whole passage, and the beginning of a second");
+    // The control: none comes so near.
+    assert!(all(&probe(0.7), "solids_fraction").iter().all(|&fraction| fraction == 0.0));
+}
+
+#[test]
+fn time_averages_of_a_sheet_that_passes_are_those_of_its_weights() {
+    let averaged = |average: f64| {
+        let keys = format!("kind = \"time_average\"\naverage = {average}");
+        with_sheet(&keys, |file| {
+            let file = hdf5::File::open(file).unwrap();
+            let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+            let heights = read("height");
+            let first = |name: &str| read(&format!("results/{name}"))[..heights.len()].to_vec();
+            let [mean, deviation] = ["solids_fraction", "solids_fraction_deviation"].map(first);
+            (heights, mean, deviation)
+        })
+    };
+    // 80 looks, one time through the box: every node sees the sheet pass once.
+    let (heights, mean, deviation) = averaged(10.0);
+    let (looks, spacing) = (80.0, heights[1] - heights[0]);
+    // A node at a distance x of the sheet has 16 spheres in 16 d^2 by the hat weight 1 - |x| / h.
+    let at = |distance: f64| PI / 6.0 / spacing * (1.0 - distance.abs() / spacing).max(0.0);
+    for (node, &height) in heights.iter().enumerate() {
+        let values: Vec<f64> = (1..=80)
+            .map(|look| at((2.5 + 0.125 * f64::from(look) - height + 5.0).rem_euclid(10.0) - 5.0))
+            .collect();
+        let expected = values.iter().sum::<f64>() / looks;
+        let square: f64 = values.iter().map(|value| (value - expected).powi(2)).sum();
+        // Positions are rounded to their quantum at each of 12,000 steps.
+        assert!((mean[node] - expected).abs() < 1.0e-9, "{height}: {} {expected}", mean[node]);
+        let expected = (square / (looks - 1.0)).sqrt();
+        assert!((deviation[node] - expected).abs() < 1.0e-7, "{height}: {}", deviation[node]);
+    }
+    // The control: half of the time the sheet has passed half of the nodes only.
+    let (_, mean, _) = averaged(5.0);
+    assert!(mean.iter().any(|&mean| mean == 0.0), "{mean:?}");
 }
