@@ -34,7 +34,7 @@ const SKIN: f64 = 0.08;
 /// A cubic lattice at rest in a periodic box: nothing moves, so that each step costs the same.
 fn lattice_bed(edge: u64, spacing: f64) -> Bench {
     let mut bench = Bench::new([edge as f64 * spacing; 3], [PERIODIC; 3]);
-    bench.skin = SKIN;
+    bench.skin = Some(SKIN);
     // Lengths are rounded, so that a hair less than the spacing fits as often as it should.
     let fitting = spacing * (1.0 - 1.0e-9);
     bench.add_layers(edge.pow(3), (fitting, 0.5 * spacing), &[1.0], (0.0, 0.0));

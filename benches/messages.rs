@@ -126,7 +126,7 @@ struct RankCounts {
 /// change their owners as they do in a disordered bed.
 fn bed(with_gas: bool) -> Bench {
     let mut bench = Bench::new([21.0, 21.0, 21.0], [PERIODIC, PERIODIC, PLATE]);
-    bench.skin = 0.08;
+    bench.skin = Some(0.08);
     bench.gravity = shaken(3.0, 0.16);
     bench.add_layers(8_000, (1.0, 0.55), &[0.97], (0.01, 1.0));
     bench.gas = with_gas.then(|| gas(0.1));

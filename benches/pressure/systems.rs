@@ -169,7 +169,7 @@ impl System {
     pub(crate) fn grid(&self, ranks: usize) -> (BoxGrid, Decomposition) {
         let grid = BoxGrid::new(&self.bounds(), self.counts);
         let even = Decomposition::even(RankGrid::slabs(2, ranks), &self.bounds());
-        let decomposition = grid.aligned(&even, 2).expect("there are enough cells");
+        let decomposition = grid.aligned(&even, [2; 3]).expect("there are enough cells");
         (grid, decomposition)
     }
 }

@@ -278,7 +278,7 @@ fn columns(runs: &[Run], options: &SummaryOptions) -> anyhow::Result<Vec<(String
     };
     let all = first.series.columns.iter().filter(|(name, _)| name != "time" && in_all(name));
     if options.columns.is_empty() {
-        return Ok(all.cloned().filter(|_| options.measures.is_empty()).collect());
+        return Ok(if options.measures.is_empty() { all.cloned().collect() } else { Vec::new() });
     }
     let known: Vec<(String, String)> = all.cloned().collect();
     let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();

@@ -148,7 +148,7 @@ impl Equation {
     /// Cut planes on cell faces, with subdomains of as equal size as possible.
     pub(crate) fn even_decomposition(&self, ranks: [usize; 3]) -> Decomposition {
         let even = Decomposition::even(RankGrid(ranks), &self.bounds());
-        self.grid().aligned(&even, 2).expect("there are enough cells")
+        self.grid().aligned(&even, [2; 3]).expect("there are enough cells")
     }
 
     /// Cut planes at given cell faces, in addition to the faces of the box.
