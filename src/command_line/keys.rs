@@ -7,7 +7,8 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 pub(super) struct KeysOptions {
-    /// A section, for example contact or particles.start; all if none is given.
+    /// A section, for example contact or particles.start; one of its keys, or what belongs to a word, as gas.substeps
+    /// or measure.stress; all if none is given.
     section: Option<String>,
     /// Print a JSON schema for editors instead.
     #[arg(long, conflicts_with = "section")]

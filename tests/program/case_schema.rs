@@ -106,5 +106,17 @@ fn keys_of_a_section_are_printed_with_range_default_and_meaning() {
     assert!(!contact.contains("stokes_number"));
     assert!(terminal(None).unwrap().contains("stokes_number"));
     let error = terminal(Some("contcat")).unwrap_err().to_string();
-    assert_eq!(error, "there is no section \"contcat\": did you mean contact?");
+    assert_eq!(error, "there is no section or key \"contcat\": did you mean contact?");
+}
+
+#[test]
+fn a_key_or_what_belongs_to_a_word_is_printed_alone() {
+    let substeps = terminal(Some("gas.substeps")).unwrap();
+    assert!(substeps.contains("substeps\n") && !substeps.contains("viscosity"), "{substeps}");
+    let stress = terminal(Some("measure.stress")).unwrap();
+    for (key, is_there) in [("layers", true), ("wave_speed", true), ("radius", false)] {
+        assert_eq!(stress.contains(&format!("\n  {key}")), is_there, "{key}: {stress}");
+    }
+    let error = terminal(Some("measure.stres")).unwrap_err().to_string();
+    assert_eq!(error, "there is no section or key \"measure.stres\": did you mean measure.stress?");
 }

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// No section, and no key of a section, has the name that was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no section {name:?}: {advice}")]
+#[error("there is no section or key {name:?}: {advice}")]
 pub struct UnknownSection {
     /// What was asked for.
     pub name: String,
@@ -16,23 +16,35 @@ pub struct UnknownSection {
     pub advice: String,
 }
 
-/// The keys of a section, with unit, range, default and meaning; of all sections if none is named.
+/// The keys of a section, with unit, range, default and meaning; of all sections if none is named. Behind the section
+/// may stand one of its keys, or a word that brings keys: `gas.drag`, `measure.stress`.
 ///
 /// # Errors
-/// If there is no such section.
+/// If there is no such section, key or word.
 pub fn terminal(section: Option<&str>) -> Result<String, UnknownSection> {
     let name = section.map(|name| name.trim_matches(['[', ']']).to_lowercase());
     let is_asked_for = |chapter: &&Chapter| match &name {
         None => true,
         Some(name) => name_of(chapter) == name,
     };
-    let shown: Vec<String> = CHAPTERS.iter().filter(is_asked_for).map(show).collect();
+    let mut shown: Vec<String> = CHAPTERS
+        .iter()
+        .filter(is_asked_for)
+        .map(|chapter| show(chapter, &groups(chapter)))
+        .collect();
+    let part = name.as_deref().filter(|_| shown.is_empty()).and_then(|name| name.rsplit_once('.'));
+    if let Some((section, part)) = part {
+        let chapters = CHAPTERS.iter().filter(|chapter| name_of(chapter) == section);
+        shown = chapters.filter_map(|chapter| show_part(chapter, part)).collect();
+    }
     match name {
         Some(name) if shown.is_empty() => {
-            let names: Vec<&str> = CHAPTERS.iter().map(name_of).collect();
+            let names: Vec<String> = CHAPTERS.iter().flat_map(names_in).collect();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let sections: Vec<&str> = CHAPTERS.iter().map(name_of).collect();
             let advice = match nearest(&name, &names) {
                 Some(near) => format!("did you mean {near}?"),
-                None => format!("there are {}", names.join(", ")),
+                None => format!("there are {}", sections.join(", ")),
             };
             Err(UnknownSection { name, advice })
         }
@@ -49,7 +61,37 @@ fn name_of(chapter: &Chapter) -> &str {
     }
 }
 
-fn show(chapter: &Chapter) -> String {
+/// A section, and its keys and the words that bring keys behind it.
+fn names_in(chapter: &Chapter) -> Vec<String> {
+    let section = name_of(chapter);
+    let groups = groups(chapter);
+    let keys = groups.iter().flat_map(|group| &group.keys);
+    let parts = keys.flat_map(|(key, words)| words.iter().copied().chain([key.name]));
+    let mut names = vec![section.to_owned()];
+    names.extend(parts.map(|part| format!("{section}.{part}")));
+    names
+}
+
+/// A key of a section, or the keys that a word brings; none if there are none.
+fn show_part(chapter: &Chapter, part: &str) -> Option<String> {
+    let mut groups = groups(chapter);
+    // A group stands behind the one of the key whose words bring it.
+    let mut brought = Vec::new();
+    for group in &mut groups {
+        let belongs = match &group.of {
+            Owner::Words { key, word } => brought.contains(key) || *word == Some(part),
+            Owner::Section | Owner::Tables(_) => false,
+        };
+        let by_word = |words: &[&str]| belongs || words.contains(&part);
+        brought
+            .extend(group.keys.iter().filter(|(_, words)| by_word(words)).map(|(key, _)| key.name));
+        group.keys.retain(|(key, words)| key.name == part || by_word(words));
+    }
+    groups.retain(|group| !group.keys.is_empty());
+    (!groups.is_empty()).then(|| show(chapter, &groups))
+}
+
+fn show(chapter: &Chapter, groups: &[Group]) -> String {
     let mut text = match chapter.path {
         "" => format!("{}\n", chapter.title),
         path => format!("[{path}]\n"),
@@ -57,10 +99,9 @@ fn show(chapter: &Chapter) -> String {
     if chapter.keys.is_empty() {
         let _ = writeln!(text, "  {}", chapter.before.replace('\n', "\n  "));
     }
-    let groups = groups(chapter);
     for (number, group) in groups.iter().enumerate() {
         show_group(&mut text, group);
-        show_words(&mut text, &explained(&groups, number));
+        show_words(&mut text, &explained(groups, number));
     }
     text
 }
