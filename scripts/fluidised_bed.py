@@ -47,6 +47,7 @@ class Bed:
     centres: Array
     colours: Array
     label: str
+    are_members: bool
     diameters: Array
     voidage: Array
     velocity: Array
@@ -94,6 +95,7 @@ def read_bed(folder: Path, time: float | None, colour: str = "speed") -> Bed:
             np.array(shape[:0:-1]) * gas.attrs["Spacing"],
             particles["Points"][rows],
             *colours_of(data, rows, colour),
+            colour == "members",
             2.0 * data["radius"][rows],
             cells["voidage"][gas_step, :, middle],
             cells["velocity"][gas_step, :, middle],
@@ -109,14 +111,14 @@ def draw_particles(figure: Figure, panel, bed: Bed) -> None:
     inside = np.abs(bed.centres[:, 1] - 0.5 * bed.lengths[1]) < bed.lengths[1] / 6.0
     spheres = draw_spheres(panel, bed.centres[inside][:, [0, 2]], bed.diameters[inside], bed.colours[inside])
     shown = bed.colours[np.isfinite(bed.colours)]
-    if len(shown) and "members" in bed.label:
-        spheres.set_norm(LogNorm(shown.min(), max(shown.max(), 2.0 * shown.min())))
-    elif len(shown):
+    if len(shown) and not bed.are_members:
         spheres.set_clim(0.0, np.percentile(shown, 99.0))
     panel.set_title(f"particles, {axis_label(f'time {bed.time:.4g}', bed.units['time'])}")
     key = figure.colorbar(spheres, ax=panel, location="bottom", label=bed.label)
-    if isinstance(spheres.norm, LogNorm):
-        marks = round_marks(spheres.norm.vmin, spheres.norm.vmax)
+    if len(shown) and bed.are_members:
+        low, high = shown.min(), max(shown.max(), 2.0 * shown.min())
+        spheres.set_norm(LogNorm(low, high))
+        marks = round_marks(low, high)
         key.set_ticks(marks, labels=[str(mark) for mark in marks])
         key.set_ticks([], minor=True)
 

@@ -10,11 +10,10 @@ Each run is a case of the repository with other values for some keys, as by `tal
 from __future__ import annotations
 
 # First, because it says what to do if numpy is missing.
-from talcum_results import ResultsError, program, run_script, save_figure
+from talcum_results import ResultsError, run_script, save_figure
 
 import argparse
 import shutil
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,10 +38,13 @@ class Run:
     values: dict[str, Any]
 
     @property
-    def command(self) -> list[str]:
-        """What stands behind `talcum run` or `talcum check`."""
-        settings = (f"{key}={in_toml(value)}" for key, value in self.values.items())
-        return [str(ROOT / "cases" / self.case), *(word for setting in settings for word in ("--set", setting))]
+    def path(self) -> Path:
+        """The case file."""
+        return ROOT / "cases" / self.case
+
+    def make(self, folder: Path) -> None:
+        """Runs it anew."""
+        talcum.run(self.path, set=self.values, output=folder, force=True)
 
 
 @dataclass
@@ -59,11 +61,6 @@ class FirstStudy:
         text = text.replace('"bed.toml"', f'"{ROOT / "tests/program/study/bed.toml"}"').replace("seeds = 2", f"seeds = {self.seeds}")
         (folder / "study.toml").write_text(text, encoding="utf-8")
         talcum.run_study(folder / "study.toml", output=folder)
-
-
-def in_toml(value: Any) -> str:
-    """A value as the program reads it."""
-    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def measure(name: str, **values: Any) -> dict[str, Any]:
@@ -140,17 +137,6 @@ DRAWN = {
 """The figures by the names of their files in docs."""
 
 
-def make(name: str, folder: Path) -> None:
-    """Makes a run anew."""
-    run = RUNS[name]
-    if isinstance(run, FirstStudy):
-        return run.make(folder / name)
-    command = [program(), "run", *run.command, "--output", str(folder / name), "--force"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode != 0:
-        raise ResultsError(f"{name}: {done.stderr.strip().splitlines()[-1] if done.stderr.strip() else 'failed'}")
-
-
 def results_of(name: str, folder: Path) -> talcum.Bed | talcum.Study:
     """What a run left."""
     return talcum.read_study(folder / name) if isinstance(RUNS[name], FirstStudy) else talcum.open(folder / name)
@@ -168,7 +154,10 @@ def main(words: list[str] | None = None) -> None:
         raise ResultsError(f"{unknown[0]}: there is no such run: {', '.join(RUNS)}")
     for name in [] if arguments.draw_only else names:
         print(f"== {name}")
-        make(name, arguments.results)
+        try:
+            RUNS[name].make(arguments.results / name)
+        except talcum.ResultsError as failed:
+            raise ResultsError(f"{name}: {failed}") from failed
     for file, drawn in DRAWN.items():
         if any(name in names for name in drawn.runs):
             picture = DOCS / f"{file}.png"

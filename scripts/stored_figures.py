@@ -18,13 +18,13 @@ COLOURS = 256
 FREQUENT = 8
 """The most frequent colours, such as white, are kept as they are."""
 GREYS = 64
-"""Levels of grey of a palette: a grey is stored within two of its 255 levels."""
+"""Levels of grey of a palette of all colours: a grey is stored within two of its 255 levels, within four in one of half as many."""
 STEEPEST = 3
 """What differs by so little between red, green and blue is grey: smoothing mixes a little colour into it."""
 
 
 def smaller(figure: Image.Image, widest: int = WIDEST, colours: int = COLOURS) -> Image.Image:
-    """A figure with no more than so many pixels across and so many colours."""
+    """A figure with no more than so many pixels across, HIGHEST upwards, and so many colours."""
     flat = figure.convert("RGB")
     scale = min(1.0, widest / flat.width, HIGHEST / flat.height)
     if scale < 1.0:

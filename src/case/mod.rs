@@ -240,7 +240,8 @@ impl Case {
         of_pairs.chain(of_walls).fold(f64::INFINITY, f64::min)
     }
 
-    /// Width of the ghost layer in the stage that needs the widest: subdomains and periodic boxes may not be narrower.
+    /// Least width of the ghost layer, with the narrowest skin, in the stage that needs the widest: subdomains may not be
+    /// narrower, periodic boxes not than twice as much.
     pub fn ghost_width(&self, sizes: &SizeRange) -> f64 {
         let ranges = self.stages.iter().map(|stage| stage.physics.range(sizes));
         let interaction = ranges.fold(0.0, f64::max);

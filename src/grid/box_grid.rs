@@ -178,4 +178,13 @@ mod tests {
         let decomposition = Decomposition::even(RankGrid::slabs(2, 3), &bounds());
         assert_eq!(grid.aligned(&decomposition, [2; 3]), None);
     }
+
+    #[test]
+    fn the_least_number_of_cells_counts_along_divided_axes_only() {
+        let grid = BoxGrid::new(&bounds(), [3, 4, 9]);
+        let even = Decomposition::even(RankGrid([1, 2, 3]), &bounds());
+        assert!(grid.aligned(&even, [9, 2, 3]).is_some());
+        assert_eq!(grid.aligned(&even, [1, 3, 3]), None, "two blocks of three cells among four");
+        assert_eq!(grid.aligned(&even, [1, 2, 4]), None, "three blocks of four cells among nine");
+    }
 }

@@ -77,7 +77,10 @@ impl RegisteredMeasure for Stress {
             return None;
         }
         if matches!(cells, Cells::Boxes(_)) && frame.is_some_and(|frame| frame.has_phases()) {
-            values.fail("cells", "have no phases: leave phases out, or give layers".to_owned());
+            values.fail(
+                "cells",
+                "have no phases: leave phases or frame = \"phase\" out, or give layers".to_owned(),
+            );
             return None;
         }
         Some(Self { frame: frame?, cells, looks_per_row: looks_per_row? })

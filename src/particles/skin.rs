@@ -19,7 +19,7 @@ const WIDEST: f64 = 0.8;
 
 /// Square of the cheapest skin over the displacement in a step, in diameters. Measured: 0.1 to 0.25 is cheapest where
 /// particles move 1e-4 to 3e-4 d in a step (vibrated and fluidised beds of Moon et al.), 0.6 and more where they move 5e-3
-/// and 1e-2 (a bubbling and a spouted bed of glass beads).
+/// and 1e-2 (a bubbling and a spouted bed of glass beads), on one rank.
 const WIDTH_RATIO: f64 = 120.0;
 
 impl Skin {
@@ -31,7 +31,7 @@ impl Skin {
         }
     }
 
-    /// The skin for particles that move so far in a step, where there is room for one of at most `room`; lengths.
+    /// The skin where the farthest that a particle moves in a step is `displacement`, and there is room for one of at most `room`; lengths.
     ///
     /// With s the displacement in a step, a list of skin m lasts for m / 2s steps. The cost 2 s a / m of making lists and
     /// the cost b m of the pairs that the skin adds are least together for `m^2 = 2 s a / b`.
@@ -55,7 +55,7 @@ mod tests {
         let skin = Skin::FromSpeeds { diameter: 2.0 };
         let room = f64::INFINITY;
         assert_eq!(skin.cheapest(0.0, room), 0.16, "particles at rest: the narrowest");
-        let ratio = skin.cheapest(4.0e-4, room) / skin.cheapest(1.0e-4, room);
+        let ratio = skin.cheapest(4.0e-3, room) / skin.cheapest(1.0e-3, room);
         assert!((ratio - 2.0).abs() < 1.0e-12, "{ratio}");
         assert_eq!(skin.cheapest(0.1, room), 1.6, "fast particles: the widest");
         assert_eq!(skin.cheapest(0.1, 0.5), 0.5, "no wider than there is room for");

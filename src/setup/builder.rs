@@ -212,7 +212,7 @@ impl Setup {
         let distributed = share.distribute(&domain.bounds, gas, &decomposition, ranks);
         let (mut state, histories) = (distributed.state, distributed.histories);
         state.clock = state.clock.with_time_step(models.physics.time_step);
-        let mut work = Workspace::new(decomposition, skin, self.balance);
+        let mut work = Workspace::new(decomposition, skin, ghost_width, self.balance);
         work.prepare(&domain, &models, &state.sizes);
         begin(&mut state, &domain, &models, &mut work, histories, ranks)?;
         Ok(Run { state, domain, models, work, ranks })

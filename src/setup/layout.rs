@@ -52,7 +52,7 @@ pub struct Layout<'a> {
     pub bounds: &'a Bounds,
     /// The gas of the run: one on cells has its cut planes on cell faces.
     pub gas: &'a GasModel,
-    /// Width of the ghost layer, below which no subdomain may be; length.
+    /// Width of the ghost layer with the narrowest skin, below which no subdomain may be; length.
     pub ghost_width: f64,
 }
 

@@ -244,7 +244,8 @@ fn distribute(
     let gas = case.gas_on_cells();
     let DistributedState { state, histories } =
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
-    let work = Workspace::new(decomposition, case.skin(&sizes), case.parallel.balance);
+    let (skin, least_width) = (case.skin(&sizes), case.ghost_width(&sizes));
+    let work = Workspace::new(decomposition, skin, least_width, case.parallel.balance);
     let measures = Vec::new();
     Ok(InitialState { state, work, histories, measures, origin, begins_with: None })
 }

@@ -23,6 +23,8 @@ pub struct Workspace {
     pub skin: Skin,
     /// How far lists look.
     pub list_range: ListRange,
+    /// Width that no block may be below: of the widest ghosts of any stage, with the narrowest skin.
+    pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
     /// Where the walls are at this step.
@@ -62,13 +64,19 @@ pub struct Tallies {
 
 impl Workspace {
     /// An empty workspace.
-    pub fn new(decomposition: Decomposition, skin: Skin, balance: Option<Balance>) -> Self {
+    pub fn new(
+        decomposition: Decomposition,
+        skin: Skin,
+        least_width: f64,
+        balance: Option<Balance>,
+    ) -> Self {
         Self {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
             decomposition,
             skin,
             list_range: ListRange { interaction: 0.0, skin: skin.narrowest() },
+            least_width,
             balance,
             wall_poses: Vec::new(),
             gas: GasSolver::None,

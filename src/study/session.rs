@@ -7,6 +7,7 @@ use crate::study::folder::{Results, StudyFolder, make_folder, write_whole};
 use crate::study::member::{Member, MemberFactory};
 use crate::study::plan::Plan;
 use crate::study::problem::{Problem, Problems, Refusal};
+use crate::study::run_outline::RunOutline;
 use crate::study::setting::{Setting, Value};
 use crate::study::start::StartState;
 use crate::study::task::{Records, RunState, Task, TaskKind};
@@ -57,9 +58,9 @@ impl<'a> Session<'a> {
         if !members.is_empty() {
             log::info!("checking {}", count_of(members.len(), "case"));
         }
-        for member in &members {
-            self.check_member(member, &problems);
-        }
+        let check = |member| self.check_member(member, &problems);
+        let runs: Vec<RunOutline> = members.iter().filter_map(check).collect();
+        self.check_measures(&runs, &problems);
         problems.result(&self.study.file.display().to_string(), Some(()))
     }
 
@@ -84,7 +85,21 @@ impl<'a> Session<'a> {
         Ok(members)
     }
 
-    fn check_member(&self, member: &Member, problems: &Problems) {
+    /// Refuses measures for which none of the runs has anything.
+    fn check_measures(&self, runs: &[RunOutline], problems: &Problems) {
+        for measure in &self.study.measures {
+            let reasons: Option<Vec<String>> =
+                runs.iter().map(|run| measure.measure.impossible(run)).collect();
+            if let Some(reason) = reasons.unwrap_or_default().first() {
+                let (line, key) = (Some(measure.line), format!("measure.{}", measure.name));
+                let message = format!("no run can give it: {reason}");
+                problems.add(Problem { line, key, value: None, message });
+            }
+        }
+    }
+
+    /// Refuses what is wrong with the case of a run and its measures; of a case that can be read, what its run will do.
+    fn check_member(&self, member: &Member, problems: &Problems) -> Option<RunOutline> {
         let start = member.start.as_deref().map(StartState::checkpoint).transpose();
         let start = start.unwrap_or_else(|message| {
             let (line, key) =
@@ -98,7 +113,7 @@ impl<'a> Session<'a> {
             Ok(run) => run,
             Err(wrong) => {
                 wrong.into_iter().for_each(|it| problems.add(it.place(&request.settings)));
-                return;
+                return None;
             }
         };
         for measure in &self.study.measures {
@@ -107,6 +122,7 @@ impl<'a> Session<'a> {
                 problems.add(Problem { line, key, value: None, message });
             }
         }
+        Some(run)
     }
 }
 

@@ -24,7 +24,7 @@ pub struct SummaryOptions {
     /// Numbers of `talcum analyse` (waves.speed), or of a section [measure.NAME] of the case (NAME.COLUMN).
     #[arg(long = "measure", value_name = "NAME")]
     pub(crate) measures: Vec<String>,
-    /// mean, last, max, min or deviation of the rows.
+    /// mean, last, max, min or deviation of the rows; numbers of `talcum analyse` have their own means.
     #[arg(long, default_value = "mean")]
     pub(crate) statistic: String,
     /// Begin with this time.
@@ -216,21 +216,29 @@ impl<'o> Summary<'o> {
         name: &str,
         unit: &str,
     ) -> Vec<Column> {
-        let estimate = |group: &Vec<usize>| {
-            let values: Vec<f64> = group.iter().map(|&run| self.values[run][index]).collect();
-            Replicates::of(&values, self.options.confidence)
+        let given = |group: &Vec<usize>| -> Vec<f64> {
+            let values = group.iter().map(|&run| self.values[run][index]);
+            values.filter(|value| !value.is_nan()).collect()
         };
-        let estimates: Vec<Option<Replicates>> = groups.iter().map(estimate).collect();
+        let given: Vec<Vec<f64>> = groups.iter().map(given).collect();
+        let estimate = |values: &Vec<f64>| Replicates::of(values, self.options.confidence);
+        let estimates: Vec<Option<Replicates>> = given.iter().map(estimate).collect();
         let column = |suffix: &str, of: &dyn Fn(&Replicates) -> f64| {
             let values = estimates.iter().map(|e| e.as_ref().map_or(f64::NAN, of)).collect();
             with_unit(&format!("{name}{suffix}"), unit, values)
         };
-        vec![
+        let mut columns = vec![
             column("", &|e| e.mean),
             column("_deviation", &|e| e.deviation),
             column("_lower", &|e| e.mean - e.half_width),
             column("_upper", &|e| e.mean + e.half_width),
-        ]
+        ];
+        if self.options.measures.iter().any(|measure| measure == name) {
+            let counts = Cells::Whole(given.iter().map(|values| values.len() as u64).collect());
+            let about = "runs of the point that gave a value";
+            columns.push(Column::new(&format!("{name}_runs"), about, counts));
+        }
+        columns
     }
 
     fn key_column(&self, key: &String, runs: &[usize]) -> Column {

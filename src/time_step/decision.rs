@@ -18,15 +18,15 @@ pub(super) struct StepDecision {
 /// How far particles move in a step.
 #[derive(Clone, Copy)]
 pub(super) struct Displacement {
-    /// No particle of this rank has moved farther; length.
+    /// Farthest that any particle of this rank has moved; length.
     pub(super) largest: f64,
-    /// How far they may move; length.
+    /// Farthest that one may move; length.
     pub(super) allowed: f64,
 }
 
 /// One reduction per step: how far have particles moved, is any list outdated, has any particle left, has anything
-/// gone wrong, was any rank asked to stop? Particles that moved too far are looked for when lists are made anew: at
-/// once, however wide the skin.
+/// gone wrong, was any rank asked to stop? If a particle may have moved farther than allowed, lists
+/// are made anew at once, where it is found: at the same step with any skin.
 pub(super) fn decide(
     state: &mut State,
     Displacement { largest: displacement, allowed }: Displacement,

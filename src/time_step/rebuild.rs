@@ -42,12 +42,11 @@ pub(super) fn arrange(
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
     let before = work.decomposition.clone();
-    choose_skin(state, domain, models, work);
-    let width = work.list_range.ghost_width(state.sizes.largest_diameter);
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &domain.bounds);
     balance(state, &domain.bounds, work, ranks);
-    work.decomposition = models.physics.gas.align(&work.decomposition, width)?;
+    work.decomposition = models.physics.gas.align(&work.decomposition, work.least_width)?;
+    choose_skin(state, domain, models, work);
     migrate(&mut state.particles, &mut histories, &work.decomposition, ranks);
     rebuild_lists(state, domain, work, &histories, ranks)?;
     distribute_gas(state, domain, models, work, &before, ranks)
@@ -63,8 +62,8 @@ fn choose_skin(state: &State, domain: &Domain, models: &Models, work: &mut Works
     work.list_range.skin = displacement.map_or(work.skin.narrowest(), cheapest);
 }
 
-/// Widest ghost layer of which two fit into the narrowest subdomain: then cut planes may move, and a particle has one
-/// image only in a periodic box.
+/// Widest ghost layer of which two fit into the narrowest subdomain: in a periodic box a particle then has one image only, and
+/// ranks of small subdomains have no more ghosts than particles.
 fn room_for_ghosts(decomposition: &Decomposition, bounds: &Bounds) -> f64 {
     let has_ghosts = |axis: &usize| bounds.is_periodic(*axis) || decomposition.grid().0[*axis] > 1;
     let narrowest = (0..3).filter(has_ghosts).map(|axis| decomposition.narrowest(axis));
@@ -145,7 +144,7 @@ fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Com
     }
     if load.imbalance > threshold {
         let positions = particles.body.iter().map(|body| body.position);
-        let width = work.list_range.ghost_width(state.sizes.largest_diameter);
+        let width = work.least_width;
         work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
     }
 }

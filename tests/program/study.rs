@@ -167,7 +167,7 @@ fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() 
         std::fs::write(&study, format!("{head}measures = [{measure:?}]\n")).unwrap();
         let refused = run(&study, &output, &[]);
         assert_code(&refused, 1);
-        let message = format!("{measure} cannot be measured on this case: {reason}");
+        let message = format!("measure.{measure}: no run can give it: {reason}");
         assert!(refused.errors.contains(&message), "{}", refused.errors);
         assert!(refused.errors.contains("measured.toml:3: "), "{}", refused.errors);
     }

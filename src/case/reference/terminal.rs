@@ -80,7 +80,10 @@ fn show_part(chapter: &Chapter, part: &str) -> Option<String> {
     for group in &mut groups {
         let belongs = match &group.of {
             Owner::Words { key, word } => brought.contains(key) || *word == Some(part),
-            Owner::Section | Owner::Tables(_) => false,
+            Owner::Tables(names) => {
+                names.iter().any(|name| *name == part || brought.contains(name))
+            }
+            Owner::Section => false,
         };
         let by_word = |words: &[&str]| belongs || words.contains(&part);
         brought

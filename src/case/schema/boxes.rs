@@ -104,7 +104,7 @@ pub(super) const BOX_CHAPTER: Chapter = Chapter {
     before: "\
 The box reaches from the origin to `lengths`. Gravity points along -z.",
     after: "\
-A periodic length must be at least twice the largest diameter with skin and range of cohesion (or the reach of JKR
+A periodic length must be at least twice the largest diameter with skin (0.08 if it is left out) and range of cohesion (or the reach of JKR
 necks). The lower wall along z is the `base plate`; the others are called `x lower`, `x upper` and so on.",
 };
 

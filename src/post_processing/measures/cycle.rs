@@ -47,8 +47,8 @@ const COLUMNS: [&str; 10] = [
 const BINS: usize = 40;
 
 fn find(results: &Results) -> Result<Findings, Unmeasured> {
-    let Vibrating { vibration, from, to } = last_vibration(results)?;
     let times = results.column("time")?;
+    let Vibrating { vibration, from, to } = last_vibration(results, times[times.len() - 1])?;
     // The row at the start of a stage belongs to the stage before.
     let rows =
         times.partition_point(|&time| time <= from)..times.partition_point(|&time| time <= to);
@@ -58,15 +58,15 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
         bins: BINS,
         skipped_cycles: 0,
     };
+    if rows.len() < 2 {
+        return Err(NoValue::because("the plate vibrates at none of these times").into());
+    }
     let series = results.series()?;
     let mut found = Findings::new(results.units());
     let mut columns: Vec<Column> = Vec::new();
     let mut averages = Vec::new();
     for name in COLUMNS {
         let Some(values) = series.column(name) else { continue };
-        if rows.len() < 2 {
-            return Err(NoValue::because("the plate vibrates at none of these times").into());
-        }
         let average = phase_average(&times[rows.clone()], &values[rows.clone()], &options)?;
         if columns.is_empty() {
             columns.push(Column::numbers("phase", "1", "part of a cycle", average.phases.clone()));
@@ -103,14 +103,14 @@ struct Vibrating {
     to: f64,
 }
 
-/// The vibration of the last stage that has one, over that stage and those right before it with the same.
-fn last_vibration(results: &Results) -> Result<Vibrating, Unmeasured> {
-    let stages: Vec<&Stage> = results.stages()?.collect();
+/// The vibration of the last stage that has one and has begun at `last_row`, over that stage and those right before it with
+/// the same.
+fn last_vibration(results: &Results, last_row: f64) -> Result<Vibrating, Unmeasured> {
+    let stages: Vec<&Stage> = results.stages()?.filter(|stage| stage.start < last_row).collect();
     let vibration_of = |place: usize| stages[place].physics.gravity.vibration;
     let none = || NoValue::because("the plate does not vibrate at these times");
-    let last = (0..stages.len()).rev().find(|&place| vibration_of(place).is_some());
-    let last = last.ok_or_else(none)?;
-    let vibration = vibration_of(last).ok_or_else(none)?;
+    let vibrating = |place: usize| Some((place, vibration_of(place)?));
+    let (last, vibration) = (0..stages.len()).rev().find_map(vibrating).ok_or_else(none)?;
     let same = |place: &usize| vibration_of(*place) == Some(vibration);
     let first = (0..=last).rev().take_while(same).last().unwrap_or(last);
     let from = stages[first].start.max(vibration.start);

@@ -99,10 +99,11 @@ impl Measure for Quantity {
     }
 
     fn check(&self, run: &RunOutline) -> Result<(), String> {
-        if let Some(reason) = run.impossible.get(self.scalar.measure.name) {
-            return Err(format!("{} cannot be measured on this case: {reason}", self.scalar));
-        }
         self.window.check(run.end_time)
+    }
+
+    fn impossible(&self, run: &RunOutline) -> Option<String> {
+        run.impossible.get(self.scalar.measure.name).cloned()
     }
 
     fn texts(&self) -> Option<&'static [&'static str]> {

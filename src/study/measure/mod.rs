@@ -67,6 +67,11 @@ pub(crate) trait Measure: fmt::Debug {
     /// What is wrong, and what is allowed.
     fn check(&self, run: &RunOutline) -> Result<(), String>;
 
+    /// Why this run will have nothing to measure, so far as its case can tell.
+    fn impossible(&self, _run: &RunOutline) -> Option<String> {
+        None
+    }
+
     /// The texts that it may give; `None` if it gives numbers.
     fn texts(&self) -> Option<&'static [&'static str]> {
         None

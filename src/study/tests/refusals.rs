@@ -77,7 +77,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "measures = [\"bubbles.rise_velocity\"]\n",
-        "study.toml:3: measure.bubbles.rise_velocity: bubbles.rise_velocity cannot be measured on this case: there is no gas",
+        "study.toml:3: measure.bubbles.rise_velocity: no run can give it: there is no gas",
     ),
     (
         "[measure.x]\nsource = \"case\"\nmeasure = \"net\"\ncolumn = \"contacts\"\nstatistic = \"mean\"\n",

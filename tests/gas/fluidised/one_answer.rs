@@ -12,7 +12,7 @@ fn bed(filter_width: f64, particles: u64) -> Bench {
     let walls = [Face::Wall; 2];
     let mut bench = Bench::new([8.0, 6.0, 18.0], [walls, walls, PLATE]);
     bench.gravity.magnitude = 1.0;
-    bench.balance = Some(Balance::new(40, 1.0));
+    (bench.balance, bench.skin) = (Some(Balance::new(40, 1.0)), None);
     bench.add_layers(particles, (1.12, 0.6), &[1.0, 0.8], (0.05, 0.1));
     let mut model = gas_on_cells(&bench, [4, 3, 9], (0.01, 1.0 / 55.0), DragLaw::WEN_YU, 0.4);
     model.coupling.filter_width = filter_width;
