@@ -6,7 +6,7 @@ use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
 use crate::study::measure::{Measure, OfResults, Reduction, Statistic, Value, Window, reduced};
 use crate::study::member::short_name;
-use crate::study::table::{Replicates, csv};
+use crate::study::table::{OfPoints, csv};
 use anyhow::{Context, bail};
 use clap::Args;
 use std::collections::BTreeMap;
@@ -133,14 +133,9 @@ impl<'o> Summary<'o> {
         let mut summary = Self { keys: differing_keys(&runs), runs, options, columns, values };
         let of_results = OfResults::default();
         for name in &options.measures {
-            let measure = of_results.named(name, reduction);
+            let measure = of_results.named(name, reduction, &options.results);
             let measure = measure.map_err(|error| anyhow::anyhow!("--measure {name}: {error}"))?;
-            let added = summary.add(name, measure.as_ref());
-            let is_of_case = of_results.is_of_case(name);
-            added.with_context(|| match is_of_case {
-                true => format!("--measure {name}: {}", of_results.unknown(name)),
-                false => format!("--measure {name}"),
-            })?;
+            summary.add(name, measure.as_ref()).with_context(|| format!("--measure {name}"))?;
         }
         Ok(summary)
     }
@@ -221,24 +216,9 @@ impl<'o> Summary<'o> {
             values.filter(|value| !value.is_nan()).collect()
         };
         let given: Vec<Vec<f64>> = groups.iter().map(given).collect();
-        let estimate = |values: &Vec<f64>| Replicates::of(values, self.options.confidence);
-        let estimates: Vec<Option<Replicates>> = given.iter().map(estimate).collect();
-        let column = |suffix: &str, of: &dyn Fn(&Replicates) -> f64| {
-            let values = estimates.iter().map(|e| e.as_ref().map_or(f64::NAN, of)).collect();
-            with_unit(&format!("{name}{suffix}"), unit, values)
-        };
-        let mut columns = vec![
-            column("", &|e| e.mean),
-            column("_deviation", &|e| e.deviation),
-            column("_lower", &|e| e.mean - e.half_width),
-            column("_upper", &|e| e.mean + e.half_width),
-        ];
-        if self.options.measures.iter().any(|measure| measure == name) {
-            let counts = Cells::Whole(given.iter().map(|values| values.len() as u64).collect());
-            let about = "runs of the point that gave a value";
-            columns.push(Column::new(&format!("{name}_runs"), about, counts));
-        }
-        columns
+        let of_points = OfPoints { name, unit: Some(unit), given: &given };
+        let may_be_nothing = self.options.measures.iter().any(|measure| measure == name);
+        of_points.columns(may_be_nothing, self.options.confidence)
     }
 
     fn key_column(&self, key: &String, runs: &[usize]) -> Column {

@@ -23,6 +23,14 @@ fn run(study: &Path, output: &Path, options: &[&str]) -> Ended {
     talcum(0, &arguments(study, output, options))
 }
 
+/// A study of the bed of the docs with these further lines.
+fn written(folder: &Path, lines: &str) -> PathBuf {
+    let study = folder.join("written.toml");
+    let bed = data("bed.toml").display().to_string();
+    std::fs::write(&study, format!("title = \"written\"\ncase = {bed:?}\n{lines}")).unwrap();
+    study
+}
+
 #[track_caller]
 fn assert_code(ended: &Ended, code: i32) {
     assert_eq!(ended.code(), Some(code), "{}\n{}", ended.output, ended.errors);
@@ -110,12 +118,9 @@ fn tables_do_not_depend_on_ranks_and_interruptions() {
 #[test]
 fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
     let folder = tempfile::tempdir().unwrap();
-    let study = folder.path().join("measured.toml");
-    let head =
-        format!("title = \"measured\"\ncase = {:?}\n", data("bed.toml").display().to_string());
     let text = "seeds = 2\nmeasures = [\"bed.height\", \"waves.state\", \"u_mf\"]\n[set]\noutput.profiles = 0.1\n\
                 [measure.late]\nsource = \"analysis\"\nquantity = \"bed.height\"\nwindow = { last = 1.0 }\n";
-    std::fs::write(&study, head + text).unwrap();
+    let study = written(folder.path(), text);
     let output = folder.path().join("out");
     assert_code(&run(&study, &output, &["--at-a-time", "2"]), 0);
     let tables = tables(&output);
@@ -153,9 +158,6 @@ fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
 #[test]
 fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
-    let study = folder.path().join("measured.toml");
-    let head =
-        format!("title = \"measured\"\ncase = {:?}\n", data("bed.toml").display().to_string());
     let output = folder.path().join("out");
     for (measure, reason) in [
         (
@@ -164,29 +166,27 @@ fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() 
         ),
         ("cycle.lift", "the plate vibrates in no stage"),
     ] {
-        std::fs::write(&study, format!("{head}measures = [{measure:?}]\n")).unwrap();
+        let study = written(folder.path(), &format!("measures = [{measure:?}]\n"));
         let refused = run(&study, &output, &[]);
         assert_code(&refused, 1);
         let message = format!("measure.{measure}: no run can give it: {reason}");
         assert!(refused.errors.contains(&message), "{}", refused.errors);
-        assert!(refused.errors.contains("measured.toml:3: "), "{}", refused.errors);
+        assert!(refused.errors.contains("written.toml:3: "), "{}", refused.errors);
     }
     assert!(!output.join("runs").exists());
     // The control: with the key it is measured.
     let text = "measures = [\"waves.speed\"]\n[set]\noutput.profiles = 0.1\n";
-    std::fs::write(&study, head + text).unwrap();
+    let study = written(folder.path(), text);
     assert_code(&run(&study, &output, &[]), 0);
 }
 
 #[test]
 fn a_search_may_name_its_own_measure_and_counts_as_failed_if_it_has_none() {
     let folder = tempfile::tempdir().unwrap();
-    let study = folder.path().join("search.toml");
-    let head = format!("title = \"search\"\ncase = {:?}\n", data("bed.toml").display().to_string());
     let search = "[set]\noutput.profiles = 0.1\n[bisection]\nkey = \"gas.superficial_velocity\"\n\
                   bracket = [0.01, 0.02]\ntolerance = 0.005\nmeasure = \"bed.height\"\n\
                   threshold = 1000.0\ndirection = \"rises\"\n";
-    std::fs::write(&study, head + search).unwrap();
+    let study = written(folder.path(), search);
     let output = folder.path().join("out");
     let ended = run(&study, &output, &[]);
     assert_code(&ended, 1);

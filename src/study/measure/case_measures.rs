@@ -34,11 +34,18 @@ pub(super) struct ResultStatistic {
     pub(super) reduction: Reduction,
 }
 
+impl ResultStatistic {
+    /// Whether a run has the file of its measure.
+    pub(super) fn is_in(&self, results: &Path) -> bool {
+        MeasureResults::file_of(&self.measure, results).exists()
+    }
+}
+
 impl Measure for ResultStatistic {
     /// Rows that are not defined, such as the mean size of no agglomerates, do not count.
     fn value(&self, results: &Path) -> Result<Measured, OutputError> {
         let path = MeasureResults::file_of(&self.measure, results);
-        if !path.exists() {
+        if !self.is_in(results) {
             let message =
                 format!("is not there: the case has no section [measure.{}]", self.measure);
             return Err(OutputError { path, message });

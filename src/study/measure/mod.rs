@@ -20,7 +20,7 @@ use crate::study::section::{Section, advice};
 use analysis::Analysis;
 use case_measures::{CaseMeasures, ResultStatistic};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use window::window_of;
 
 /// What a run gave.
@@ -120,14 +120,16 @@ pub(crate) struct NamedMeasure {
 pub(crate) struct OfResults(Analysis);
 
 impl OfResults {
-    /// The measure of that name. The times of the reduction hold for both kinds; its statistic is that of rows.
+    /// The measure of that name on these results. The times of the reduction hold for both kinds; its statistic is that of
+    /// rows.
     ///
     /// # Errors
-    /// If the name stands for no number.
+    /// If the name stands for no number of any of them.
     pub(crate) fn named(
         &self,
         name: &str,
         reduction: Reduction,
+        results: &[PathBuf],
     ) -> Result<Box<dyn Measure>, String> {
         if let Some(measure) = self.0.over(name, reduction.window) {
             return match measure.texts() {
@@ -140,22 +142,14 @@ impl OfResults {
             column: column.to_owned(),
             reduction,
         });
-        match of_case {
-            Some(measure) => Ok(Box::new(measure)),
-            None => Err(self.unknown(name)),
+        if let Some(measure) = of_case.filter(|measure| results.iter().any(|it| measure.is_in(it)))
+        {
+            return Ok(Box::new(measure));
         }
-    }
-
-    /// Whether a name is looked up among the measures of the case.
-    pub(crate) fn is_of_case(&self, name: &str) -> bool {
-        !self.0.names().iter().any(|known| known == name)
-    }
-
-    /// Says that `talcum analyse` has nothing of that name.
-    pub(crate) fn unknown(&self, name: &str) -> String {
         let names = self.0.names();
         let known: Vec<&str> = names.iter().map(String::as_str).collect();
-        format!("nothing that talcum analyse measures: {}", advice(name, &known))
+        let advice = advice(name, &known);
+        Err(format!("nothing that talcum analyse measures: {advice}"))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The columns of a measure in the tables of a study.
 
-use super::replicates::Replicates;
+use super::of_points::{OfPoints, numbers};
 use crate::output::{Cells, Column};
 use crate::study::measure::{NamedMeasure, Value};
 use std::collections::BTreeMap;
@@ -25,7 +25,8 @@ impl<'a> MeasureColumns<'a> {
             let cells = Cells::Text(values.iter().map(text).collect());
             return Column::new(&self.measure.name, about, cells);
         }
-        self.numbers("", about, values.iter().map(|value| number_of(*value)).collect())
+        let values = values.iter().map(|value| number_of(*value)).collect();
+        numbers(&self.measure.name, self.unit, about, values)
     }
 
     /// What the runs of each point gave together. Runs in which there is nothing to measure do not count; one that could
@@ -36,30 +37,8 @@ impl<'a> MeasureColumns<'a> {
             return vec![Column::new(&self.measure.name, "texts of the runs", cells)];
         }
         let given: Vec<Vec<f64>> = values.iter().map(|values| given(values)).collect();
-        let replicates: Vec<Option<Replicates>> =
-            given.iter().map(|values| Replicates::of(values, confidence)).collect();
-        let column = |suffix: &str, about: &str, of: &dyn Fn(&Replicates) -> f64| {
-            let values = replicates.iter().map(|found| found.as_ref().map_or(f64::NAN, of));
-            self.numbers(suffix, about, values.collect())
-        };
-        let mut columns = vec![
-            column("", "mean over the runs", &|e| e.mean),
-            column("_deviation", "standard deviation", &|e| e.deviation),
-            column("_lower", "lower end of the interval", &|e| e.mean - e.half_width),
-            column("_upper", "upper end of the interval", &|e| e.mean + e.half_width),
-        ];
-        if self.measure.measure.may_be_nothing() {
-            let counts = Cells::Whole(given.iter().map(|values| values.len() as u64).collect());
-            let name = format!("{}_runs", self.measure.name);
-            columns.push(Column::new(&name, "runs that gave a value", counts));
-        }
-        columns
-    }
-
-    fn numbers(&self, suffix: &str, about: &str, values: Vec<f64>) -> Column {
-        let name = format!("{}{suffix}", self.measure.name);
-        let column = Column::new(&name, about, Cells::Number(values));
-        Column { unit: self.unit.map(str::to_owned), ..column }
+        let of_points = OfPoints { name: &self.measure.name, unit: self.unit, given: &given };
+        of_points.columns(self.measure.measure.may_be_nothing(), confidence)
     }
 }
 

@@ -3,8 +3,9 @@
 mod collect;
 pub(crate) mod csv;
 mod measured;
+mod of_points;
 mod replicates;
 mod searches;
 
 pub(crate) use collect::collect;
-pub(crate) use replicates::Replicates;
+pub(crate) use of_points::OfPoints;
