@@ -84,7 +84,7 @@
 //!
 //! [`time_step`] reads like the method section; [`state`] says what it works on. Below them: [`numbers`],
 //! [`schema`], [`rules`], [`domain`], [`particles`], [`contact`], [`grid`], [`linear_solver`], [`gas`], [`coupling`],
-//! [`parallel`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`post_processing`], [`study`],
+//! [`parallel`], [`particle_sets`], [`timers`]. Around them: [`analysis`], [`setup`], [`output`], [`case`], [`simulation`], [`post_processing`], [`study`],
 //! [`command_line`].
 //!
 //! # References
@@ -123,6 +123,7 @@ pub mod measures;
 pub mod numbers;
 pub mod output;
 pub mod parallel;
+pub mod particle_sets;
 pub mod particles;
 pub mod post_processing;
 pub mod rules;

@@ -1,8 +1,8 @@
 //! Coordination number: how many particles a particle touches.
 
-use super::pair::{Pair, at_rendezvous};
-use super::rendezvous::send_to_rendezvous;
 use crate::parallel::Communicator;
+use crate::particle_sets::pair::{Pair, at_rendezvous};
+use crate::particle_sets::rendezvous::send_to_rendezvous;
 
 /// The distribution of the coordination number over the particles of a region.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,6 +8,7 @@ use xxhash_rust::xxh3::xxh3_128;
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
+use crate::particle_sets::Pair;
 use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and contact histories.
@@ -23,7 +24,8 @@ use crate::state::Clock;
 ///
 /// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
 /// or twisting spring that is not bent is left out, and what only some gases have, cells or a plenum and a force on
-/// particles that is kept, where there is none, and the number of the first species: the digest of a state without them is
+/// particles that is kept, where there is none, the number of the first species, and agglomerates where drag does not follow from
+/// them: the digest of a state without them is
 /// that of the time before there were any.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
@@ -38,6 +40,8 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub wall_contacts: &'a [WallContactRecord],
     /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; none without these.
     pub cells: &'a [CellRecord],
+    /// Pairs that touched at the last look at agglomerates, each on one rank; none where drag does not follow from them.
+    pub looked_at: &'a [Pair],
 }
 
 /// Bits of -0.0.
@@ -51,16 +55,19 @@ impl Digest {
         records: &StateRecords<'_, impl Records<ParticleRecord> + ?Sized>,
         ranks: &dyn Communicator,
     ) -> Self {
-        let StateRecords { particles, contacts, wall_contacts, cells } = *records;
+        let StateRecords { particles, contacts, wall_contacts, cells, looked_at } = *records;
         let [a, b, c] = [
-            sum(b'p', 1, &[1, 3], particles),
+            sum(b'p', 1, &[3, 1, 3], particles),
             sum(b'c', 2, &[1, 3], contacts),
             sum(b'w', 2, &[1, 3], wall_contacts),
         ];
-        let mut sums = [a, b, c, sum(b'g', 1, &[], cells)].concat();
+        let mut sums = [a, b, c, sum(b'g', 1, &[], cells), sum(b'l', 2, &[], looked_at)].concat();
         ranks.sum_integers(&mut sums);
-        if sums[9] == 0 {
-            sums.truncate(9); // without cells of a gas
+        // What is not there at all is left out: cells of a gas, pairs that were looked at.
+        for first in [12, 9] {
+            if sums[first] == 0 {
+                sums.drain(first..first + 3);
+            }
         }
         let mut hasher = blake3::Hasher::new();
         hasher.update(b"talcum state 2");
@@ -172,7 +179,8 @@ mod tests {
         particles: &[ParticleRecord],
         contacts: &[ContactRecord],
     ) -> Digest {
-        let records = StateRecords { particles, contacts, wall_contacts: &[], cells: &[] };
+        let records =
+            StateRecords { particles, contacts, wall_contacts: &[], cells: &[], looked_at: &[] };
         Digest::of(clock, &records, &OneRank)
     }
 
@@ -183,11 +191,13 @@ mod tests {
         let contacts: Vec<_> = (0..9).map(contact).collect();
         let walls: Vec<_> = (0..3).map(wall_contact).collect();
         let cells: Vec<_> = (0..5).map(cell).collect();
+        let looked_at: Vec<_> = (0..7).map(|lower| Pair { lower, higher: 9 }).collect();
         let whole = StateRecords {
             particles: &particles,
             contacts: &contacts,
             wall_contacts: &walls,
             cells: &cells,
+            looked_at: &looked_at,
         };
         let alone = Digest::of(&clock, &whole, &OneRank);
         assert_eq!(alone.to_string().len(), 32);
@@ -201,6 +211,7 @@ mod tests {
                     contacts: &share(&contacts, ranks),
                     wall_contacts: &share(&walls, ranks),
                     cells: &share(&cells, ranks),
+                    looked_at: &share(&looked_at, ranks),
                 };
                 Digest::of(&clock, &records, ranks)
             });
@@ -225,6 +236,15 @@ mod tests {
         }
         assert_ne!(digest(&particles[1..], &contacts), original);
         assert_ne!(digest(&particles, &[contacts[0], contacts[0], contacts[0]]), original);
+        let with_pairs = |looked_at: &[Pair]| {
+            let (particles, contacts) = (&particles[..], &contacts[..]);
+            let records =
+                StateRecords { particles, contacts, wall_contacts: &[], cells: &[], looked_at };
+            Digest::of(&Clock::new(0.1), &records, &OneRank)
+        };
+        let looked_at = [Pair::of(0, 1), Pair::of(2, 3)].map(|pair| with_pairs(&[pair]));
+        assert_eq!(with_pairs(&[]), original);
+        assert!(looked_at[0] != original && looked_at[0] != looked_at[1]);
         let later = Clock { step: 1, ..Clock::new(0.1) };
         assert_ne!(digest_at(&later, &particles, &contacts), original);
     }

@@ -1,8 +1,8 @@
 //! Fractal dimension, of a population of agglomerates and of single large ones.
 
 use super::LineFit;
-use super::agglomerates::Agglomerate;
 use crate::parallel::Communicator;
+use crate::particle_sets::agglomerates::Agglomerate;
 use nalgebra::{Matrix3, Vector3};
 
 /// n = k (R / r_a)^D over agglomerates of n members, radius of gyration R and member radius r_a.
@@ -83,7 +83,7 @@ impl MassRadius {
     /// Of the unwrapped members of one agglomerate in order of their ids, as [`Agglomerates::members`] gives them.
     /// None if it is too small: with fewer than four radii.
     ///
-    /// [`Agglomerates::members`]: super::agglomerates::Agglomerates::members
+    /// [`Agglomerates::members`]: crate::particle_sets::agglomerates::Agglomerates::members
     pub fn of(positions: &[Vector3<f64>], member_radius: f64) -> Option<Self> {
         let n = positions.len() as f64;
         let centre = positions.iter().sum::<Vector3<f64>>() / n;

@@ -1,8 +1,8 @@
 //! Straight lines by least squares.
 
-use super::exact_sums::totals;
 use super::no_value::{Estimate, NoValue, require_finite};
 use crate::parallel::{Communicator, OneRank};
+use crate::particle_sets::exact_sums::totals;
 
 /// y = intercept + slope x by least squares, with standard errors.
 ///

@@ -128,6 +128,8 @@ measures! {
     raised_cells: Number = |it| it.gas.report.raised_cells as f64;
     /// Largest component of what particles gained in that step less what the gas lost, over weight.
     exchange_error: Number = |it| it.over_weight(it.gas.report.momentum_error);
+    /// Mean over the particles of xi, the drag over that of the law, in that step, if it follows from their agglomerates; 0 otherwise.
+    drag_factor: Number = |it| ratio(it.particles.drag_factors, it.particles.count);
 }
 
 /// A number over another, and 0 where that is 0.

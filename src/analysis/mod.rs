@@ -15,27 +15,18 @@
 mod bed_profile;
 mod coordination;
 mod digest;
-mod exact_sums;
-mod fixed_point;
 mod fractal_dimension;
 mod line_fit;
 mod measures;
 mod momentum;
 mod no_value;
 mod observation;
-mod ownership;
-mod pair;
-mod periodicity;
-mod persistent_contacts;
-mod rendezvous;
 mod sums;
 mod wall_forces;
 
-pub mod agglomerates;
 pub mod bed_height;
 pub mod breakage;
 pub mod bubbles;
-pub mod components;
 pub mod minimum_fluidisation;
 pub mod mixing;
 pub mod numerics;
@@ -46,20 +37,19 @@ pub mod statistics;
 pub mod stress;
 pub mod waves;
 
+pub(crate) use crate::particle_sets::exact_sums::{Keyed, totals, totals_by_key};
+pub(crate) use crate::particle_sets::rendezvous::send_to_rendezvous;
+pub use crate::particle_sets::{
+    Image, Ownership, Pair, Periodicity, Persistence, PersistentContacts, agglomerates, components,
+};
 pub use crate::state::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy};
 pub use bed_profile::BedProfile;
 pub use coordination::{Coordination, InRegion, coordination};
 pub use digest::{Digest, StateRecords};
-pub(crate) use exact_sums::{Keyed, totals, totals_by_key};
 pub use fractal_dimension::{MassRadius, PopulationFit};
 pub use line_fit::LineFit;
 pub use measures::{Column, Measures, Quantity, measure};
 pub use momentum::MomentumProbe;
 pub use no_value::{Estimate, NoValue};
 pub use observation::RunView;
-pub use ownership::Ownership;
-pub use pair::Pair;
-pub use periodicity::{Image, Periodicity};
-pub use persistent_contacts::{Persistence, PersistentContacts};
-pub(crate) use rendezvous::send_to_rendezvous;
 pub use wall_forces::{WallForce, wall_forces};

@@ -33,6 +33,8 @@ pub(super) struct ParticleSums {
     pub(super) volume: f64,
     /// Touching neighbours; twice the number of touching pairs.
     pub(super) neighbours: f64,
+    /// Of drag factors that follow from agglomerates.
+    pub(super) drag_factors: f64,
 }
 
 /// Forces that do not come from other particles, over all ranks.
@@ -131,11 +133,12 @@ impl ParticleSums {
             // Those of all particles of the rank, counted once.
             let neighbours = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
             let energy = 0.5 * m * v.norm_squared();
-            [1.0, m, m * height(i), m * v.z, energy, particles.volume(i), neighbours as f64]
+            let (volume, xi) = (particles.volume(i), particles.membership[i].drag_factor);
+            [1.0, m, m * height(i), m * v.z, energy, volume, neighbours as f64, xi]
         };
-        let [count, mass, moment, vertical_momentum, energy, volume, neighbours] =
+        let [count, mass, moment, vertical_momentum, energy, volume, neighbours, drag_factors] =
             sums(particles, ranks, of_particle);
-        Self { count, mass, moment, vertical_momentum, energy, volume, neighbours }
+        Self { count, mass, moment, vertical_momentum, energy, volume, neighbours, drag_factors }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Sums over all particles that do not depend on the number of ranks.
 
-use super::exact_sums::totals;
 use crate::parallel::Communicator;
+use crate::particle_sets::exact_sums::totals;
 use crate::particles::Particles;
 
 /// Exact sums over the owned particles of all ranks. Collective.

@@ -22,6 +22,11 @@ pub(super) fn read_coarse_graining(section: &Section<'_>, case: Case) -> Option<
         let least = parcels.particles().ceil();
         section.fail("factor", format!("a parcel stands for {least} particles: there are {count}"));
     }
+    if case.stages.iter().any(|stage| stage.physics.gas.agglomerates().is_some()) {
+        let message = "cannot be given with gas.agglomerates: touching parcels say nothing of the agglomerates of their particles";
+        section.fail("factor", message);
+        return None;
+    }
     let of_stage =
         |stage: Stage| Stage { physics: stage.physics.coarse_grained(&parcels), ..stage };
     Some(Case {

@@ -48,16 +48,19 @@ pub enum ParticleField {
     GasForce,
     /// How many particles it touches.
     Coordination,
+    /// Drag over that of the law, where it follows from agglomerates.
+    DragFactor,
 }
 
 impl ParticleField {
-    const BY_WORD: [(&str, Self); 6] = [
+    const BY_WORD: [(&str, Self); 7] = [
         ("mass", Self::Mass),
         ("class", Self::Class),
         ("species", Self::Species),
         ("force", Self::Force),
         ("gas_force", Self::GasForce),
         ("coordination", Self::Coordination),
+        ("drag_factor", Self::DragFactor),
     ];
 }
 

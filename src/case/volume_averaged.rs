@@ -6,10 +6,10 @@ use super::drag::{read_drag, read_drag_share};
 use super::schedules::read_schedule;
 use super::section::Section;
 use crate::domain::{Wall, WallShape};
-use crate::gas::ParticleDrag;
 use crate::gas::volume_averaged::{
     Boundary, CouplingModel, Inlet, Jet, Profile, VolumeAveragedGas, VolumeAveragedModel, across,
 };
+use crate::gas::{AgglomerateDrag, ParticleDrag};
 use crate::grid::{BoxGrid, RoundColumn};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
@@ -55,6 +55,7 @@ pub(super) fn read_volume_averaged(
             density,
             parcel_size: 1.0,
         },
+        agglomerates: read_agglomerates(section)?,
         filter_width,
         undisturbed: section.boolean("undisturbed_velocity")?,
         least_voidage: section.number("least_voidage")?,
@@ -62,6 +63,27 @@ pub(super) fn read_volume_averaged(
     let driving = section.vector("driving").map(Vector3::from).unwrap_or_default();
     let substeps = section.count("substeps")?;
     Some(VolumeAveragedModel { grid, column, gas, coupling, substeps, driving })
+}
+
+/// `agglomerates`, and what cannot stand beside it; `Some(None)` without.
+fn read_agglomerates(section: &Section<'_>) -> Option<Option<AgglomerateDrag>> {
+    if !section.has("agglomerates") {
+        return Some(None);
+    }
+    let table = section.table("agglomerates")?;
+    let drag = AgglomerateDrag { every: table.count("every")?, smallest: table.count("smallest")? };
+    if section.boolean("undisturbed_velocity") == Some(true) {
+        let message = "cannot be true with agglomerates: their members disturb the gas together";
+        section.fail("undisturbed_velocity", message);
+        return None;
+    }
+    if section.word("drag_in_mixtures") == Some("sauter_diameter") {
+        let message = "cannot be \"sauter_diameter\" with agglomerates: a member has the drag of its own diameter at \
+                       the packing of its agglomerate";
+        section.fail("drag_in_mixtures", message);
+        return None;
+    }
+    Some(Some(drag))
 }
 
 /// The round wall in which the gas flows, if there is one.

@@ -26,8 +26,9 @@ pub use column::{
     WeightBalance,
 };
 pub use drag::{
-    Beetstra, BlockDrag, CustomDragLaw, DiFelice, DragCorrelation, DragLaw, Ergun, Gidaspow,
-    ParticleDrag, RegisteredDragLaw, SingleSphere, Switch, Tenneti, WenYu, WenYuCreeping,
+    AgglomerateBall, AgglomerateDrag, Beetstra, BlockDrag, CustomDragLaw, DiFelice,
+    DragCorrelation, DragLaw, Ergun, Gidaspow, ParticleDrag, RegisteredDragLaw, SingleSphere,
+    Switch, Tenneti, WenYu, WenYuCreeping,
 };
 pub use error::{GasError, GasForceOutOfRange, NavierStokesError};
 pub use model::GasModel;

@@ -1,7 +1,7 @@
 //! The gas as a case chooses it for a stage.
 
-use super::ColumnGas;
 use super::volume_averaged::VolumeAveragedModel;
+use super::{AgglomerateDrag, ColumnGas};
 use crate::coupling::CellTransfer;
 use crate::domain::Decomposition;
 use crate::parallel::CollectiveError;
@@ -57,6 +57,11 @@ impl GasModel {
             Self::VolumeAveraged(model) => model.coupling.drag.parcel_size = size,
         }
         self
+    }
+
+    /// How drag follows from the agglomerates of the particles, if it does.
+    pub fn agglomerates(&self) -> Option<AgglomerateDrag> {
+        self.volume_averaged()?.coupling.agglomerates
     }
 
     /// Steps of the particles in one of the gas.

@@ -6,11 +6,12 @@
 use super::layout::{Column, Layout, Rows, Table};
 use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
-use super::view::{View, ascending};
+use super::view::View;
 use super::{ContactLine, Findings, Measure, Needs, Setting};
 use crate::analysis::{Pair, Quantity, totals};
 use crate::contact::PairForce;
 use crate::parallel::Communicator;
+use crate::particle_sets::pair::ascending;
 use crate::schema::{Allowed, Key, Value};
 use bytemuck::{Pod, Zeroable};
 

@@ -134,7 +134,7 @@ impl RegisteredMeasure for Probe {
         Box::new(Looks {
             settings: self.clone(),
             bounds: setting.bounds.clone(),
-            periodicity: super::view::periodicity_of(setting.bounds),
+            periodicity: Periodicity::of(setting.bounds),
             gas_grid: setting.gas_grid.cloned(),
             horizontal_part: setting.column.cross_section() / setting.bounds.cross_section(),
             average: Average::new(self.looks_per_row),

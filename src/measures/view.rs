@@ -1,12 +1,12 @@
 //! A run as measures see it: read only, at one instant.
 
-use crate::analysis::agglomerates::ParticleSample;
 use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
-use crate::analysis::{BedProfile, Measures, Ownership, Pair, Periodicity, RunView};
+use crate::analysis::{BedProfile, Measures, RunView};
 use crate::contact::{PairForce, WallForce, WallLaws, for_each_pair_force, wall_forces};
 use crate::domain::{Bounds, PosedWalls};
-use crate::numbers::sorted_by_key;
 use crate::parallel::CellSample;
+use crate::particle_sets::agglomerates::ParticleSample;
+use crate::particle_sets::{Ownership, Pair, Periodicity, samples, touching_pairs};
 use crate::particles::sphere_volume;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
@@ -67,23 +67,12 @@ impl<'a> View<'a> {
 
     /// Along which axes the box repeats.
     pub fn periodicity(&self) -> Periodicity {
-        periodicity_of(self.bounds())
+        Periodicity::of(self.bounds())
     }
 
     /// The particles that this rank owns, by ascending id, positions wrapped into the box.
     pub fn samples(&self) -> &[ParticleSample] {
-        self.samples.get_or_init(|| {
-            let particles = &self.run.state.particles;
-            let sample = |i: usize| {
-                let body = &particles.body[i];
-                let position = self.bounds().wrap(body.position);
-                let (mass, radius, velocity) = (body.mass, body.radius, body.velocity);
-                ParticleSample { id: particles.id[i], mass, radius, position, velocity }
-            };
-            let order: Vec<usize> = (0..particles.owned_count()).collect();
-            let order = sorted_by_key(order, |&i| particles.id[i]);
-            order.into_iter().map(sample).collect()
-        })
+        self.samples.get_or_init(|| samples(&self.run.state.particles, self.bounds()).0)
     }
 
     /// The ids of the particles that this rank owns, at the places that they have in [`View::samples`].
@@ -97,15 +86,7 @@ impl<'a> View<'a> {
     pub fn touching(&self) -> &[Pair] {
         self.touching.get_or_init(|| {
             let state = self.run.state;
-            let pairs = state.contacts.touching_pairs(&state.particles);
-            let two = pairs.filter(|[lower, higher]| lower != higher);
-            // Some three contacts a particle.
-            let mut pairs = Vec::with_capacity(3 * state.particles.owned_count());
-            pairs.extend(two.map(|[lower, higher]| Pair { lower, higher }));
-            let mut pairs = ascending(pairs, Pair::ends);
-            // In a narrow box two particles may touch in two images.
-            pairs.dedup();
-            pairs
+            touching_pairs(&state.contacts, &state.particles)
         })
     }
 
@@ -170,19 +151,4 @@ impl<'a> View<'a> {
     pub fn position(&self, index: usize) -> Vector3<f64> {
         self.bounds().wrap(self.run.state.particles.body[index].position)
     }
-}
-
-/// Along which axes a box repeats.
-pub(super) fn periodicity_of(bounds: &Bounds) -> Periodicity {
-    let length = |axis: usize| bounds.is_periodic(axis).then(|| bounds.lengths()[axis]);
-    Periodicity { lengths: [length(0), length(1), length(2)] }
-}
-
-/// Records by the two ids of a pair, the lower first.
-pub(super) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
-    let mut records = sorted_by_key(records, |record| ids(record)[0]);
-    // A particle has few partners.
-    let of_lower = records.chunk_by_mut(|a, b| ids(a)[0] == ids(b)[0]);
-    of_lower.for_each(|group| group.sort_by_key(|record| ids(record)[1]));
-    records
 }

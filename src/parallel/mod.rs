@@ -21,7 +21,7 @@
 //! | what | record | bytes | to whom | how |
 //! | --- | --- | --- | --- | --- |
 //! | load of each rank, costs along each divided axis ([`RankLoad`]) | integers | 8192 per axis | all | [`sum_integers`] |
-//! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 176 per particle | new owner | [`sparse_exchange`] |
+//! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 200 per particle | new owner | [`sparse_exchange`] |
 //! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owner | [`sparse_exchange`] |
 //! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 104 per ghost | neighbours, axis by axis | [`exchange`] |
 //! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |

@@ -1,7 +1,7 @@
 //! The records that are sent between ranks and written to checkpoints. In memory, in messages and in files they are
 //! the same bytes; [`super`] lists who sends which of them when.
 
-use crate::particles::{ContactHistory, PairHistory, Particles, WallHistory};
+use crate::particles::{ContactHistory, Membership, PairHistory, Particles, WallHistory};
 use bytemuck::{Pod, Zeroable};
 
 /// A sequence of records that are stored, or computed when they are asked for and so take no memory.
@@ -61,6 +61,13 @@ pub struct ParticleRecord {
     pub gas_force: [f64; 3],
     /// Number of the species, a whole number from 0; a double as its neighbours are.
     pub species: f64,
+    /// Where drag follows from agglomerates, the diameter of the sphere that the particle's agglomerate is taken for; zero
+    /// otherwise, and of a particle alone.
+    pub agglomerate_diameter: f64,
+    /// Volume of its members over that of this sphere, likewise.
+    pub agglomerate_packing: f64,
+    /// Drag on the particle over that of the law in the last step of the gas; zero where it does not follow from agglomerates.
+    pub drag_factor: f64,
 }
 
 /// The contact history of a pair, as seen from the particle with the lower id.
@@ -168,6 +175,9 @@ impl ParticleRecord {
             mass: particles.body[index].mass,
             gas_force: particles.gas_force[index].into(),
             species: particles.body[index].species() as f64,
+            agglomerate_diameter: particles.membership[index].diameter,
+            agglomerate_packing: particles.membership[index].packing,
+            drag_factor: particles.membership[index].drag_factor,
         }
     }
 
@@ -181,6 +191,11 @@ impl ParticleRecord {
         particles.forces[index].force = self.force.into();
         particles.forces[index].torque = self.torque.into();
         particles.gas_force[index] = self.gas_force.into();
+        particles.membership[index] = Membership {
+            diameter: self.agglomerate_diameter,
+            packing: self.agglomerate_packing,
+            drag_factor: self.drag_factor,
+        };
     }
 }
 
@@ -245,7 +260,7 @@ mod tests {
 
     #[test]
     fn records_have_the_sizes_that_the_documentation_of_the_module_states() {
-        assert_eq!(size_of::<ParticleRecord>(), 176);
+        assert_eq!(size_of::<ParticleRecord>(), 200);
         assert_eq!(size_of::<ContactRecord>(), 80);
         assert_eq!(size_of::<WallContactRecord>(), 80);
         assert_eq!(size_of::<CellRecord>(), 72);

@@ -6,6 +6,7 @@ mod contact_history;
 mod contacts;
 mod inner_list;
 mod integrate;
+mod membership;
 mod neighbour_list;
 mod pair_blocks;
 mod pair_kind;
@@ -21,6 +22,7 @@ pub use contact_history::{ContactHistories, ContactHistory, PairHistory, WallHis
 pub use contacts::{Contacts, LostContact};
 pub(crate) use inner_list::{InnerList, InteractionRanges};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
+pub use membership::Membership;
 pub use neighbour_list::NeighbourList;
 pub(crate) use pair_blocks::{
     AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks, Remembered,

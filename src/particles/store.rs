@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, ForceTorque, kind_of_species, sphere_volume};
+use super::{Body, ForceTorque, Membership, kind_of_species, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -20,6 +20,8 @@ pub struct Particles {
     /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum. It is that of the last gas
     /// step, and constant until the next; zero without such a gas.
     pub gas_force: Vec<Vector3<f64>>,
+    /// The agglomerates of owned particles, where drag follows from them.
+    pub membership: Vec<Membership>,
 }
 
 /// Marks a ghost whose owner is another rank.
@@ -33,6 +35,7 @@ impl Particles {
         particles.body.reserve_exact(count);
         particles.forces.reserve_exact(count);
         particles.gas_force.reserve_exact(count);
+        particles.membership.reserve_exact(count);
         particles
     }
 
@@ -93,6 +96,7 @@ impl Particles {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
         self.push_body(id, Body::new(position, velocity, radius, mass));
         self.gas_force.push(Vector3::zeros());
+        self.membership.push(Membership::default());
         self.owned += 1;
     }
 
@@ -118,6 +122,7 @@ impl Particles {
     pub fn clear(&mut self) {
         self.owned = 0;
         self.gas_force.clear();
+        self.membership.clear();
         self.truncate(0);
     }
 
@@ -131,6 +136,7 @@ impl Particles {
         reorder(&mut self.body, order);
         reorder(&mut self.forces, order);
         reorder(&mut self.gas_force, order);
+        reorder(&mut self.membership, order);
         self.owned = order.len();
     }
 

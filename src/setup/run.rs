@@ -152,7 +152,7 @@ impl Run<'_> {
     /// This rank's part of the state, each record on one rank. Collective.
     fn part(&mut self) -> Result<Snapshot, StepError> {
         confirm(&self.state, &mut self.work, self.ranks)?;
-        let State { particles, contacts, clock, departed, sizes, gas, .. } = &self.state;
+        let State { particles, contacts, clock, departed, sizes, gas, looked_at, .. } = &self.state;
         let ContactHistories { pairs, walls } = contacts.histories_once(particles);
         Ok(Snapshot {
             clock: *clock,
@@ -163,6 +163,7 @@ impl Run<'_> {
             walls: walls.into_iter().map(WallContactRecord::from).collect(),
             cells: self.work.gas.records(gas, self.ranks),
             gas_report: gas.report(),
+            looked_at: looked_at.clone(),
         })
     }
 }

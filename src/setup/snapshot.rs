@@ -7,7 +7,8 @@ use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord,
     send_histories_to_owners, send_to_owners, share_with_all,
 };
-use crate::particles::{ContactHistories, Contacts, Particles};
+use crate::particle_sets::Pair;
+use crate::particles::{ContactHistories, Contacts, Membership, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 use nalgebra::Vector3;
 
@@ -31,6 +32,8 @@ pub struct Snapshot {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
+    /// Pairs that touched at the last look at agglomerates, if drag follows from them and there was one.
+    pub looked_at: Option<Vec<Pair>>,
 }
 
 /// This rank's part of a state, before there are lists and ghosts.
@@ -53,6 +56,7 @@ impl Snapshot {
             walls: Vec::new(),
             cells: Vec::new(),
             gas_report: GasReport::default(),
+            looked_at: None,
         }
     }
 
@@ -66,6 +70,7 @@ impl Snapshot {
             pairs: share(&self.pairs, ranks),
             walls: share(&self.walls, ranks),
             cells: share(&self.cells, ranks),
+            looked_at: self.looked_at.as_ref().map(|pairs| share(pairs, ranks)),
             ..*self
         }
     }
@@ -76,11 +81,13 @@ impl Snapshot {
         let mut pairs = share_with_all(self.pairs, ranks);
         let mut walls = share_with_all(self.walls, ranks);
         let mut cells = share_with_all(self.cells, ranks);
+        let mut looked_at = self.looked_at.map(|pairs| share_with_all(pairs, ranks));
         particles.sort_by_key(|particle| particle.id);
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
         cells.sort_by_key(|record| record.cell);
-        Self { particles, pairs, walls, cells, ..self }
+        looked_at.iter_mut().for_each(|pairs| pairs.sort_unstable());
+        Self { particles, pairs, walls, cells, looked_at, ..self }
     }
 
     /// Sends the records, each of which is on one rank, to the ranks that own them. Collective.
@@ -91,7 +98,7 @@ impl Snapshot {
         decomposition: &Decomposition,
         ranks: &dyn Communicator,
     ) -> DistributedState {
-        let Self { clock, departed, sizes, gas_report, .. } = self;
+        let Self { clock, departed, sizes, gas_report, looked_at, .. } = self;
         let records = send_to_owners(self.particles, decomposition, ranks);
         let mut particles = Particles::with_room_for(records.len());
         for record in records {
@@ -103,17 +110,30 @@ impl Snapshot {
         if gas == GasState::None {
             particles.gas_force.fill(Vector3::zeros());
         }
+        if looked_at.is_none() {
+            particles.membership.fill(Membership::default());
+        }
         let contacts = Contacts::default();
         DistributedState {
-            state: State { particles, contacts, clock, departed, sizes, gas, energy: None },
+            state: State {
+                particles,
+                contacts,
+                clock,
+                departed,
+                sizes,
+                energy: None,
+                gas,
+                looked_at,
+            },
             histories,
         }
     }
 
     /// The records, for a digest.
     pub fn records(&self) -> StateRecords<'_, [ParticleRecord]> {
-        let Self { particles, pairs, walls, cells, .. } = self;
-        StateRecords { particles, contacts: pairs, wall_contacts: walls, cells }
+        let Self { particles, pairs, walls, cells, looked_at, .. } = self;
+        let looked_at = looked_at.as_deref().unwrap_or_default();
+        StateRecords { particles, contacts: pairs, wall_contacts: walls, cells, looked_at }
     }
 
     /// All bits of it: equal only for equal states.
@@ -123,6 +143,8 @@ impl Snapshot {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.pairs));
         bytes.extend_from_slice(bytemuck::cast_slice(&self.walls));
         bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
+        let looked_at = self.looked_at.as_deref().unwrap_or_default();
+        bytes.extend_from_slice(bytemuck::cast_slice(looked_at));
         bytes.extend_from_slice(&clock.step.to_le_bytes());
         bytes.extend_from_slice(&departed.count.to_le_bytes());
         bytes.extend_from_slice(&departed.volume.to_le_bytes());

@@ -3,6 +3,7 @@
 use crate::domain::Bounds;
 use crate::numbers::{random_of, uniform};
 use crate::parallel::ParticleRecord;
+use bytemuck::Zeroable;
 use std::f64::consts::PI;
 
 /// A sphere that does not spin.
@@ -21,18 +22,13 @@ pub struct Sphere {
 impl Sphere {
     /// The record of the particle with this id, its mass (4/3) pi rho r^3.
     pub fn record(&self, id: u64) -> ParticleRecord {
-        let zero = [0.0; 3];
         ParticleRecord {
             id,
             position: self.position,
             velocity: self.velocity,
-            angular_velocity: zero,
-            force: zero,
-            torque: zero,
             radius: self.radius,
             mass: self.density * 4.0 / 3.0 * PI * self.radius.powi(3),
-            gas_force: zero,
-            species: 0.0,
+            ..ParticleRecord::zeroed()
         }
     }
 }

@@ -56,6 +56,7 @@ fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
         ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
         ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
         ParticleField::Coordination => whole("coordination", "number of touching particles"),
+        ParticleField::DragFactor => number("drag_factor", 1, "1", "drag over that of the law"),
     }
 }
 
@@ -82,6 +83,10 @@ fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
         }
         ParticleField::GasForce => {
             run.work.gas.forces_on(particles).into_iter().flat_map(<[f64; 3]>::from).collect()
+        }
+        ParticleField::DragFactor => {
+            let membership = particles.membership[..owned].iter();
+            membership.map(|of| of.drag_factor).collect()
         }
         ParticleField::Coordination => {
             contacts.coordination_numbers(particles).into_iter().map(f64::from).collect()

@@ -311,6 +311,7 @@ impl<'a> Simulation<'a> {
             wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
             cells: work.gas.records(&state.gas, *ranks),
             gas_report: state.gas.report(),
+            looked_at: state.looked_at.clone(),
             energy: state.energy.as_deref().map(StoredLedger::of),
             measures,
         };

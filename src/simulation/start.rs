@@ -112,7 +112,8 @@ pub fn start_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
     let ledger = checkpoint.energy.as_ref().map(|ledger| Box::new(ledger.restored()));
-    let Checkpoint { clock, departed, sizes, particles, cells, gas_report, .. } = checkpoint;
+    let Checkpoint { clock, departed, sizes, particles, cells, gas_report, looked_at, .. } =
+        checkpoint;
     let before =
         Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
     let over = before.as_ref().map_or(0, |before| before.stage_number_at(clock.time()));
@@ -122,7 +123,8 @@ pub fn start_from_checkpoint(
         number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
-    let end = Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report };
+    let end =
+        Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report, looked_at };
     let measures = checkpoint.measures;
     let mut initial = InitialState { measures, ..distribute(case, end, origin, grid, ranks)? };
     initial.state.energy = ledger;

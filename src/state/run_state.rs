@@ -2,6 +2,7 @@
 
 use super::{Clock, EnergyLedger, SizeRange};
 use crate::gas::GasState;
+use crate::particle_sets::Pair;
 use crate::particles::{Contacts, Particles};
 
 /// Particles that left through an open face.
@@ -31,4 +32,7 @@ pub struct State {
     pub energy: Option<Box<EnergyLedger>>,
     /// What the gas is, on this rank's cells.
     pub gas: GasState,
+    /// Pairs that touched at the last look at agglomerates, where drag follows from them; each on the rank that owned its lower
+    /// id then. None before the first look.
+    pub looked_at: Option<Vec<Pair>>,
 }

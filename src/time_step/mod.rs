@@ -1,5 +1,6 @@
 //! The step: velocity Verlet for the particles, the gas, and all forces.
 
+mod agglomerates;
 mod decision;
 mod energy;
 mod rebuild;
@@ -78,7 +79,7 @@ pub fn advance(
         refresh_ghosts(state, work, ranks);
     }
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
-        advance_gas(state, models, work, ranks);
+        advance_gas(state, domain, models, work, ranks);
     }
     add_forces(state, domain, models, work, dt);
     staggered.leave_kick(dt);
@@ -113,7 +114,7 @@ pub fn find_first_forces(
     ranks: &dyn Communicator,
 ) {
     set_forces_to_weight(&mut state.particles, models.weight_at(state.clock.time()));
-    advance_gas(state, models, work, ranks);
+    advance_gas(state, domain, models, work, ranks);
     add_forces(state, domain, models, work, 0.0);
 }
 
@@ -175,7 +176,14 @@ pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Commu
 }
 
 /// A step of the gas from the particles as they are now. Collective.
-fn advance_gas(state: &mut State, models: &Models, work: &mut Workspace, ranks: &dyn Communicator) {
+fn advance_gas(
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) {
+    work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
     let State { particles, gas, clock, .. } = state;
     let time = clock.time();
     let dt = models.physics.time_step * models.physics.gas.substeps() as f64;

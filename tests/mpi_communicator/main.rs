@@ -227,6 +227,7 @@ fn share(count: u64, ranks: &dyn Communicator) -> Checkpoint {
         wall_contacts: Vec::new(),
         cells: Vec::new(),
         gas_report: GasReport::default(),
+        looked_at: None,
         energy: None,
         measures: Vec::new(),
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use bytemuck::Zeroable;
+use talcum::analysis::Pair;
 use talcum::output::Provenance;
 use talcum::output::checkpoint::{Checkpoint, file_name, newest_good, prune, read, write};
 use talcum::parallel::{
@@ -21,7 +22,8 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         let mut particle: ParticleRecord = Zeroable::zeroed();
         bytemuck::cast_slice_mut::<_, f64>(std::slice::from_mut(&mut particle)).fill(x);
         let species = (id / 10 % 2) as f64;
-        ParticleRecord { id, velocity: [-x, 1.0e-300, -0.0], species, ..particle }
+        let particle = ParticleRecord { id, velocity: [-x, 1.0e-300, -0.0], species, ..particle };
+        without_agglomerate(particle)
     };
     let spring = [1.0e-9, -2.0e-9, 0.0];
     let contact = |k: u64| ContactRecord {
@@ -63,8 +65,19 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
             courant: 0.2,
             momentum_error: 1.0e-12,
         },
+        looked_at: None,
         energy: None,
         measures: Vec::new(),
+    }
+}
+
+/// The record of a particle whose drag does not follow from an agglomerate.
+fn without_agglomerate(particle: ParticleRecord) -> ParticleRecord {
+    ParticleRecord {
+        agglomerate_diameter: 0.0,
+        agglomerate_packing: 0.0,
+        drag_factor: 0.0,
+        ..particle
     }
 }
 
@@ -221,6 +234,48 @@ fn forge(path: &Path, change: impl FnOnce(&hdf5::File)) {
 }
 
 #[test]
+fn agglomerates_are_in_checkpoints_where_drag_follows_from_them_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let version_and_groups = |path: &Path| {
+        let file = hdf5::File::open(path).unwrap();
+        let version: u64 = file.attr("schema_version").unwrap().read_scalar().unwrap();
+        (version, file.link_exists("looked_at"), file.link_exists("particles/drag_factor"))
+    };
+    let written = |name: &str, ranks: usize, pairs: Option<u64>| {
+        let path = folder.path().join(name);
+        run_on_threads(ranks, |ranks| {
+            let mut share = share(40, 12, ranks);
+            let mine = |pair: &Pair| pair.higher % ranks.size() as u64 == ranks.rank() as u64;
+            share.looked_at = pairs.map(|count| {
+                (0..count).map(|k| Pair { lower: k % 7, higher: 100 + k }).filter(mine).collect()
+            });
+            if pairs.is_some() {
+                share.particles.iter_mut().for_each(|it| it.drag_factor = 0.2 + it.mass);
+            }
+            write(&path, &share, &provenance(ranks), ranks).unwrap();
+        });
+        path
+    };
+    let path = written("with", 3, Some(20));
+    assert_eq!(version_and_groups(&path), (6, true, true));
+    for ranks in [1, 2, 4] {
+        let shares = run_on_threads(ranks, |ranks| read(&path, ranks).unwrap().0);
+        let pairs = shares.iter().flat_map(|share| share.looked_at.clone().unwrap());
+        let pairs: Vec<Pair> = pairs.collect();
+        assert!(pairs.len() == 20 && pairs.is_sorted_by(|a, b| a < b), "{pairs:?}");
+        let mut particles = shares.iter().flat_map(|share| &share.particles);
+        assert!(particles.all(|it| it.drag_factor == 0.2 + it.mass && it.species <= 1.0));
+    }
+    // None yet, but a look: the next one must know.
+    let none = read(&written("none", 2, Some(0)), &OneRank).unwrap().0;
+    assert_eq!(none.looked_at, Some(Vec::new()));
+    // The control: other runs have files of the older schema.
+    let path = written("without", 2, None);
+    assert_eq!(version_and_groups(&path), (5, false, false));
+    assert_eq!(read(&path, &OneRank).unwrap().0.looked_at, None);
+}
+
+#[test]
 fn intact_files_with_inconsistent_content_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
@@ -230,7 +285,7 @@ fn intact_files_with_inconsistent_content_are_refused() {
         path.as_path()
     };
     read(forged(|_| ()), &OneRank).unwrap();
-    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&6_u64).unwrap());
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&7_u64).unwrap());
     assert!(refusal(newer).contains("written by a newer Talcum"));
     let moved = forged(|file| {
         let mass = file.dataset("particles/mass").unwrap();

@@ -5,6 +5,7 @@
 mod launch;
 
 mod adviser;
+mod agglomerate_drag;
 mod analyse;
 mod case_files;
 mod case_meaning;

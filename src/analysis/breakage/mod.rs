@@ -20,9 +20,9 @@ mod tests;
 pub use rates::{Crossing, Rate, RateCounts, RatesOfSize, crossing};
 pub use survival::{AtLag, CriticalTimes};
 
-use super::rendezvous::{ask, send_to_rendezvous};
 use crate::numbers::sorted_by_key;
 use crate::parallel::Communicator;
+use crate::particle_sets::rendezvous::{ask, send_to_rendezvous};
 use bytemuck::{Pod, Zeroable};
 use rustc_hash::FxHashMap;
 

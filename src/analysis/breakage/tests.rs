@@ -1,9 +1,9 @@
 //! What becomes of agglomerates between two looks, on made sets whose fate is known.
 
 use super::*;
-use crate::analysis::rendezvous::mixed;
 use crate::numbers::{random_of, uniform};
 use crate::parallel::run_on_threads;
+use crate::particle_sets::rendezvous::mixed;
 
 /// A digest of fates that does not depend on the ranks that hold them: the sum of one hash of each. Collective.
 fn digest(changes: &Changes, ranks: &dyn Communicator) -> i64 {

@@ -1,9 +1,8 @@
 //! Displacements of particles since a reference time, through periodic faces.
 
-use crate::analysis::exact_sums::totals;
-use crate::analysis::ownership::Ownership;
-use crate::analysis::periodicity::Periodicity;
 use crate::parallel::Communicator;
+use crate::particle_sets::exact_sums::totals;
+use crate::particle_sets::{Ownership, Periodicity};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 

@@ -31,12 +31,12 @@ mod tests;
 
 pub use grid::CellGrid;
 
-use super::exact_sums::Keyed;
-use super::fixed_point::{FixedPointSums, Quanta, Slots, largest, sums_by_key};
-use super::periodicity::Periodicity;
-use super::rendezvous::{ask, distinct};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, Message, records_of_bytes};
+use crate::particle_sets::Periodicity;
+use crate::particle_sets::exact_sums::Keyed;
+use crate::particle_sets::fixed_point::{FixedPointSums, Quanta, Slots, largest, sums_by_key};
+use crate::particle_sets::rendezvous::{ask, distinct};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix3, Vector3};
 

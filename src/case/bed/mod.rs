@@ -13,6 +13,7 @@ use super::{Case, CaseErrors};
 use crate::numbers::{normal, random_of};
 use crate::parallel::ParticleRecord;
 use crate::state::SizeRange;
+use bytemuck::Zeroable;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -138,13 +139,10 @@ fn record(case: &Case, id: u64, sphere: &Sphere) -> ParticleRecord {
         id,
         position: position.into(),
         velocity: random_velocity(case, id),
-        angular_velocity: [0.0; 3],
-        force: [0.0; 3],
-        torque: [0.0; 3],
         radius: 0.5 * sphere.diameter,
         mass: case.particles.mass_of_particle(id, sphere.diameter),
-        gas_force: [0.0; 3],
         species: case.particles.species_of_particle(id) as f64,
+        ..ParticleRecord::zeroed()
     }
 }
 

@@ -27,6 +27,7 @@ pub(in crate::case) const GAS: &[Key] = &[
     .or(&["viscosity"]),
     Key::word("drag", DragLaw::WORDS, "Drag law"),
     Key::number("drag_factor", Allowed::POSITIVE, "xi, the drag over that of the law")
+        .or(&["agglomerates"])
         .default(Value::Number(1.0)),
     Key::word(
         "drag_in_mixtures",
@@ -167,6 +168,22 @@ const JET: &[Key] = &[
         .unit("speed"),
 ];
 
+/// `agglomerates` of a volume-averaged gas.
+const AGGLOMERATES: &[Key] = &[
+    Key::new(
+        "every",
+        Kind::Count(1, 1_000_000_000),
+        "Steps of the gas from one look at the agglomerates to the next: connected sets of the pairs that touch at a look and \
+         touched at the one before",
+    ),
+    Key::new(
+        "smallest",
+        Kind::Count(2, 1_000_000),
+        "Sets of fewer particles are taken for single ones, whose drag is that of the law",
+    )
+    .default(Value::Count(2)),
+];
+
 /// A volume-averaged gas.
 const VOLUME_AVERAGED: &[Key] = &[
     Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume"),
@@ -214,6 +231,14 @@ const VOLUME_AVERAGED: &[Key] = &[
     )
     .unit("length")
     .default(Value::Number(0.0)),
+    Key::new(
+        "agglomerates",
+        Kind::Table(AGGLOMERATES),
+        "The drag on a particle follows from the agglomerate that it is in, taken for a permeable ball among others like it, in place \
+         of one factor for all",
+    )
+    .or(&["drag_factor"])
+    .optional(),
     Key::new(
         "undisturbed_velocity",
         Kind::Boolean,
@@ -267,6 +292,11 @@ The volume-averaged gas advances every `substeps` steps, with drag implicit in i
 particle is kept until its next step. The run stops with an error message if that step is too long: 2 C + V / 2 must not
 exceed 1, where C is the Courant number and V the viscous number, and b dt / (m eps^2) of a particle must not exceed 1,
 where b is its drag per velocity. `check` prints all three.
+
+With `agglomerates`, xi is not one number but follows, for each particle and at each step of the gas, from size and packing of its
+agglomerate and from the solids fraction around it, and is at most 1 (`docs/theory/drag.md`). A new bed begins with single
+particles: the first agglomerates are found at the third look. Neither `undisturbed_velocity`, nor the drag of mixtures by the Sauter
+diameter, nor `[coarse_graining]` can stand beside it. `series.csv` shows the mean of xi as `drag_factor`.
 
 With a round column (`[[wall]]` with a `radius`) the volume-averaged gas flows in it, not in the rest of the box. It sticks to
 the column's wall, at the wall's true distance; cells whose centres lie outside are closed, and those at the wall share

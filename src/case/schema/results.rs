@@ -13,6 +13,10 @@ const PARTICLE_FIELDS: &[Word] = &[
         "the part of the gas: drag, pressure gradient and, in three dimensions, buoyancy",
     ),
     Word::new("coordination", "how many particles it touches"),
+    Word::new(
+        "drag_factor",
+        "xi, its drag over that of the law, with `gas.agglomerates`; 0 without",
+    ),
 ];
 const PRECISIONS: &[Word] = &[
     Word::new("double", "8 bytes, exactly the numbers of the run"),

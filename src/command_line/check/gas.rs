@@ -4,7 +4,7 @@ use super::lines::Lines;
 use super::particle::ReferenceParticle;
 use crate::case::{Case, Stage};
 use crate::gas::volume_averaged::VolumeAveragedModel;
-use crate::gas::{DragShare, Drive, GasModel};
+use crate::gas::{AgglomerateBall, AgglomerateDrag, DragShare, Drive, GasModel};
 use crate::output::ColumnUnits;
 use crate::rules::{archimedes_number, stokes_number};
 
@@ -42,6 +42,7 @@ pub(super) fn describe_gas(
     }
     describe_velocities(lines, case, stage);
     describe_mixture(lines, case, stage);
+    describe_agglomerates(lines, stage, diameter);
     if let Some(velocity) = case.minimum_fluidisation(stage, SETTLED[0])
         && density > 0.0
         && viscosity > 0.0
@@ -77,6 +78,37 @@ fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
         ),
     };
     lines.add("drag of the mixture", &text);
+}
+
+/// Members, packing and surroundings of the agglomerates whose drag is told.
+const MEMBERS: [f64; 3] = [10.0, 30.0, 100.0];
+const PACKING: f64 = 0.4;
+const AROUND: [f64; 2] = [0.0, 0.2];
+
+/// How drag follows from agglomerates, and what xi it makes of balls of some members.
+fn describe_agglomerates(lines: &mut Lines, stage: &Stage, diameter: f64) {
+    let GasModel::VolumeAveraged(model) = &stage.physics.gas else { return };
+    let Some(AgglomerateDrag { every, smallest }) = model.coupling.agglomerates else { return };
+    let interval = (every * model.substeps) as f64 * stage.physics.time_step;
+    lines.add(
+        "drag of agglomerates",
+        &format!(
+            "xi of each particle; a look each {interval:.4e}, every {every} steps of the gas; sets of {smallest} or more that \
+             touch at two looks"
+        ),
+    );
+    for around in AROUND {
+        let xi = |members: f64| {
+            let size = diameter * libm::cbrt(members / PACKING);
+            let ball = AgglomerateBall { diameter: size, packing: PACKING };
+            model.coupling.drag.factor_in_agglomerate(diameter, &ball, around, 0.0)
+        };
+        let [few, some, many] = MEMBERS.map(xi);
+        lines.add(
+            &format!("xi in cells of phi {around}"),
+            &format!("{few:.3}, {some:.3}, {many:.3} in balls of 10, 30, 100 at a packing of {PACKING}, in slow gas"),
+        );
+    }
 }
 
 fn describe_densities(lines: &mut Lines, [gas, solid]: [f64; 2]) {

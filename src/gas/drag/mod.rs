@@ -1,6 +1,7 @@
 //! The drag laws: pure functions of solids fraction and Reynolds number. One file each, its `mod` line, and its line in
 //! the registry.
 
+mod agglomerates;
 mod custom;
 mod law;
 #[macro_use]
@@ -14,6 +15,7 @@ mod particle_drag;
 mod tenneti;
 mod wen_yu;
 
+pub use agglomerates::{AgglomerateBall, AgglomerateDrag};
 pub use custom::{BlockDrag, CustomDragLaw};
 pub use di_felice::SingleSphere;
 pub use gidaspow::Switch;

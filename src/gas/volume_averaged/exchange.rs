@@ -16,11 +16,11 @@ use crate::coupling::{
     mend_gradient_at_wall,
 };
 use crate::domain::Subdomain;
-use crate::gas::{GasForceOutOfRange, ParticleLimits};
+use crate::gas::{AgglomerateBall, GasForceOutOfRange, ParticleDrag, ParticleLimits};
 use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use crate::numbers::{Quantum, within};
 use crate::parallel::Communicator;
-use crate::particles::Particles;
+use crate::particles::{Membership, Particles};
 use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -150,7 +150,7 @@ impl ParticleExchange {
     /// If a drag coefficient has no meaning, or the gas step is too long for it; may differ between ranks.
     pub fn deposit(
         &mut self,
-        particles: &Particles,
+        particles: &mut Particles,
         gas: &GasFields,
         dt: f64,
         ranks: &dyn Communicator,
@@ -187,7 +187,11 @@ impl ParticleExchange {
     }
 
     /// Finds the drag coefficient of each owned particle and gives its shares to the cells around.
-    fn deposit_drag(&mut self, particles: &Particles, dt: f64) -> Result<(), GasForceOutOfRange> {
+    fn deposit_drag(
+        &mut self,
+        particles: &mut Particles,
+        dt: f64,
+    ) -> Result<(), GasForceOutOfRange> {
         self.drag.clear();
         let mut result = Ok(());
         let BedOnGrid { voidage, momentum_transfer, transferred_velocity: [x, y, z] } =
@@ -197,7 +201,6 @@ impl ParticleExchange {
         let quanta =
             [self.quanta.drag, self.quanta.drag_flux, self.quanta.drag_flux, self.quanta.drag_flux];
         let [gas_x, gas_y, gas_z, _, _, _] = &self.in_cells;
-        let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
         for (i, corners) in self.transfer.corners().iter().enumerate() {
             let [u, v, w, eps] = interpolate([gas_x, gas_y, gas_z, &*voidage], corners);
             let velocity = particles.body[i].velocity;
@@ -209,7 +212,7 @@ impl ParticleExchange {
                 Some(mean) => law.per_velocity_in_mixture([diameter, mean], solids_fraction, slip),
                 None => law.per_velocity(diameter, solids_fraction, slip),
             };
-            let drag = match &self.own_disturbance {
+            let mut drag = match &self.own_disturbance {
                 Some(own) => {
                     let seen = SeenGas {
                         slip,
@@ -221,6 +224,11 @@ impl ParticleExchange {
                 }
                 None => drag_at(1.0 - eps, eps * slip.norm()),
             };
+            if self.model.agglomerates.is_some() {
+                let of = &mut particles.membership[i];
+                drag *= in_agglomerate(of, law, diameter, 1.0 - eps, eps * slip.norm());
+            }
+            let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
             result = result.and(check.of(i, drag, eps));
             self.drag.push(drag);
             let amounts = [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z];
@@ -325,6 +333,25 @@ impl ParticleExchange {
         }
         self.transfer.prepare_interpolation(&mut self.in_cells.each_mut(), ranks);
     }
+}
+
+/// xi of a particle by its agglomerate, which is kept with it.
+#[inline(always)]
+fn in_agglomerate(
+    of: &mut Membership,
+    law: &ParticleDrag,
+    diameter: f64,
+    solids_fraction: f64,
+    slip: f64,
+) -> f64 {
+    of.drag_factor = match of.diameter > 0.0 {
+        true => {
+            let ball = AgglomerateBall { diameter: of.diameter, packing: of.packing };
+            law.factor_in_agglomerate(diameter, &ball, solids_fraction, slip)
+        }
+        false => 1.0,
+    };
+    of.drag_factor
 }
 
 /// What bounds the drag of particles in a gas step of length `dt`.

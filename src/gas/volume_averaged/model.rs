@@ -5,7 +5,7 @@ use super::boundary::{
     Boundary, FaceConditions, Inlet, NormalVelocity, Profile, TangentialVelocity, across,
 };
 use crate::domain::{Bounds, BoxFace, Decomposition, Face, Wall};
-use crate::gas::ParticleDrag;
+use crate::gas::{AgglomerateDrag, ParticleDrag};
 use crate::grid::{BoxGrid, LocalCells, RoundColumn};
 use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
@@ -36,6 +36,8 @@ pub struct VolumeAveragedModel {
 pub struct CouplingModel {
     /// Drag on particles.
     pub drag: ParticleDrag,
+    /// How it follows from their agglomerates, if it does.
+    pub agglomerates: Option<AgglomerateDrag>,
     /// Full width at half maximum of the filter; 0 for none.
     pub filter_width: f64,
     /// Whether drag is that of the gas as it would be without the particle itself.

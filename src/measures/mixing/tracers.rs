@@ -7,7 +7,6 @@ use crate::analysis::{Periodicity, send_to_rendezvous};
 use crate::domain::Bounds;
 use crate::measures::Stored;
 use crate::measures::registered::MeasureValues;
-use crate::measures::view::periodicity_of;
 use crate::parallel::Communicator;
 use crate::schema::{Allowed, Key, Kind, Value, Word};
 
@@ -102,7 +101,7 @@ impl Tracers {
             counts,
             periodic: std::array::from_fn(|axis| bounds.is_periodic(axis)),
         };
-        let periodicity = periodicity_of(bounds);
+        let periodicity = Periodicity::of(bounds);
         Self { settings: *settings, grid, periodicity, marked: None }
     }
 

@@ -4,7 +4,7 @@
 //! Never in it: ghosts, neighbour lists, the decomposition of the box, or anything that follows from the rest. Rows
 //! are sorted by id, so that the file does not depend on the number of ranks.
 
-use crate::analysis::{Digest, StateRecords};
+use crate::analysis::{Digest, Pair, StateRecords};
 use crate::measures::MeasureState;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
 use crate::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
@@ -46,6 +46,8 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
+    /// Pairs that touched at the last look at agglomerates, if drag follows from them: each on one rank, in any order.
+    pub looked_at: Option<Vec<Pair>>,
     /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
     pub energy: Option<StoredLedger>,
     /// What measures keep; the digest does not see it.
@@ -81,6 +83,7 @@ impl<P: Records<ParticleRecord>> Checkpoint<P> {
             contacts: &self.contacts,
             wall_contacts: &self.wall_contacts,
             cells: &self.cells,
+            looked_at: self.looked_at.as_deref().unwrap_or_default(),
         };
         Digest::of(&self.clock, &records, ranks)
     }

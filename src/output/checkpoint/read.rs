@@ -6,7 +6,7 @@ use std::path::Path;
 use super::measures::{self, MeasureHead};
 use super::schema::{FORMAT, LEDGER, Table, VERSION, columns_of};
 use super::{Checkpoint, StoredLedger};
-use crate::analysis::Digest;
+use crate::analysis::{Digest, Pair};
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{MessageResult, OutputError, Provenance, agreed, checksum};
 use crate::parallel::Communicator;
@@ -20,8 +20,8 @@ struct Head {
     digest: String,
     /// Version of the schema that it was written by.
     version: u64,
-    /// Of particles, contacts, wall contacts, and cells of the gas.
-    rows: [u64; 4],
+    /// Of particles, contacts, wall contacts, cells of the gas, and pairs that were looked at.
+    rows: [u64; 5],
     measures: Vec<MeasureHead>,
 }
 
@@ -57,6 +57,9 @@ pub(super) fn read_whole(
     if rows[3] > 0 {
         checkpoint.cells = read_rows(&file, version, rows[3], ranks)?;
     }
+    if version >= VERSION {
+        checkpoint.looked_at = Some(read_rows(&file, version, rows[4], ranks)?);
+    }
     checkpoint.measures = measures::read(&file, measures, |rows| share_of(rows, ranks))?;
     file.close()?;
     let digest = checkpoint.digest(ranks);
@@ -90,6 +93,7 @@ fn read_head(path: &Path) -> MessageResult<Head> {
             rows_of::<crate::parallel::ContactRecord>(&file, version)?,
             rows_of::<crate::parallel::WallContactRecord>(&file, version)?,
             if version < 2 { 0 } else { rows_of::<crate::parallel::CellRecord>(&file, version)? },
+            if version < VERSION { 0 } else { rows_of::<Pair>(&file, version)? },
         ],
     };
     file.close()?;
@@ -128,6 +132,7 @@ fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
+        looked_at: None,
         measures: Vec::new(),
         gas_report: if version < 2 { GasReport::default() } else { read_report(file)? },
         energy: if version < 4 { None } else { read_ledger(file)? },

@@ -4,6 +4,7 @@ use std::slice::{from_mut, from_ref};
 
 use bytemuck::Pod;
 
+use crate::analysis::Pair;
 use crate::output::ColumnUnits;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord};
 
@@ -15,7 +16,10 @@ pub(super) const FORMAT: &str = "talcum checkpoint";
 /// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
 /// 4: twisting angles of contacts, and a ledger of energies; in older files there are none.
 /// 5: species; written only where there are several, so that older programs read all other files.
-pub(super) const VERSION: u64 = 5;
+/// 6: agglomerates of particles; written only where drag follows from them.
+pub(super) const VERSION: u64 = 6;
+/// Version of files of several species without them.
+pub(super) const VERSION_OF_SPECIES: u64 = 5;
 /// Version of files of one species.
 pub(super) const VERSION_OF_ONE_SPECIES: u64 = 4;
 
@@ -117,7 +121,40 @@ impl Table for ParticleRecord {
             2
         ),
         number!("/particles/species", species, number, "number of the species, from 0", 5),
+        number!(
+            "/particles/agglomerate_diameter",
+            agglomerate_diameter,
+            length,
+            "diameter of the particle's agglomerate as of the last look; 0: alone",
+            6
+        ),
+        number!(
+            "/particles/agglomerate_packing",
+            agglomerate_packing,
+            number,
+            "volume of its members over that of a sphere of this diameter",
+            6
+        ),
+        number!(
+            "/particles/drag_factor",
+            drag_factor,
+            number,
+            "drag over that of the law in the last step of the gas",
+            6
+        ),
     ];
+}
+
+impl Table for Pair {
+    const IDS: &'static [IdColumn<Self>] = &[
+        id!(
+            "/looked_at/lower",
+            lower,
+            "lower id of a pair that touched at the last look at agglomerates"
+        ),
+        id!("/looked_at/higher", higher, "higher id of the pair"),
+    ];
+    const NUMBERS: &'static [NumberColumn<Self>] = &[];
 }
 
 impl Table for ContactRecord {

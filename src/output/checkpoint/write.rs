@@ -6,10 +6,11 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::schema::{
-    FORMAT, LEDGER, NumberColumn, Table, VERSION, VERSION_OF_ONE_SPECIES, columns_of,
+    FORMAT, LEDGER, NumberColumn, Table, VERSION, VERSION_OF_ONE_SPECIES, VERSION_OF_SPECIES,
+    columns_of,
 };
 use super::{Checkpoint, measures};
-use crate::analysis::Digest;
+use crate::analysis::{Digest, Pair};
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
 use crate::output::{
@@ -40,11 +41,17 @@ pub fn write(
     let digest = checkpoint.digest(ranks);
     let mut sums = checkpoint.energy.as_ref().map(|ledger| ledger.sums.clone());
     sums.iter_mut().for_each(|sums| ranks.sum_integers(sums));
-    let Checkpoint { particles, contacts, wall_contacts, cells, .. } = &checkpoint;
-    let rows = [particles.count(), contacts.len(), wall_contacts.len(), cells.len()];
+    let Checkpoint { particles, contacts, wall_contacts, cells, looked_at, .. } = &checkpoint;
+    let pairs = looked_at.as_deref();
+    let looked_at = pairs.unwrap_or_default();
+    let rows =
+        [particles.count(), contacts.len(), wall_contacts.len(), cells.len(), looked_at.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
     let kept = measures::row_counts(&checkpoint.measures, ranks);
-    let version = version_for(particles, ranks);
+    let version = match pairs {
+        Some(_) => VERSION,
+        None => version_for(particles, ranks),
+    };
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
@@ -56,6 +63,10 @@ pub fn write(
         make_datasets::<ContactRecord>(&file, rows[1], &units, version)?;
         make_datasets::<WallContactRecord>(&file, rows[2], &units, version)?;
         make_datasets::<CellRecord>(&file, rows[3], &units, version)?;
+        if pairs.is_some() {
+            file.make_group("/looked_at")?;
+            make_datasets::<Pair>(&file, rows[4], &units, version)?;
+        }
         measures::make(&file, &checkpoint.measures, &kept)?;
         file.close()
     })?;
@@ -65,6 +76,9 @@ pub fn write(
         write_table(&file, contacts, version, ranks)?;
         write_table(&file, wall_contacts, version, ranks)?;
         write_table(&file, cells, version, ranks)?;
+        if pairs.is_some() {
+            write_table(&file, &looked_at, version, ranks)?;
+        }
         measures::write(&file, &checkpoint.measures, ranks)?;
         file.close()
     });
@@ -78,13 +92,13 @@ pub fn write(
     Ok(digest)
 }
 
-/// The version of the schema that says all there is to say: the last one only if there are several species.
+/// The version of the schema that says all there is to say of particles without agglomerates.
 fn version_for(particles: &impl Records<ParticleRecord>, ranks: &dyn Communicator) -> u64 {
     let species = (0..particles.count()).map(|index| particles.at(index).species);
     let mut last = [species.fold(0.0, f64::max)];
     ranks.maximum(&mut last);
     match last[0] > 0.0 {
-        true => VERSION,
+        true => VERSION_OF_SPECIES,
         false => VERSION_OF_ONE_SPECIES,
     }
 }

@@ -1,5 +1,6 @@
 //! Particles in the volume-averaged gas, against closed forms, and the one answer.
 
+mod agglomerates;
 mod column;
 mod cooling;
 mod force_balance;
@@ -57,6 +58,7 @@ fn gas_on_cells(
                 density,
                 parcel_size: 1.0,
             },
+            agglomerates: None,
             filter_width: 0.0,
             undisturbed: false,
             least_voidage: 0.2,

@@ -123,6 +123,7 @@ fn checkpoint(step: u64, pairs: &[[u64; 2]]) -> Checkpoint {
         wall_contacts: Vec::new(),
         cells: Vec::new(),
         gas_report: GasReport::default(),
+        looked_at: None,
         energy: None,
         measures: Vec::new(),
     }

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::domain::{Bounds, Decomposition, Face, RankGrid};
-use crate::gas::{Beetstra, DragLaw, ParticleDrag};
+use crate::gas::{AgglomerateDrag, Beetstra, DragLaw};
 use crate::numbers::{ExactSum, random_of, uniform};
 use crate::parallel::{CollectiveError, FieldHalo, agree, run_on_threads};
 use std::sync::Mutex;
@@ -32,7 +32,7 @@ fn model(filter_width: f64) -> CouplingModel {
         density: 0.05,
         parcel_size: 1.0,
     };
-    CouplingModel { drag, filter_width, undisturbed: false, least_voidage: 0.2 }
+    CouplingModel { drag, filter_width, agglomerates: None, undisturbed: false, least_voidage: 0.2 }
 }
 
 fn limits() -> ParticleLimits {
@@ -57,6 +57,10 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
         if decomposition.owner_of(&sorted) == rank {
             let position = sorted + quantum(drift);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
+            // Each in an agglomerate of its own; seen only where drag follows from them.
+            if let Some(of) = particles.membership.last_mut().filter(|_| id % 5 > 0) {
+                (of.diameter, of.packing) = (DIAMETER * (1.5 + x), 0.3 + 0.3 * y);
+            }
         }
     }
     particles
@@ -125,7 +129,7 @@ fn couple(
         let mut particles = bed_of(&decomposition, ranks.rank(), count);
         let mut halo = FieldHalo::new(subdomain);
         let gas = gas_on(&part, &mut halo, ranks);
-        agree(exchange.deposit(&particles, &gas, step, ranks), ranks)?;
+        agree(exchange.deposit(&mut particles, &gas, step, ranks), ranks)?;
         agree(exchange.set_forces(&mut particles, &gas, GRAVITY, ranks), ranks)?;
         let error = exchange.momentum_error(ranks);
         let mut found = found.lock().unwrap();
@@ -224,6 +228,27 @@ fn particles_gain_what_the_gas_loses() {
         }
         assert!(found.forces.iter().any(|force| force[2].abs() > 0.1)); // a control
     }
+}
+
+#[test]
+fn members_of_agglomerates_gain_what_the_gas_loses() {
+    let mut model = model(2.0);
+    let of_law = couple([1; 3], &model, (300, STEP)).unwrap();
+    model.agglomerates = Some(AgglomerateDrag { every: 1, smallest: 2 });
+    let found = couple([1; 3], &model, (300, STEP)).unwrap();
+    let lost = lost_by_gas(&found);
+    for axis in 0..3 {
+        let gained = exact(found.forces.iter().map(|force| force[axis]));
+        // As above.
+        let rounding = 2700.0 * FORCES * 2.0_f64.powi(-52);
+        assert!((gained - lost[axis]).abs() < rounding, "{gained} {lost:?}");
+    }
+    for grid in [[1, 1, 2], [2, 2, 2]] {
+        assert!(couple(grid, &model, (300, STEP)).unwrap() == found, "{grid:?}");
+    }
+    // The control: the drag of the law would be lost otherwise.
+    let of_law = lost_by_gas(&of_law);
+    assert!((lost[2] / of_law[2] - 1.0).abs() > 0.05, "{lost:?} {of_law:?}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Displacements in a box that repeats along some axes.
 
+use crate::domain::Bounds;
 use nalgebra::Vector3;
 
 /// How many box lengths a point has been shifted along each axis.
@@ -13,6 +14,12 @@ pub struct Periodicity {
 }
 
 impl Periodicity {
+    /// That of a box.
+    pub fn of(bounds: &Bounds) -> Self {
+        let length = |axis: usize| bounds.is_periodic(axis).then(|| bounds.lengths()[axis]);
+        Self { lengths: [length(0), length(1), length(2)] }
+    }
+
     /// A position brought into [0, length) along each periodic axis. Which image of a particle a rank holds depends
     /// on the decomposition; this does not.
     #[inline(always)]

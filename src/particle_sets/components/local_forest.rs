@@ -1,7 +1,7 @@
 //! Connected sets among the pairs that one rank holds: union-find with images.
 
 use super::{minus, plus};
-use crate::analysis::periodicity::Image;
+use crate::particle_sets::periodicity::Image;
 
 /// A forest of numbered nodes, each of whose trees is a connected set (Tarjan 1975, doi:10.1145/321879.321884). Every
 /// node knows its image in the frame of its parent: that of the nearest image of a partner, summed along the tree.

@@ -1,12 +1,12 @@
 //! Mass, place, motion, size and coordination of agglomerates.
 
 use super::{Counts, ParticleSample};
-use crate::analysis::components::ConnectedSets;
-use crate::analysis::exact_sums::Keyed;
-use crate::analysis::fixed_point::{FixedPointSums, Quanta, largest, sums_by_key};
-use crate::analysis::periodicity::Periodicity;
-use crate::analysis::rendezvous::ask;
 use crate::parallel::Communicator;
+use crate::particle_sets::components::ConnectedSets;
+use crate::particle_sets::exact_sums::Keyed;
+use crate::particle_sets::fixed_point::{FixedPointSums, Quanta, largest, sums_by_key};
+use crate::particle_sets::periodicity::Periodicity;
+use crate::particle_sets::rendezvous::ask;
 use crate::particles::sphere_volume;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! Pairs of particles.
 
 use super::rendezvous::send_to_rendezvous;
+use crate::numbers::sorted_by_key;
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 
@@ -24,6 +25,15 @@ impl Pair {
     pub fn ends(&self) -> [u64; 2] {
         [self.lower, self.higher]
     }
+}
+
+/// Records by the two ids of a pair, the lower first.
+pub(crate) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
+    let mut records = sorted_by_key(records, |record| ids(record)[0]);
+    // A particle has few partners.
+    let of_lower = records.chunk_by_mut(|a, b| ids(a)[0] == ids(b)[0]);
+    of_lower.for_each(|group| group.sort_by_key(|record| ids(record)[1]));
+    records
 }
 
 /// All ranks' pairs, each once however many ranks know it, on the rendezvous rank of the lower id and in ascending

@@ -7,9 +7,9 @@
 //! logarithm of the number of nodes, whatever the graph.
 
 use super::{Link, minus, plus};
-use crate::analysis::periodicity::Image;
-use crate::analysis::rendezvous::{Answers, ask, mixed, send_to_rendezvous};
 use crate::parallel::Communicator;
+use crate::particle_sets::periodicity::Image;
+use crate::particle_sets::rendezvous::{Answers, ask, mixed, send_to_rendezvous};
 use bytemuck::{Pod, Zeroable};
 
 /// A node on its rendezvous rank.

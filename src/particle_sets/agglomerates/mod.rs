@@ -221,6 +221,17 @@ fn add_counts(sums: &mut Counts, counts: Counts) {
 }
 
 impl Agglomerates {
+    /// The agglomerate of each of this rank's particles, in their order; none for a particle whose set is too small.
+    /// Collective.
+    pub fn of_particles(&self, ranks: &dyn Communicator) -> Vec<Option<Agglomerate>> {
+        let known = |label: u64| {
+            let place = self.found.binary_search_by_key(&label, |found| found.label).ok();
+            place.map_or_else(Agglomerate::zeroed, |place| self.found[place])
+        };
+        let known = ask(self.labels.iter().flatten().copied(), known, ranks);
+        self.labels.iter().map(|label| label.and_then(|label| known.get(label))).collect()
+    }
+
     /// Ids and unwrapped centres of the members of one agglomerate, ascending, on the rendezvous rank of its label;
     /// nothing on the others. That rank holds all of them: for single agglomerates, not for a bed that is one.
     /// `particles` are those of the search. Collective.

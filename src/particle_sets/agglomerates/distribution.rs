@@ -1,9 +1,9 @@
 //! How the agglomerates of all ranks are distributed.
 
 use super::Agglomerate;
-use crate::analysis::exact_sums::totals;
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
+use crate::particle_sets::exact_sums::totals;
 
 /// Number and mass of agglomerates by bins of a quantity.
 #[derive(Clone, Debug, PartialEq)]
