@@ -36,6 +36,8 @@ pub enum Quantity {
     Diffusivity,
     /// Per time.
     Rate,
+    /// An angle that is told to readers, in degrees in either system of units.
+    Degrees,
     /// Without a unit.
     Number,
 }

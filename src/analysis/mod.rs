@@ -3,7 +3,7 @@
 //!
 //! * Of a state, while it runs: [`measure`], [`wall_forces`], [`BedProfile`], [`Digest`].
 //! * Of series, profiles and fields: [`waves`], [`spectrum`], [`phase_average`], [`minimum_fluidisation`],
-//!   [`bed_height`], [`bubbles`], [`residence`], [`statistics`]. Plain slices in, plain structs out, or a [`NoValue`] that
+//!   [`bed_height`], [`bubbles`], [`repose`], [`residence`], [`statistics`]. Plain slices in, plain structs out, or a [`NoValue`] that
 //!   says why there is none. Arithmetic is done in a fixed order and elementary functions are those of `libm`: the same
 //!   input gives the same bits on any machine.
 //! * Of particles and contacts spread over ranks: [`components`], [`agglomerates`], [`PersistentContacts`], [`breakage`],
@@ -31,6 +31,7 @@ pub mod minimum_fluidisation;
 pub mod mixing;
 pub mod numerics;
 pub mod phase_average;
+pub mod repose;
 pub mod residence;
 pub mod spectrum;
 pub mod statistics;

@@ -101,6 +101,7 @@ impl ColumnUnits {
             Quantity::SquaredSpeed => self.squared_speed,
             Quantity::Diffusivity => self.diffusivity,
             Quantity::Rate => self.rate,
+            Quantity::Degrees => "degree",
             Quantity::Number => self.number,
         }
     }

@@ -8,6 +8,7 @@ mod cycle;
 mod flux;
 mod mean;
 mod mixing;
+mod repose;
 mod spectrum;
 mod u_mf;
 mod waves;
@@ -15,7 +16,7 @@ mod waves;
 use super::Measure;
 
 /// All measures, in the order in which they are printed.
-pub const MEASURES: [&Measure; 11] = [
+pub const MEASURES: [&Measure; 12] = [
     &bed::MEASURE,
     &waves::MEASURE,
     &u_mf::MEASURE,
@@ -27,4 +28,5 @@ pub const MEASURES: [&Measure; 11] = [
     &coordination::MEASURE,
     &agglomerates::MEASURE,
     &bubbles::MEASURE,
+    &repose::MEASURE,
 ];

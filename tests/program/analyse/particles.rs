@@ -225,3 +225,44 @@ fn sizes_are_parted_where_most_particles_are_large() {
     let found = mixed.find("mixing", TimeWindow::WHOLE);
     assert!(number(&found, "mixing.lacey_by_size").0 > 0.9);
 }
+
+/// Stacks of spheres below two straight slopes that meet over the middle of a plate of 40 x 4.
+fn heap(slope: f64) -> Vec<ParticleRecord> {
+    let mut particles = Vec::new();
+    for column in 0..160 {
+        let (x, y) = (f64::from(column / 4) + 0.5, f64::from(column % 4) + 0.5);
+        let layers = (1.0 + 19.0 * slope - slope * (x - 20.0).abs()).max(0.0) as u64;
+        for layer in 0..layers {
+            particles.push(particle(particles.len() as u64, [x, y, layer as f64 + 0.5]));
+        }
+    }
+    particles
+}
+
+#[test]
+fn a_heap_has_its_angle_of_repose() {
+    let case = CASE
+        .replace("[5.0, 5.0, 120.0]", "[40.0, 4.0, 40.0]")
+        .replace("x = \"periodic\"", "x = \"open\"");
+    for slope in [0.5_f64, 1.0] {
+        let made = Made::of(&case);
+        made.snapshots(&[(0.0, heap(2.0)), (1.0, heap(slope))]);
+        let found = made.find("repose", TimeWindow::WHOLE);
+        let (angle, error) = number(&found, "repose.angle");
+        // The last snapshot. Heights are whole diameters, over a run of 0.6 of some 20 or 40 diameters: 2 degrees.
+        assert!((angle - slope.atan().to_degrees()).abs() < 2.0, "{angle}");
+        assert!(error < 1.0e-9, "the two sides are alike: {error}");
+        let heights = column(&found, "repose/surface", "height");
+        assert_eq!(heights.len(), 20);
+        assert_eq!(number(&found, "repose.crest").0, heights.iter().copied().fold(0.0, f64::max));
+    }
+    // The controls: the first snapshot has another angle, and a box that repeats has no heap.
+    let made = Made::of(&case);
+    made.snapshots(&[(0.0, heap(2.0)), (1.0, heap(0.5))]);
+    let first = TimeWindow { from: 0.0, to: 0.5 };
+    assert!(number(&made.find("repose", first), "repose.angle").0 > 60.0);
+    let periodic = Made::of(CASE);
+    periodic.snapshots(&[(0.0, heap(0.5))]);
+    let found = periodic.find("repose", TimeWindow::WHOLE);
+    assert!(reason(&found, "repose.angle").contains("repeats along x"));
+}

@@ -1,0 +1,80 @@
+//! Angle of repose of a heap, from snapshots of the particles.
+
+use crate::analysis::repose::{Grain, Plate, Surface};
+use crate::analysis::{NoValue, Quantity};
+use crate::case::Case;
+use crate::domain::Face;
+use crate::output::readers::ParticleSnapshot;
+use crate::output::{Column, ResultTable};
+use crate::post_processing::result_file::ResultFile;
+use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+
+pub(super) const MEASURE: Measure = Measure {
+    name: "repose",
+    title: "Angle of repose of a heap along x, at the last snapshot that counts",
+    scalars: || vec![ANGLE, CREST],
+    of_case: |case| {
+        require_ends(case)?;
+        ResultFile::Particles.require_of(case)
+    },
+    find,
+};
+
+const ANGLE: Kind = Kind::number(
+    "angle",
+    Quantity::Degrees,
+    "slope of the surface between eight and two tenths of the crest's height, mean of the sides",
+);
+const CREST: Kind = Kind::number("crest", Quantity::Length, "height of the highest column");
+
+/// Sides of the squares whose highest spheres make the surface, in largest diameters.
+const SIDE: f64 = 2.0;
+
+/// A heap has ends: along x the box may not repeat.
+fn require_ends(case: &Case) -> Result<(), NoValue> {
+    match case.domain.bounds.is_periodic(0) {
+        true => Err(NoValue::because("the box repeats along x: a heap there has no ends")),
+        false => Ok(()),
+    }
+}
+
+fn find(results: &Results) -> Result<Findings, Unmeasured> {
+    let case = results.case()?;
+    require_ends(case)?;
+    let snapshots = results.particle_snapshots()?;
+    let last = snapshots.snapshot(snapshots.times.len() - 1)?;
+    let bounds = &case.domain.bounds;
+    let plate = Plate { length: bounds.lengths().x, breadth: bounds.lengths().y };
+    let surface = Surface::of(&grains(&last), plate, SIDE * largest_diameter(&last)?)?;
+    let is_open = |face: Face| face != Face::Wall;
+    let open = bounds.faces(0).map(is_open);
+
+    let mut found = Findings::new(results.units());
+    found.add(&ANGLE, surface.angle(open));
+    found.add(&CREST, surface.crest());
+    let length = results.units().length;
+    let places = (0..surface.heights.len()).map(|column| surface.place(column)).collect();
+    found.tables.push(ResultTable::new(
+        "repose/surface",
+        vec![
+            Column::numbers("x", length, "middle of a column", places),
+            Column::numbers("height", length, "of the heap there", surface.heights.clone()),
+        ],
+    ));
+    Ok(found)
+}
+
+fn grains(snapshot: &ParticleSnapshot) -> Vec<Grain> {
+    let places = snapshot.positions.iter().zip(&snapshot.radii);
+    places
+        .map(|(&[along, across, height], &radius)| Grain { along, across, height, radius })
+        .collect()
+}
+
+fn largest_diameter(snapshot: &ParticleSnapshot) -> Result<f64, NoValue> {
+    let largest = snapshot.radii.iter().copied().fold(0.0, f64::max);
+    match largest > 0.0 {
+        true => Ok(2.0 * largest),
+        false => Err(NoValue::because("no particles are left")),
+    }
+}
