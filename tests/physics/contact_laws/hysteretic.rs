@@ -35,13 +35,23 @@ fn pair(law: &ContactLaw, steps: f64) -> HeadOn<'_> {
     HeadOn { law, radius: RADIUS, density: DENSITY, steps }
 }
 
-fn energy(speed: f64) -> f64 {
-    0.5 * 0.5 * (DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3)) * speed * speed
+fn mass(radius: f64) -> f64 {
+    DENSITY * 4.0 / 3.0 * PI * radius.powi(3)
 }
 
-/// e^2 of the model page; negative where spheres stick. `adhesion` is k_c.
+/// Kinetic energy of two spheres of the paper's size that meet.
+fn energy(speed: f64) -> f64 {
+    0.5 * 0.5 * mass(RADIUS) * speed * speed
+}
+
+/// e^2 of the model page at a speed; negative where spheres stick. `adhesion` is k_c.
 fn restitution_squared(speed: f64, adhesion: f64) -> f64 {
-    let (f0, energy, psi) = (attraction(), energy(speed), 1.0 - LOADING / UNLOADING);
+    restitution_squared_of(energy(speed), adhesion)
+}
+
+/// The same at a kinetic energy.
+fn restitution_squared_of(energy: f64, adhesion: f64) -> f64 {
+    let (f0, psi) = (attraction(), 1.0 - LOADING / UNLOADING);
     let largest = (f0 + (f0 * f0 + 2.0 * LOADING * energy).sqrt()) / LOADING;
     let in_series = match adhesion.is_finite() {
         true => UNLOADING * adhesion / (UNLOADING + adhesion),
@@ -93,6 +103,41 @@ fn restitution_of_adhesive_spheres_over_speed() {
     // The three laws differ: the limit of adhesion is at work.
     let at = |d| restitution_squared(5.0 * stick, adhesion_stiffness(d));
     assert!(at(1.0) > at(20.0e-9) + 1.0e-3 && at(20.0e-9) > at(0.0) + 1.0e-3);
+}
+
+/// The adhesion is that of the primary particles, whatever the size of the agglomerate: at one speed small ones stick and large
+/// ones rebound.
+#[test]
+fn restitution_of_adhesive_spheres_over_size() {
+    let law = adhesive(20.0e-9);
+    let kc = adhesion_stiffness(20.0e-9);
+    let restitution = |radius: f64, speed: f64| {
+        let head_on = HeadOn { law: &law, radius, density: DENSITY, steps: 4000.0 };
+        head_on.at(speed).restitution
+    };
+    let mut stuck = 0;
+    for diameter in [10.0e-6, 20.0e-6, 40.0e-6, 80.0e-6, 160.0e-6] {
+        for speed in [0.5e-3, 1.0e-3, 5.0e-3, 40.0e-3] {
+            let energy = 0.25 * mass(0.5 * diameter) * speed * speed;
+            let squared = restitution_squared_of(energy, kc);
+            let found = restitution(0.5 * diameter, speed);
+            println!(
+                "d {diameter:.0e}, v {speed:.1e}: e {found:.5?}, e^2 of the closed form {squared:.5}"
+            );
+            let Some(found) = found else {
+                assert!(squared < 0.0, "d {diameter}, v {speed}: sticks, e^2 = {squared}");
+                stuck += 1;
+                continue;
+            };
+            // As in `bound`: 4000 steps of half a period, in which F0 is switched within a step: 1e-3 of e at the threshold,
+            // where e changes fastest, and less elsewhere.
+            assert!((found - squared.sqrt()).abs() < 2.0e-3, "{found} for {squared}^(1/2)");
+        }
+    }
+    assert_eq!(stuck, 6);
+    // The control: a size of 40 um in place of 80 um is seen.
+    let of = |diameter: f64| restitution(0.5 * diameter, 1.0e-3).unwrap();
+    assert!(of(80.0e-6) > of(40.0e-6) + 0.1);
 }
 
 #[test]
