@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import over, pictures, source, table, within
+from moon2006_tables import pictures, source, table
+from paper_tables import over, within
 from report import Section, Statement
 from study_tables import StudyTable
 from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure

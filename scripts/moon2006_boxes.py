@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from moon2006_tables import over, source, table
+from moon2006_tables import source, table
+from paper_tables import over
 from report import Section, Statement
 from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from cycle import average_over_phase, find_vibration
-from moon2006_tables import over, sources, table, within
+from moon2006_tables import sources, table
+from paper_tables import over, within
 from report import Section, Statement
 from talcum_results import GREY, new_figure, read_series
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import pictures, source, sources, table, within
+from moon2006_tables import pictures, source, sources, table
+from paper_tables import within
 from report import Section, Statement
 
 PAPER_U_MF, PAPER_PACKING = 0.022, 0.652

@@ -11,7 +11,8 @@ import moon2006_cycle
 import moon2006_fluidisation
 import moon2006_map
 import moon2006_thresholds
-from moon2006_tables import over, pictures, source, states, table, within
+from moon2006_tables import pictures, source, states, table
+from paper_tables import over, within
 from report import Section, Statement
 
 TITLE = "Moon, Kevrekidis & Sundaresan (2006) with Talcum"

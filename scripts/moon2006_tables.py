@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
-from study_tables import StudyTable, read_study_table
-from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure, read_profiles
+from paper_tables import made_by, study_table
+from study_tables import StudyTable
+from talcum_results import Array, new_figure, read_profiles
 
 import numpy as np
 from matplotlib import colormaps
@@ -16,36 +16,18 @@ KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
 
 
 def table(results: Path, study: str, kind: str) -> StudyTable | None:
-    """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
-    complete run nothing is known, and a study that was only begun here does not count."""
-    for file in (results / study / f"{kind}.csv", KEPT / f"{study}-{kind}.csv"):
-        if file.exists():
-            found = read_study_table(file)
-            rows = [row for row in found.rows if is_known(row)]
-            if rows:
-                return StudyTable(found.file, found.provenance, rows, found.units)
-    return None
-
-
-def is_known(row: dict[str, str]) -> bool:
-    """Whether a run of a row, or one run of a point, is complete, and a search has found its crossing."""
-    return row.get("runs") != "0" and row.get("found") != "0" and row.get("state", "complete") == "complete"
+    """A table of a study, of the runs made here or the one that is kept."""
+    return study_table(results, KEPT, study, kind)
 
 
 def source(study: str, points: StudyTable) -> str:
     """Where the numbers of a section come from, and how to make them again."""
-    commit = points.provenance.get("commit", "unknown")[:12]
-    return f"Made by: talcum study cases/moon2006/studies/{study}.toml (Talcum commit {commit}, {points.file.name})."
+    return made_by("moon2006", study, points)
 
 
 def sources(*studies: tuple[str, StudyTable | None]) -> list[str]:
     """The same for the studies of which there are tables."""
     return [source(study, points) for study, points in studies if points]
-
-
-def within(value: float, paper: float, part: float) -> bool:
-    """Whether a value is within a part of the paper's."""
-    return math.isfinite(value) and abs(value - paper) <= part * abs(paper)
 
 
 def space_time(results: Path, run: str, study: str, start: float) -> Figure | None:
@@ -75,23 +57,6 @@ def pictures(results: Path, study: str, runs: StudyTable | None, start: float, *
         if figure is not None:
             named = ", ".join(f"{name} {value}" for name, value in chosen.items())
             yield figure, f"Solids fraction over height and time: {named}."
-
-
-def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:
-    """Measures over a key, a panel each, a line for each group."""
-    figure, panels = new_figure(1, len(measures), size=(4.6 * len(measures), 3.8))
-    for panel, (measure, label) in zip(panels[0], measures.items()):
-        for (name, group), colour in zip(groups, (BLUE, ORANGE, RED, GREY)):
-            found = group.estimates(measure)
-            x = np.array(group.numbers(axis))
-            y = np.array([e.mean for e in found])
-            error = np.array([[e.mean - e.lower, e.upper - e.mean] for e in found]).T
-            panel.errorbar(x, y, yerr=np.nan_to_num(error), fmt="o-", color=colour, label=name, capsize=3)
-        panel.set_xlabel(axis.replace("_", " "))
-        panel.set_ylabel(label)
-        panel.set_ylim(bottom=0.0)
-    panels[0, 0].legend()
-    return figure
 
 
 def states(points: StudyTable, axis: str) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_tables import over, pictures, source, states, table
+from moon2006_tables import pictures, source, states, table
+from paper_tables import over
 from report import Section, Statement
 from study_tables import Estimate, StudyTable
 from talcum_results import BLUE, GREY, Array, new_figure

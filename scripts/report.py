@@ -20,6 +20,7 @@ from talcum_results import ResultsError, run_script
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.image import imread
 
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #1b1f24; }
@@ -74,6 +75,16 @@ class Section:
         return "\n".join(parts)
 
 
+def picture(file: Path) -> Figure:
+    """A stored picture as a figure."""
+    pixels = imread(file)
+    figure = Figure(figsize=(pixels.shape[1] / 110.0, pixels.shape[0] / 110.0))
+    panel = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    panel.imshow(pixels)
+    panel.axis("off")
+    return figure
+
+
 def embedded(figure: Figure) -> str:
     """A figure as a data URL, so that the page is one file."""
     image = io.BytesIO()
@@ -104,9 +115,10 @@ def write(path: Path, text: str) -> None:
 
 def main(command_line: list[str] | None = None) -> None:
     """Builds the page of a paper."""
+    import liu2016_report
     import moon2006_report
 
-    papers = {"moon2006": moon2006_report}
+    papers = {"liu2016": liu2016_report, "moon2006": moon2006_report}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("paper", choices=sorted(papers), help="whose figures")
     parser.add_argument("--results", type=Path, default=Path("results"), metavar="FOLDER", help="where studies were run")

@@ -1,0 +1,196 @@
+"""Agglomerates of Liu et al. (2016): Figs 7 to 10, how they break up, and what they are like."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import liu2016_curves
+from liu2016_curves import FOLLOWED, Run
+from liu2016_tables import SHOWN, Values, bars, by_case, column, curves, panels, read, sources, told, trends
+from report import Section, Statement
+from study_tables import StudyTable
+from talcum_results import Array, draw_spheres, new_figure, snapshot_rows, snapshot_times
+
+import h5py
+import numpy as np
+from matplotlib.figure import Figure
+
+REFERENCE = 0.3
+"""The first t_0 [s]."""
+LAGS = (0.01, 0.03, 0.06, 0.1)
+"""Lags at which a tagged agglomerate is shown [s]."""
+PROPERTIES = {
+    "diameter": ("d_agg [mm]", 1.0e3),
+    "coordination_number": ("C_N", 1.0),
+    "packing_fraction": ("packing fraction", 1.0),
+    "fractal_dimension": ("D_f", 1.0),
+}
+"""What Figs 9 and 10 show: label, factor."""
+
+
+@dataclass
+class Tagged:
+    """Particles from the side at some times; those that were in one agglomerate at the first are tagged."""
+
+    times: list[float]
+    places: list[Array]
+    tagged: list[Array]
+    diameter: float
+
+    def draw(self, case: str) -> Figure:
+        """A panel for each time; a fifth of the other particles is shown, as in the paper."""
+        figure, found = new_figure(1, len(self.times), size=(2.3 * len(self.times), 6.0))
+        for panel, time, places, tagged in zip(found[0], self.times, self.places, self.tagged):
+            others = np.flatnonzero(~tagged)[::5]
+            for shown, value in ((others, np.nan), (np.flatnonzero(tagged), 0.0)):
+                draw_spheres(panel, places[shown], np.full(len(shown), self.diameter), np.full(len(shown), value))
+            panel.set(xlim=(0.0, 2.0e-3), ylim=(0.0, 6.0e-3), aspect="equal", title=f"{time:.2f} s")
+            panel.set_xticks([])
+            panel.grid(False)
+        found[0][0].set_ylabel(f"{case}: z [m]")
+        return figure
+
+
+def tagged(run: Run) -> Tagged | None:
+    """The largest agglomerate of the first look after t_0, followed; None if the snapshots do not show it."""
+    if not liu2016_curves.shows_agglomerates(run):
+        return None
+    with h5py.File(run.folder / "particles.vtkhdf") as snapshots:
+        root = snapshots["VTKHDF"]
+        times = snapshot_times(root)
+        steps = [int(np.argmin(np.abs(times - REFERENCE - lag))) for lag in LAGS]
+        if abs(times[steps[-1]] - REFERENCE - LAGS[-1]) > 1e-6:
+            return None
+        labels = root["PointData/agglomerate"][snapshot_rows(root, steps[0])]
+        ids = root["PointData/id"][snapshot_rows(root, steps[0])]
+        names, counts = np.unique(labels[labels >= 0], return_counts=True)
+        members = ids[labels == names[np.argmax(counts)]] if len(names) else ids[:0]
+        rows = [snapshot_rows(root, step) for step in steps]
+        places = [root["Points"][row][:, [0, 2]] for row in rows]
+        marks = [np.isin(root["PointData/id"][row], members) for row in rows]
+        return Tagged([float(times[step]) for step in steps], places, marks, liu2016_curves.PARTICLE)
+
+
+def tagging(results: Path) -> Section | None:
+    """Fig. 7: an agglomerate that is tagged."""
+    figures = []
+    for run in liu2016_curves.runs_of(results):
+        found = tagged(run) if run.case in SHOWN and run.seed == 1 else None
+        if found:
+            figures.append((found.draw(run.case), f"{run.case}: the largest agglomerate of the lag 0.01 s, tagged, and a fifth of the others."))
+    if not figures:
+        return None
+    text = "The particles of one agglomerate at 0.31 s (contacts that hold for 0.01 s), and where they are later."
+    return Section("Fig. 7: an agglomerate breaks up", text, [], figures, sources(results))
+
+
+def breakage(results: Path) -> Section | None:
+    """Fig. 8: number and diameter of agglomerates over the lag, and critical times."""
+    found, windows = read(results, "agglomerates"), read(results, "windows")
+    if found is None or windows is None:
+        return None
+    few = by_case(windows, column("few"))
+    kept = {lag: by_case(found, partial(share_kept, lag=lag)) for lag in (0.05, 0.1)}
+    slowest = max(kept[0.05], key=lambda case: kept[0.05][case].mean)
+    statements = [
+        Statement("agglomerates left after 0.05 s, of those after 0.01 s", "most: ug2 is intact after 1.5 s", told(kept[0.05]),
+                  min(value.mean for value in kept[0.05].values()) > 0.5),
+        Statement("the same after 0.1 s", "", told(kept[0.1]), None),
+        Statement("slowest breakage", "rho250vdw20ug2", slowest, slowest == "rho250vdw20ug2"),
+        Statement("tau_N15 [s]", "rho250vdw20ug2: beyond 1.5", told(few), None),
+    ]  # fmt: skip
+    rises = {"density": True, "gas velocity": False, "Bond number": True}
+    statements += trends("left after 0.05 s", kept[0.05], rises)
+    figure, (left, right) = panels(2)
+    curves(left, found, "lag", "agglomerates", "N_agg", reference_time=REFERENCE)
+    curves(right, found, "lag", "diameter", "d_agg [mm], weighted by mass", 1.0e3, reference_time=REFERENCE)
+    left.set_yscale("log")
+    text = (
+        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s)."
+    )
+    return Section("Fig. 8: breakage", text, statements, [(figure, "First window of the first seed.")], sources(results))
+
+
+def share_kept(rows: StudyTable, lag: float) -> list[float]:
+    """Of each run and window: agglomerates at a lag over those at the first."""
+    at: dict[tuple[str, str], dict[float, float]] = {}
+    for row in rows.rows:
+        key = (row["seed"], row["reference_time"])
+        at.setdefault(key, {})[round(float(row["lag"]), 6)] = float(row["agglomerates"])
+    return [numbers[lag] / numbers[min(numbers)] for numbers in at.values() if lag in numbers and numbers[min(numbers)] > 0.0]
+
+
+def properties(results: Path) -> Section | None:
+    """Figs 9 and 10: what agglomerates are like."""
+    found, single, rates = (read(results, name) for name in ("agglomerates", "singles", "rates"))
+    if found is None:
+        return None
+    means = {name: by_case(found, partial(of_first_lag, name=name)) for name in PROPERTIES}
+    expected = {"diameter": ("falls to about 0.2 mm", (1.5e-4, 3.0e-4)), "coordination_number": ("about 3", (2.5, 3.5)),
+                "packing_fraction": ("0.2 to 0.3", (0.2, 0.3)), "fractal_dimension": ("1.9 to 2.3", (1.9, 2.3))}  # fmt: skip
+    statements = []
+    for name, (paper, (low, high)) in expected.items():
+        inside = all(low <= value.mean <= high for value in means[name].values())
+        statements.append(Statement(f"{name.replace('_', ' ')} at a lag of 0.01 s", paper, told(means[name]), inside))
+    crossing = crossings(rates)
+    if crossing:
+        statements.append(Statement("members at which loss and gain are equal", "not shown", told(crossing), None))
+    figure, shown = panels(4, 3.6)
+    for panel, (name, (label, factor)) in zip(shown, PROPERTIES.items()):
+        bars(panel, means[name], label, factor)
+    figures = [(figure, "Fig. 9: means weighted by mass, at the lag 0.01 s of each window; intervals over windows and seeds.")]
+    if single is not None and single.rows:
+        figures.append((distributions(single), f"Fig. 10: single agglomerates of {FOLLOWED} at the lag 0.01 s."))
+    if rates is not None:
+        figures.append((draw_rates(rates), "Members that an agglomerate loses and gains in a unit of time, by its size; both seeds."))
+    text = (
+        "The paper shows its values at the critical times; where few agglomerates outlive 50 ms, as here, these times say little, and all values are those of the lag 0.01 s."
+    )
+    return Section("Figs 9 and 10: properties of agglomerates", text, statements, figures, sources(results))
+
+
+def of_first_lag(rows: StudyTable, name: str) -> list[float]:
+    """A column at the first lag of each run and window."""
+    first = min(rows.numbers("lag"))
+    return [float(row[name]) for row in rows.rows if float(row["lag"]) <= first * (1.0 + 1e-6)]
+
+
+def crossings(rates: StudyTable | None) -> Values:
+    """The size at which agglomerates lose as many members as they gain."""
+    if rates is None:
+        return {}
+    return by_case(rates, lambda rows: {row["seed"]: float(row["crossing"] or math.nan) for row in rows.rows}.values())
+
+
+def distributions(single: StudyTable) -> Figure:
+    """Histograms of the properties of single agglomerates."""
+    figure, shown = panels(4, 3.4)
+    for panel, (name, (label, factor)) in zip(shown, PROPERTIES.items()):
+        values = factor * np.array(single.numbers(name))
+        panel.hist(values[np.isfinite(values)], bins=24, density=True, color=SHOWN[FOLLOWED])
+        panel.set_xlabel(label)
+    shown[0].set_ylabel("density")
+    return figure
+
+
+def draw_rates(rates: StudyTable) -> Figure:
+    """Loss and gain of members over size."""
+    figure, shown = panels(2)
+    for panel, name in zip(shown, ("lost", "gained")):
+        for case, colour in SHOWN.items():
+            rows = rates.where(case=case, seed="1")
+            if rows.rows:
+                panel.errorbar(rows.numbers("from_members"), rows.numbers(name), yerr=rows.numbers(f"{name}_error"), fmt="o-",
+                               color=colour, label=case, capsize=2)  # fmt: skip
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_xlabel("members, from")
+        panel.set_ylabel(f"members {name} [1/s]")
+    shown[0].legend(fontsize=8)
+    return figure
+
+
+SECTIONS = (tagging, breakage, properties)

@@ -1,0 +1,228 @@
+"""What the runs of Liu et al. (2016) give over time and lag, as small tables that are kept with the cases.
+
+    talcum study cases/liu2016/studies/fig3-cases.toml
+    talcum study cases/liu2016/studies/other-cases.toml
+    .venv/bin/python scripts/liu2016_curves.py results --keep cases/liu2016/results
+
+A table has a row for each run and time, and names the run by the paper's name of its case and by its seed. `table` reads what the
+runs in a folder of results give, or what is kept where they are not there.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import Array, ResultsError, read_series, result_file, run_script
+
+import h5py
+import numpy as np
+from study_tables import StudyTable, read_study_table
+
+KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
+STUDIES = ("fig3-cases", "other-cases")
+INTERVAL = 0.01
+"""Interval over which the series is averaged [s]."""
+FOLLOWED = "rho250vdw20ug4"
+"""The case of which the paper shows distributions."""
+PARTICLE = 40.0e-6
+"""Diameter of the simple agglomerates [m]."""
+GRAVITY = 9.81
+
+
+@dataclass
+class Run:
+    """A complete run of a study."""
+
+    case: str
+    seed: int
+    folder: Path
+    digest: str
+    commit: str
+
+    def rows(self, measure: str, group: str) -> dict[str, Array]:
+        """The columns of a table of a measure."""
+        with h5py.File(result_file(self.folder, f"measure-{measure}.h5")) as file:
+            return {name: column[()] for name, column in file[group].items()}
+
+
+def case_name(density: float, adhesion: float, velocity: float) -> str:
+    """The paper's name of a case, for example rho250vdw20ug4: density, Bond number, gas velocity in cm/s."""
+    weight = density * np.pi / 6.0 * PARTICLE**3 * GRAVITY
+    bond = 5 * round(adhesion / weight / 5.0)  # the paper gives forces to one digit or two
+    return f"rho{density:.0f}vdw{bond}ug{100.0 * velocity:.0f}"
+
+
+def runs_of(results: Path) -> list[Run]:
+    """The complete runs of both studies below a folder of results."""
+    found = []
+    for study in STUDIES:
+        file = results / study / "runs.csv"
+        if not file.exists():
+            continue
+        table = read_study_table(file)
+        for row in table.rows:
+            if row["state"] != "complete":
+                continue
+            keys = (float(row[name]) for name in ("density", "adhesion", "inlet_velocity"))
+            seed = int(row.get("seed") or 1)
+            folder = results / study / "runs" / row["run"]
+            if folder.exists():
+                found.append(Run(case_name(*keys), seed, folder, row["digest"], table.provenance.get("commit", "unknown")))
+    return sorted(found, key=lambda run: (run.case, run.seed))
+
+
+def shows_agglomerates(run: Run) -> bool:
+    """Whether snapshots of the particles are there and tell in which agglomerate each is."""
+    file = run.folder / "particles.vtkhdf"
+    if not file.exists():
+        return False
+    with h5py.File(file) as snapshots:
+        return "agglomerate" in snapshots["VTKHDF/PointData"]
+
+
+Rows = Iterator[dict[str, float]]
+
+
+def series(run: Run) -> Rows:
+    """Means over intervals: the whole bed over time (Figs 4 and 6a)."""
+    found = read_series(run.folder)
+    names = {"grid_pressure_drop": "pressure_drop", "coordination_number": "coordination_number", "centre_height": "centre_height [m]"}
+    interval = np.ceil(np.round(found.time / INTERVAL, 6)).astype(int)
+    for number in np.unique(interval[interval > 0]):
+        rows = interval == number
+        yield {"time [s]": number * INTERVAL} | {to: float(np.mean(found[name][rows])) for name, to in names.items()}
+
+
+def agglomerates(run: Run) -> Rows:
+    """Agglomerates over the lag since t_0 (Figs 8a, 8b and 9)."""
+    found = run.rows("agglomerates", "results")
+    names = {
+        "lag": "lag [s]", "agglomerates": "agglomerates", "mass_fraction": "mass_fraction", "members": "members",
+        "diameter": "diameter [m]", "coordination_number": "coordination_number", "packing_fraction": "packing_fraction",
+        "fractal_dimension": "fractal_dimension", "population_dimension": "population_dimension",
+    }  # fmt: skip
+    for row in range(len(found["time"])):
+        start = round(float(found["time"][row] - found["lag"][row]), 9)
+        yield {"reference_time [s]": start} | {to: float(found[name][row]) for name, to in names.items()}
+
+
+def windows(run: Run) -> Rows:
+    """Critical times of each window (Fig. 8c), and dispersion coefficients of the window of displacements (Fig. 5b)."""
+    found, moved = run.rows("agglomerates", "windows"), run.rows("dispersion", "dispersion")
+    for row in range(min(len(found["time"]), len(moved["time"]))):
+        yield {
+            "reference_time [s]": float(found["reference_time"][row]),
+            "most [s]": float(found["most"][row]),
+            "few [s]": float(found["few"][row]),
+            "steady [s]": float(found["steady"][row]),
+            "mass_radius_dimension": float(found["mass_radius_dimension"][row]),
+            "secant_x [m^2/s]": float(moved["secant_x"][row]),
+            "secant_z [m^2/s]": float(moved["secant_z"][row]),
+        }
+
+
+def displacements(run: Run) -> Rows:
+    """Half of the mean square displacement over the lag (Fig. 5a)."""
+    found = run.rows("dispersion", "results")
+    for row in range(len(found["time"])):
+        lag = float(found["lag"][row])
+        yield {
+            "start [s]": round(float(found["time"][row]) - lag, 9),
+            "lag [s]": lag,
+            "half_square_x [m^2]": 0.5 * float(found["square_x"][row]),
+            "half_square_z [m^2]": 0.5 * float(found["square_z"][row]),
+        }
+
+
+def contacts(run: Run) -> Rows:
+    """Part of the particles with 0 to 6 and with 7 or more neighbours, averaged over 50 ms (Fig. 6b)."""
+    found = run.rows("contacts", "results")
+    for time, parts in zip(found["time"], found["distribution"]):
+        few = {f"with_{number}": float(parts[number]) for number in range(7)}
+        yield {"time [s]": float(time)} | few | {"with_7_or_more": float(np.sum(parts[7:]))}
+
+
+def singles(run: Run) -> Rows:
+    """The single agglomerates of the followed case at the first look after each t_0 (Fig. 10)."""
+    if run.case != FOLLOWED:
+        return
+    found = run.rows("agglomerates", "agglomerates")
+    first = float(np.min(found["lag"])) if len(found["lag"]) else 0.0
+    for row in np.flatnonzero(found["lag"] <= first * (1.0 + 1e-6)):
+        yield {
+            "time [s]": float(found["time"][row]),
+            "members": float(found["members"][row]),
+            "diameter [m]": float(found["diameter"][row]),
+            "coordination_number": float(found["coordination_number"][row]),
+            "packing_fraction": float(found["packing_fraction"][row]),
+            "fractal_dimension": float(found["fractal_dimension"][row]),
+        }
+
+
+def rates(run: Run) -> Rows:
+    """Members that an agglomerate loses and gains over time, by its size, of all windows; and where the two are equal."""
+    with h5py.File(result_file(run.folder, "measure-agglomerates.h5")) as file:
+        limits = file["size_limits"][()]
+    found = run.rows("agglomerates", "rates")
+    if not len(found["time"]):
+        return
+    crossing = float(found["crossing"][-1])
+    for size in np.flatnonzero(found["observed"][-1]):
+        row = {name: float(found[name][-1, size]) for name in ("observed", "lost", "lost_error", "gained", "gained_error")}
+        units = {name: name if name == "observed" else f"{name} [1/s]" for name in row}
+        yield {"from_members": float(limits[size])} | {units[name]: value for name, value in row.items()} | {"crossing": crossing}
+
+
+TABLES = {table.__name__: table for table in (series, agglomerates, windows, displacements, contacts, singles, rates)}
+
+
+def made(results: Path, name: str) -> StudyTable | None:
+    """A table of the runs below a folder of results; None if there are none."""
+    runs = runs_of(results)
+    rows = [{"case": run.case, "seed": str(run.seed)} | {key: f"{value:.6g}" for key, value in row.items()}
+            for run in runs for row in TABLES[name](run)]  # fmt: skip
+    if not rows:
+        return None
+    provenance = {f"{run.case} seed {run.seed}": f"digest {run.digest}, commit {run.commit}" for run in runs}
+    plain = [{key.split(" [")[0]: cell for key, cell in row.items()} for row in rows]
+    units = {key.split(" [")[0]: key.partition(" [")[2].rstrip("]") for key in rows[0]}
+    return StudyTable(results / f"{name}.csv", provenance, plain, units)
+
+
+def table(results: Path, name: str) -> StudyTable | None:
+    """A table of the runs that were made here, else the one that is kept; None if there is neither."""
+    found = made(results, name)
+    file = KEPT / f"{name}.csv"
+    return found or (read_study_table(file) if file.exists() else None)
+
+
+def write(found: StudyTable, file: Path) -> None:
+    """Writes a table with the runs that it comes from."""
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in found.units.items()]
+    lines = [f"# {name}: {value}" for name, value in found.provenance.items()]
+    lines += [",".join(heads), *(",".join(row[name] for name in found.units) for row in found.rows)]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print(f"table: {file}")
+
+
+def main(command_line: list[str] | None = None) -> None:
+    """Writes all tables of the runs."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
+    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where the tables go")
+    arguments = parser.parse_args(command_line)
+    if not runs_of(arguments.results):
+        raise ResultsError(f"{arguments.results}: no complete run of {' or '.join(STUDIES)}")
+    arguments.keep.mkdir(parents=True, exist_ok=True)
+    for name in TABLES:
+        found = made(arguments.results, name)
+        if found:
+            write(found, arguments.keep / f"{name}.csv")
+
+
+if __name__ == "__main__":
+    run_script(main)

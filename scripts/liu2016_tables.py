@@ -1,0 +1,153 @@
+"""Tables of the studies of Liu et al. (2016), case by case: means with intervals, trends over density, gas velocity and Bond number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import liu2016_curves
+from liu2016_curves import GRAVITY, KEPT, PARTICLE, STUDIES, case_name
+from paper_tables import made_by, study_table
+from report import Statement
+from study_tables import Estimate, StudyTable
+from talcum_results import BLUE, GREEN, GREY, ORANGE, RED, Array, new_figure
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+CASES = (
+    "rho137vdw20ug2", "rho137vdw20ug3", "rho137vdw20ug4", "rho250vdw20ug2",
+    "rho250vdw20ug3", "rho250vdw20ug4", "rho250vdw10ug4", "rho250vdw5ug4",
+)  # fmt: skip
+"""Table 2 of the paper."""
+SHOWN = {"rho137vdw20ug2": BLUE, "rho250vdw20ug2": ORANGE, "rho250vdw20ug4": RED, "rho250vdw5ug4": GREEN}
+"""The cases of which the paper shows most, and their colours."""
+PARTICLES = 12500
+"""In the small box."""
+FACTORS = {
+    "density": (("rho137vdw20ug2", "rho250vdw20ug2"), ("rho137vdw20ug3", "rho250vdw20ug3"), ("rho137vdw20ug4", "rho250vdw20ug4")),
+    "gas velocity": (("rho137vdw20ug2", "rho137vdw20ug3", "rho137vdw20ug4"), ("rho250vdw20ug2", "rho250vdw20ug3", "rho250vdw20ug4")),
+    "Bond number": (("rho250vdw5ug4", "rho250vdw10ug4", "rho250vdw20ug4"),),
+}
+"""Series of cases in which one thing grows."""
+STUDENT = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365}
+"""Quantiles of Student's distribution for a confidence of 95 %, by degrees of freedom."""
+
+Values = dict[str, Estimate]
+"""A quantity by the name of the case."""
+
+
+def table(results: Path, name: str, kind: str = "points") -> StudyTable | None:
+    """A table of a study, of the runs made here or the one that is kept."""
+    return study_table(results, KEPT, name, kind)
+
+
+def estimate(values: Iterable[float]) -> Estimate:
+    """Mean with Student's interval of values that are independent."""
+    known = np.array([value for value in values if math.isfinite(value)])
+    if not len(known):
+        return Estimate(math.nan, math.nan, math.nan, 0)
+    mean = float(np.mean(known))
+    if len(known) == 1:
+        return Estimate(mean, math.nan, math.nan, 1)
+    quantile = STUDENT.get(len(known) - 1, 2.0)
+    half = quantile * float(np.std(known, ddof=1)) / math.sqrt(len(known))
+    return Estimate(mean, mean - half, mean + half, len(known))
+
+
+def study(results: Path, measure: str) -> Values:
+    """A measure of both studies of the paper's cases."""
+    found = {}
+    for name in STUDIES:
+        points = table(results, name)
+        if points is None:
+            continue
+        for row in points.rows:
+            case = case_name(*(float(row[key]) for key in ("density", "adhesion", "inlet_velocity")))
+            found[case] = points.estimate(row, measure)
+    return {case: found[case] for case in CASES if case in found}
+
+
+def by_case(curves: StudyTable, of: Callable[[StudyTable], Iterable[float]]) -> Values:
+    """A quantity of the rows of each case; `of` gives its independent values."""
+    cases = set(curves.texts("case"))
+    return {case: estimate(of(curves.where(case=case))) for case in CASES if case in cases}
+
+
+def column(name: str) -> Callable[[StudyTable], list[float]]:
+    """The values of a column."""
+    return lambda rows: rows.numbers(name)
+
+
+def told(values: Values) -> str:
+    """All cases in words."""
+    return "; ".join(f"{case}: {brief(found)}" for case, found in values.items()) or "none"
+
+
+def brief(found: Estimate) -> str:
+    """A mean with its interval, where there is one."""
+    if found.runs == 0:
+        return "none"
+    return f"{found.mean:.3g}" if math.isnan(found.lower) else f"{found.mean:.3g} ({found.lower:.3g} to {found.upper:.3g})"
+
+
+def trends(quantity: str, values: Values, rises: dict[str, bool]) -> list[Statement]:
+    """For each thing that grows: what the paper says that the quantity does, what was found, and whether all its series agree."""
+    statements = []
+    for factor, grows in rises.items():
+        known = [[values[case].mean for case in cases if case in values] for cases in FACTORS[factor]]
+        known = [series for series in known if len(series) > 1]
+        steps = [after - before for series in known for before, after in zip(series, series[1:])]
+        agrees = all((step > 0.0) == grows for step in steps) if steps else None
+        found = "; ".join(" to ".join(f"{value:.3g}" for value in series) for series in known)
+        paper = "rises" if grows else "falls"
+        statements.append(Statement(f"{quantity} over the {factor}", paper, found or "none", agrees))
+    return statements
+
+
+def bed_weight(case: str) -> float:
+    """Weight of the particles of the small box [N]."""
+    density = float(case.removeprefix("rho").split("vdw")[0])
+    return PARTICLES * density * math.pi / 6.0 * PARTICLE**3 * GRAVITY
+
+
+def curves(panel: Axes, found: StudyTable, along: str, name: str, label: str, scale: float = 1.0, **chosen: float) -> None:
+    """A column over another one, of the first seed of each case that is shown."""
+    for case, colour in SHOWN.items():
+        rows = found.where(case=case, seed="1", **chosen)
+        if rows.rows:
+            panel.plot(rows.numbers(along), scale * np.array(rows.numbers(name)), color=colour, label=case, linewidth=1.0)
+    if panel.lines:
+        panel.legend(fontsize=8)
+    panel.set_xlabel(f"{along.replace('_', ' ')} [s]")
+    panel.set_ylabel(label)
+
+
+def bars(panel: Axes, values: Values, label: str, scale: float = 1.0) -> None:
+    """A quantity of each case with its interval."""
+    names = list(values)
+    means: Array = scale * np.array([values[name].mean for name in names])
+    halves = np.nan_to_num(scale * np.array([values[name].upper - values[name].mean for name in names]))
+    panel.barh(range(len(names)), means, xerr=halves, color=[SHOWN.get(name, GREY) for name in names], capsize=3)
+    panel.set_yticks(range(len(names)), names)
+    panel.invert_yaxis()
+    panel.set_xlabel(label)
+
+
+def sources(results: Path) -> list[str]:
+    """Where the numbers of the paper's cases come from."""
+    known = [(name, table(results, name)) for name in STUDIES]
+    return [made_by("liu2016", name, points) for name, points in known if points]
+
+
+def panels(count: int, height: float = 4.2) -> tuple[Figure, list[Axes]]:
+    """A figure of panels side by side."""
+    figure, found = new_figure(1, count, size=(5.6 * count, height))
+    return figure, list(found[0])
+
+
+def read(results: Path, name: str) -> StudyTable | None:
+    """A table of curves."""
+    return liu2016_curves.table(results, name)

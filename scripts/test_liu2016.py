@@ -1,0 +1,125 @@
+"""Tests of the curves and the page of Liu et al. (2016), on a made-up run, with negative controls."""
+
+from __future__ import annotations
+
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import liu2016_curves
+import liu2016_tables
+import report
+from liu2016_breakage import share_kept
+from liu2016_tables import estimate, trends
+from made_up_results import ScriptTest
+from study_tables import Estimate, read_study_table
+from talcum_results import ResultsError
+
+HEAD = "# title: t\n# commit: 0123456789abcdef\n"
+LAGS = np.array([0.01, 0.05, 0.1])
+NUMBERS = np.array([200.0, 120.0, 20.0])
+
+
+def write_table(file: h5py.File, name: str, columns: dict[str, np.ndarray]) -> None:
+    """A table of a measure."""
+    for column, values in columns.items():
+        file.create_dataset(f"{name}/{column}", data=values)
+
+
+class TestCurves(ScriptTest):
+    """A study with one complete run, of rho250vdw20ug4."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        for module in (liu2016_curves, liu2016_tables):
+            self.addCleanup(setattr, module, "KEPT", module.KEPT)
+            module.KEPT = self.folder / "kept"
+        run = self.folder / "fig3-cases/runs/one"
+        run.mkdir(parents=True)
+        (run.parent.parent / "runs.csv").write_text(
+            f"{HEAD}run,point,density [kg/m^3],adhesion [N],inlet_velocity [m/s],seed,state,digest\n"
+            "one,1,250,1.7e-9,0.04,1,complete,abc\ntwo,1,250,1.7e-9,0.04,2,not complete,\n"
+        )
+        self.write_run(run)
+
+    def write_run(self, run: Path) -> None:
+        """Its series and measures: 20 ms of series, one window of three looks."""
+        rows = [f"{0.001 * step:.3f},{1.0 + step},{2.0},{1.0e-3}" for step in range(21)]
+        head = "time [s],grid_pressure_drop [1],coordination_number [1],centre_height [m]"
+        (run / "series.csv").write_text("\n".join(["# title: t", head, *rows]) + "\n")
+        ones = np.ones(3)
+        with h5py.File(run / "measure-agglomerates.h5", "w") as file:
+            names = ("mass_fraction", "members", "coordination_number", "packing_fraction", "fractal_dimension", "population_dimension")
+            looks = {"time": 0.3 + LAGS, "lag": LAGS, "agglomerates": NUMBERS, "diameter": 2.0e-4 * ones} | {name: ones for name in names}
+            write_table(file, "results", looks)
+            window = {"time": 0.4, "reference_time": 0.3, "most": 0.01, "few": np.nan, "steady": 0.05, "mass_radius_dimension": 2.4}
+            write_table(file, "windows", {name: np.array([value]) for name, value in window.items()})
+            single = ("lag", "time", "members", "diameter", "coordination_number", "packing_fraction", "fractal_dimension")
+            write_table(file, "agglomerates", {name: LAGS for name in single})
+            file["size_limits"] = [15.0, 30.0, 60.0]
+            by_size = ("observed", "lost", "lost_error", "gained", "gained_error")
+            write_table(file, "rates", {"time": ones[:1], "crossing": 40.0 * ones[:1]} | {name: np.array([[4.0, 0.0]]) for name in by_size})
+        with h5py.File(run / "measure-contacts.h5", "w") as file:
+            write_table(file, "results", {"time": np.array([0.05]), "distribution": np.full((1, 13), 1.0 / 13.0)})
+        with h5py.File(run / "measure-dispersion.h5", "w") as file:
+            write_table(file, "results", {"time": 0.3 + LAGS, "lag": LAGS, "square_x": ones, "square_z": 4.0 * ones})
+            write_table(file, "dispersion", {"time": np.array([0.4]), "secant_x": np.array([1.0e-7]), "secant_z": np.array([5.0e-7])})
+
+    def test_tables_hold_what_the_run_gives(self) -> None:
+        liu2016_curves.main([str(self.folder), "--keep", str(self.folder / "kept")])
+        read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in liu2016_curves.TABLES}
+        # The interval of time 0.01 holds the rows 1 to 10, of 2 to 11.
+        self.assertEqual(read["series"].numbers("pressure_drop"), [6.5, 16.5])
+        self.assertEqual(read["agglomerates"].numbers("reference_time"), [0.3, 0.3, 0.3])
+        self.assertEqual(read["displacements"].numbers("half_square_z"), [2.0, 2.0, 2.0])
+        self.assertAlmostEqual(read["contacts"].numbers("with_7_or_more")[0], 6.0 / 13.0, places=5)
+        self.assertEqual(len(read["singles"].rows), 1)  # those of the first lag alone
+        self.assertEqual(read["rates"].numbers("crossing"), [40.0])  # sizes of which none were seen have no row
+        self.assertIn("rho250vdw20ug4 seed 1", read["series"].provenance)
+        self.assertNotIn("rho250vdw20ug4 seed 2", read["series"].provenance)
+
+    def test_a_folder_without_runs_is_refused(self) -> None:
+        with self.assertRaisesRegex(ResultsError, "no complete run"):
+            liu2016_curves.main([str(self.folder / "nowhere"), "--keep", str(self.folder / "kept")])
+
+    def test_agglomerates_that_are_left(self) -> None:
+        found = liu2016_curves.table(self.folder, "agglomerates")
+        assert found is not None
+        self.assertEqual(share_kept(found, 0.05), [0.6])
+        self.assertEqual(share_kept(found, 0.07), [])  # not looked at
+
+    def test_the_page_tells_of_breakage(self) -> None:
+        report.main(["liu2016", "--results", str(self.folder)])
+        page = (self.folder / "liu2016.html").read_text()
+        self.assertIn("<td>rho250vdw20ug4: 0.6</td>", page)
+        self.assertIn("Fig. 8: breakage", page)
+        self.assertNotIn('src="http', page)
+
+
+class TestNumbers(unittest.TestCase):
+    """Names, means and trends."""
+
+    def test_cases_have_the_names_of_the_paper(self) -> None:
+        keys = [(137.0, 0.9e-9, 0.02), (250.0, 1.7e-9, 0.03), (250.0, 0.8e-9, 0.04), (250.0, 0.4e-9, 0.04)]
+        names = [liu2016_curves.case_name(*values) for values in keys]
+        self.assertEqual(names, ["rho137vdw20ug2", "rho250vdw20ug3", "rho250vdw10ug4", "rho250vdw5ug4"])
+
+    def test_intervals_are_those_of_student(self) -> None:
+        found = estimate([1.0, 2.0, 3.0])
+        # 4.303 sigma / sqrt(n), of tables with four digits.
+        self.assertAlmostEqual(found.upper, 2.0 + 4.303 / 3.0**0.5, places=3)
+        self.assertEqual(estimate([]).runs, 0)
+
+    def test_a_trend_needs_every_step(self) -> None:
+        def values(*means: float) -> dict[str, Estimate]:
+            return {case: Estimate(mean, mean, mean, 1) for case, mean in zip(("rho250vdw5ug4", "rho250vdw10ug4", "rho250vdw20ug4"), means)}
+
+        self.assertTrue(trends("it", values(1.0, 2.0, 3.0), {"Bond number": True})[0].agrees)
+        self.assertFalse(trends("it", values(1.0, 3.0, 2.0), {"Bond number": True})[0].agrees)
+        self.assertIsNone(trends("it", {}, {"Bond number": True})[0].agrees)
+
+
+if __name__ == "__main__":
+    unittest.main()
