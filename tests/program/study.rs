@@ -257,7 +257,8 @@ fn what_the_case_measures_stands_in_the_tables_of_a_study() {
 
 #[test]
 fn every_study_of_the_repository_is_read_and_expanded() {
-    let files: Vec<PathBuf> = ["moon2006", "parcels"].into_iter().flat_map(studies_of).collect();
+    let files: Vec<PathBuf> =
+        ["liu2016", "moon2006", "parcels"].into_iter().flat_map(studies_of).collect();
     assert!(files.len() >= 4);
     for file in files {
         let folder = tempfile::tempdir().unwrap();
@@ -272,7 +273,7 @@ fn every_study_of_the_repository_is_read_and_expanded() {
 #[test]
 fn kept_tables_of_runs_are_known_to_their_studies() {
     let mut kept = 0;
-    for study in ["moon2006", "parcels"].into_iter().flat_map(studies_of) {
+    for study in ["liu2016", "moon2006", "parcels"].into_iter().flat_map(studies_of) {
         let results = study.parent().unwrap().with_file_name("results");
         let name = study.file_stem().unwrap().to_str().unwrap();
         // Of studies that are not complete, the runs that are.
