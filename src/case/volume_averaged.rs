@@ -58,6 +58,10 @@ pub(super) fn read_volume_averaged(
         agglomerates: read_agglomerates(section)?,
         filter_width,
         undisturbed: section.boolean("undisturbed_velocity")?,
+        local_voidage: section
+            .count("local_voidage")
+            .map(|factor| factor as usize)
+            .filter(|&it| it > 0),
         least_voidage: section.number("least_voidage")?,
     };
     let driving = section.vector("driving").map(Vector3::from).unwrap_or_default();
@@ -75,6 +79,11 @@ fn read_agglomerates(section: &Section<'_>) -> Option<Option<AgglomerateDrag>> {
     if section.boolean("undisturbed_velocity") == Some(true) {
         let message = "cannot be true with agglomerates: their members disturb the gas together";
         section.fail("undisturbed_velocity", message);
+        return None;
+    }
+    if section.count("local_voidage").is_some_and(|factor| factor > 0) {
+        let message = "cannot be above 0 with agglomerates: their drag is that of balls in the voidage of the gas's own cells";
+        section.fail("local_voidage", message);
         return None;
     }
     if section.word("drag_in_mixtures") == Some("sauter_diameter") {

@@ -76,7 +76,7 @@ impl GasModel {
     pub fn reach(&self) -> f64 {
         match self {
             Self::None | Self::Column(_) => f64::INFINITY,
-            Self::VolumeAveraged(model) => CellTransfer::reach(&model.grid),
+            Self::VolumeAveraged(model) => CellTransfer::reach(&model.finest_cells()),
         }
     }
 

@@ -32,6 +32,15 @@ impl BoxGrid {
         Self { counts, spacing, periodic }
     }
 
+    /// The same box with each cell cut into `factor` along each axis.
+    pub fn refined(&self, factor: usize) -> Self {
+        Self {
+            counts: self.counts.map(|count| count * factor),
+            spacing: self.spacing / factor as f64,
+            periodic: self.periodic,
+        }
+    }
+
     /// Cells along x, y and z.
     pub fn counts(&self) -> [usize; 3] {
         self.counts

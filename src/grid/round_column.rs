@@ -78,6 +78,14 @@ impl RoundColumn {
         Ok(column)
     }
 
+    /// The same column on other cells of its box.
+    ///
+    /// # Errors
+    /// As [`RoundColumn::new`].
+    pub fn on(&self, grid: &BoxGrid) -> Result<Self, String> {
+        Self::new(grid, self.centre, self.radius)
+    }
+
     /// Radius R.
     pub fn radius(&self) -> f64 {
         self.radius

@@ -246,6 +246,13 @@ const VOLUME_AVERAGED: &[Key] = &[
          cells of at least 3 diameters or with a filter of as much; in a packed bed it changes nothing",
     )
     .default(Value::Boolean(false)),
+    Key::new(
+        "local_voidage",
+        Kind::Count(0, 16),
+        "The voidage of drag laws is that of cells so many times finer along each axis, without the filter; 0 for that of the gas's own cells. For \
+         the surfaces of beds: finer cells of 1.5 diameters are advised",
+    )
+    .default(Value::Count(0)),
     Key::number(
         "least_voidage",
         Allowed::between(0.01, 0.9),
@@ -295,7 +302,7 @@ where b is its drag per velocity. `check` prints all three.
 
 With `agglomerates`, xi is not one number but follows, for each particle and at each step of the gas, from size and packing of its
 agglomerate and from the solids fraction around it, and is at most 1 (`docs/theory/drag.md`). A new bed begins with single
-particles: the first agglomerates are found at the third look. Neither `undisturbed_velocity`, nor the drag of mixtures by the Sauter
+particles: the first agglomerates are found at the third look. Neither `undisturbed_velocity`, nor `local_voidage`, nor the drag of mixtures by the Sauter
 diameter, nor `[coarse_graining]` can stand beside it. `series.csv` shows the mean of xi as `drag_factor`.
 
 With a round column (`[[wall]]` with a `radius`) the volume-averaged gas flows in it, not in the rest of the box. It sticks to

@@ -4,6 +4,7 @@ use super::lines::Lines;
 use crate::case::{Case, Stage};
 use crate::contact::{ContactForceLaw, overlap_under};
 use crate::gas::GasModel;
+use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::output::ColumnUnits;
 use crate::parallel::Communicator;
 use crate::rules::ReducedBody;
@@ -18,6 +19,8 @@ const FEWEST_LAYERS: f64 = 3.0;
 /// three quarters of the filter's width, added as squares (docs/verification.md has the measured values).
 const LOST_DEPTH: f64 = 0.85;
 const OF_FILTER: f64 = 0.75;
+/// Diameters across the cells of `gas.local_voidage` that are advised.
+const ADVISED_CELL: f64 = 1.5;
 /// The part of the pressure drop whose loss is told.
 const LARGE_LOSS: f64 = 0.15;
 /// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
@@ -63,7 +66,7 @@ impl BedAtRest {
             ));
         }
         if let Some(gas) = case.volume_averaged() {
-            self.describe_cells(lines, gas.grid.spacing().z, gas.coupling.filter_width);
+            self.describe_cells(lines, gas, sizes);
         }
         let room = case.domain.bounds.lengths().z;
         if self.height > room {
@@ -72,8 +75,14 @@ impl BedAtRest {
     }
 
     /// Whether the cells of a gas, and the filter between them and the particles, resolve the bed's height.
-    fn describe_cells(&self, lines: &mut Lines, spacing: f64, filter_width: f64) {
-        let lost = LOST_DEPTH * spacing.hypot(OF_FILTER * filter_width) / self.height;
+    fn describe_cells(&self, lines: &mut Lines, gas: &VolumeAveragedModel, sizes: &SizeRange) {
+        let spacing = gas.grid.spacing().z;
+        // Drag laws that see finer cells see no filter.
+        let (seen, filter_width) = match gas.coupling.local_voidage {
+            None => (spacing, gas.coupling.filter_width),
+            Some(_) => (gas.finest_cells().spacing().z, 0.0),
+        };
+        let lost = LOST_DEPTH * seen.hypot(OF_FILTER * filter_width) / self.height;
         if lost > LARGE_LOSS {
             let cells = self.height / spacing;
             let percent = 100.0 * lost.min(1.0);
@@ -81,6 +90,14 @@ impl BedAtRest {
                 "at rest the bed is {cells:.1} cells of the gas high: cells and filter smear its surfaces, which takes some \
                  {percent:.0} % from its pressure drop below U_mf, and raises U_mf; voids smaller than a cell are not seen"
             ));
+            let finer = (spacing / (ADVISED_CELL * sizes.largest_diameter)).round().max(1.0);
+            let of_finer = (LOST_DEPTH * spacing / finer / self.height).min(1.0);
+            if of_finer < 0.8 * lost {
+                let percent = 100.0 * of_finer;
+                lines.warn(&format!(
+                    "gas.local_voidage = {finer} would take some {percent:.0} % instead"
+                ));
+            }
         }
     }
 

@@ -3,15 +3,20 @@
 use super::lines::Lines;
 use super::particle::ReferenceParticle;
 use crate::case::{Case, Stage};
-use crate::gas::volume_averaged::VolumeAveragedModel;
+use crate::gas::volume_averaged::{CouplingModel, VolumeAveragedModel};
 use crate::gas::{AgglomerateBall, AgglomerateDrag, DragShare, Drive, GasModel};
 use crate::output::ColumnUnits;
-use crate::rules::{archimedes_number, stokes_number};
+use crate::rules::{
+    archimedes_number, excess_of_lone_fall, minimum_fluidisation_velocity, stokes_number,
+};
+use crate::state::SizeRange;
 
 /// Solids fractions of settled beds, at which the minimum fluidisation velocity is told.
 const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
 /// Solids over gas density below which the gas is rather a liquid, whose added mass and lubrication are not modelled.
 const LEAST_DENSITY_RATIO: f64 = 10.0;
+/// Excess of the fall velocity of a lone particle that is warned of.
+const LARGE_EXCESS: f64 = 0.1;
 
 /// Regime and velocities of the gas of a stage; nothing without gas.
 pub(super) fn describe_gas(
@@ -19,6 +24,7 @@ pub(super) fn describe_gas(
     case: &Case,
     stage: &Stage,
     particle: &ReferenceParticle,
+    sizes: &SizeRange,
 ) {
     let [density, viscosity] = match &stage.physics.gas {
         GasModel::None => return,
@@ -43,6 +49,9 @@ pub(super) fn describe_gas(
     describe_velocities(lines, case, stage);
     describe_mixture(lines, case, stage);
     describe_agglomerates(lines, stage, diameter);
+    if let GasModel::VolumeAveraged(model) = &stage.physics.gas {
+        describe_lone_fall(lines, case, model, (particle.gravity, sizes));
+    }
     if let Some(velocity) = case.minimum_fluidisation(stage, SETTLED[0])
         && density > 0.0
         && viscosity > 0.0
@@ -51,6 +60,45 @@ pub(super) fn describe_gas(
         lines.add(
             "Reynolds number at U_mf",
             &format!("{number:.4e} at a solids fraction of {}", SETTLED[0]),
+        );
+    }
+}
+
+/// How much too fast the largest or the smallest particle falls alone, whichever is worse: it sees the gas that it moves itself.
+fn describe_lone_fall(
+    lines: &mut Lines,
+    case: &Case,
+    model: &VolumeAveragedModel,
+    (gravity, sizes): (f64, &SizeRange),
+) {
+    let CouplingModel { drag, filter_width, undisturbed, .. } = &model.coupling;
+    if *undisturbed || gravity <= 0.0 || drag.density <= 0.0 || drag.viscosity <= 0.0 {
+        return;
+    }
+    let excess = |diameter: f64| {
+        let weight = case.particles.mass_of(diameter) * gravity;
+        let per_velocity = |velocity: f64| drag.per_velocity(diameter, 0.0, velocity);
+        let velocity = minimum_fluidisation_velocity(per_velocity, weight, 0.0);
+        let reynolds = drag.density * velocity * diameter / drag.viscosity;
+        let resistance = drag.per_velocity(diameter, 0.0, velocity) / (drag.viscosity * diameter);
+        let widths = [model.grid.cell_volume().cbrt(), *filter_width].map(|it| it / diameter);
+        // Laws of packed beds let nothing fall alone.
+        let falls = velocity.is_finite() && resistance.is_finite();
+        falls.then(|| (excess_of_lone_fall(widths, reynolds, resistance), diameter))
+    };
+    let both = [sizes.largest_diameter, sizes.smallest_diameter].map(excess);
+    let worse = both.into_iter().flatten().reduce(|a, b| if b.0 > a.0 { b } else { a });
+    let Some((excess, diameter)) = worse else { return };
+    let percent = format!("{:.0} %", 100.0 * excess);
+    if excess > LARGE_EXCESS {
+        lines.warn(&format!(
+            "alone in these cells a particle of diameter {diameter:.4e} falls some {percent} too fast, with the gas that it moves itself: \
+             gas.undisturbed_velocity leaves that out (a dense bed is the same with it and without)"
+        ));
+    } else {
+        lines.add(
+            "fall of a lone particle",
+            &format!("some {percent} too fast, with the gas that it moves itself"),
         );
     }
 }

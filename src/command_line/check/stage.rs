@@ -27,6 +27,8 @@ const SMALL_OVERLAP: f64 = 0.01;
 const LOOSE: f64 = 0.45;
 /// Cells of more diameters hide small bubbles and clusters, whose drag is not that of a uniform bed.
 const COARSE_CELL: f64 = 10.0;
+/// Cells of `gas.local_voidage` of fewer diameters are warned of; the boxes of beds seldom fit 1.5 exactly.
+const LEAST_LOCAL_CELL: f64 = 1.4;
 /// Cells of fewer diameters need a filter; a little less than 3 for the rounding of lengths.
 const CELL_OVER_DIAMETER: f64 = 2.999;
 
@@ -50,7 +52,7 @@ pub(super) fn describe(message: &mut String, case: &Case, number: usize, sizes: 
             describe_volume_averaged(lines, model, &particle, stage.physics.time_step);
         }
     }
-    describe_gas(lines, case, stage, &particle);
+    describe_gas(lines, case, stage, &particle, sizes);
     describe_contacts(lines, case, stage, sizes);
     describe_adhesion(lines, case, stage);
 }
@@ -174,10 +176,20 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     }
     let unfiltered = model.coupling.filter_width < 3.0 * sizes.largest_diameter;
     if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
-        lines.warn("cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised");
+        lines.warn(
+            "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised (without it the gas in a suspension that \
+             drifts through cells of 1.5 diameters swings by some 10 to 20 % of its slip, with 6 diameters by 2 %)",
+        );
         if model.coupling.undisturbed {
             lines.warn("gas.undisturbed_velocity: on such cells without a filter a lone particle falls up to 10 % too fast");
         }
+    }
+    let finest = (model.finest_cells().spacing() / sizes.largest_diameter).min();
+    if model.coupling.local_voidage.is_some() && finest < LEAST_LOCAL_CELL {
+        lines.warn(&format!(
+            "the cells of gas.local_voidage are {finest:.2} of the largest diameter wide: below 1.5 they see single layers, which \
+             raises the drag of a packed bed (by 4 % at 1)"
+        ));
     }
     if in_diameters.max() > COARSE_CELL {
         lines.warn(&format!(

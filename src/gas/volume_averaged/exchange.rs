@@ -4,11 +4,15 @@
 //! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
+mod drag_at_place;
+mod local_voidage;
 mod mean_diameter;
 mod own_disturbance;
 
+use self::drag_at_place::DragAtPlace;
+use self::local_voidage::LocalVoidage;
 use self::mean_diameter::MeanDiameter;
-use self::own_disturbance::{OwnDisturbance, SeenGas};
+use self::own_disturbance::OwnDisturbance;
 use super::momentum_balance::{CellVolumes, Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
 use crate::coupling::{
@@ -36,6 +40,8 @@ pub struct ParticleExchange {
     mean_diameter: Option<MeanDiameter>,
     /// Where drag is that of the undisturbed gas.
     own_disturbance: Option<OwnDisturbance>,
+    /// Where drag laws see the voidage of finer cells.
+    local_voidage: Option<LocalVoidage>,
     quanta: Quanta,
     largest_drag: f64,
     pub(super) bed: BedOnGrid,
@@ -67,28 +73,19 @@ impl ParticleExchange {
         (grid, column): (&BoxGrid, Option<&RoundColumn>),
         subdomain: Subdomain,
     ) -> Result<Self, String> {
-        if limits.drift > CellTransfer::reach(grid) {
+        let finest = grid.refined(model.local_voidage.unwrap_or(1));
+        if limits.drift > CellTransfer::reach(&finest) {
             return Err(format!(
                 "a cell of the gas is {:.3e} wide, but particles may drift {:.3e} before they are sorted to ranks \
                  again: use larger cells or a smaller parallel.skin",
-                grid.spacing().min(),
+                finest.spacing().min(),
                 limits.drift
             ));
         }
         let part = grid.local_cells(subdomain);
         let [smallest, largest] = limits.diameters;
-        let slip = 2.0 * limits.speed;
         let shares_surface = model.drag.share == DragShare::Surface && smallest != largest;
-        let dense = 1.0 - model.least_voidage;
-        let largest_drag = match shares_surface {
-            // A large particle among small ones has the most.
-            true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
-            false => model.drag.per_velocity(largest, dense, slip),
-        };
-        let largest_drag = match model.undisturbed {
-            true => largest_drag * OwnDisturbance::LARGEST_FACTOR,
-            false => largest_drag,
-        };
+        let largest_drag = largest_drag(model, &limits, shares_surface);
         // A cell has room for this many of the smallest particles; quanta allow for four times as many.
         let room = 1.0 + grid.cell_volume() / (PI / 6.0 * smallest.powi(3));
         let drag = room * largest_drag;
@@ -101,12 +98,18 @@ impl ParticleExchange {
         let transfer = CellTransfer::new((grid, column), model.filter_width, subdomain, &zero);
         let gas = [model.drag.density, model.drag.viscosity];
         let own_disturbance = model.undisturbed.then(|| OwnDisturbance::new(grid, &transfer, gas));
+        let on_finer_cells = |factor| {
+            let limits = (largest, model.least_voidage);
+            LocalVoidage::new(factor, (grid, column), subdomain, limits)
+        };
+        let local_voidage = model.local_voidage.map(on_finer_cells).transpose()?;
         Ok(Self {
             model: model.clone(),
             limits,
             spacing: grid.spacing(),
             transfer,
             own_disturbance,
+            local_voidage,
             mean_diameter: shares_surface
                 .then(|| MeanDiameter::new(&part, grid.cell_volume(), limits.diameters)),
             quanta,
@@ -159,6 +162,9 @@ impl ParticleExchange {
         if let Some(mean) = &mut self.mean_diameter {
             mean.deposit(&mut self.transfer, particles, ranks);
         }
+        if let Some(local) = &mut self.local_voidage {
+            local.deposit(particles, ranks);
+        }
         self.centre_velocity(gas);
         let [x, y, z, _, _, _] = &mut self.in_cells;
         self.transfer.prepare_interpolation(&mut [x, y, z], ranks);
@@ -201,32 +207,21 @@ impl ParticleExchange {
         let quanta =
             [self.quanta.drag, self.quanta.drag_flux, self.quanta.drag_flux, self.quanta.drag_flux];
         let [gas_x, gas_y, gas_z, _, _, _] = &self.in_cells;
+        let law = DragAtPlace {
+            law: &self.model.drag,
+            mean_diameter: self.mean_diameter.as_ref(),
+            local_voidage: self.local_voidage.as_ref(),
+            own_disturbance: self.own_disturbance.as_ref(),
+        };
         for (i, corners) in self.transfer.corners().iter().enumerate() {
             let [u, v, w, eps] = interpolate([gas_x, gas_y, gas_z, &*voidage], corners);
             let velocity = particles.body[i].velocity;
             let slip = Vector3::new(u, v, w) - velocity;
-            let diameter = 2.0 * particles.body[i].radius;
-            let mean = self.mean_diameter.as_ref().map(|mean| mean.at(corners, diameter));
-            let law = &self.model.drag;
-            let drag_at = |solids_fraction: f64, slip: f64| match mean {
-                Some(mean) => law.per_velocity_in_mixture([diameter, mean], solids_fraction, slip),
-                None => law.per_velocity(diameter, solids_fraction, slip),
-            };
-            let mut drag = match &self.own_disturbance {
-                Some(own) => {
-                    let seen = SeenGas {
-                        slip,
-                        solids_fraction: 1.0 - eps,
-                        volume: particles.volume(i),
-                        own_share: corners.own_share(),
-                    };
-                    own.coefficient(&seen, drag_at)
-                }
-                None => drag_at(1.0 - eps, eps * slip.norm()),
-            };
+            let mut drag = law.coefficient((particles, i), corners, slip, eps);
             if self.model.agglomerates.is_some() {
+                let diameter = 2.0 * particles.body[i].radius;
                 let of = &mut particles.membership[i];
-                drag *= in_agglomerate(of, law, diameter, 1.0 - eps, eps * slip.norm());
+                drag *= in_agglomerate(of, law.law, diameter, 1.0 - eps, eps * slip.norm());
             }
             let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
             result = result.and(check.of(i, drag, eps));
@@ -352,6 +347,20 @@ fn in_agglomerate(
         false => 1.0,
     };
     of.drag_factor
+}
+
+/// The largest drag coefficient that a particle within these limits can have.
+fn largest_drag(model: &CouplingModel, limits: &ParticleLimits, shares_surface: bool) -> f64 {
+    let ([smallest, largest], slip) = (limits.diameters, 2.0 * limits.speed);
+    let dense = 1.0 - model.least_voidage;
+    let of_law = match shares_surface {
+        // A large particle among small ones has the most.
+        true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
+        false => model.drag.per_velocity(largest, dense, slip),
+    };
+    let of_local = model.local_voidage.map_or(1.0, |_| LocalVoidage::factor(1.0, dense));
+    let of_own = if model.undisturbed { OwnDisturbance::LARGEST_FACTOR } else { 1.0 };
+    of_law * of_local * of_own
 }
 
 /// What bounds the drag of particles in a gas step of length `dt`.

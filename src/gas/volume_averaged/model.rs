@@ -42,6 +42,8 @@ pub struct CouplingModel {
     pub filter_width: f64,
     /// Whether drag is that of the gas as it would be without the particle itself.
     pub undisturbed: bool,
+    /// How many times finer along each axis the cells are whose voidage drag laws see; none if they see that of the gas's own, filtered.
+    pub local_voidage: Option<usize>,
     /// Smallest voidage: lower ones are raised to it, and their cells counted.
     pub least_voidage: f64,
 }
@@ -61,6 +63,11 @@ impl VolumeAveragedModel {
     pub fn aligned(&self, decomposition: &Decomposition, width: f64) -> Option<Decomposition> {
         let cells = |spacing: f64| GAS_HALO.max((width / spacing).ceil() as usize);
         self.grid.aligned(decomposition, self.grid.spacing().map(cells).into())
+    }
+
+    /// The finest cells on which particles are deposited.
+    pub fn finest_cells(&self) -> BoxGrid {
+        self.grid.refined(self.coupling.local_voidage.unwrap_or(1))
     }
 
     /// What comes in through an inlet while its velocities are at their largest.

@@ -52,6 +52,8 @@ fn a_sphere_falls_as_fast_as_its_drag_law_says() {
         (TERMINAL[0], [3.0, 0.0], 1.065),
         (TERMINAL[0], [1.5, 4.0], 1.025),
         (TERMINAL[1], [3.0, 0.0], 1.15),
+        (TERMINAL[1], [2.0, 0.0], 1.22),
+        (TERMINAL[1], [1.5, 0.0], 1.27),
     ] {
         let with = fall(of, cells, (true, 1.0));
         let without = fall(of, cells, (false, rise));

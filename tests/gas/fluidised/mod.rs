@@ -3,6 +3,7 @@
 mod agglomerates;
 mod column;
 mod cooling;
+mod drifting;
 mod force_balance;
 mod lone_particle;
 mod moving_wall;
@@ -10,6 +11,8 @@ mod one_answer;
 mod packed_bed;
 mod round_column;
 mod settling;
+mod shallow_bed;
+mod vortex;
 
 use crate::beds::Bench;
 use nalgebra::Vector3;
@@ -61,6 +64,7 @@ fn gas_on_cells(
             agglomerates: None,
             filter_width: 0.0,
             undisturbed: false,
+            local_voidage: None,
             least_voidage: 0.2,
         },
         substeps: 5,

@@ -38,6 +38,7 @@ fn a_bed_in_a_gas_has_one_answer_on_any_ranks() {
         let mut bench = bed(width, 200);
         let coupling = &mut bench.volume_averaged.as_mut().unwrap().coupling;
         (coupling.drag.share, coupling.undisturbed) = (share, share == DragShare::Surface);
+        coupling.local_voidage = (width > 0.0).then_some(2);
         let alone = bench.on_ranks([1; 3], |run| run.steps(200).snapshot().bits());
         for grid in GRIDS {
             let bits = bench.on_ranks(grid, |run| run.steps(200).snapshot().bits());

@@ -37,9 +37,9 @@ fn gradient_of(
     let spacing = (PI / 6.0 * cube / (1.0 - voidage)).cbrt();
     let lengths = [8.0 * spacing, 8.0 * spacing, 32.0 * spacing];
     let mut bench = Bench::new(lengths, [PERIODIC, PERIODIC, OPEN]);
-    bench.contact = law(1.0e3, 0.9, 0.1);
+    bench.contact = law(1.0e9 * diameters[0] * diameters[0], 0.9, 0.1);
     bench.density = 1.0e9;
-    bench.skin = Some(0.1 * DIAMETER);
+    bench.skin = Some(0.1 * diameters[0]);
     bench.time_step = 1.0e-5;
     bench.add_layers(2048, (spacing * (1.0 - 1.0e-9), 0.5 * spacing), diameters, (0.0, 0.0));
     let mut model = gas_on_cells(&bench, [2, 2, 8], (DENSITY, VISCOSITY), law_of_drag, velocity);
@@ -65,6 +65,20 @@ fn ergun_in_air() {
     }
     // Negative control: Wen & Yu's law gives another one.
     assert!((gradient(0.40, 0.1, DragLaw::WEN_YU) / 1715.625 - 1.0).abs() > 0.01);
+}
+
+/// A powder of Geldart's group A, slowly: the inertial term is 1e-4 of the whole.
+#[test]
+fn ergun_in_a_fine_powder() {
+    let drop = |diameter: f64| {
+        gradient_in(&[diameter], 0.42, 0.01, (DragLaw::Ergun(Ergun), DragShare::default()))
+    };
+    let found = drop(4.0e-5);
+    println!("Ergun, 40 um: {found:.1} Pa/m for 76662.8");
+    // As above.
+    assert!((found / 76_662.8 - 1.0).abs() < 0.001, "{found}");
+    // Negative control: a diameter 1 % off.
+    assert!((drop(4.04e-5) / 76_662.8 - 1.0).abs() > 0.01);
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod cavity;
 mod driver;
 mod exact;
 mod fixed_bed;
+mod gresho;
 mod jet;
 mod manufactured;
 mod manufactured_in_space;

@@ -68,7 +68,7 @@ fn restitution_out_is_restitution_in() {
 }
 
 /// A weightless sphere after it has met the plate at velocity (v_x, -v_z) with spin.
-fn rebound(
+pub(super) fn rebound(
     contact: LinearSpringDashpot,
     velocity: [f64; 2],
     spin: f64,

@@ -1,10 +1,11 @@
-//! One particle and two against closed forms: MFiX DEM01 to DEM04 and DEM06 by name (Garg et al., Powder Technol.
+//! One particle and two against closed forms: MFiX DEM01 to DEM06 by name (Garg et al., Powder Technol.
 //! 220 (2012) 122), impacts, cohesion, and the gas. A negative control stands beside each.
 
 mod cohesive_impact;
 mod drag;
 mod falling;
 mod impact;
+mod kharaz;
 mod rolling;
 mod softened;
 mod stacked;

@@ -11,8 +11,9 @@
 //!
 //! along axis a: Oseen's flow, with the differences of the grid in the place of k, and with W, what hats, means of faces and filter
 //! leave of a mode (its square is a mean over all places in a cell). q V_p / V, from the hats and the filter alone, is the mean solids fraction
-//! that the particle has of itself; at its place in the cell it is as much larger or smaller as the sum of the squares of its weights. Then the undisturbed slip is U_0 = U / (1 - b kappa S), b being the drag coefficient at U_0 and
-//! the undisturbed voidage, and the force is b U_0.
+//! that the particle has of itself; at its place in the cell it is as much larger or smaller as the sum of the squares of its weights. Then the undisturbed slip is U_0 = U' / (1 - s), s = b kappa S,
+//! b being the drag coefficient at U_0 and the undisturbed voidage, and the force is b U_0. U' is the slip that is seen, times its voidage over the undisturbed one: the gas flows faster where the
+//! particle takes room. The gas that sweeps the disturbance away is that of the particle's own cells, which is slowed by it: kappa is taken at U' (1 - s).
 //!
 //! In a bed each particle has others around it at places that are not random: what is around a particle beyond the mean is S
 //! times its own share, S the structure factor of hard spheres for long waves (Carnahan & Starling, J. Chem. Phys. 51 (1969) 635):
@@ -26,7 +27,7 @@
 //! limits, where omega V is the mean of W^2 (1 - k_a^2 / k^2).
 //!
 //! It holds for cells of 3 diameters and more, or with a filter of as much: on smaller ones the gas around the particle is so much slower
-//! that Oseen's flow is no longer its own.
+//! that Oseen's flow is no longer its own, though the speed U' (1 - s) does most of that.
 //!
 //! The need of it: Horwitz & Mani, J. Comput. Phys. 318 (2016) 85-109; Ireland & Desjardins, J. Comput. Phys. 338 (2017)
 //! 405-430; for Oseen's flow around smoothed forces: Balachandar, Liu & Lakhote, J. Comput. Phys. 376 (2019) 160-185.
@@ -45,8 +46,8 @@ const OF_HATS: f64 = 8.0 / 27.0;
 const INTERVALS: usize = 32;
 /// Largest b kappa S: beyond, cells are too small beside the particle for a correction to have a meaning.
 const LARGEST_SHARE: f64 = 0.75;
-/// The drag coefficient hardly depends on the slip: the error falls by a factor of some 5 each time.
-const ITERATIONS: usize = 4;
+/// Drag coefficient and mobility depend little on the slip: the error falls by a factor of 3 or more each time.
+const ITERATIONS: usize = 6;
 
 /// Mobilities of the gas at the place of a force, on one grid. All ranks have the same.
 #[derive(Clone, Debug)]
@@ -152,36 +153,40 @@ impl OwnDisturbance {
         let around = (seen.solids_fraction - own).max(0.0);
         let structure = structure_factor(around);
         let solids_fraction = (seen.solids_fraction - own * structure).max(0.0);
-        let speed = seen.slip.norm();
-        let mobility = self.mobility(&seen.slip, speed);
-        // kappa phi / (V_p omega): what the drag of the others adds to 1 / kappa, per drag coefficient.
-        let screening = mobility * around / (seen.volume * self.share_of_force);
-        let mut amplified = 1.0;
-        let mut coefficient = 0.0;
+        // The gas flows faster where the particle itself takes room.
+        let widened = (1.0 - seen.solids_fraction) / (1.0 - solids_fraction);
+        let speed = seen.slip.norm() * widened;
+        let (mut share, mut coefficient) = (0.0_f64, 0.0);
         for _ in 0..ITERATIONS {
-            coefficient = drag(solids_fraction, (1.0 - solids_fraction) * (speed * amplified));
-            let share = coefficient * mobility * structure / (1.0 + coefficient * screening);
-            amplified = 1.0 / (1.0 - share.min(LARGEST_SHARE));
+            let undisturbed = speed / (1.0 - share);
+            coefficient = drag(solids_fraction, (1.0 - solids_fraction) * undisturbed);
+            // What sweeps the disturbance away is slowed by it once more.
+            let mobility = self.mobility(&seen.slip, speed * (1.0 - share));
+            // kappa phi / (V_p omega): what the drag of the others adds to 1 / kappa, per drag coefficient.
+            let screening = mobility * around / (seen.volume * self.share_of_force);
+            let taken = coefficient * mobility * structure / (1.0 + coefficient * screening);
+            share = taken.min(LARGEST_SHARE);
         }
-        coefficient * amplified
+        coefficient * widened / (1.0 - share)
     }
 
     /// By how much a coefficient may exceed that of the drag law.
     pub(super) const LARGEST_FACTOR: f64 = 1.0 / (1.0 - LARGEST_SHARE);
 
-    /// kappa along the slip.
-    fn mobility(&self, slip: &Vector3<f64>, speed: f64) -> f64 {
+    /// kappa along the slip, where the gas sweeps by at this speed.
+    fn mobility(&self, slip: &Vector3<f64>, swept: f64) -> f64 {
         let along = |axis: usize| {
-            let x = self.inertia * speed * self.spacing[axis];
+            let x = self.inertia * swept * self.spacing[axis];
             let place = x / (1.0 + x) * INTERVALS as f64;
             let below = (place as usize).min(INTERVALS - 1);
             let (table, part) = (&self.mobility[axis], place - below as f64);
             table[below] + part * (table[below + 1] - table[below])
         };
-        if speed == 0.0 {
+        let length = slip.norm();
+        if length == 0.0 {
             return (along(0) + along(1) + along(2)) / 3.0;
         }
-        let part = |axis: usize| (slip[axis] / speed).powi(2);
+        let part = |axis: usize| (slip[axis] / length).powi(2);
         part(0) * along(0) + part(1) * along(1) + part(2) * along(2)
     }
 }
@@ -237,7 +242,7 @@ impl Wave {
 }
 
 /// S(phi) of hard spheres for long waves.
-fn structure_factor(phi: f64) -> f64 {
+pub(super) fn structure_factor(phi: f64) -> f64 {
     let square = phi * phi;
     let compressibility = 1.0 + 4.0 * phi + 4.0 * square - 4.0 * square * phi + square * square;
     (1.0 - phi).powi(4) / compressibility

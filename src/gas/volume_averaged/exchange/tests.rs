@@ -32,7 +32,20 @@ fn model(filter_width: f64) -> CouplingModel {
         density: 0.05,
         parcel_size: 1.0,
     };
-    CouplingModel { drag, filter_width, agglomerates: None, undisturbed: false, least_voidage: 0.2 }
+    CouplingModel {
+        drag,
+        filter_width,
+        agglomerates: None,
+        undisturbed: false,
+        local_voidage: None,
+        least_voidage: 0.2,
+    }
+}
+
+/// Without and with a filter, and with a filter and the voidage of finer cells for the drag.
+fn models() -> [CouplingModel; 3] {
+    let local = CouplingModel { local_voidage: Some(2), ..model(2.0) };
+    [model(0.0), model(2.0), local]
 }
 
 fn limits() -> ParticleLimits {
@@ -163,8 +176,8 @@ fn exact(numbers: impl Iterator<Item = f64>) -> f64 {
 #[test]
 fn volume_of_solids_is_conserved_at_walls_too() {
     let volume = 300.0 * PI / 6.0 * DIAMETER.powi(3);
-    for width in [0.0, 2.0] {
-        let found = couple([1; 3], &model(width), (300, STEP)).unwrap();
+    for model in models() {
+        let found = couple([1; 3], &model, (300, STEP)).unwrap();
         let cell = BoxGrid::new(&bounds(), COUNTS).cell_volume();
         let solids = exact(found.cells.iter().map(|cell_of| (1.0 - cell_of[0]) * cell));
         // 420 cells whose voidage near 1 is rounded to 2^-53, and about 10 steps of the filter.
@@ -216,8 +229,8 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
 
 #[test]
 fn particles_gain_what_the_gas_loses() {
-    for width in [0.0, 2.0] {
-        let found = couple([1; 3], &model(width), (300, STEP)).unwrap();
+    for model in models() {
+        let found = couple([1; 3], &model, (300, STEP)).unwrap();
         let lost = lost_by_gas(&found);
         for axis in 0..3 {
             let gained = exact(found.forces.iter().map(|force| force[axis]));
@@ -263,12 +276,15 @@ fn another_interpolation_would_not_conserve_momentum() {
 
 #[test]
 fn the_bits_do_not_depend_on_the_cut() {
-    for width in [0.0, 2.0] {
-        let alone = couple([1; 3], &model(width), (300, STEP)).unwrap();
+    let mut found = Vec::new();
+    for model in models() {
+        let alone = couple([1; 3], &model, (300, STEP)).unwrap();
         for grid in [[1, 1, 2], [1, 1, 3], [2, 2, 2], [3, 1, 1]] {
-            assert!(couple(grid, &model(width), (300, STEP)).unwrap() == alone, "{grid:?} {width}");
+            assert!(couple(grid, &model, (300, STEP)).unwrap() == alone, "{grid:?} {model:?}");
         }
+        found.push(alone);
     }
+    assert!(found[1] != found[2]); // a control: the finer voidage acts
 }
 
 #[test]
@@ -288,10 +304,15 @@ fn cells_that_are_too_full_are_counted() {
 
 #[test]
 fn cells_smaller_than_the_drift_of_particles_are_refused() {
-    let cells = BoxGrid::new(&bounds(), [40, 5, 12]);
     let bounds = bounds();
     let decomposition = Decomposition::even(RankGrid([1; 3]), &bounds);
     let subdomain = decomposition.subdomain(&bounds, 0);
-    let result = ParticleExchange::new(&model(0.0), limits(), (&cells, None), subdomain);
-    assert!(result.unwrap_err().contains("may drift"));
+    let refused = |counts, local_voidage| {
+        let model = CouplingModel { local_voidage, ..model(0.0) };
+        let cells = BoxGrid::new(&bounds, counts);
+        ParticleExchange::new(&model, limits(), (&cells, None), subdomain)
+            .is_err_and(|message| message.contains("may drift"))
+    };
+    assert!(refused([40, 5, 12], None) && refused([20, 5, 12], Some(2)));
+    assert!(!refused([20, 5, 12], None)); // a control
 }
