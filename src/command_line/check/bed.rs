@@ -86,19 +86,23 @@ impl BedAtRest {
         if lost > LARGE_LOSS {
             let cells = self.height / spacing;
             let percent = 100.0 * lost.min(1.0);
+            let advice = self.advice_on_finer_cells(spacing, lost, sizes);
             lines.warn(&format!(
                 "at rest the bed is {cells:.1} cells of the gas high: cells and filter smear its surfaces, which takes some \
-                 {percent:.0} % from its pressure drop below U_mf, and raises U_mf; voids smaller than a cell are not seen"
+                 {percent:.0} % from its pressure drop below U_mf, and raises U_mf; voids smaller than a cell are not seen{advice}"
             ));
-            let finer = (spacing / (ADVISED_CELL * sizes.largest_diameter)).round().max(1.0);
-            let of_finer = (LOST_DEPTH * spacing / finer / self.height).min(1.0);
-            if of_finer < 0.8 * lost {
-                let percent = 100.0 * of_finer;
-                lines.warn(&format!(
-                    "gas.local_voidage = {finer} would take some {percent:.0} % instead"
-                ));
-            }
         }
+    }
+
+    /// What the voidage of finer cells would leave of the part that is lost, if it is much less.
+    fn advice_on_finer_cells(&self, spacing: f64, lost: f64, sizes: &SizeRange) -> String {
+        let finer = (spacing / (ADVISED_CELL * sizes.largest_diameter)).round().max(1.0);
+        let of_finer = (LOST_DEPTH * spacing / finer / self.height).min(1.0);
+        if of_finer < 0.8 * lost {
+            let percent = 100.0 * of_finer;
+            return format!("; gas.local_voidage = {finer} would take some {percent:.0} % instead");
+        }
+        String::new()
     }
 
     /// How far the weight of the bed, and an impact at the highest speed of a stage, press two particles together.
