@@ -109,8 +109,8 @@ def dispersion(results: Path) -> Section | None:
     along, across = (by_case(windows, column(name)) for name in ("secant_z", "secant_x"))
     ratios = {case: along[case].mean / across[case].mean for case in along}
     statements = [
-        Statement("D_sz [m^2/s], largest slope of a secant", "curves, no numbers in words", told(along), None),
-        Statement("D_sx [m^2/s]", "curves, no numbers in words", told(across), None),
+        Statement("D_sz [m^2/s], largest slope of a secant", "curves; the text has no numbers", told(along), None),
+        Statement("D_sx [m^2/s]", "curves; the text has no numbers", told(across), None),
         Statement("D_sz over D_sx", "much larger than 1; asked here: more than 3",
                   "; ".join(f"{case}: {ratio:.2g}" for case, ratio in ratios.items()), all(ratio > 3.0 for ratio in ratios.values())),
     ]  # fmt: skip

@@ -82,7 +82,7 @@ def column(name: str) -> Callable[[StudyTable], list[float]]:
 
 
 def told(values: Values) -> str:
-    """All cases in words."""
+    """All cases, one after the other."""
     return "; ".join(f"{case}: {brief(found)}" for case, found in values.items()) or "none"
 
 
