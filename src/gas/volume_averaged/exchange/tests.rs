@@ -231,18 +231,24 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
     })
 }
 
+/// What 300 particles gain the gas loses, but for rounding; and the run says so.
+#[track_caller]
+fn assert_momentum_is_kept(found: &Found) {
+    let lost = lost_by_gas(found);
+    for axis in 0..3 {
+        let gained = exact(found.forces.iter().map(|force| force[axis]));
+        // 300 forces of order 1, each rounded by up to FORCES 2^-52, and 2400 shares of drag by about as much.
+        let rounding = 2700.0 * FORCES * 2.0_f64.powi(-52);
+        assert!((gained - lost[axis]).abs() < rounding, "{gained} {lost:?}");
+        assert!(found.error < rounding, "as the run says: {}", found.error);
+    }
+}
+
 #[test]
 fn particles_gain_what_the_gas_loses() {
     for model in models() {
         let found = couple([1; 3], &model, (300, STEP)).unwrap();
-        let lost = lost_by_gas(&found);
-        for axis in 0..3 {
-            let gained = exact(found.forces.iter().map(|force| force[axis]));
-            // 300 forces of order 1, each rounded by up to FORCES 2^-52, and 2400 shares of drag by about as much.
-            let rounding = 2700.0 * FORCES * 2.0_f64.powi(-52);
-            assert!((gained - lost[axis]).abs() < rounding, "{gained} {lost:?}");
-            assert!(found.error < rounding, "as the run says: {}", found.error);
-        }
+        assert_momentum_is_kept(&found);
         assert!(found.forces.iter().any(|force| force[2].abs() > 0.1)); // a control
     }
 }
@@ -253,18 +259,12 @@ fn members_of_agglomerates_gain_what_the_gas_loses() {
     let of_law = couple([1; 3], &model, (300, STEP)).unwrap();
     model.agglomerates = Some(AgglomerateDrag { every: 1, smallest: 2 });
     let found = couple([1; 3], &model, (300, STEP)).unwrap();
-    let lost = lost_by_gas(&found);
-    for axis in 0..3 {
-        let gained = exact(found.forces.iter().map(|force| force[axis]));
-        // As above.
-        let rounding = 2700.0 * FORCES * 2.0_f64.powi(-52);
-        assert!((gained - lost[axis]).abs() < rounding, "{gained} {lost:?}");
-    }
+    assert_momentum_is_kept(&found);
     for grid in [[1, 1, 2], [2, 2, 2]] {
         assert!(couple(grid, &model, (300, STEP)).unwrap() == found, "{grid:?}");
     }
     // The control: the drag of the law would be lost otherwise.
-    let of_law = lost_by_gas(&of_law);
+    let [lost, of_law] = [&found, &of_law].map(lost_by_gas);
     assert!((lost[2] / of_law[2] - 1.0).abs() > 0.05, "{lost:?} {of_law:?}");
 }
 
