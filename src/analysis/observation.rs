@@ -5,7 +5,7 @@ use super::{BedProfile, MomentumProbe};
 use crate::domain::BASE_PLATE;
 use crate::gas::GasObservables;
 use crate::parallel::Communicator;
-use crate::state::{Domain, Models, State, Tallies, Workspace};
+use crate::state::{Domain, Models, State, Workspace};
 
 /// A run at the end of a step, to be read.
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub struct RunView<'a> {
     pub domain: &'a Domain,
     /// What acts.
     pub models: &'a Models,
-    /// Lists, tallies, and the gas on its grid.
+    /// Lists, forces on walls, and the gas on its grid.
     pub work: &'a Workspace,
 }
 
@@ -143,11 +143,12 @@ impl ParticleSums {
 }
 
 impl ExternalForces {
-    /// From the tallies of the last force evaluation, in which walls are pushed by the particles. Collective.
+    /// Of the last force evaluation, in which walls are pushed by the particles. Collective.
     fn of(view: RunView<'_>, ranks: &dyn Communicator) -> Self {
         let RunView { state, domain, models, work } = view;
-        let Tallies { on_walls, by_gas } = &work.tallies;
+        let on_walls = &work.on_walls;
         let particles = &state.particles;
+        let by_gas = work.gas.total_force(particles, models.force_quantum);
         let weight = models.weight_at(state.clock.time());
         let owned = particles.body[..particles.owned_count()].iter();
         let weight: i64 = owned.map(|body| weight.quantum.count(weight.of(body.mass))).sum();

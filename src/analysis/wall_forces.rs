@@ -21,7 +21,7 @@ pub struct WallForce {
 /// Forces are those of the last evaluation: before the first step after a restart there are none.
 pub fn wall_forces(view: RunView<'_>, ranks: &dyn Communicator) -> Vec<WallForce> {
     let RunView { domain, models, work, .. } = view;
-    let tallies = &work.tallies.on_walls;
+    let tallies = &work.on_walls;
     let walls = || 0..tallies.walls();
     let mut counts: Vec<i64> = walls()
         .flat_map(|wall| {

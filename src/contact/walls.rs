@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 /// Adds the forces and torques of walls on particles; tallies the force on each wall.
 ///
 /// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with its own law, attraction and
-/// velocity.
+/// velocity. Beyond the range of any force the law is not asked, unless a contact still has to end.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.
@@ -26,8 +26,12 @@ pub(crate) fn add_wall_forces(
     for slot in 0..contacts.wall_pairs.len() {
         let pair = contacts.wall_pairs[slot];
         let (i, number) = (pair.particle as usize, pair.wall as usize);
-        let at_wall = laws.at_wall(number, particles.body[i].species());
-        let (wall, pose) = (&walls.walls[number], &walls.poses[number]);
+        let (wall, pose, body) = (&walls.walls[number], &walls.poses[number], &particles.body[i]);
+        let separation = wall.height_at(&body.position, pose) - body.radius;
+        if separation > laws.ranges.any && !contacts.wall_touching[slot] {
+            continue;
+        }
+        let at_wall = laws.at_wall(number, body.species());
         let contact = contact_with(wall, pose, particles, i, at_wall.cohesion);
         let (force, rolling) = evaluate(at_wall.contact, &contact, contacts, slot, laws.dt);
         let on_wall =

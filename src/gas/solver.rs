@@ -7,6 +7,7 @@ use super::{
     ParticleLimits,
 };
 use crate::domain::{Decomposition, Subdomain, Wall};
+use crate::numbers::Quantum;
 use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -128,15 +129,19 @@ impl GasSolver {
         }
     }
 
-    /// Adds the force of the gas to each owned particle; returns their sum here, in quanta of force.
+    /// Adds the force of the gas to each owned particle.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
+    pub fn add_forces(&self, particles: &mut Particles) -> Result<(), GasForceOutOfRange> {
         match self {
-            Self::None => Ok([0; 3]),
+            Self::None => Ok(()),
             Self::Column(solver) => solver.add_forces(particles),
-            Self::VolumeAveraged(solver) => Ok(solver.add_forces(particles)),
+            Self::VolumeAveraged(_) => {
+                let Particles { forces, gas_force, .. } = particles;
+                forces.iter_mut().zip(&*gas_force).for_each(|(load, force)| load.force += force);
+                Ok(())
+            }
         }
     }
 
@@ -153,6 +158,15 @@ impl GasSolver {
     /// Whether the next step of the gas will most likely be refused as too long; the same on all ranks.
     pub fn next_is_too_long(&self) -> bool {
         matches!(self, Self::VolumeAveraged(solver) if solver.next_is_too_long())
+    }
+
+    /// The sum of these forces, in quanta of force.
+    pub fn total_force(&self, particles: &Particles, quantum: Quantum) -> [i64; 3] {
+        let mut total = [0; 3];
+        for force in self.forces_on(particles) {
+            (0..3).for_each(|axis| total[axis] += quantum.count(force[axis]));
+        }
+        total
     }
 
     /// What the time series shows. Collective.

@@ -355,8 +355,7 @@ fn begin(
     let models = case.stages[stage].models(&state.sizes);
     state.clock = state.clock.with_time_step(models.physics.time_step);
     work.prepare(&case.domain, &models, &state.sizes);
-    work.tallies
-        .on_walls
+    work.on_walls
         .set_classes(case.particles.classes().iter().map(|class| class.diameter).collect());
     let opens_ledger = prepare_ledger(case, state);
     time_step::begin(state, &case.domain, &models, work, std::mem::take(histories), ranks)?;

@@ -22,4 +22,4 @@ pub use limits::{Limits, SizeRange};
 pub use models::Models;
 pub use physics::Physics;
 pub use run_state::{Departed, State};
-pub use workspace::{Requests, Tallies, Workspace};
+pub use workspace::{Requests, Workspace};

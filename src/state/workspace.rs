@@ -31,8 +31,8 @@ pub struct Workspace {
     pub wall_poses: Vec<WallPose>,
     /// The gas of the present stage.
     pub gas: GasSolver,
-    /// Sums of the last force evaluation.
-    pub tallies: Tallies,
+    /// Forces on walls at the last evaluation, by this rank's particles.
+    pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
     /// Of that, on particles at the last look at the ranks' loads.
@@ -50,16 +50,6 @@ pub struct Requests {
     pub stop: bool,
     /// Write a checkpoint and go on.
     pub checkpoint: bool,
-}
-
-/// External forces on this rank's particles at the last evaluation, as counts of the force lattice: sums
-/// over ranks are exact.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tallies {
-    /// On each wall, by the particles.
-    pub on_walls: WallTallies,
-    /// On the particles, by the gas.
-    pub by_gas: [i64; 3],
 }
 
 impl Workspace {
@@ -80,7 +70,7 @@ impl Workspace {
             balance,
             wall_poses: Vec::new(),
             gas: GasSolver::None,
-            tallies: Tallies::default(),
+            on_walls: WallTallies::default(),
             timers: Timers::default(),
             looked_at: Duration::ZERO,
             fault: None,
@@ -130,8 +120,7 @@ impl Workspace {
     /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
         self.list_range.interaction = models.range(sizes);
-        self.tallies.on_walls.reset(domain.walls.len());
-        self.tallies.by_gas = [0; 3];
+        self.on_walls.reset(domain.walls.len());
         self.gas = GasSolver::None;
     }
 }

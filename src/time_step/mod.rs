@@ -258,7 +258,7 @@ fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, wor
     let State { particles, contacts, .. } = state;
     let added = work.timers.time(Phase::Walls, || {
         let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
-        add_wall_forces(particles, contacts, walls, laws, &mut work.tallies.on_walls)
+        add_wall_forces(particles, contacts, walls, laws, &mut work.on_walls)
     });
     work.note_fault(added);
 }
@@ -266,5 +266,5 @@ fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, wor
 fn add_gas_forces(state: &mut State, work: &mut Workspace) {
     let particles = &mut state.particles;
     let added = work.timers.time(Phase::GasForce, || work.gas.add_forces(particles));
-    work.tallies.by_gas = work.note_fault(added).unwrap_or([0; 3]);
+    work.note_fault(added);
 }

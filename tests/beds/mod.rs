@@ -275,6 +275,13 @@ impl Run<'_> {
         self
     }
 
+    /// Force of the gas on all particles of this rank.
+    pub(crate) fn gas_force(&self) -> Vector3<f64> {
+        let quantum = self.models.force_quantum;
+        let counts = self.work.gas.total_force(&self.state.particles, quantum);
+        Vector3::from(counts.map(|count| count as f64 * quantum.spacing()))
+    }
+
     /// A particle of this rank.
     pub(crate) fn particle(&self, id: u64) -> ParticleRecord {
         self.0.particle(id).expect("the particle is owned here")

@@ -31,7 +31,7 @@ fn column<'a>(run: &'a Run) -> &'a ColumnSolver {
 /// Vertical gas force on all particles, over the cross-section.
 fn pressure_on_bed(run: &Run) -> f64 {
     let area = run.domain.bounds.cross_section();
-    run.work.tallies.by_gas[2] as f64 * run.models.force_quantum.spacing() / area
+    run.gas_force().z / area
 }
 
 /// The pressure on the plate of a lattice that is held fast, at multiples of `every` steps after the flow has fallen to a half.
@@ -48,9 +48,7 @@ fn relaxation(layers: u64, pressure: f64, dt: f64, every: usize) -> Vec<f64> {
         let (gas, particles) = (&mut state.gas, &mut state.particles);
         run.0.work.gas.advance(gas, particles, &step_of_gas, run.0.ranks).unwrap();
         if step % every == 0 {
-            particles.forces.iter_mut().for_each(|load| load.force.fill(0.0));
-            let total = run.0.work.gas.add_forces(particles).unwrap()[2] as f64;
-            found.push(total * run.models.force_quantum.spacing() / (WIDTH * WIDTH) / flow);
+            found.push(run.gas_force().z / (WIDTH * WIDTH) / flow);
         }
     }
     found

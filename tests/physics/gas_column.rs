@@ -4,7 +4,7 @@ use crate::beds::{Bench, OPEN, PERIODIC, PLATE, Run, attraction, gas, law, shake
 use std::f64::consts::PI;
 use talcum::analysis::{BedProfile, Measures, MomentumProbe, RunView, measure};
 use talcum::domain::{EffectiveGravity, Face};
-use talcum::gas::{DragLaw, DragShare, Drive, WeightBalance};
+use talcum::gas::{DragLaw, DragShare, Drive, GasSolver, WeightBalance};
 use talcum::grid::ColumnGrid;
 
 const VISCOSITY: f64 = 1.0 / 55.0;
@@ -66,7 +66,7 @@ fn the_pressure_drop_of_a_fixed_bed_is_beta_u() {
             // The bed is uniform, so the force on the particles is the same, but for the rounding of each to
             // half a spacing of the lattice, and round-off.
             let spacing = run.models.force_quantum.spacing();
-            let force = run.work.tallies.by_gas[2] as f64 * spacing;
+            let force = run.gas_force().z;
             let rounding = 160.0 * 0.5 * spacing / 25.0 + 1.0e-12 * expected.abs();
             assert!((force / 25.0 - expected).abs() < rounding, "{force}");
             // Negative control: a voidage left out once.
@@ -178,7 +178,7 @@ fn plate_gas_and_weight_change_the_momentum_at_every_step() {
                     // Negative control: the same balance without the gas.
                     let probe = MomentumProbe::take(&run.state.particles, run.ranks);
                     run.steps(1);
-                    run.work.tallies.by_gas = [0; 3];
+                    run.work.gas = GasSolver::None;
                     let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                     let probe = Some(probe);
                     let view = RunView { state, domain, models, work };

@@ -48,7 +48,7 @@ fn velocity(run: &Run) -> f64 {
 
 /// Vertical gas force on all particles, over the cross-section.
 fn pressure_on_bed(run: &Run) -> f64 {
-    run.work.tallies.by_gas[2] as f64 * run.models.force_quantum.spacing() / AREA
+    run.gas_force().z / AREA
 }
 
 /// U_s at a time after the supply of a bed that is held fast has fallen from 0.1 to 0.04, and the slope of the pressure drop

@@ -61,7 +61,7 @@ fn forces_by_size_add_up_and_are_the_same_bits_on_any_ranks() {
     let bench = bed();
     let of = |grid: [usize; 3]| {
         bench.on_ranks(grid, |run| {
-            run.work.tallies.on_walls.set_classes(vec![0.9, 0.8, 1.0]);
+            run.work.on_walls.set_classes(vec![0.9, 0.8, 1.0]);
             run.steps(3000).wall_forces()
         })
     };

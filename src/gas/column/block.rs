@@ -2,7 +2,7 @@
 
 use crate::coupling::{ColumnBlock, DragShare, Lanes};
 use crate::gas::ParticleDrag;
-use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged, four};
+use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged};
 use crate::particles::{ForceTorque, LANES};
 use std::f64::consts::PI;
 
@@ -154,26 +154,25 @@ pub(super) struct ForceTooLarge {
     pub(super) solids_fraction: f64,
 }
 
-/// Adds the gas force to each particle; gives their sum, as counts of the lattice.
+/// Adds the gas force to each particle.
 pub(super) struct AddForces<'a> {
     pub(super) column: ParticlesInColumn<'a>,
     /// Whether there is lateral drag.
     pub(super) lateral: bool,
     pub(super) quantum: Quantum,
-    /// Of a component of a force; the lattice has room for as many of them as there are lanes.
+    /// Of a component of a force.
     pub(super) limit: f64,
     pub(super) loads: &'a mut [ForceTorque],
 }
 
 impl SimdKernel for AddForces<'_> {
-    type Output = Result<[i64; 3], ForceTooLarge>;
+    type Output = Result<(), ForceTooLarge>;
 
     #[inline(always)]
     fn run<Q: F64x4>(self) -> Self::Output {
         let Self { column, quantum, limit, .. } = self;
         let mut block = GasBlock::default();
         let (mut force, mut out_of_range) = ([0.0; LANES], [0; LANES]);
-        let mut total = [0; 3];
         let chunks = column.blocks.iter().zip(self.loads.chunks_mut(LANES));
         for (number, (particles, loads)) in chunks.enumerate() {
             block.fill::<Q>(&column, particles);
@@ -196,27 +195,11 @@ impl SimdKernel for AddForces<'_> {
                         solids_fraction: block.solids_fraction[lane],
                     });
                 }
-                total[axis] += quantum.count(scatter::<Q>(axis, &mut force, loads));
+                loads.iter_mut().zip(&force).for_each(|(load, force)| load.force[axis] += force);
             }
         }
-        Ok(total)
+        Ok(())
     }
-}
-
-/// Puts a component of the forces on the particles of a block; gives its sum.
-#[inline(always)]
-fn scatter<Q: F64x4>(axis: usize, force: &mut Lanes, loads: &mut [ForceTorque]) -> f64 {
-    force[loads.len()..].fill(0.0);
-    for (load, force) in loads.iter_mut().zip(&*force) {
-        load.force[axis] += force;
-    }
-    let mut sums = Q::splat(0.0);
-    for from in (0..LANES).step_by(4) {
-        sums = sums.plus(Q::load(four(force, from)));
-    }
-    let mut sum = [0.0; 4];
-    sums.store(&mut sum);
-    sum.iter().sum()
 }
 
 /// Sums the force at U_s = 0 and its slope dF/dU_s, with the drag of the column's U_s, as counts of their lattices.

@@ -213,8 +213,7 @@ impl ColumnSolver {
         }
     }
 
-    /// Adds the gas force to each owned particle, at the position and velocity that it was deposited with; returns
-    /// their sum here, in quanta of force.
+    /// Adds the gas force to each owned particle, at the position and velocity that it was deposited with.
     ///
     /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
     /// -dp/dz = B (u_g - u_d) / (1 - phi), B the drag of all particles per volume; laterally -(V / phi) beta v if the
@@ -223,7 +222,7 @@ impl ColumnSolver {
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub fn add_forces(&self, particles: &mut Particles) -> Result<[i64; 3], GasForceOutOfRange> {
+    pub fn add_forces(&self, particles: &mut Particles) -> Result<(), GasForceOutOfRange> {
         let owned = particles.owned_count();
         self.add_to(&mut particles.forces[..owned], &particles.id)
     }
@@ -236,11 +235,7 @@ impl ColumnSolver {
         loads.into_iter().map(|load| load.force).collect()
     }
 
-    fn add_to(
-        &self,
-        loads: &mut [ForceTorque],
-        ids: &[u64],
-    ) -> Result<[i64; 3], GasForceOutOfRange> {
+    fn add_to(&self, loads: &mut [ForceTorque], ids: &[u64]) -> Result<(), GasForceOutOfRange> {
         let column = self.particles_in(match self.velocities.is_empty() {
             true => SuperficialVelocity::Uniform(self.superficial_velocity),
             false => SuperficialVelocity::Between(&self.between_velocities),

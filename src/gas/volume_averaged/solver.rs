@@ -14,7 +14,6 @@ use crate::particles::Particles;
 #[derive(Clone, Debug)]
 pub struct VolumeAveragedSolver {
     model: VolumeAveragedModel,
-    limits: ParticleLimits,
     exchange: ParticleExchange,
     equations: NavierStokesSolver,
     next_is_too_long: bool,
@@ -41,7 +40,7 @@ impl VolumeAveragedSolver {
         if let Some(column) = column {
             equations = equations.in_column(grid, column, model.gas.viscosity);
         }
-        Ok(Self { model, limits, exchange, equations, next_is_too_long: false })
+        Ok(Self { model, exchange, equations, next_is_too_long: false })
     }
 
     /// Gas at rest between the particles. Collective.
@@ -113,19 +112,6 @@ impl VolumeAveragedSolver {
     /// Whether the next step will be refused as too long, if the voidage stays what it is; the same on all ranks.
     pub fn next_is_too_long(&self) -> bool {
         self.next_is_too_long
-    }
-
-    /// Adds the force of the last gas step to each owned particle; returns their sum here, in quanta of force.
-    pub fn add_forces(&self, particles: &mut Particles) -> [i64; 3] {
-        let mut total = [0; 3];
-        for i in 0..particles.owned_count() {
-            let force = particles.gas_force[i];
-            particles.forces[i].force += force;
-            for axis in 0..3 {
-                total[axis] += self.limits.force_quantum.count(force[axis]);
-            }
-        }
-        total
     }
 
     /// Superficial velocity through the bottom, and pressure drop from bottom to top, hydrostatic head left out. In

@@ -71,8 +71,8 @@ fn next_cycle(run: &mut Run) -> Cycle {
     for row in &mut cycle {
         for step in 1..=steps {
             run.steps(1);
-            row[0] -= force * run.work.tallies.on_walls.on_wall(0)[2] as f64;
-            row[1] += force * run.work.tallies.by_gas[2] as f64;
+            row[0] -= force * run.work.on_walls.on_wall(0)[2] as f64;
+            row[1] += run.gas_force().z / (weight * steps as f64);
             if step % (steps / samples) == 0 {
                 let talcum::setup::Run { state, domain, models, work, ranks } = &mut **run;
                 let view = RunView { state, domain, models, work };

@@ -131,9 +131,9 @@ fn a_moving_plate_carries_a_sphere_along() {
     let slips_until = 2.0 / 7.0 * speed / mu;
     for _ in 0..(1.5 * slips_until / dt) as u64 {
         // The balance of momentum: what the wall does is what the sphere gets.
-        let before = run.work.tallies.on_walls.on_wall(0)[0];
+        let before = run.work.on_walls.on_wall(0)[0];
         run.steps(1);
-        let after = run.work.tallies.on_walls.on_wall(0)[0];
+        let after = run.work.on_walls.on_wall(0)[0];
         impulse -= 0.5 * dt * (before + after) as f64 * run.models.force_quantum.spacing();
         let sphere = run.particle(0);
         let gained = sphere.mass * sphere.velocity[0];
