@@ -65,14 +65,16 @@ pub(super) fn describe_gas(
 }
 
 /// How much too fast the largest or the smallest particle falls alone, whichever is worse: it sees the gas that it moves itself.
+/// Drag from agglomerates leaves no choice, so that it is not said there.
 fn describe_lone_fall(
     lines: &mut Lines,
     case: &Case,
     model: &VolumeAveragedModel,
     (gravity, sizes): (f64, &SizeRange),
 ) {
-    let CouplingModel { drag, filter_width, undisturbed, .. } = &model.coupling;
-    if *undisturbed || gravity <= 0.0 || drag.density <= 0.0 || drag.viscosity <= 0.0 {
+    let CouplingModel { drag, filter_width, undisturbed, agglomerates, .. } = &model.coupling;
+    let as_it_must_be = *undisturbed || agglomerates.is_some();
+    if as_it_must_be || gravity <= 0.0 || drag.density <= 0.0 || drag.viscosity <= 0.0 {
         return;
     }
     let excess = |diameter: f64| {
