@@ -7,7 +7,7 @@ from pathlib import Path
 from moon2006_tables import sources, table
 from moon2006_thresholds import critical
 from report import Section, Statement
-from study_tables import StudyTable
+from study_tables import Estimate, StudyTable
 from talcum_results import BLACK, BLUE, GREEN, GREY, ORANGE, RED, new_figure
 
 import numpy as np
@@ -22,6 +22,12 @@ MARKS = {
     "disordered": ("x", BLACK, "disordered"),
 }
 """How a state of `waves.state` is drawn, and what it is called."""
+
+
+SOFT, STIFF = 2.0e5, 2.0e6
+"""k_n; soft particles with the work of the stiff ones have the Bond number and the work of those."""
+CUT_OFF, RANGE = 8.0e-6, 0.01
+"""Of the attraction in the cases: constant up to the one, then as the inverse square up to the other."""
 
 
 def drawn(runs: StudyTable, lines: list[tuple[float, StudyTable]]) -> Figure:
@@ -78,6 +84,12 @@ def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
     return Statement("Bo_c with more gas over that at U_s 0.12", "a little more than 1", told, all(1.0 <= r < 1.5 for r in known) if known else None)
 
 
+def work_of_parting(bond_number: float, stiffness: float) -> float:
+    """What it takes to part two particles: the work of the attraction, and what it has stored in the spring."""
+    force = bond_number * np.pi / 6
+    return force * CUT_OFF * (2 - CUT_OFF / RANGE) + force**2 / (2 * stiffness)
+
+
 def stiffness(results: Path) -> Section | None:
     """Bo_c of stiff particles, and of soft ones with the force or the work of the stiff ones."""
     points, soft = table(results, "stiffness", "points"), table(results, "fig4", "points")
@@ -87,11 +99,15 @@ def stiffness(results: Path) -> Section | None:
         "keeps_force": "stiff particles, k_n 2e6",
         "keeps_work": "k_n 2e5, with the work of parting of the stiff ones",
     }
-    statements = [Statement(f"Bo_c: {named[row['softening']]}", "does not depend on k_n", str(critical(points, row)), None)
-                  for row in points.rows]  # fmt: skip
-    for row in soft.where(gamma=3.0).rows if soft else []:
-        statements.append(Statement("Bo_c: k_n 2e5, with the force of the stiff ones (Fig. 4)", "does not depend on k_n",
-                                    str(critical(soft, row)), None))  # fmt: skip
+    beds = [(named[row["softening"]], STIFF, critical(points, row)) for row in points.rows]
+    same = soft.where(gamma=3.0).rows if soft else []
+    beds += [("k_n 2e5, with the force of the stiff ones (Fig. 4)", SOFT, critical(soft, row)) for row in same]
+    statements = []
+    for name, stiffness_of_work, found in beds:
+        statements.append(Statement(f"Bo_c: {name}", "does not depend on k_n", str(found), None))
+        works = (work_of_parting(bond, stiffness_of_work) for bond in (found.mean, found.lower, found.upper))
+        work = Estimate(*works, found.runs)
+        statements.append(Statement(f"work of parting at that Bo_c: {name}", "not in the paper", f"{work} rho_s g d^4", None))
     text = (
         "Gamma 3, f 0.16. A spring under the attraction F0 stores F0^2 / (2 k_n), which parting two particles takes on top of the work of "
         "the attraction, 2 F0 cut_off: at Bo 20 1.6 times as much at k_n 2e5, 0.16 times at 2e6. If the force decides, stiff particles have "

@@ -140,6 +140,13 @@ class TestReport(ScriptTest):
         self.assertEqual(named[0] | named[1], {name for _, _, name in moon2006_map.MARKS.values()})
         self.assertIn("The map of Bond number and Gamma", self.page())
 
+    def test_the_work_of_parting_is_that_of_check(self) -> None:
+        # What `talcum check` prints for k_n 2e5 at Bo 24.2 and for k_n 2e6 at Bo 45.8, to its five digits.
+        for bond, stiffness, printed in ((24.2, 2.0e5, 6.0405e-4), (45.8, 2.0e6, 5.2731e-4)):
+            self.assertAlmostEqual(moon2006_map.work_of_parting(bond, stiffness) / printed, 1.0, delta=2.0e-5)
+        # The control: the attraction alone.
+        self.assertLess(moon2006_map.work_of_parting(24.2, np.inf), 3.0e-4)
+
     def test_minimum_fluidisation_at_the_papers_packing_lies_between_two(self) -> None:
         told = moon2006_fluidisation.at_the_papers_packing([(0.62, 0.04), (0.642, 0.03), (0.662, 0.016)])
         self.assertTrue(told.measured.startswith("0.0230, between 0.0300 at phi 0.6420"), told.measured)
