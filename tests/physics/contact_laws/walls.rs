@@ -201,6 +201,37 @@ fn a_shaken_wall_is_a_shaken_frame() {
     assert!((wrong.alone().steps(4000).particle(0).position[2] - 2.5).abs() > 10.0 * worst);
 }
 
+/// A sphere that has left a wall remembers nothing of it, although the pair stays in the list.
+#[test]
+fn a_contact_with_a_wall_ends_with_its_history() {
+    for contact in all_laws() {
+        let mut bench = Bench::new([4.0, 4.0, 12.0], [PERIODIC, PERIODIC, PLATE]);
+        bench.interface = Some(contact.clone());
+        bench.time_step = 2.0e-5;
+        bench.skin = Some(0.5);
+        bench.add([2.0, 2.0, 0.6], [0.3, 0.1, -20.0], 0.5);
+        let mut run = bench.alone();
+        let mut touched = false;
+        for _ in 0..800 {
+            let walls = run.steps(1).snapshot().walls;
+            let height = run.particle(0).position[2];
+            match &walls[..] {
+                [] => {}
+                [wall] => {
+                    touched = true;
+                    assert!(height < 0.51, "{contact:?}: {wall:?} at {height}");
+                }
+                _ => panic!("{contact:?}: one particle and one wall have {walls:?}"),
+            }
+        }
+        // The control: there was a contact, and the sphere has flown from the wall but not from its list.
+        assert!(touched, "{contact:?}");
+        let (height, speed) = (run.particle(0).position[2], run.particle(0).velocity[2]);
+        assert!((0.55..1.0).contains(&height) && speed > 0.0, "{contact:?}: {height} {speed}");
+        assert!(run.snapshot().walls.is_empty(), "{contact:?}");
+    }
+}
+
 /// A piston pushes a sphere: elastic, it leaves at twice the speed of the piston.
 #[test]
 fn a_wall_that_comes_towards_a_sphere_is_found_by_the_list() {
