@@ -28,7 +28,7 @@ pub(crate) fn kick_and_drift(
 pub(crate) fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
     for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
-        *load = ForceTorque::along_z(-weight.of(body.mass));
+        *load = weight.force(body.mass);
     }
 }
 
@@ -57,6 +57,13 @@ impl Weight {
     #[inline(always)]
     pub(crate) fn of(&self, mass: f64) -> f64 {
         self.quantum.round(mass * self.gravity)
+    }
+
+    /// The same as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
+    /// bit would depend on which pairs are looked at.
+    #[inline(always)]
+    fn force(&self, mass: f64) -> ForceTorque {
+        ForceTorque::along_z(0.0 - self.of(mass))
     }
 }
 
@@ -153,7 +160,7 @@ impl<Q: F64x4> Integrator<Q> {
             self.pending.set_size(body);
             self.kick.set_size(body);
             if let Some(step) = self.step.drift {
-                self.weight = ForceTorque::along_z(-step.weight.of(body.mass));
+                self.weight = step.weight.force(body.mass);
             }
         }
     }
@@ -231,6 +238,15 @@ mod tests {
 
     fn step(dt: f64, quantum: Quantum) -> DriftStep {
         DriftStep { dt, quantum, weight: Weight { gravity: 0.0, quantum } }
+    }
+
+    #[test]
+    fn without_gravity_the_force_of_the_weight_is_not_minus_zero() {
+        let quantum = Quantum::spanning(2.0);
+        let force = |gravity: f64| Weight { gravity, quantum }.force(2.0).force.z;
+        assert_eq!(force(0.0).to_bits(), 0.0_f64.to_bits());
+        // The control: what acts downwards.
+        assert!((force(0.5) + 1.0).abs() < 1.0e-9, "{}", force(0.5));
     }
 
     /// Energy error after one collision-like half period of a unit oscillator with n steps.
