@@ -24,8 +24,8 @@ MARKS = {
 """How a state of `waves.state` is drawn, and what it is called."""
 
 
-SOFT, STIFF = 2.0e5, 2.0e6
-"""k_n; soft particles with the work of the stiff ones have the Bond number and the work of those."""
+SOFT = 2.0e5
+"""k_n of Fig. 4."""
 CUT_OFF, RANGE = 8.0e-6, 0.01
 """Of the attraction in the cases: constant up to the one, then as the inverse square up to the other."""
 
@@ -99,13 +99,15 @@ def stiffness(results: Path) -> Section | None:
         "keeps_force": "stiff particles, k_n 2e6",
         "keeps_work": "k_n 2e5, with the work of parting of the stiff ones",
     }
-    beds = [(named[row["softening"]], STIFF, critical(points, row)) for row in points.rows]
+    # Soft particles with the work of stiff ones have the Bond number of those, which are so many times as stiff.
+    meant = [float(row["normal_stiffness"]) * float(row["stiffness_reduction"]) for row in points.rows]
+    beds = [(named[row["softening"]], k_n, critical(points, row)) for row, k_n in zip(points.rows, meant)]
     same = soft.where(gamma=3.0).rows if soft else []
     beds += [("k_n 2e5, with the force of the stiff ones (Fig. 4)", SOFT, critical(soft, row)) for row in same]
     statements = []
-    for name, stiffness_of_work, found in beds:
+    for name, k_n, found in beds:
         statements.append(Statement(f"Bo_c: {name}", "does not depend on k_n", str(found), None))
-        works = (work_of_parting(bond, stiffness_of_work) for bond in (found.mean, found.lower, found.upper))
+        works = (work_of_parting(bond, k_n) for bond in (found.mean, found.lower, found.upper))
         work = Estimate(*works, found.runs)
         statements.append(Statement(f"work of parting at that Bo_c: {name}", "not in the paper", f"{work} rho_s g d^4", None))
     text = (
