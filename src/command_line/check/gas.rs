@@ -65,7 +65,7 @@ pub(super) fn describe_gas(
 }
 
 /// How much too fast the largest or the smallest particle falls alone, whichever is worse: it sees the gas that it moves itself.
-/// Drag from agglomerates leaves no choice, so that it is not said there.
+/// Nothing beside drag from agglomerates, with which what it advises is refused.
 fn describe_lone_fall(
     lines: &mut Lines,
     case: &Case,
@@ -73,8 +73,8 @@ fn describe_lone_fall(
     (gravity, sizes): (f64, &SizeRange),
 ) {
     let CouplingModel { drag, filter_width, undisturbed, agglomerates, .. } = &model.coupling;
-    let as_it_must_be = *undisturbed || agglomerates.is_some();
-    if as_it_must_be || gravity <= 0.0 || drag.density <= 0.0 || drag.viscosity <= 0.0 {
+    let nothing_to_advise = *undisturbed || agglomerates.is_some();
+    if nothing_to_advise || gravity <= 0.0 || drag.density <= 0.0 || drag.viscosity <= 0.0 {
         return;
     }
     let excess = |diameter: f64| {
