@@ -15,8 +15,8 @@ from .tables import table
 NUMBER = 8
 # Contacts per particle of the settled bed, each pair once, and pairs in the list of skin 0.08.
 CONTACTS, LISTED = 2.64, 3.4
-# Spring and largest overlap, read and written.
-CONTACT_MEMORY = 2 * 4 * NUMBER
+# The tangential spring, read and written; the linear law keeps no largest overlap.
+CONTACT_MEMORY = 2 * 3 * NUMBER
 
 
 @dataclass(frozen=True)

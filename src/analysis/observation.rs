@@ -133,7 +133,7 @@ impl ParticleSums {
             // Those of all particles of the rank, counted once.
             let neighbours = if i == 0 { state.contacts.touching_neighbours(particles) } else { 0 };
             let energy = 0.5 * m * v.norm_squared();
-            let (volume, xi) = (particles.volume(i), particles.membership[i].drag_factor);
+            let (volume, xi) = (particles.volume(i), particles.membership.get(i).drag_factor);
             [1.0, m, m * height(i), m * v.z, energy, volume, neighbours as f64, xi]
         };
         let [count, mass, moment, vertical_momentum, energy, volume, neighbours, drag_factors] =

@@ -98,7 +98,7 @@ impl GasSolver {
         }
         if *state != GasState::None {
             *state = GasState::None;
-            particles.gas_force.fill(Vector3::zeros());
+            particles.gas_force.reset();
         }
         Ok(())
     }
@@ -139,7 +139,8 @@ impl GasSolver {
             Self::Column(solver) => solver.add_forces(particles),
             Self::VolumeAveraged(_) => {
                 let Particles { forces, gas_force, .. } = particles;
-                forces.iter_mut().zip(&*gas_force).for_each(|(load, force)| load.force += force);
+                let gas_force = gas_force.hold();
+                forces.iter_mut().zip(gas_force).for_each(|(load, force)| load.force += *force);
                 Ok(())
             }
         }
@@ -147,11 +148,10 @@ impl GasSolver {
 
     /// The force of the gas on each owned particle in the last step.
     pub fn forces_on(&self, particles: &Particles) -> Vec<Vector3<f64>> {
-        let owned = particles.owned_count();
         match self {
-            Self::None => vec![Vector3::zeros(); owned],
+            Self::None => vec![Vector3::zeros(); particles.owned_count()],
             Self::Column(solver) => solver.forces_on(particles),
-            Self::VolumeAveraged(_) => particles.gas_force[..owned].to_vec(),
+            Self::VolumeAveraged(_) => particles.gas_force.iter().collect(),
         }
     }
 

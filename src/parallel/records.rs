@@ -164,6 +164,7 @@ impl ParticleRecord {
     /// The record of one owned particle. Inlined, so that nothing but the id is loaded where only that is used.
     #[inline(always)]
     pub fn of(particles: &Particles, index: usize) -> Self {
+        let Membership { diameter, packing, drag_factor } = particles.membership.get(index);
         Self {
             id: particles.id[index],
             position: particles.body[index].position.into(),
@@ -173,11 +174,11 @@ impl ParticleRecord {
             torque: particles.forces[index].torque.into(),
             radius: particles.body[index].radius,
             mass: particles.body[index].mass,
-            gas_force: particles.gas_force[index].into(),
+            gas_force: particles.gas_force.get(index).into(),
             species: particles.body[index].species() as f64,
-            agglomerate_diameter: particles.membership[index].diameter,
-            agglomerate_packing: particles.membership[index].packing,
-            drag_factor: particles.membership[index].drag_factor,
+            agglomerate_diameter: diameter,
+            agglomerate_packing: packing,
+            drag_factor,
         }
     }
 
@@ -190,12 +191,13 @@ impl ParticleRecord {
         particles.body[index].angular_velocity = self.angular_velocity.into();
         particles.forces[index].force = self.force.into();
         particles.forces[index].torque = self.torque.into();
-        particles.gas_force[index] = self.gas_force.into();
-        particles.membership[index] = Membership {
+        particles.gas_force.set(index, self.gas_force.into());
+        let membership = Membership {
             diameter: self.agglomerate_diameter,
             packing: self.agglomerate_packing,
             drag_factor: self.drag_factor,
         };
+        particles.membership.set(index, membership);
     }
 }
 

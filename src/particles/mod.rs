@@ -8,6 +8,7 @@ mod inner_list;
 mod integrate;
 mod membership;
 mod neighbour_list;
+mod optional_column;
 mod pair_blocks;
 mod pair_kind;
 mod pairs_of_kind;
@@ -24,8 +25,9 @@ pub(crate) use inner_list::{InnerList, InteractionRanges};
 pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_forces_to_weight};
 pub use membership::Membership;
 pub use neighbour_list::NeighbourList;
+pub use optional_column::OptionalColumn;
 pub(crate) use pair_blocks::{
-    AngleLanes, HISTORY_FIELDS, HistoryLanes, LANES, Pair, PairBlock, PairBlocks, Remembered,
+    AngleLanes, LANES, Pair, PairBlock, PairBlocks, Remembered, SpringLanes,
 };
 pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
 pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};

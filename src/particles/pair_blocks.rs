@@ -7,11 +7,8 @@ use nalgebra::Vector3;
 /// it into vector instructions.
 pub(crate) const LANES: usize = 32;
 
-/// Numbers in a contact history.
-pub(crate) const HISTORY_FIELDS: usize = size_of::<ContactHistory>() / size_of::<f64>();
-
-/// The contact histories of the pairs of a block, number by number.
-pub(crate) type HistoryLanes = [[f64; LANES]; HISTORY_FIELDS];
+/// Tangential springs of the pairs of a block, axis by axis.
+pub(crate) type SpringLanes = [[f64; LANES]; 3];
 
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [[f64; LANES]; 3];
@@ -20,8 +17,8 @@ pub(crate) type AngleLanes = [[f64; LANES]; 3];
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct PairBlock {
-    /// Contact histories, seen from the first particle.
-    pub(crate) history: HistoryLanes,
+    /// Tangential springs, seen from the first particle.
+    pub(crate) tangential_spring: SpringLanes,
     /// First particle of each pair, an owned one.
     pub(crate) first: [u32; LANES],
     /// Second particle, an owned one or a ghost.
@@ -60,6 +57,8 @@ pub(crate) struct Remembered {
 pub(crate) struct PairBlocks {
     /// The blocks.
     pub(crate) blocks: Vec<PairBlock>,
+    /// Largest overlaps; empty while all are zero, as with a law that does not keep them.
+    pub(crate) largest_overlap: Vec<[f64; LANES]>,
     /// Angles of rolling springs, seen from the first particle; empty without such springs.
     pub(crate) rolling_angle: Vec<AngleLanes>,
     /// Angles of twisting springs; empty without such springs.
@@ -73,7 +72,7 @@ impl PairBlock {
     /// A block filled with one pair, without history.
     fn of([first, second, target]: Pair) -> Self {
         Self {
-            history: [[0.0; LANES]; HISTORY_FIELDS],
+            tangential_spring: [[0.0; LANES]; 3],
             first: [first; LANES],
             second: [second; LANES],
             target: [target; LANES],
@@ -103,8 +102,14 @@ impl PairBlocks {
         self.twisting_angle.resize(of_twisting, [0.0; LANES]);
     }
 
+    /// Makes room for the largest overlaps, all zero before.
+    fn hold_largest_overlaps(&mut self) {
+        self.largest_overlap.resize(self.blocks.len(), [0.0; LANES]);
+    }
+
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
+        self.largest_overlap.clear();
         self.rolling_angle.clear();
         self.twisting_angle.clear();
         self.count = 0;
@@ -157,19 +162,26 @@ impl PairBlocks {
     /// The history of the pair at a place, if it touches.
     fn history(&self, place: usize) -> Option<OrientedHistory> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);
+        let number = |column: &[[f64; LANES]]| column.get(place / LANES).map_or(0.0, |of| of[lane]);
         block.touching[lane].then(|| OrientedHistory {
-            history: bytemuck::cast(block.history.map(|field| field[lane])),
+            history: ContactHistory {
+                tangential_spring: block.tangential_spring.map(|axis| axis[lane]).into(),
+                largest_overlap: number(&self.largest_overlap),
+            },
             rolling_angle: match self.rolling_angle.get(place / LANES) {
                 Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
                 None => Vector3::zeros(),
             },
-            twisting_angle: self.twisting_angle.get(place / LANES).map_or(0.0, |angle| angle[lane]),
+            twisting_angle: number(&self.twisting_angle),
         })
     }
 
     pub(super) fn push(&mut self, pair: Pair, history: Option<OrientedHistory>) {
         if self.count.is_multiple_of(LANES) {
             self.blocks.push(PairBlock::of(pair));
+            if !self.largest_overlap.is_empty() {
+                self.largest_overlap.push([0.0; LANES]);
+            }
             let [rolling, twisting] = self.holds;
             if rolling {
                 self.rolling_angle.push([[0.0; LANES]; 3]);
@@ -189,9 +201,13 @@ impl PairBlocks {
         block.touching[lane] = history.is_some();
         let OrientedHistory { history, rolling_angle, twisting_angle } =
             history.unwrap_or(OrientedHistory::ZERO);
-        let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
-        for (field, number) in block.history.iter_mut().zip(numbers) {
-            field[lane] = number;
+        let ContactHistory { tangential_spring, largest_overlap } = history;
+        (0..3).for_each(|axis| block.tangential_spring[axis][lane] = tangential_spring[axis]);
+        if largest_overlap != 0.0 {
+            self.hold_largest_overlaps();
+        }
+        if let Some(overlaps) = self.largest_overlap.get_mut(index) {
+            overlaps[lane] = largest_overlap;
         }
         let [rolling, twisting] = self.holds;
         if rolling_angle != Vector3::zeros() || twisting_angle != 0.0 {
@@ -226,6 +242,7 @@ impl PairBlocks {
     fn truncate(&mut self, count: usize) {
         let blocks = count.div_ceil(LANES);
         self.blocks.truncate(blocks);
+        self.largest_overlap.truncate(blocks);
         self.rolling_angle.truncate(blocks);
         self.twisting_angle.truncate(blocks);
         self.count = count;
@@ -274,6 +291,7 @@ mod tests {
     fn pushed_pairs_are_found_again() {
         let pairs = blocks(100);
         assert_eq!((pairs.count(), pairs.blocks.len(), pairs.rolling_angle.len()), (100, 4, 4));
+        assert_eq!(pairs.largest_overlap.len(), 4);
         assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
         for ([first, _], found) in pairs.touching() {
             assert_eq!(found.history, history(first).history);
@@ -281,6 +299,24 @@ mod tests {
             assert_eq!(found.twisting_angle, history(first).twisting_angle);
         }
         assert_eq!(pairs.touching().count(), 34);
+    }
+
+    #[test]
+    fn largest_overlaps_take_memory_only_once_one_is_not_zero() {
+        let mut pairs = PairBlocks::default();
+        let elastic = |number: u32| {
+            let tangential_spring = history(number).history.tangential_spring;
+            let history = ContactHistory { tangential_spring, largest_overlap: 0.0 };
+            OrientedHistory { history, ..OrientedHistory::ZERO }
+        };
+        (0..40).for_each(|k| pairs.push([k, k, k], Some(elastic(k))));
+        assert!(pairs.largest_overlap.is_empty());
+        assert!(pairs.touching().all(|(_, found)| found.history.largest_overlap == 0.0));
+        pairs.push([40, 40, 40], Some(history(40)));
+        let overlaps: Vec<f64> =
+            pairs.touching().map(|(_, found)| found.history.largest_overlap).collect();
+        assert_eq!((overlaps[39], overlaps[40]), (0.0, 20.0));
+        assert_eq!(pairs.largest_overlap.len(), pairs.blocks.len());
     }
 
     #[test]
@@ -294,7 +330,8 @@ mod tests {
         let last = pairs.blocks.last().unwrap();
         let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());
         assert!(last.touching[used..].iter().all(|touching| !touching));
-        assert!(last.history.iter().all(|field| field[used..] == [0.0; LANES][used..]));
+        assert!(last.tangential_spring.iter().all(|axis| axis[used..] == [0.0; LANES][used..]));
+        assert_eq!(pairs.largest_overlap.last().unwrap()[used..], [0.0; LANES][used..]);
         pairs.retain(|_| false);
         assert_eq!(pairs.count(), 34);
     }

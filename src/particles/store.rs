@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, ForceTorque, Membership, kind_of_species, sphere_volume};
+use super::{Body, ForceTorque, Membership, OptionalColumn, kind_of_species, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -19,9 +19,9 @@ pub struct Particles {
     pub forces: Vec<ForceTorque>,
     /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum. It is that of the last gas
     /// step, and constant until the next; zero without such a gas.
-    pub gas_force: Vec<Vector3<f64>>,
+    pub gas_force: OptionalColumn<Vector3<f64>>,
     /// The agglomerates of owned particles, where drag follows from them.
-    pub membership: Vec<Membership>,
+    pub membership: OptionalColumn<Membership>,
 }
 
 /// Marks a ghost whose owner is another rank.
@@ -34,8 +34,6 @@ impl Particles {
         particles.id.reserve_exact(count);
         particles.body.reserve_exact(count);
         particles.forces.reserve_exact(count);
-        particles.gas_force.reserve_exact(count);
-        particles.membership.reserve_exact(count);
         particles
     }
 
@@ -95,8 +93,8 @@ impl Particles {
     ) {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
         self.push_body(id, Body::new(position, velocity, radius, mass));
-        self.gas_force.push(Vector3::zeros());
-        self.membership.push(Membership::default());
+        self.gas_force.push();
+        self.membership.push();
         self.owned += 1;
     }
 
@@ -135,8 +133,8 @@ impl Particles {
         reorder(&mut self.id, order);
         reorder(&mut self.body, order);
         reorder(&mut self.forces, order);
-        reorder(&mut self.gas_force, order);
-        reorder(&mut self.membership, order);
+        self.gas_force.select(order);
+        self.membership.select(order);
         self.owned = order.len();
     }
 

@@ -8,9 +8,8 @@ use crate::parallel::{
     send_histories_to_owners, send_to_owners, share_with_all,
 };
 use crate::particle_sets::Pair;
-use crate::particles::{ContactHistories, Contacts, Membership, Particles};
+use crate::particles::{ContactHistories, Contacts, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
-use nalgebra::Vector3;
 
 /// A state as records: of all particles, or of those that one rank has. A run that goes on from it comes to the same
 /// bits as one that was never stopped.
@@ -108,10 +107,10 @@ impl Snapshot {
         let subdomain = decomposition.subdomain(bounds, ranks.rank());
         let gas = GasState::from_records(gas, &self.cells, gas_report, subdomain, ranks);
         if gas == GasState::None {
-            particles.gas_force.fill(Vector3::zeros());
+            particles.gas_force.reset();
         }
         if looked_at.is_none() {
-            particles.membership.fill(Membership::default());
+            particles.membership.reset();
         }
         let contacts = Contacts::default();
         DistributedState {

@@ -84,10 +84,7 @@ fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
         ParticleField::GasForce => {
             run.work.gas.forces_on(particles).into_iter().flat_map(<[f64; 3]>::from).collect()
         }
-        ParticleField::DragFactor => {
-            let membership = particles.membership[..owned].iter();
-            membership.map(|of| of.drag_factor).collect()
-        }
+        ParticleField::DragFactor => particles.membership.iter().map(|of| of.drag_factor).collect(),
         ParticleField::Coordination => {
             contacts.coordination_numbers(particles).into_iter().map(f64::from).collect()
         }

@@ -6,7 +6,6 @@ use crate::particle_sets::agglomerates::{Agglomerate, Search};
 use crate::particle_sets::{
     Ownership, Pair, Periodicity, Persistence, PersistentContacts, samples, touching_pairs,
 };
-use crate::particles::Membership;
 use crate::state::{Domain, Models, State};
 
 /// Looks, if a look is due before this step of the gas; forgets all looks where drag does not follow from agglomerates.
@@ -22,7 +21,7 @@ pub(super) fn look_if_due(
 ) {
     let Some(drag) = models.physics.gas.agglomerates() else {
         if state.looked_at.take().is_some() {
-            state.particles.membership.fill(Membership::default());
+            state.particles.membership.reset();
         }
         return;
     };
@@ -51,7 +50,7 @@ fn look(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn C
     let found = search.run(ranks).of_particles(ranks);
     for (index, agglomerate) in indices.into_iter().zip(found) {
         let ball = agglomerate.as_ref().and_then(ball_of);
-        let membership = &mut state.particles.membership[index];
+        let membership = &mut state.particles.membership.hold()[index];
         (membership.diameter, membership.packing) =
             ball.map_or((0.0, 0.0), |ball| (ball.diameter, ball.packing));
     }

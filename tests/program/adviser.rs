@@ -1,6 +1,6 @@
 //! What `talcum check` advises: numbers by which a user sees whether a bed is meant, and warnings, each beside a case without it.
 
-use crate::launch::{Ended, smoke, talcum};
+use crate::launch::{Ended, in_repository, smoke, talcum};
 
 /// Checks a smoke case with these keys changed.
 fn check(name: &str, changes: &[&str]) -> Ended {
@@ -84,6 +84,23 @@ fn cells_in_which_a_lone_particle_falls_too_fast_are_warned_of() {
     let with = check("fluidised", &["gas.drag_factor=1.0", "gas.undisturbed_velocity=true"]);
     assert_eq!(with.code(), Some(0), "{with:?}");
     assert!(!warns(&with, words), "{}", with.output);
+}
+
+/// Drag from agglomerates refuses the key that would be advised.
+#[test]
+fn nothing_is_said_of_a_lone_particle_where_drag_follows_from_agglomerates() {
+    let case = in_repository("tests/cases/good/agglomerate-drag.toml").display().to_string();
+    let check = |more: &[&str]| {
+        let arguments = ["check", &case, "--set", "parallel.ranks=[1, 1, 1]"];
+        talcum(0, &[&arguments[..], more].concat())
+    };
+    let words = "gas.undisturbed_velocity leaves that out";
+    let one_factor = check(&["--set", "gas.drag_factor=1.0"]);
+    assert!(warns(&one_factor, words), "{one_factor:?}");
+    let of_agglomerates = check(&[]);
+    assert_eq!(of_agglomerates.code(), Some(0), "{of_agglomerates:?}");
+    assert!(!warns(&of_agglomerates, words), "{}", of_agglomerates.output);
+    assert!(!of_agglomerates.output.contains("fall of a lone particle"));
 }
 
 #[test]

@@ -8,13 +8,14 @@ use super::{AnySizes, ContactBlock, Lanes, Sizes, vector};
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{Contact, ContactForceLaw, RollingFriction, TwistingFriction};
 use crate::numbers::{VectorWork, in_wide_vectors};
-use crate::particles::{AngleLanes, ContactHistory, HISTORY_FIELDS, HistoryLanes, LANES};
+use crate::particles::{AngleLanes, ContactHistory, LANES, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
 
 /// The histories of the pairs of a block.
 pub(crate) struct BlockHistories<'a> {
-    pub(crate) contacts: &'a mut HistoryLanes,
+    pub(crate) tangential_springs: &'a mut SpringLanes,
+    pub(crate) largest_overlaps: &'a mut Lanes,
     pub(crate) rolling_angles: &'a mut AngleLanes,
     pub(crate) twisting_angles: &'a mut Lanes,
 }
@@ -132,14 +133,14 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     pairs: PairsOfBlock<'_, R, S>,
 ) {
     let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
-    let BlockHistories { contacts, rolling_angles, twisting_angles } = histories;
+    let BlockHistories { tangential_springs, largest_overlaps, rolling_angles, twisting_angles } =
+        histories;
     for lane in 0..LANES {
         let contact = contact_of(block, sizes, lane);
-        let mut numbers = [0.0; HISTORY_FIELDS];
-        for (number, field) in numbers.iter_mut().zip(&*contacts) {
-            *number = field[lane];
-        }
-        let mut history: ContactHistory = bytemuck::cast(numbers);
+        let mut history = ContactHistory {
+            tangential_spring: vector(tangential_springs, lane),
+            largest_overlap: largest_overlaps[lane],
+        };
         let touches = law.touches(&contact, &history);
         let force = law.force(&contact, &mut history, dt);
         // Whatever the law returned, bodies that are not in contact exert no force and have no history.
@@ -163,10 +164,10 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
                 twisting_angles[lane] = if_touching(angles.twisting);
             }
         }
-        let numbers: [f64; HISTORY_FIELDS] = bytemuck::cast(history);
-        for (number, field) in numbers.into_iter().zip(&mut *contacts) {
-            field[lane] = if_touching(number);
+        for (of_axis, spring) in tangential_springs.iter_mut().zip(&history.tangential_spring) {
+            of_axis[lane] = if_touching(*spring);
         }
+        largest_overlaps[lane] = if_touching(history.largest_overlap);
         block.touching[lane] = u64::from(touches);
     }
 }

@@ -76,9 +76,10 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         let Self { particles, pairs, laws, .. } = self;
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
+        let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
         let from_memory = size_of_val(&pairs.blocks[..]) > CACHED;
-        let PairBlocks { blocks, rolling_angle, twisting_angle, .. } = pairs;
+        let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
         for index in 0..blocks.len() {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
@@ -92,8 +93,12 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
-            let contacts = &mut pairs.history;
-            let histories = BlockHistories { contacts, rolling_angles, twisting_angles };
+            let histories = BlockHistories {
+                tangential_springs: &mut pairs.tangential_spring,
+                largest_overlaps: largest_overlap.get_mut(index).unwrap_or(&mut no_overlaps),
+                rolling_angles,
+                twisting_angles,
+            };
             law.evaluate(PairsOfBlock {
                 rolling,
                 sizes: &sizes,
@@ -101,6 +106,11 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 block: &mut block,
                 histories,
             });
+            if any_is_set(&no_overlaps) {
+                // The first contacts of a law that keeps largest overlaps.
+                largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
+                std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
+            }
             round_forces::<R, S>(&mut block, &sizes, &laws);
             block.copy_touching(&mut pairs.touching);
             if let Some(lane) = first_flagged(&block.out_of_range) {
@@ -113,6 +123,12 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         }
         Ok(())
     }
+}
+
+/// Whether a number has other bits than zero.
+#[inline(always)]
+fn any_is_set(numbers: &[f64; LANES]) -> bool {
+    numbers.iter().fold(0, |bits, number| bits | number.to_bits()) != 0
 }
 
 /// The error of a pair whose force exceeds the limit.

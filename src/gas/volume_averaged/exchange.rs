@@ -220,7 +220,7 @@ impl ParticleExchange {
             let mut drag = law.coefficient((particles, i), corners, slip, eps);
             if self.model.agglomerates.is_some() {
                 let diameter = 2.0 * particles.body[i].radius;
-                let of = &mut particles.membership[i];
+                let of = &mut particles.membership.hold()[i];
                 drag *= in_agglomerate(of, law.law, diameter, 1.0 - eps, eps * slip.norm());
             }
             let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
@@ -268,7 +268,7 @@ impl ParticleExchange {
                     solids_fraction: 1.0 - eps,
                 }));
             }
-            particles.gas_force[i] = force;
+            particles.gas_force.hold()[i] = force;
             for axis in 0..3 {
                 total[axis] += quantum.count(force[axis]);
             }

@@ -75,7 +75,7 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
             let position = sorted + quantum(drift);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
             // Each in an agglomerate of its own; seen only where drag follows from them.
-            if let Some(of) = particles.membership.last_mut().filter(|_| id % 5 > 0) {
+            if let Some(of) = particles.membership.hold().last_mut().filter(|_| id % 5 > 0) {
                 (of.diameter, of.packing) = (DIAMETER * (1.5 + x), 0.3 + 0.3 * y);
             }
         }
@@ -163,7 +163,7 @@ fn couple(
                 columns.each_mut().map(|column| column.next().expect("a number for each cell"));
         }
         for i in 0..particles.owned_count() {
-            found.forces[particles.id[i] as usize] = particles.gas_force[i].into();
+            found.forces[particles.id[i] as usize] = particles.gas_force.get(i).into();
         }
         Ok(())
     });
