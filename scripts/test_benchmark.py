@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmark import agreement, floor, kernels, measures, peers, runs, scaling, states, tables
+from benchmark import agreement, coupled, floor, gas, kernels, measures, peers, ranks, runs, scaling, states, tables
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
 from made_up_results import ScriptTest
@@ -80,6 +80,56 @@ class TestMeasures(unittest.TestCase):
         run = runs.Measured(1.0, stages={"contact forces": 0.6, "measures": 0.1, "output": 0.3})
         self.assertAlmostEqual(measures.share(run), 0.1 / 0.6)
         self.assertEqual(measures.share(runs.Measured(1.0, stages={"contact forces": 1.0})), 0.0)
+
+
+class TestGas(unittest.TestCase):
+    """Beds in a gas in three dimensions, and the step of the gas itself."""
+
+    def test_time_per_cell_is_that_of_the_steps(self) -> None:
+        words = "40 steps in 6 s: 0.20 million particle-steps/s\ncoarse-grain, gas             5.12  99.1 %   1.00\n"
+        self.assertAlmostEqual(gas.seconds_per_cell(words, 64), 5.12 / 40 / 64**3)
+        with self.assertRaisesRegex(ValueError, "how its time divides"):
+            gas.seconds_per_cell("nothing", 64)
+
+    def test_a_particle_stands_in_each_cell_of_the_lowest_eighth(self) -> None:
+        text = gas.case_text(64)
+        self.assertIn("count = 32768\n", text)
+        self.assertIn("lengths = [80.0, 80.0, 80.0]\n", text)
+
+    def test_cases_are_there_and_have_as_many_particles_as_the_table_says(self) -> None:
+        for bed in coupled.COUPLED:
+            found = re.search(r"^count = ([\d_]+)", (ROOT / bed.case).read_text(encoding="utf-8"), re.MULTILINE)
+            self.assertEqual(found and int(found[1]), bed.particles, bed.case)
+
+    def test_a_row_compares_runs_of_the_same_round(self) -> None:
+        alone = [runs.Measured(20.0), runs.Measured(10.0), runs.Measured(16.0)]
+        two = [runs.Measured(30.0, stages={"contact forces": 0.4}), runs.Measured(18.0), runs.Measured(24.0)]
+        row = coupled.line(coupled.COUPLED[0], 2, two, alone)
+        self.assertEqual(row[1:5], ["2", "24.00", "12.00", "0.75"])
+
+
+class TestRanks(unittest.TestCase):
+    """Strong and weak scaling, from rates that are given."""
+
+    def test_efficiency_is_the_rate_per_rank_over_that_of_the_bed_beside(self) -> None:
+        wanted = [row for row in ranks.rows(2) if "24,000" in row.bed.name and "agitated" not in row.bed.name]
+        rates = {("24,000 settled", 1): 20.0, ("24,000 settled", 2): 38.0, ("24,000 per rank, settled", 2): 30.0}
+        found: ranks.Rates = {}
+        for row in wanted:
+            ours = rates[row.bed.name, row.bed.ranks]
+            found[tables.TALCUM, row.bed] = [runs.Measured(ours)]
+            found[tables.LAMMPS, row.bed] = [runs.Measured(5.0 if row.bed.ranks == 1 else 8.0)]
+        lines = ranks.scaling_table(wanted, found).splitlines()[2:]
+        self.assertEqual(lines[1], "| 24,000 settled | 2 | 38.00 | 19.00 | 24,000 settled | 0.95 | 0.0 % | 0.80 | 4.75 |")
+        self.assertEqual(lines[2].split(" | ")[5:6], ["0.75"])
+        del found[tables.LAMMPS, wanted[0].bed]
+        self.assertIn("| - |", ranks.scaling_table(wanted, found).splitlines()[3])
+
+    def test_the_largest_bed_stands_beside_one_out_of_cache_and_without_peers(self) -> None:
+        largest = [row for row in ranks.rows(2) if row.bed.particles > 1_000_000]
+        self.assertEqual([row.bed.ranks for row in largest], [1, 2])
+        self.assertTrue(all(row.beside.particles == 216_000 and not row.with_peers for row in largest))
+        self.assertEqual([row.bed.ranks for row in ranks.rows(1)], [1] * 5)
 
 
 class TestDecks(ScriptTest):

@@ -3,20 +3,46 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from statistics import median
 
+from . import peers
 from .beds import BEDS, Bed
 from .runs import BenchmarkError, Measured, execute
 from .states import state
-from .tables import table
+from .tables import LAMMPS, TALCUM, ratio, rounded, table
 from .talcum import PROGRAM, run_talcum
 
 STRONG = next(bed for bed in BEDS if bed.name == "24,000 settled")
-WEAK = Bed("24,000 per rank, settled", "settled-48000", 48_000, 500, 0, ranks=2)
+LARGE = next(bed for bed in BEDS if bed.name == "216,000 settled")
+WEAK = Bed("24,000 per rank, settled", "settled-48000", 48_000, 500, 250)
+# Copies of the settled bed of 24,000: out of every cache.
+LARGEST = Bed("1,944,000 settled", "settled-1944000", 1_944_000, 20, 0)
 RANKS = (1, 2, 4, 8)
 # Ranks that wait for each other on shared cores are slow: fewer steps tell as much about the bits.
 STEPS_OF_DIGESTS = 100
+
+
+@dataclass(frozen=True)
+class Row:
+    """A bed on some ranks; its rate per rank is compared with that of another bed on one rank."""
+
+    bed: Bed
+    beside: Bed
+
+    @property
+    def with_peers(self) -> bool:
+        """Whether peers run it too: their files of the largest bed would take longer than all runs."""
+        return self.bed.particles <= LARGE.particles
+
+
+def rows(cores: int) -> list[Row]:
+    """What is measured on so many cores."""
+    numbers = [n for n in RANKS if n <= cores]
+    agitated, small = (next(bed for bed in BEDS if bed.name == name) for name in ("24,000 agitated", "3,000 settled"))
+    compared = [(bed, bed) for bed in (STRONG, agitated, small, LARGE)] + [(LARGEST, LARGE)]
+    found = [Row(replace(bed, ranks=n), beside) for bed, beside in compared for n in numbers]
+    return found + [Row(replace(WEAK, ranks=2), STRONG)] * (2 in numbers)
 
 
 def digests() -> str:
@@ -28,23 +54,48 @@ def digests() -> str:
     return found[1]
 
 
-def scaling(rounds: int, first: bool) -> str:
-    """A table of rates and efficiencies, and a sentence on the digests."""
-    numbers = [n for n in RANKS if n <= (os.cpu_count() or 1)]
-    runs: dict[tuple[str, int], list[Measured]] = {}
+Rates = dict[tuple[str, Bed], list[Measured]]
+
+
+def measure(wanted: list[Row], rounds: int, first: bool, with_peers: bool) -> Rates:
+    """All runs, interleaved, of Talcum and, if asked, of LAMMPS."""
+    lammps = next((peer for peer in peers.peers_here() if with_peers and peer.name == LAMMPS), None)
+    states = {row.bed: state(row.bed.state, execute, PROGRAM) for row in wanted}
+    skins = {
+        row.bed: peers.best_skin(lammps, replace(row.bed, ranks=1), states[row.bed], first)
+        for row in wanted if lammps and row.with_peers
+    }  # fmt: skip
+    runs: Rates = {}
     for _ in range(rounds):
-        for n in numbers:
-            bed = replace(STRONG, ranks=n)
-            runs.setdefault((bed.name, n), []).append(run_talcum(bed, state(bed.state, execute, PROGRAM), first))
-        if 2 in numbers:
-            runs.setdefault((WEAK.name, 2), []).append(run_talcum(WEAK, state(WEAK.state, execute, PROGRAM), first))
-    alone = median(run.rate for run in runs[STRONG.name, 1])
-    rows = []
-    for (name, n), found in runs.items():
-        rate = median(run.rate for run in found)
-        waiting = median(run.stages.get("decide (wait)", 0.0) for run in found)
-        rows.append([name, str(n), f"{rate:.2f}", f"{rate / n:.2f}", f"{rate / (n * alone):.2f}",
-                     f"{100.0 * waiting:.1f} %"])  # fmt: skip
-    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "waiting to decide"]
+        for bed, start in states.items():
+            runs.setdefault((TALCUM, bed), []).append(run_talcum(bed, start, first))
+            if lammps and bed in skins:
+                runs.setdefault((LAMMPS, bed), []).append(peers.run_peer(lammps, bed, start, skins[bed], first))
+    return runs
+
+
+def scaling_table(wanted: list[Row], runs: Rates) -> str:
+    """Rates and efficiencies, and the same of LAMMPS where it was measured; ratios are of runs of the same round."""
+    rates = {key: [run.rate for run in found] for key, found in runs.items()}
+    lines = []
+    for row in wanted:
+        bed = row.bed
+        ours, theirs = (rates.get((name, bed), []) for name in (TALCUM, LAMMPS))
+        alone = [rates.get((name, replace(row.beside, ranks=1)), []) for name in (TALCUM, LAMMPS)]
+        of_one = [ratio(of_bed, of_beside) for of_bed, of_beside in zip((ours, theirs), alone)]
+        efficiencies = [None if each is None else each / bed.ranks for each in of_one]
+        waiting = median(run.stages.get("decide (wait)", 0.0) for run in runs[TALCUM, bed])
+        lines.append([bed.name, str(bed.ranks), f"{median(ours):.2f}", f"{median(ours) / bed.ranks:.2f}", row.beside.name,
+                      rounded(efficiencies[0]), f"{100.0 * waiting:.1f} %", rounded(efficiencies[1]),
+                      rounded(ratio(ours, theirs))])  # fmt: skip
+    head = ["bed", "ranks", "million particle-steps/s", "per rank", "beside, on one rank", "efficiency",
+            "waiting to decide", "efficiency of LAMMPS", "to LAMMPS"]  # fmt: skip
+    return table(head, lines)
+
+
+def scaling(rounds: int, first: bool, with_peers: bool) -> str:
+    """A table of rates and efficiencies, and a sentence on the digests."""
+    wanted = rows(os.cpu_count() or 1)
+    measured = scaling_table(wanted, measure(wanted, rounds, first, with_peers))
     same = f"On {', '.join(map(str, RANKS))} ranks, {STEPS_OF_DIGESTS} steps of the bed of 24,000 end with one digest,"
-    return f"{table(head, rows)}\n\n{same} `{digests()}`."
+    return f"{measured}\n\n{same} `{digests()}`."

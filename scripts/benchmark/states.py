@@ -20,7 +20,7 @@ STATES = RESULTS / "states"
 STRETCH = 1.10
 GRANULAR_TEMPERATURE = 0.1
 # Settled beds made of that of 24,000: how often it is repeated along x and y.
-TILES = {"settled-48000": (2, 1), "settled-216000": (3, 3)}
+TILES = {"settled-48000": (2, 1), "settled-216000": (3, 3), "settled-1944000": (9, 9)}
 # The adhesive elastic-plastic law, as stiff as the linear one.
 ADHESIVE = """[contact]
 law = "adhesive_elastic_plastic"

@@ -35,7 +35,8 @@ def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM) -> M
     with h5py.File(state, "r", locking=False) as file:
         clock = file["clock"].attrs
         steps = int(clock["step"]) - int(clock["origin_step"])
-        now = float(clock["origin_time"]) + steps * float(clock["time_step"])
-    until = repr(now + bed.steps * TIME_STEP)
+        time_step = float(clock["time_step"])
+        now = float(clock["origin_time"]) + steps * time_step
+    until = repr(now + bed.steps * time_step)
     command = [str(program), "restart", str(state), "--until", until, "--output", str(OUTPUT), *changes(bed)]
     return measured(read_talcum, on_cores(command, bed.ranks, first), bed.ranks, OUTPUT)

@@ -1,0 +1,81 @@
+"""Beds in a gas in three dimensions, as their cases stand: rates, and how the step divides."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+from .beds import ROOT, Bed
+from .runs import Measured, execute, on_cores
+from .states import STATES
+from .tables import rounded, table
+from .talcum import PROGRAM, run_talcum
+
+MOST_RANKS = 2
+"""Ranks that states are made on, and rows are measured on."""
+
+
+@dataclass(frozen=True)
+class CoupledBed:
+    """A case, and the time at which it is measured."""
+
+    name: str
+    case: str
+    time: float
+    particles: int
+    steps: int
+
+    @property
+    def state(self) -> Path:
+        """The checkpoint at that time."""
+        return STATES / f"coupled-{Path(self.case).stem}-{self.particles}.h5"
+
+    def on(self, ranks: int) -> Bed:
+        """As a row of the benchmark."""
+        return Bed(self.name, self.state.stem, self.particles, self.steps, 0, ranks=ranks)
+
+
+COUPLED = (
+    CoupledBed("agglomerates, small box (Liu et al.)", "cases/liu2016/small/rho250vdw20ug4.toml", 0.05, 12_500, 8_000),
+    CoupledBed("agglomerates, full box (Liu et al.)", "cases/liu2016/full/rho250vdw20ug4.toml", 0.02, 100_000, 1_000),
+    CoupledBed("bubbling beads (Mueller et al.)", "cases/experiments/mueller2009.toml", 0.3, 9_240, 4_000),
+)
+
+
+def prepare(bed: CoupledBed) -> Path:
+    """The state, made if it is not there; kept for later calls."""
+    if not bed.state.is_file():
+        STATES.mkdir(parents=True, exist_ok=True)
+        output = STATES / f"making-{bed.state.stem}"
+        ranks = min(MOST_RANKS, os.cpu_count() or 1)
+        command = [str(PROGRAM), "run", str(ROOT / bed.case), "--force", "--output", str(output), "--until", repr(bed.time)]
+        execute(on_cores(command, ranks), ranks)
+        sorted(output.glob("checkpoint-*.h5"))[-1].replace(bed.state)
+    return bed.state
+
+
+def line(bed: CoupledBed, ranks: int, runs: list[Measured], alone: list[Measured]) -> list[str]:
+    """A row of the table; `alone` are the runs on one rank, round by round."""
+    rate = median(run.rate for run in runs)
+    gained = median(run.rate / one.rate for run, one in zip(runs, alone)) / ranks
+    shares = [
+        100.0 * median(run.stages.get(name, 0.0) for run in runs)
+        for name in ("contact forces", "coarse-grain, gas", "gas force", "migrate, rebuild lists", "integrate")
+    ]
+    return [bed.name, str(ranks), *map(rounded, (rate, rate / ranks, gained)), *(rounded(share, 1) for share in shares)]
+
+
+def coupled(rounds: int, first: bool) -> str:
+    """A table of rates on one rank and two, measured in turns."""
+    numbers = [ranks for ranks in range(1, MOST_RANKS + 1) if ranks <= (os.cpu_count() or 1)]
+    runs: dict[tuple[CoupledBed, int], list[Measured]] = {}
+    for _ in range(rounds):
+        for bed in COUPLED:
+            for ranks in numbers:
+                runs.setdefault((bed, ranks), []).append(run_talcum(bed.on(ranks), prepare(bed), first))
+    rows = [line(bed, ranks, found, runs[bed, 1]) for (bed, ranks), found in runs.items()]
+    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "contacts, %", "gas, %",
+            "gas force, %", "lists, %", "integration, %"]  # fmt: skip
+    return table(head, rows)

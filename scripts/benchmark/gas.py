@@ -1,0 +1,88 @@
+"""A whole step of the gas in three dimensions, by the number of cells, on one rank."""
+
+from __future__ import annotations
+
+import re
+from statistics import median
+
+from .beds import RESULTS
+from .runs import execute, on_cores
+from .tables import table
+from .talcum import PROGRAM
+
+# Cells along an edge, and gas steps that are measured.
+SIZES = {32: 200, 64: 40, 128: 10, 256: 3}
+SECONDS = re.compile(r"^coarse-grain, gas\s+([\d.]+)", re.MULTILINE)
+WHOLE = re.compile(r"^(\d+) steps in ", re.MULTILINE)
+TIME_STEP = 1.0e-4
+
+
+def case_text(edge: int) -> str:
+    """A box of edge^3 cells through which gas flows upwards, in its lowest eighth a particle in each cell."""
+    width = 1.25 * edge
+    return f"""title = "Benchmark: {edge}^3 cells of gas"
+units = "dimensionless"
+[box]
+lengths = [{width}, {width}, {width}]
+x = "periodic"
+y = "periodic"
+z = {{ lower = "wall", upper = "wall" }}
+[particles]
+count = {edge * edge * (edge // 8)}
+diameter = 1.0
+density = 1.0
+seed = 1
+[particles.start]
+kind = "lattice"
+spacing = 1.25
+jitter = 0.5
+[gravity]
+magnitude = 1.0
+[contact]
+law = "linear_spring_dashpot"
+normal_stiffness = 1.0e4
+poisson_ratio = 0.3
+restitution = 0.9
+friction = 0.1
+[gas]
+kind = "volume_averaged"
+cells = [{edge}, {edge}, {edge}]
+density = 1.0e-3
+viscosity = 2.0e-2
+drag = "gidaspow"
+drag_switch = "smooth"
+substeps = 1
+z = {{ lower = "inlet", upper = "outlet" }}
+inlet_velocity = 0.1
+[time]
+step = {TIME_STEP}
+end = {SIZES[edge] * TIME_STEP!r}
+[output]
+series = {SIZES[edge] * TIME_STEP!r}
+"""
+
+
+def seconds_per_cell(words: str, edge: int) -> float:
+    """Time of a step of the gas over its cells, off what a run says."""
+    seconds, steps = SECONDS.search(words), WHOLE.search(words)
+    if not seconds or not steps:
+        raise ValueError(f"talcum did not say how its time divides:\n{words[-2000:]}")
+    return float(seconds[1]) / int(steps[1]) / edge**3
+
+
+def measure(edge: int, first: bool) -> float:
+    """Of one run, with coarse-graining and the drag on the particles."""
+    case, output = RESULTS / f"gas-{edge}.toml", RESULTS / "gas"
+    case.write_text(case_text(edge), encoding="utf-8")
+    command = [str(PROGRAM), "run", str(case), "--output", str(output), "--force"]
+    return seconds_per_cell(execute(on_cores(command, 1, first)).words, edge)
+
+
+def gas(rounds: int, first: bool) -> str:
+    """A table of microseconds per cell and step."""
+    runs: dict[int, list[float]] = {}
+    for _ in range(rounds):
+        for edge in SIZES:
+            runs.setdefault(edge, []).append(1.0e6 * measure(edge, first))
+    rows = [[f"{edge}^3", f"{median(found):.3f}", f"{min(found):.3f} to {max(found):.3f}"] for edge, found in runs.items()]
+    return table(["cells", "microseconds per cell and step", "lowest and highest"], rows)
