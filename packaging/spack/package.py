@@ -17,7 +17,7 @@ class Talcum(CargoPackage):
     version("0.1.0", tag="v0.1.0")
 
     depends_on("c", type="build")
-    depends_on("rust@1.88:", type="build")
+    depends_on("rust@1.89:", type="build")
     depends_on("pkgconfig", type="build")
     # bindgen reads mpi.h and hdf5.h by libclang.
     depends_on("llvm+clang", type="build")

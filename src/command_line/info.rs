@@ -2,6 +2,7 @@
 
 use super::report::count_of;
 use super::run::say;
+use crate::numbers::instruction_set;
 use crate::output::{checkpoint, hdf5_version};
 use crate::parallel::{Communicator, mpi_library};
 use std::fmt::Write;
@@ -18,7 +19,10 @@ pub(super) fn of_program(ranks: &dyn Communicator) {
         ("commit", env!("TALCUM_COMMIT").to_owned()),
         ("ranks", ranks_are),
         ("HDF5", hdf5_version()),
-        ("processor", std::env::consts::ARCH.to_owned()),
+        (
+            "processor",
+            format!("{}, vectors of {}", std::env::consts::ARCH, instruction_set().name()),
+        ),
     ];
     for (name, entry) in entries {
         let _ = writeln!(message, "  {name:<24}{entry}");

@@ -23,6 +23,7 @@ use self::launchers::require_one_run;
 use self::log::start_log;
 use self::ranks::on_ranks;
 use crate::domain::RankGrid;
+use crate::numbers::check_instruction_set;
 use crate::parallel::Communicator;
 use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
@@ -197,6 +198,7 @@ fn complain(error: &anyhow::Error) {
 fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<()> {
     if matches!(command, RankCommand::Run { .. } | RankCommand::Restart { .. }) {
         require_one_run(ranks.size(), |name| std::env::var(name).ok())?;
+        require_known_vectors(ranks)?;
     }
     match command {
         RankCommand::Check { case, changes } => check::check(case, changes, ranks),
@@ -214,6 +216,20 @@ fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<(
             Ok(())
         }
     }
+}
+
+/// Refuses an unknown name in `TALCUM_VECTORS` on any rank: the environment of some may lack it. Collective.
+fn require_known_vectors(ranks: &dyn Communicator) -> anyhow::Result<()> {
+    let checked = check_instruction_set();
+    let mut wrong = [i64::from(checked.is_err())];
+    ranks.sum_integers(&mut wrong);
+    checked?;
+    anyhow::ensure!(
+        wrong[0] == 0,
+        "the environment variable TALCUM_VECTORS is wrong on {} ranks",
+        wrong[0]
+    );
+    Ok(())
 }
 
 impl RankCommand {

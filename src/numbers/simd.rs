@@ -1,5 +1,8 @@
 //! Four numbers side by side, for loops that the compiler does not turn into vector instructions by itself.
 
+#[cfg(target_arch = "x86_64")]
+use super::{InstructionSet, instruction_set};
+
 /// Four doubles in one register.
 ///
 /// Each operation is an IEEE operation on each number, rounded once, so that all implementations give the same bits.
@@ -59,14 +62,18 @@ pub(crate) trait SimdKernel {
     fn run<Q: F64x4>(self) -> Self::Output;
 }
 
-/// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does.
+/// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does. With
+/// AVX-512, loops over the lanes of blocks work on eight numbers at a time.
 #[inline(always)]
 pub(crate) fn with_simd<W: SimdKernel>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: `avx2::run` requires AVX2, which was just detected.
-        #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
-        return unsafe { avx2::run(work) };
+    #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
+    match instruction_set() {
+        // SAFETY: `avx2::run_in_avx512` requires AVX-512, which the processor has.
+        InstructionSet::Avx512 => return unsafe { avx2::run_in_avx512(work) },
+        // SAFETY: `avx2::run` requires AVX2, which the processor has.
+        InstructionSet::Avx2 => return unsafe { avx2::run(work) },
+        InstructionSet::Baseline => {}
     }
     work.run::<Portable>()
 }
@@ -157,12 +164,18 @@ mod avx2 {
         work.run::<Avx2>()
     }
 
+    /// Does the same work compiled for AVX-512. Unsafe to call unless the processor has these parts of it.
+    #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2")]
+    pub(super) fn run_in_avx512<W: SimdKernel>(work: W) -> W::Output {
+        work.run::<Avx2>()
+    }
+
     /// Four numbers in a register of AVX2.
     ///
     /// Its methods are safe functions that execute instructions of AVX2. This is sound by one invariant: **code that uses
     /// this type runs only if the processor has AVX2.** The type is private to this module, so that nothing else can name
-    /// it, and generic code gets it only from `run`, which is `unsafe` to call without AVX2 (`#[target_feature]`) and is
-    /// called in one place, after AVX2 has been detected. A kernel may keep or return values of it: they exist only in a
+    /// it, and generic code gets it only from `run` and `run_in_avx512`, which are `unsafe` to call without AVX2
+    /// (`#[target_feature]`) and are called in one place, after AVX2 has been detected. A kernel may keep or return values of it: they exist only in a
     /// process that runs on such a processor.
     ///
     /// Loads and stores need no alignment, and `&[f64; 4]` is exactly the memory that they access.

@@ -9,7 +9,7 @@
 //! and say in the commit what changed the results. The state's path uses no function of the system's
 //! mathematical library, so that the digests are those of any machine with IEEE 754 doubles.
 
-use crate::launch::{in_repository, talcum};
+use crate::launch::{Ended, in_repository, smoke, start_with, talcum};
 use std::collections::BTreeMap;
 use std::fs;
 
@@ -43,4 +43,32 @@ fn the_smoke_cases_give_the_digests_of_the_repository() {
         found, expected,
         "results have changed; if that is intended, tests/program/golden.rs says how to go on"
     );
+}
+
+/// Runs a smoke case with vectors of at most this kind.
+fn run_with_vectors(vectors: &str, ranks: usize, case: &str) -> Ended {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("results").display().to_string();
+    let variable = [("TALCUM_VECTORS", vectors.to_owned())];
+    start_with(&variable, ranks, &["run", &smoke(case), "--output", &output]).wait()
+}
+
+/// Pairs of one size and of many, walls, the column gas and the gas in three dimensions.
+#[test]
+fn vectors_of_any_width_give_one_digest() {
+    for case in ["fluidised", "polydisperse", "walls"] {
+        let digest = digest_of(&smoke(case));
+        for vectors in ["baseline", "avx2", "avx512"] {
+            let found = run_with_vectors(vectors, 0, case).digest();
+            assert_eq!(found, digest, "{case} with vectors of {vectors}");
+        }
+    }
+}
+
+#[test]
+fn vectors_of_an_unknown_kind_are_refused_by_one_message() {
+    let ended = run_with_vectors("wide", 2, "walls");
+    assert_eq!(ended.code(), Some(1), "{ended:?}");
+    let words = "TALCUM_VECTORS = \"wide\": must be baseline, avx2 or avx512";
+    assert_eq!(ended.errors.matches(words).count(), 1, "{}", ended.errors);
 }

@@ -21,10 +21,38 @@ use super::faces::{Region, moved};
 use super::model::LocalGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use nalgebra::Vector3;
 
 /// Volume fluxes eps u through all faces whose two cells are known.
 pub(super) fn set_fluxes(
+    flux: &mut [Field; 3],
+    velocity: &[Field; 3],
+    voidage: &Field,
+    part: &LocalCells,
+) {
+    in_wide_vectors(SetFluxes { flux, velocity, voidage, part });
+}
+
+struct SetFluxes<'a> {
+    flux: &'a mut [Field; 3],
+    velocity: &'a [Field; 3],
+    voidage: &'a Field,
+    part: &'a LocalCells,
+}
+
+impl VectorWork for SetFluxes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { flux, velocity, voidage, part } = self;
+        fluxes_of_rows(flux, velocity, voidage, part);
+    }
+}
+
+#[inline(always)]
+fn fluxes_of_rows(
     flux: &mut [Field; 3],
     velocity: &[Field; 3],
     voidage: &Field,
@@ -48,7 +76,8 @@ pub(super) fn set_fluxes(
     }
 }
 
-/// Adds the momentum that each free face of component `axis` gains per volume and time.
+/// Adds the momentum that each free face of component `axis` gains per volume and time. Part of work in wide vectors.
+#[inline(always)]
 pub(super) fn add_advection(
     rate: &mut Field,
     axis: usize,

@@ -15,6 +15,7 @@ use super::round_wall::RoundWall;
 use super::{BedOnGrid, VolumeAveragedGas};
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -64,6 +65,7 @@ impl FaceRow<'_> {
 }
 
 /// Numbers of the cells below and above the faces of a row.
+#[inline(always)]
 fn both<'a>(field: &'a Field, row: &Range<usize>, stride: isize) -> [&'a [f64]; 2] {
     [-stride, 0].map(|steps| moved(field.values(), row, steps))
 }
@@ -77,6 +79,7 @@ impl<'a> Momentum<'a> {
         self.bed.voidage.strides()[axis] as isize
     }
 
+    #[inline(always)]
     fn face_row(&self, row: &Range<usize>, axis: usize) -> FaceRow<'a> {
         let stride = self.stride(axis);
         let friction = self.wall.map(|wall| moved(wall.friction[axis].values(), row, 0));
@@ -90,6 +93,11 @@ impl<'a> Momentum<'a> {
 
     /// The velocity at the end of the step, before the pressure has changed.
     pub(super) fn predict(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
+        in_wide_vectors(Predict { momentum: self, axis, old, forces, new });
+    }
+
+    #[inline(always)]
+    fn predict_rows(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
         let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
         for row in self.faces(axis).rows(old) {
             let face = self.face_row(&row, axis);
@@ -114,15 +122,7 @@ impl<'a> Momentum<'a> {
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
         for (axis, faces) in faces.iter_mut().enumerate() {
-            let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
-            for row in self.faces(axis).rows(faces) {
-                let face = self.face_row(&row, axis);
-                let target = &mut faces.values_mut()[row];
-                for (i, coefficient) in target.iter_mut().enumerate() {
-                    let (eps, _, total) = face.at(i);
-                    *coefficient = eps * eps / total * factor;
-                }
-            }
+            in_wide_vectors(SetCoefficients { momentum: self, axis, faces });
             for side in 0..2 {
                 self.add_given_pressure(faces, diagonal, BoxFace { axis, side });
             }
@@ -150,6 +150,11 @@ impl<'a> Momentum<'a> {
         velocity: &[Field; 3],
         old: &Field,
     ) {
+        in_wide_vectors(SetResidual { momentum: self, residual, velocity, old });
+    }
+
+    #[inline(always)]
+    fn residual_of_rows(&self, residual: &mut Field, velocity: &[Field; 3], old: &Field) {
         let strides = [0, 1, 2].map(|axis| self.stride(axis));
         let inverse = [0, 1, 2].map(|axis| 1.0 / self.spacing[axis]);
         for row in Region::owned(self.part).rows(residual) {
@@ -175,16 +180,98 @@ impl<'a> Momentum<'a> {
     /// Adds what a change of pressure does to the velocity.
     pub(super) fn correct(&self, velocity: &mut [Field; 3], change: &Field) {
         for (axis, velocity) in velocity.iter_mut().enumerate() {
-            let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
-            for row in self.faces(axis).rows(velocity) {
-                let face = self.face_row(&row, axis);
-                let change = both(change, &row, stride);
-                let target = &mut velocity.values_mut()[row];
-                for (i, u) in target.iter_mut().enumerate() {
-                    let (eps, _, total) = face.at(i);
-                    *u -= eps / total * ((change[1][i] - change[0][i]) * inverse);
-                }
+            in_wide_vectors(Correct { momentum: self, axis, velocity, change });
+        }
+    }
+
+    #[inline(always)]
+    fn coefficients_of_rows(&self, axis: usize, faces: &mut Field) {
+        let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
+        for row in self.faces(axis).rows(faces) {
+            let face = self.face_row(&row, axis);
+            let target = &mut faces.values_mut()[row];
+            for (i, coefficient) in target.iter_mut().enumerate() {
+                let (eps, _, total) = face.at(i);
+                *coefficient = eps * eps / total * factor;
             }
         }
+    }
+
+    #[inline(always)]
+    fn correct_rows(&self, axis: usize, velocity: &mut Field, change: &Field) {
+        let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
+        for row in self.faces(axis).rows(velocity) {
+            let face = self.face_row(&row, axis);
+            let change = both(change, &row, stride);
+            let target = &mut velocity.values_mut()[row];
+            for (i, u) in target.iter_mut().enumerate() {
+                let (eps, _, total) = face.at(i);
+                *u -= eps / total * ((change[1][i] - change[0][i]) * inverse);
+            }
+        }
+    }
+}
+
+struct Predict<'a> {
+    momentum: &'a Momentum<'a>,
+    axis: usize,
+    old: &'a Field,
+    forces: Forces<'a>,
+    new: &'a mut Field,
+}
+
+impl VectorWork for Predict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.momentum.predict_rows(self.axis, self.old, self.forces, self.new);
+    }
+}
+
+struct SetCoefficients<'a> {
+    momentum: &'a Momentum<'a>,
+    axis: usize,
+    faces: &'a mut Field,
+}
+
+impl VectorWork for SetCoefficients<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.momentum.coefficients_of_rows(self.axis, self.faces);
+    }
+}
+
+struct SetResidual<'a> {
+    momentum: &'a Momentum<'a>,
+    residual: &'a mut Field,
+    velocity: &'a [Field; 3],
+    old: &'a Field,
+}
+
+impl VectorWork for SetResidual<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.momentum.residual_of_rows(self.residual, self.velocity, self.old);
+    }
+}
+
+struct Correct<'a> {
+    momentum: &'a Momentum<'a>,
+    axis: usize,
+    velocity: &'a mut Field,
+    change: &'a Field,
+}
+
+impl VectorWork for Correct<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.momentum.correct_rows(self.axis, self.velocity, self.change);
     }
 }

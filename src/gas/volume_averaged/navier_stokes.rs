@@ -13,6 +13,7 @@ use crate::domain::Subdomain;
 use crate::gas::NavierStokesError;
 use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::rules::{LARGEST_STEP_NUMBER, step_number};
 use nalgebra::Vector3;
@@ -67,23 +68,43 @@ impl ExplicitForces {
         (local, wall): (LocalGas, Option<&RoundWall>),
         spacing: Vector3<f64>,
     ) {
-        set_dilatation(&mut self.dilatation, velocity, local.part, spacing);
-        let fields = ViscousFields { velocity, dilatation: &self.dilatation, voidage };
-        for (axis, rate) in self.rate.iter_mut().enumerate() {
-            add_advection(rate, axis, &velocity[axis], &self.flux, local, spacing);
-            match (wall, &mut self.viscous) {
-                (Some(wall), Some(viscous)) => {
-                    wall.add_viscous_force([rate, viscous], axis, fields, local, spacing);
-                }
-                _ => add_viscous_force(rate, axis, fields, local, spacing),
-            }
-        }
+        in_wide_vectors(AddForces { explicit: self, velocity, voidage, local, wall, spacing });
     }
 
     /// The mean, where the forces of two velocities were added.
     fn halve(&mut self) {
         for rate in self.rate.iter_mut().flat_map(|rate| rate.values_mut()) {
             *rate *= 0.5;
+        }
+    }
+}
+
+struct AddForces<'a> {
+    explicit: &'a mut ExplicitForces,
+    velocity: &'a [Field; 3],
+    voidage: &'a Field,
+    local: LocalGas<'a>,
+    wall: Option<&'a RoundWall>,
+    spacing: Vector3<f64>,
+}
+
+impl VectorWork for AddForces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { explicit, velocity, voidage, local, wall, spacing } = self;
+        let ExplicitForces { flux, dilatation, rate, viscous } = explicit;
+        set_dilatation(dilatation, velocity, local.part, spacing);
+        let fields = ViscousFields { velocity, dilatation, voidage };
+        for (axis, rate) in rate.iter_mut().enumerate() {
+            add_advection(rate, axis, &velocity[axis], flux, local, spacing);
+            match (wall, &mut *viscous) {
+                (Some(wall), Some(viscous)) => {
+                    wall.add_viscous_force([rate, viscous], axis, fields, local, spacing);
+                }
+                _ => add_viscous_force(rate, axis, fields, local, spacing),
+            }
         }
     }
 }
@@ -372,9 +393,7 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) {
         momentum.correct(&mut self.predicted, &self.change);
-        for (velocity, predicted) in state.velocity.iter_mut().zip(&self.predicted) {
-            velocity.values_mut().copy_from_slice(predicted.values());
-        }
+        std::mem::swap(&mut state.velocity, &mut self.predicted);
         let changes = self.change.values();
         let pressures = state.pressure.values_mut().iter_mut();
         pressures.zip(changes).for_each(|(pressure, change)| *pressure += change);

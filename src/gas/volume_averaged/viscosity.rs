@@ -10,7 +10,8 @@ use crate::grid::{Field, LocalCells};
 use crate::rules::viscous_rate;
 use nalgebra::Vector3;
 
-/// div u in owned cells and one cell around.
+/// div u in owned cells and one cell around. Part of work in wide vectors.
+#[inline(always)]
 pub(super) fn set_dilatation(
     dilatation: &mut Field,
     velocity: &[Field; 3],
@@ -37,7 +38,8 @@ pub(super) struct ViscousFields<'a> {
     pub(super) voidage: &'a Field,
 }
 
-/// Adds the viscous force per volume on each free face of component `axis`.
+/// Adds the viscous force per volume on each free face of component `axis`. Part of work in wide vectors.
+#[inline(always)]
 pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
@@ -67,6 +69,7 @@ pub(super) fn add_viscous_force(
 }
 
 /// The difference of eps tau_aa between the two cells of a face. In an outlet it is zero.
+#[inline(always)]
 fn add_normal_stress(
     rate: &mut Field,
     axis: usize,
