@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from moon2006_tables import pictures, source, sources, table
 from paper_tables import within
 from report import Section, Statement
+
+import numpy as np
 
 PAPER_U_MF, PAPER_PACKING = 0.022, 0.652
 GAS = 0.12
@@ -21,14 +24,14 @@ def minimum_fluidisation(results: Path) -> Section | None:
     if not rows:
         return None
     statements = []
-    packings = []
     for points, row, how in rows:
         velocity, packing, ratio = (points.estimate(row, name) for name in ("u_mf", "solids_fraction", "ratio"))
         told = f"{ratio}, with U_mf {velocity.mean:.4f} at phi {packing.mean:.4f}"
         statements.append(Statement(f"U_mf over that of the force balance, {how}", "0.97: measured 0.022 for 0.023", told,
                                     within(ratio.mean, 1.0, 0.03)))  # fmt: skip
-        packings.append((packing.mean, velocity.mean))
-    statements.append(at_the_papers_packing(sorted(packings)))
+    beds = table(results, "u-mf-compact", "runs")
+    if beds is not None:
+        statements.append(at_the_papers_packing(beds.numbers("solids_fraction"), beds.numbers("u_mf")))
     text = (
         "U_s is raised slowly from 0 through beds that were poured without gas, and through beds that were then compacted by "
         "shaking them hard. U_mf lies where the line of the packed bed meets the plateau; the force balance is "
@@ -37,16 +40,17 @@ def minimum_fluidisation(results: Path) -> Section | None:
     return Section("III A: minimum fluidisation", text, statements, [], sources(("u-mf", poured), ("u-mf-compact", shaken)))
 
 
-def at_the_papers_packing(packings: list[tuple[float, float]]) -> Statement:
-    """U_mf between the two packings that enclose the paper's."""
-    below = [pair for pair in packings if pair[0] <= PAPER_PACKING]
-    above = [pair for pair in packings if pair[0] > PAPER_PACKING]
+def at_the_papers_packing(packings: list[float], velocities: list[float]) -> Statement:
+    """U_mf at the paper's packing by a line through shaken beds on both sides of it, with its standard error."""
     quantity = f"U_mf at phi {PAPER_PACKING}"
-    if not below or not above:
-        return Statement(quantity, f"{PAPER_U_MF}", "no packings on both sides of it", None)
-    (looser, fast), (denser, slow) = below[-1], above[0]
-    there = fast + (slow - fast) * (PAPER_PACKING - looser) / (denser - looser)
-    told = f"{there:.4f}, between {fast:.4f} at phi {looser:.4f} and {slow:.4f} at phi {denser:.4f}"
+    away = np.array(packings) - PAPER_PACKING
+    if len(away) < 3 or not away.min() < 0.0 < away.max():
+        return Statement(quantity, f"{PAPER_U_MF}", "no beds on both sides of it", None)
+    terms = np.stack([np.ones_like(away), away], axis=1)
+    line, squares, *_ = np.linalg.lstsq(terms, np.array(velocities), rcond=None)
+    error = math.sqrt(squares[0] / (len(away) - 2) * np.linalg.inv(terms.T @ terms)[0, 0])
+    there = float(line[0])
+    told = f"{there:.4f} ± {error:.4f}, by a line through {len(away)} shaken beds of phi {min(packings):.3f} to {max(packings):.3f}"
     return Statement(quantity, f"{PAPER_U_MF}", told, within(there, PAPER_U_MF, 0.1))
 
 

@@ -50,7 +50,7 @@ def long_times(results: Path) -> Section | None:
         statements.append(Statement(f"Bo {float(row['bond_number']):g}: part with waves, and the front's speed", "not shown", told, None))
     measures = {"share": "part with waves", "frozen_share": "part that stands still", "front_speed": "speed of the front [sqrt(g d)]"}
     figures = [(over(points, "bond_number", measures, [("400 to 500", points)]), "Over the Bond number; means and intervals over seeds.")]
-    figures[0][0].axes[-1].set_ylim(auto=True)
+    figures[0][0].axes[-1].autoscale(axis="y")  # its speeds are negative
     for row in points.rows:
         figures += list(pictures(results, "fig2-long", runs, 0.0, bond_number=float(row["bond_number"])))
     text = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import unittest
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import moon2006_boxes
 import moon2006_fluidisation
 import moon2006_map
 import moon2006_tables
+import moon2006_thresholds
 import report
 from made_up_results import CASE, ScriptTest, write_profiles
 from study_tables import Estimate, read_study_table
@@ -147,11 +149,27 @@ class TestReport(ScriptTest):
         # The control: the attraction alone.
         self.assertLess(moon2006_map.work_of_parting(24.2, np.inf), 3.0e-4)
 
-    def test_minimum_fluidisation_at_the_papers_packing_lies_between_two(self) -> None:
-        told = moon2006_fluidisation.at_the_papers_packing([(0.62, 0.04), (0.642, 0.03), (0.662, 0.016)])
-        self.assertTrue(told.measured.startswith("0.0230, between 0.0300 at phi 0.6420"), told.measured)
+    def test_minimum_fluidisation_at_the_papers_packing_is_that_of_a_line_through_beds(self) -> None:
+        # Errors of +e, -e, -e, +e about the line 0.023 - 0.7 (phi - 0.652): the sum of their squares over two is 2 e^2.
+        packings, e = [0.642, 0.647, 0.657, 0.662], 1.0e-4
+        velocities = [0.03 + e, 0.0265 - e, 0.0195 - e, 0.016 + e]
+        told = moon2006_fluidisation.at_the_papers_packing(packings, velocities)
+        self.assertTrue(told.measured.startswith("0.0230 ± 0.0001, by a line through 4 shaken beds"), told.measured)
         self.assertIs(told.agrees, True)
-        self.assertIsNone(moon2006_fluidisation.at_the_papers_packing([(0.62, 0.04)]).agrees)
+        self.assertIs(moon2006_fluidisation.at_the_papers_packing(packings, [2.0 * u for u in velocities]).agrees, False)
+        self.assertIsNone(moon2006_fluidisation.at_the_papers_packing(packings[:2], velocities[:2]).agrees)
+
+    def test_the_speed_of_the_front_is_within_its_panel(self) -> None:
+        moon2006_tables.KEPT.mkdir()
+        kept = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
+        for kind in ("points", "runs"):
+            shutil.copy(kept / f"fig2-long-{kind}.csv", moon2006_tables.KEPT)
+        section = moon2006_thresholds.long_times(self.folder)
+        assert section is not None
+        panel = section.figures[0][0].axes[-1]
+        lower, upper = sorted(panel.get_ylim())
+        speeds = [y for line in panel.get_lines() for y in line.get_ydata() if y == y]
+        self.assertTrue(speeds and all(lower < y < upper for y in speeds), (lower, upper, speeds))
 
     def test_every_study_of_the_page_is_there(self) -> None:
         cases = Path(__file__).resolve().parent.parent / "cases/moon2006"
