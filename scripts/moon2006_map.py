@@ -45,11 +45,12 @@ def drawn(runs: StudyTable, lines: list[tuple[float, StudyTable]]) -> Figure:
                 panel.plot(points.numbers("gamma"), found, "-", color=GREY, label="Bo_c by bisection")
         panel.set_yscale("log", base=2)
         panel.set_yticks([4, 8, 16, 32, 64], ["4", "8", "16", "32", "64"])
+        panel.set_ylim(1.6, 96)  # room for the legend
         panel.set_xlabel("Gamma")
         panel.set_ylabel("Bond number")
         panel.set_title(f"U_s {velocity:g}")
         named = dict(zip(*reversed(panel.get_legend_handles_labels())))
-        panel.legend(named.values(), named.keys(), fontsize=7, loc="lower right")
+        panel.legend(named.values(), named.keys(), fontsize=7, loc="lower center", ncols=2)
     return figure
 
 
