@@ -9,7 +9,7 @@ from statistics import median
 
 from .beds import ROOT, Bed
 from .runs import Measured, execute, on_cores
-from .states import STATES
+from .states import STATES, is_kept, run_to
 from .tables import rounded, table
 from .talcum import PROGRAM, run_talcum
 
@@ -46,14 +46,10 @@ COUPLED = (
 
 def prepare(bed: CoupledBed) -> Path:
     """The state, made if it is not there; kept for later calls."""
-    if not bed.state.is_file():
-        STATES.mkdir(parents=True, exist_ok=True)
-        output = STATES / f"making-{bed.state.stem}"
-        ranks = min(MOST_RANKS, os.cpu_count() or 1)
-        command = [str(PROGRAM), "run", str(ROOT / bed.case), "--force", "--output", str(output), "--until", repr(bed.time)]
-        execute(on_cores(command, ranks), ranks)
-        sorted(output.glob("checkpoint-*.h5"))[-1].replace(bed.state)
-    return bed.state
+    if is_kept(bed.state, execute, PROGRAM):
+        return bed.state
+    ranks = min(MOST_RANKS, os.cpu_count() or 1)
+    return run_to(bed.state, ROOT / bed.case, bed.time, lambda command: execute(on_cores(command, ranks), ranks), PROGRAM)
 
 
 def line(bed: CoupledBed, ranks: int, runs: list[Measured], alone: list[Measured]) -> list[str]:
@@ -70,11 +66,12 @@ def line(bed: CoupledBed, ranks: int, runs: list[Measured], alone: list[Measured
 def coupled(rounds: int, first: bool) -> str:
     """A table of rates on one rank and two, measured in turns."""
     numbers = [ranks for ranks in range(1, MOST_RANKS + 1) if ranks <= (os.cpu_count() or 1)]
+    states = {bed: prepare(bed) for bed in COUPLED}
     runs: dict[tuple[CoupledBed, int], list[Measured]] = {}
     for _ in range(rounds):
-        for bed in COUPLED:
+        for bed, start in states.items():
             for ranks in numbers:
-                runs.setdefault((bed, ranks), []).append(run_talcum(bed.on(ranks), prepare(bed), first))
+                runs.setdefault((bed, ranks), []).append(run_talcum(bed.on(ranks), start, first))
     rows = [line(bed, ranks, found, runs[bed, 1]) for (bed, ranks), found in runs.items()]
     head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "contacts, %", "gas, %",
             "gas force, %", "lists, %", "integration, %"]  # fmt: skip

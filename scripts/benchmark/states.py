@@ -160,13 +160,8 @@ def state(name: str, run: Run, talcum: Path) -> Path:
     Made anew if this version of Talcum cannot read it.
     """
     path = STATES / f"{name}.h5"
-    if path.is_file():
-        try:
-            run([str(talcum), "info", str(path)])
-            return path
-        except BenchmarkError:
-            print(f"{path} is of another version: it is made anew", flush=True)
-    STATES.mkdir(parents=True, exist_ok=True)
+    if is_kept(path, run, talcum):
+        return path
     kind, _, count = name.partition("-")
     if kind == "settled" and name not in TILES:
         case = CASES / f"bed-{count}.toml"
@@ -179,7 +174,25 @@ def state(name: str, run: Run, talcum: Path) -> Path:
         csv, case = STATES / f"{name}.csv", STATES / f"{name}.toml"
         write_csv(bed, csv)
         write_case(bed, csv, case, ADHESIVE if kind == "adhesive" else None)
-    output = STATES / f"making-{name}"
+    return run_to(path, case, until, run, talcum)
+
+
+def is_kept(path: Path, run: Run, talcum: Path) -> bool:
+    """Whether a state is there, of a version that this one can read; if not, its folder is."""
+    STATES.mkdir(parents=True, exist_ok=True)
+    if not path.is_file():
+        return False
+    try:
+        run([str(talcum), "info", str(path)])
+    except BenchmarkError:
+        print(f"{path} is of another version: it is made anew", flush=True)
+        return False
+    return True
+
+
+def run_to(path: Path, case: Path, until: float, run: Run, talcum: Path) -> Path:
+    """Runs a case until a time and keeps its last checkpoint as a state."""
+    output = STATES / f"making-{path.stem}"
     run([str(talcum), "run", str(case), "--force", "--output", str(output), "--until", repr(until)])
     newest = sorted(output.glob("checkpoint-*.h5"))[-1]
     newest.replace(path)
