@@ -178,7 +178,8 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     if in_diameters.min() < CELL_OVER_DIAMETER && unfiltered {
         lines.warn(
             "cells are below 3 diameters: gas.filter_width of 3 to 6 diameters is advised (without it the gas in a suspension that \
-             drifts through cells of 1.5 diameters swings by some 10 to 20 % of its slip, with 6 diameters by 2 %)",
+             drifts through cells of 1.5 diameters swings by some 10 to 20 % of its slip, with 6 diameters by 2 %), except in a dense \
+             bed whose bubbles are a few diameters wide",
         );
         if model.coupling.undisturbed {
             lines.warn("gas.undisturbed_velocity: on such cells without a filter a lone particle falls up to 10 % too fast");
