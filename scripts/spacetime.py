@@ -28,7 +28,7 @@ from talcum_results import (
 import numpy as np
 from matplotlib import colormaps
 
-NUMBERS = ("speed", "period", "wavelength", "amplitude", "void_speed", "front_speed", "share", "frozen_share", "plug_share")
+NUMBERS = ("speed", "period", "wavelength", "amplitude", "void_speed", "front_speed", "share", "swept_share", "frozen_share", "plug_share")
 FREEBOARD = 0.02  # solids fraction below which nothing is drawn
 FRONT_MOVES = 3.0  # standard errors of its speed from which on a front is drawn: below, it may as well stand still, or be chance
 

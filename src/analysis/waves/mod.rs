@@ -23,6 +23,12 @@
 //!
 //! The slowest wave that can be told from a pattern at rest crosses two nodes in half a window.
 //!
+//! # In the frame of the material
+//!
+//! Windows cannot tell voids that come once in the record, or that merge on their way up. The part of the bed's material that waves
+//! sweep, [`WaveMap::swept_share`], needs no period: in the frame of the material phi of a layer changes only where a wave passes. It counts all of
+//! the record at once: in a bed that freezes in its course, a layer that waves left early is swept.
+//!
 //! Sources: slant stack, or velocity spectrum: M. T. Taner, F. Koehler, Geophysics 34 (1969) 859-881,
 //! doi:10.1190/1.1440058. Degrees of freedom of correlated series: M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946)
 //! 27-41. The significance of the stack by chi-square is derived here and tested against noise.
@@ -32,6 +38,7 @@ mod detection;
 mod field;
 mod front;
 mod map;
+mod material;
 mod motion;
 mod pool;
 mod scale;
@@ -63,7 +70,7 @@ pub struct WaveOptions {
     pub greatest_chance: f64,
     /// The least part of the variance that must travel.
     pub least_share: f64,
-    /// Standard deviation of phi over time below which a bed without waves is called still.
+    /// Standard deviation of phi over time below which a bed without waves is called still, and a layer of its material not swept.
     pub still_deviation: f64,
 }
 

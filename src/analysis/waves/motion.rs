@@ -172,7 +172,8 @@ impl Activity {
     }
 }
 
-fn deviation(values: &[f64]) -> f64 {
+/// Standard deviation of all values, of which there is one at least.
+pub(super) fn deviation(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()

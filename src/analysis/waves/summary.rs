@@ -5,11 +5,17 @@ use super::correlation::Window;
 use super::field::Rows;
 use super::front::{Front, find_front};
 use super::map::{Cell, Examined, Judge, State, Tiling, examine};
+use super::material::swept_share;
 use super::motion::{Activity, Bed, SolidsFlux};
 use super::pool::{Member, PooledWaves, pool};
 use super::scale::{LEAST_PART, Scale, find_scale};
 use super::voids::{Expected, TrackedVoids, track_voids};
 use crate::analysis::no_value::{Estimate, NoValue};
+
+/// Part of a bed from which on all of it counts as having waves.
+const WHOLE: f64 = 0.9;
+/// Part of the material that waves must sweep where no window shows any: gaps that open in beds without waves are up to 0.15.
+const LEAST_SWEPT: f64 = 0.25;
 
 /// Waves of all windows in which they were found. Standard errors are infinite if there are too few windows to tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +51,8 @@ pub struct StateShares {
     pub disordered: f64,
 }
 
-/// What the bed does as a whole.
+/// What the bed does as a whole. Waves that no window shows are told by the part of the material that they sweep: nine tenths
+/// of it for `Waves`, a quarter for `PartlyFrozen`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedState {
     /// Waves in at least nine tenths of the windows.
@@ -95,6 +102,9 @@ pub struct WaveMap {
     pub state: BedState,
     /// How much of it is in each state.
     pub shares: StateShares,
+    /// Part of the bed's material that waves sweep in the course of the record, periodic or not: layers in whose own frame phi has a standard
+    /// deviation above `still_deviation` over time, and a pattern that rises through them.
+    pub swept_share: f64,
     /// Height by height.
     pub heights: Vec<HeightState>,
     /// Time by time.
@@ -131,12 +141,14 @@ pub(super) fn map_rows(rows: &Rows, options: &WaveOptions) -> Result<WaveMap, No
     let pooled = found.pool();
     let shares = shares(&cells.iter().collect::<Vec<_>>());
     let heights = height_states(&cells);
+    let swept_share = swept_share(rows, options.still_deviation);
     let none = || NoValue::because("the bed has no waves");
     Ok(WaveMap {
         window_height: tiling.heights as f64 * rows.spacing,
         window_duration: tiling.times as f64 * rows.interval,
-        state: bed_state(&shares, &heights),
+        state: bed_state(&shares, &heights, swept_share),
         shares,
+        swept_share,
         heights,
         times: time_states(&cells),
         waves: pooled.as_ref().map(|pooled| found.waves(pooled)).map_err(Clone::clone),
@@ -316,9 +328,12 @@ fn is_on(cell: &Cell) -> bool {
     has_waves(cell) && cell.active_share > 0.5
 }
 
-fn bed_state(shares: &StateShares, heights: &[HeightState]) -> BedState {
+fn bed_state(shares: &StateShares, heights: &[HeightState], swept: f64) -> BedState {
     let waves = shares.waves + shares.intermittent;
     if waves < LEAST_PART {
+        if swept >= LEAST_SWEPT {
+            return if swept >= WHOLE { BedState::Waves } else { BedState::PartlyFrozen };
+        }
         let still = shares.frozen + shares.rising_plug;
         return match still > shares.disordered {
             false => BedState::Disordered,
@@ -327,7 +342,7 @@ fn bed_state(shares: &StateShares, heights: &[HeightState]) -> BedState {
         };
     }
     let alternating = heights.iter().filter(|height| height.changes >= 2).count();
-    if shares.waves >= 0.9 {
+    if shares.waves >= WHOLE {
         BedState::Waves
     } else if 2 * alternating > heights.len() {
         BedState::Intermittent

@@ -27,6 +27,7 @@ pub(super) const MEASURE: Measure = Measure {
             FRONT_SPEED,
             RISE,
             SHARE,
+            SWEPT,
             FROZEN,
             PLUG,
             DISORDERED,
@@ -65,6 +66,11 @@ const SHARE: Kind = Kind::number(
     "share",
     Quantity::Number,
     "part of the bed's heights and times with waves, all over or here and there",
+);
+const SWEPT: Kind = Kind::number(
+    "swept_share",
+    Quantity::Number,
+    "part of the bed's material that waves sweep in the record, periodic or not",
 );
 const FROZEN: Kind = Kind::number("frozen_share", Quantity::Number, "part that stands still");
 const PLUG: Kind = Kind::number("plug_share", Quantity::Number, "part that rises as a plug");
@@ -143,6 +149,7 @@ fn add_shares(found: &mut Findings, map: &WaveMap) {
     };
     found.add(&RISE, rise);
     found.add(&SHARE, map.shares.waves + map.shares.intermittent);
+    found.add(&SWEPT, map.swept_share);
     found.add(&FROZEN, map.shares.frozen);
     found.add(&PLUG, map.shares.rising_plug);
     found.add(&DISORDERED, map.shares.disordered);
