@@ -20,7 +20,7 @@ from talcum_results import Array, ResultsError, read_series, result_file, run_sc
 
 import h5py
 import numpy as np
-from study_tables import StudyTable, read_study_table
+from study_tables import StudyTable, read_study_table, write_study_table
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
 STUDIES = ("fig3-cases", "other-cases")
@@ -200,15 +200,6 @@ def table(results: Path, name: str) -> StudyTable | None:
     return found or (read_study_table(file) if file.exists() else None)
 
 
-def write(found: StudyTable, file: Path) -> None:
-    """Writes a table with the runs that it comes from."""
-    heads = [f"{name} [{unit}]" if unit else name for name, unit in found.units.items()]
-    lines = [f"# {name}: {value}" for name, value in found.provenance.items()]
-    lines += [",".join(heads), *(",".join(row[name] for name in found.units) for row in found.rows)]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(f"table: {file}")
-
-
 def main(command_line: list[str] | None = None) -> None:
     """Writes all tables of the runs."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -221,7 +212,7 @@ def main(command_line: list[str] | None = None) -> None:
     for name in TABLES:
         found = made(arguments.results, name)
         if found:
-            write(found, arguments.keep / f"{name}.csv")
+            write_study_table(found, arguments.keep / f"{name}.csv")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import liu2016_curves
 from liu2016_curves import GRAVITY, KEPT, PARTICLE, STUDIES, case_name
-from paper_tables import made_by, study_table
+from paper_tables import made_by, student, study_table
 from report import Statement
 from study_tables import Estimate, StudyTable
 from talcum_results import BLUE, GREEN, GREY, ORANGE, RED, Array, new_figure
@@ -32,8 +32,6 @@ FACTORS = {
     "Bond number": (("rho250vdw5ug4", "rho250vdw10ug4", "rho250vdw20ug4"),),
 }
 """Series of cases in which one thing grows."""
-STUDENT = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365}
-"""Quantiles of Student's distribution for a confidence of 95 %, by degrees of freedom."""
 
 Values = dict[str, Estimate]
 """A quantity by the name of the case."""
@@ -52,8 +50,7 @@ def estimate(values: Iterable[float]) -> Estimate:
     mean = float(np.mean(known))
     if len(known) == 1:
         return Estimate(mean, math.nan, math.nan, 1)
-    quantile = STUDENT.get(len(known) - 1, 2.0)
-    half = quantile * float(np.std(known, ddof=1)) / math.sqrt(len(known))
+    half = student(len(known) - 1) * float(np.std(known, ddof=1)) / math.sqrt(len(known))
     return Estimate(mean, mean - half, mean + half, len(known))
 
 

@@ -28,14 +28,16 @@ def figure_10(results: Path) -> Section | None:
     most = found.get(4.0)
     agrees = None if most is None or 0.0 not in found else most.lower > found[0.0].upper and most.mean > 2.0 * found[0.0].mean
     statements.append(Statement("part of the particles in pairs, strings and agglomerates",
-                                "strings and agglomerates at Bo 4, single particles at Bo 0", text, agrees))  # fmt: skip
+                                "strings and agglomerates at Bo 4, single particles at Bo 0: agrees if Bo 4 has more than twice as many", text, agrees))  # fmt: skip
     contacts = "; ".join(f"Bo {float(row['bond_number']):g}: {points.estimate(row, 'contacts')}" for row in points.rows)
     statements.append(Statement("contacts per particle", "not given", contacts, None))
+    members = "; ".join(f"Bo {float(row['bond_number']):g}: {points.estimate(row, 'members')}" for row in points.rows)
+    statements.append(Statement("mean number of members of such a set", "not given", members, None))
     measures = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
     figures = [(over(points, "bond_number", measures, [("periodic box", points)]), "Over the Bond number; means and intervals over seeds.")]
     text = (
         "A periodic box of 1,375 particles whose weight the gas carries; cohesion is switched on after 20 time units. From 20 time units "
-        "later on: sets of two particles or more connected by contacts that last for 0.05, 14 times as long as a collision."
+        "later on: sets of two particles or more connected by contacts lasting at least 0.05 time units, 14 times as long as a collision."
     )
     return Section("Fig. 10: strings and agglomerates", text, statements, figures, [source("fig10", points)])
 
@@ -132,6 +134,6 @@ def figure_11(results: Path) -> Section | None:
         figures.append((drawn(profiles), "Profiles in the frame of the wave, with the void in the middle; means over cycles and seeds."))
     text = (
         "The periodic box at Bo 20, vibrated with Gamma 3 and f 0.16: one wave of 18 d. Profiles move with the wave, and are "
-        "averaged over ten cycles at each of ten phases; the tension is the largest of all phases and layers of such a mean."
+        "averaged over ten cycles at each of ten phases; the tension is the largest over all phases and layers of these means."
     )
     return Section("Fig. 11: stress in the frame of the wave", text, statements, figures, [source("fig11", points)])

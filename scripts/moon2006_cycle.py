@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from cycle import average_over_phase, find_vibration
+import moon2006_tables
 from moon2006_tables import sources, table
 from paper_tables import over, within
 from report import Section, Statement
+from study_tables import StudyTable, read_study_table, write_study_table
 from talcum_results import GREY, new_figure, read_series
 
 import numpy as np
@@ -16,31 +18,85 @@ from matplotlib.figure import Figure
 
 STEADY = 62.5
 """Time from which cycles are averaged: the fourth."""
-CURVES = {"bed_bottom": "bottom of the bed [d]", "plate_stress": "stress on the plate / weight", "grid_pressure_drop": "pressure drop / weight"}
+PHASES = 50
+STUDIES = ("fig7", "fig8")
+"""Soft and stiff particles."""
+CURVES = {
+    "bed_bottom": "bottom of the bed [d]",
+    "centre_velocity": "velocity of the centre [sqrt(g d)]",
+    "plate_stress": "stress on the plate / weight",
+    "grid_pressure_drop": "pressure drop / weight",
+}
+KEPT = "cycle.csv"
 
 
-def over_the_cycle(results: Path) -> Figure | None:
-    """Curves over the cycle for each gas velocity, of the first run of each; None if no run is here."""
-    runs = table(results, "fig7", "runs")
-    rows = runs.where(wall_bond_number=0.0, seed=1).rows if runs else []
-    folders = [(float(row["superficial_velocity"]), results / "fig7/runs" / row["run"]) for row in rows]
-    folders = [(velocity, folder) for velocity, folder in folders if (folder / "series.csv").exists()]
-    if not folders:
+def curves(results: Path) -> StudyTable | None:
+    """Means at equal phases of the first run of each plate, stiffness and gas velocity; the kept table if no such run is here."""
+    rows: list[dict[str, str]] = []
+    provenance: dict[str, str] = {}
+    for study in STUDIES:
+        runs = table(results, study, "runs")
+        for run in runs.where(seed=1).rows if runs else []:
+            folder = results / study / "runs" / run["run"]
+            if (folder / "series.csv").exists():
+                rows += over_one_cycle(study, run, folder)
+                provenance[f"{study} {run['run']}"] = f"digest {run['digest']}"
+    file = moon2006_tables.KEPT / KEPT
+    if not rows:
+        return read_study_table(file) if file.exists() else None
+    units = {name: name.partition(" [")[2].rstrip("]") for name in rows[0]}
+    plain = [{name.split(" [")[0]: cell for name, cell in row.items()} for row in rows]
+    return StudyTable(results / KEPT, provenance, plain, {name.split(" [")[0]: unit for name, unit in units.items()})
+
+
+def over_one_cycle(study: str, run: dict[str, str], folder: Path) -> list[dict[str, str]]:
+    """The curves of one run."""
+    series = read_series(folder).between(STEADY, None)
+    cycle = average_over_phase(series, find_vibration(series, None), PHASES)
+    named = {"study": study, "wall_bond_number": run.get("wall_bond_number", "0"), "superficial_velocity [sqrt(g d)]": run["superficial_velocity"]}
+    units = {"bed_bottom": " [d]", "centre_velocity": " [sqrt(g d)]"}
+    return [
+        named | {"phase": f"{phase:.4g}"} | {name + units.get(name, ""): f"{cycle.mean[name][place]:.5g}" for name in CURVES}
+        for place, phase in enumerate(cycle.phase)
+    ]
+
+
+def keep(results: Path, folder: Path) -> None:
+    """Stores the curves of the runs that are here."""
+    found = curves(results)
+    if found is not None and found.file.parent == results:
+        write_study_table(found, folder / KEPT)
+
+
+def drawn(found: StudyTable, study: str, wall_bond_number: float) -> Figure | None:
+    """Curves over the cycle for each gas velocity; None if there are none of this study and plate."""
+    beds = found.where(study=study, wall_bond_number=wall_bond_number)
+    velocities = sorted(set(beds.numbers("superficial_velocity")))
+    if not velocities:
         return None
-    figure, panels = new_figure(1, len(CURVES), size=(4.6 * len(CURVES), 3.8))
-    for place, (velocity, folder) in enumerate(folders):
-        series = read_series(folder).between(STEADY, None)
-        cycle = average_over_phase(series, find_vibration(series, None), 50)
-        colour = colormaps["viridis"](place / len(folders))
+    figure, panels = new_figure(1, len(CURVES), size=(3.6 * len(CURVES), 3.6))
+    for place, velocity in enumerate(velocities):
+        bed = beds.where(superficial_velocity=velocity)
+        colour = colormaps["viridis"](place / len(velocities))
         for panel, name in zip(panels[0], CURVES):
-            panel.plot(cycle.phase, cycle.mean[name], color=colour, label=f"U_s {velocity:g}")
+            panel.plot(bed.numbers("phase"), bed.numbers(name), color=colour, label=f"U_s {velocity:g}")
     phase = np.linspace(0.0, 1.0, 201)
-    panels[0, 1].plot(phase, 1.0 + 3.0 * np.sin(2.0 * np.pi * phase), "--", color=GREY, label="1 + 3 sin(2 pi f t)")
+    panels[0, 2].plot(phase, 1.0 + 3.0 * np.sin(2.0 * np.pi * phase), "--", color=GREY, label="1 + 3 sin(2 pi f t)")
     for panel, label in zip(panels[0], CURVES.values()):
         panel.set_xlabel("phase of the plate, f t")
         panel.set_ylabel(label)
-    panels[0, 1].legend(fontsize=7)
+    panels[0, 2].legend(fontsize=6)
     return figure
+
+
+def over_the_cycle(results: Path) -> list[tuple[Figure, str]]:
+    """The curves of both plates and both stiffnesses, with captions."""
+    found = curves(results)
+    if found is None:
+        return []
+    kinds = [("fig7", 0.0, "k_n 2e5, Bo_p 0"), ("fig7", 40.0, "k_n 2e5, Bo_p 40"), ("fig8", 0.0, "k_n 2e6, Bo_p 0")]
+    pictures = [(drawn(found, study, bond), f"One bed of each gas velocity over the cycle, means of cycles 4 to 8: {words}.") for study, bond, words in kinds]
+    return [(figure, caption) for figure, caption in pictures if figure is not None]
 
 
 def figures_6_to_9(results: Path) -> Section | None:
@@ -65,10 +121,8 @@ def figures_6_to_9(results: Path) -> Section | None:
         plateau = group.estimates("pressure_drop")[-1]
         statements.append(Statement(f"mean pressure drop at U_s {velocities[-1]:g} ({name})", "1", str(plateau),
                                     within(plateau.mean, 1.0, 0.02)))  # fmt: skip
-    measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "lift": "lift [d]"}
+    measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "pressure_drop": "mean pressure drop / weight"}
     figures = [(over(points, "superficial_velocity", measures, groups), "Over U_s; means and intervals over seeds.")]
-    curves = over_the_cycle(results)
-    if curves is not None:
-        figures.insert(0, (curves, "One bed of each gas velocity over the cycle (k_n 2e5, Bo_p 0), cycles 4 to 8."))
+    figures = over_the_cycle(results) + figures
     text = "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8."
     return Section("Figs 6 to 9: the cycle", text, statements, figures, sources(("fig7", points), ("fig8", stiff)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from moon2006_pictures import beds
 from moon2006_tables import sources, table
 from moon2006_thresholds import critical
 from report import Section, Statement
@@ -67,10 +68,11 @@ def over_all(results: Path) -> Section | None:
         statements.append(Statement(f"Bo_c at U_s {velocity:g}", "slightly higher with more gas", text, None))
     if usual is not None and more is not None:
         statements.append(more_gas(usual, more))
-    text = "Vibration (f 0.16) and cohesion are switched on in the developed bed; two beds at each point, measured from 25 to 100 on."
+    text = "Vibration (f 0.16) and cohesion are switched on in the developed bed; two beds at each point, measured 25 to 100 time units later."
     caption = "What each bed does: Gamma 0 is a plate at rest. Lines: critical Bond numbers of Fig. 4."
     made_by = sources(("map", runs), ("fig4", usual), ("fig4-gas", more))
-    return Section("The map of Bond number and Gamma", text, statements, [(drawn(runs, lines), caption)], made_by)
+    figures = [(drawn(runs, lines), caption), *beds(results, "map")]
+    return Section("The map of Bond number and Gamma", text, statements, figures, made_by)
 
 
 def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
@@ -113,8 +115,8 @@ def stiffness(results: Path) -> Section | None:
         statements.append(Statement(f"work of parting at that Bo_c: {name}", "not in the paper", f"{work} rho_s g d^4", None))
     text = (
         "Gamma 3, f 0.16. A spring under the attraction F0 stores F0^2 / (2 k_n), which parting two particles takes on top of the work of "
-        "the attraction, 2 F0 cut_off: at Bo 20 1.6 times as much at k_n 2e5, 0.16 times at 2e6. If the force decides, stiff particles have "
-        "the Bo_c of soft ones that keep it; if the work, of those that keep that."
+        "the attraction, 2 F0 cut_off: at Bo 20 1.6 times as much at k_n 2e5, 0.16 times at 2e6. If the force decides, stiff and soft "
+        "particles have the same Bo_c at equal force; if the work does, at equal work."
     )
     title = "Beyond the paper: stiffness, force and work of parting"
     return Section(title, text, statements, [], sources(("stiffness", points), ("fig4", soft)))

@@ -11,7 +11,9 @@ import moon2006_cycle
 import moon2006_fluidisation
 import moon2006_map
 import moon2006_thresholds
-from moon2006_tables import pictures, source, states, table
+import moon2006_wide
+from moon2006_pictures import beds
+from moon2006_tables import source, states, table
 from paper_tables import over, within
 from report import Section, Statement
 
@@ -31,20 +33,19 @@ def figure_1(results: Path) -> Section | None:
     speed, length, period = (points.estimate(row, name) for name in ("speed", "wavelength", "period"))
     gas, front = points.estimate(row, "gas_force"), points.estimate(row, "front_speed")
     statements = [
-        Statement("bed at U_s 0.12", "alternating plugs and voids that rise periodically", row["waves"], None),
+        Statement("bed at U_s 0.12", "alternating plugs and voids that rise periodically", row["waves"].replace("_", " "), None),
         Statement("speed of the waves", "not given in words", str(speed), None),
         Statement("wavelength; period", "not given in words", f"{length}; {period}", None),
         Statement("gas force over the weight", "1 above minimum fluidisation", str(gas), within(gas.mean, 1.0, 0.02)),
         Statement("front by which waves climb through the poured bed", "not shown", str(front), None),
     ]
-    figures = list(pictures(results, "developed-bed", table(results, "developed-bed", "runs"), 0.0, seed=1))
     text = "Poured without gas for 25 time units, then fluidised at U_s 0.12 for 300: measured from 225 on."
-    return Section("Fig. 1: waves without cohesion", text, statements, figures, [source("developed-bed", points)])
+    return Section("Fig. 1: waves without cohesion", text, statements, beds(results, "developed-bed"), [source("developed-bed", points)])
 
 
 def figure_2(results: Path) -> Section | None:
     """Cohesion switched on in the developed bed."""
-    points, runs = (table(results, "fig2", kind) for kind in ("points", "runs"))
+    points = table(results, "fig2", "points")
     if points is None:
         return None
     groups = [(f"friction cap: {cap}", points.where(friction_cap=cap)) for cap in ("net", "contact")]
@@ -65,10 +66,9 @@ def figure_2(results: Path) -> Section | None:
                                         share.mean < 0.1))  # fmt: skip
     measures = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "frozen_share": "part that stands still"}
     figures = [(over(points, "bond_number", measures, groups), "Over the Bond number; means and intervals over seeds.")]
-    for bond in (4.0, 6.0, 8.0):
-        figures += list(pictures(results, "fig2", runs, 0.0, bond_number=bond, friction_cap="net"))
+    figures += beds(results, "fig2")
     text = (
-        "Cohesion is switched on in the developed bed (the ends of Fig. 1); measured 75 to 150 time units later. The paper's "
+        "Cohesion is switched on in the developed bed (the final states of Fig. 1); measured 75 to 150 time units later. The paper's "
         "words allow two readings of Coulomb's limit: from the net normal force, or from the contact force alone."
     )
     return Section("Fig. 2: waves slow down and freeze as cohesion grows", text, statements, figures, [source("fig2", points)])
@@ -76,7 +76,7 @@ def figure_2(results: Path) -> Section | None:
 
 def figure_3(results: Path) -> Section | None:
     """Vibration brings the waves back."""
-    points, runs = (table(results, "fig3", kind) for kind in ("points", "runs"))
+    points = table(results, "fig3", "points")
     if points is None:
         return None
     speeds = [e.mean for e in points.estimates("speed")]
@@ -88,10 +88,9 @@ def figure_3(results: Path) -> Section | None:
         Statement("speed for Gamma of 3 and more", "nearly the same",
                   ", ".join(f"{speed:.3g}" for speed in strong), spread < 0.3 if strong else None),
     ]  # fmt: skip
-    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part with waves", "agitation": "kinetic energy of fluctuations"}
+    measures = {"speed": "wave speed [sqrt(g d)]", "share": "part that waves sweep", "agitation": "kinetic energy of fluctuations"}
     figures = [(over(points, "gamma", measures, [("Bo 20", points)]), "Over Gamma; means and intervals over seeds.")]
-    for gamma in (1.0, 2.0, 3.0, 6.0):
-        figures += list(pictures(results, "fig3", runs, 0.0, gamma=gamma))
+    figures += beds(results, "fig3")
     text = (
         "Cohesion (Bo 20) and vibration (f 0.16) are switched on in the developed bed; measured from 25 to 100 time units "
         "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same."
@@ -106,6 +105,6 @@ def sections(results: Path) -> list[Section]:
                moon2006_thresholds.long_times, figure_3, moon2006_thresholds.over_gamma,
                moon2006_thresholds.over_frequency, moon2006_map.over_all, moon2006_map.stiffness, moon2006_cycle.figures_6_to_9,
                moon2006_boxes.figure_10, moon2006_boxes.figure_11,
-               moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_beyond.wide_bed)  # fmt: skip
+               moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_wide.wide_bed)  # fmt: skip
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

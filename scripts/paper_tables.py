@@ -13,6 +13,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 
+STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228)
+"""Quantiles of Student's distribution for a confidence of 95 %, from one degree of freedom on."""
+
+
+def student(freedom: int) -> float:
+    """The quantile for a confidence of 95 %; beyond the table within 0.002 of it."""
+    return STUDENT[freedom - 1] if freedom <= len(STUDENT) else 1.96 + 2.37 / freedom + 2.8 / freedom**2
+
+
 def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable | None:
     """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
     complete run nothing is known, and a study that was only begun here does not count."""
@@ -32,13 +41,21 @@ def is_known(row: dict[str, str]) -> bool:
 
 def made_by(paper: str, study: str, points: StudyTable) -> str:
     """Where the numbers of a section come from, and how to make them again."""
-    commit = points.provenance.get("commit", "unknown")[:12]
-    return f"Made by: talcum study cases/{paper}/studies/{study}.toml (Talcum commit {commit}, {points.file.name})."
+    commits = [commit.strip()[:10] for commit in points.provenance.get("commit", "unknown").split(",")]
+    version = points.provenance.get("talcum_version", "of unknown version")
+    return (
+        f"Made by: talcum study cases/{paper}/studies/{study}.toml (Talcum {version}, commit {', '.join(commits)}). "
+        f"Numbers: {points.file.name}; digests of all runs: {points.file.name.replace('points', 'runs')}."
+    )
 
 
 def within(value: float, paper: float, part: float) -> bool:
     """Whether a value is within a part of the paper's."""
     return math.isfinite(value) and abs(value - paper) <= part * abs(paper)
+
+
+LABELS = {"bond_number": "Bond number", "gamma": "Gamma", "superficial_velocity": "U_s [sqrt(g d)]"}
+"""What axes are called."""
 
 
 def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[tuple[str, StudyTable]]) -> Figure:
@@ -51,7 +68,7 @@ def over(points: StudyTable, axis: str, measures: dict[str, str], groups: list[t
             y = np.array([e.mean for e in found])
             error = np.array([[e.mean - e.lower, e.upper - e.mean] for e in found]).T
             panel.errorbar(x, y, yerr=np.nan_to_num(error), fmt="o-", color=colour, label=name, capsize=3)
-        panel.set_xlabel(axis.replace("_", " "))
+        panel.set_xlabel(LABELS.get(axis, axis.replace("_", " ")))
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0.0)
     panels[0, 0].legend()

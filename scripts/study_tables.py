@@ -1,4 +1,4 @@
-"""Reads the tables of a study: runs.csv and points.csv, as `talcum study` writes them."""
+"""Reads and writes the tables of a study: runs.csv and points.csv, as `talcum study` writes them."""
 
 from __future__ import annotations
 
@@ -108,3 +108,12 @@ def read_study_table(file: Path) -> StudyTable:
         if len(row) != len(names):
             raise ResultsError(f"{file}: a row has {len(row)} cells in place of {len(names)}")
     return StudyTable(file, provenance, [dict(zip(names, row)) for row in table[1:]], units)
+
+
+def write_study_table(table: StudyTable, file: Path) -> None:
+    """Writes a table, with what is known of where it comes from above it."""
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in table.units.items()]
+    lines = [f"# {name}: {value}" for name, value in table.provenance.items()]
+    lines += [",".join(heads), *(",".join(row[name] for name in table.units) for row in table.rows)]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print(f"table: {file}")

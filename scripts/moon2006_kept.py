@@ -1,0 +1,33 @@
+"""Keeps what the page of Moon, Kevrekidis & Sundaresan (2006) shows of the runs themselves beside the tables of the studies: pictures over height
+and time, curves over the plate's cycle, and how plane the waves of the wide bed are.
+
+    .venv/bin/python scripts/moon2006_kept.py results --keep cases/moon2006/results
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+# First, because it says what to do if numpy is missing.
+from talcum_results import run_script
+
+import moon2006_cycle
+import moon2006_pictures
+import moon2006_wide
+
+
+def main(command_line: list[str] | None = None) -> None:
+    """Keeps what the runs in the folder give."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
+    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where they go")
+    arguments = parser.parse_args(command_line)
+    arguments.keep.mkdir(parents=True, exist_ok=True)
+    moon2006_pictures.keep(arguments.results, arguments.keep)
+    moon2006_cycle.keep(arguments.results, arguments.keep)
+    moon2006_wide.keep(arguments.results, arguments.keep)
+
+
+if __name__ == "__main__":
+    run_script(main)
