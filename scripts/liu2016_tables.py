@@ -8,7 +8,7 @@ from pathlib import Path
 
 import liu2016_curves
 from liu2016_curves import GRAVITY, KEPT, PARTICLE, STUDIES, case_name
-from paper_tables import made_by, student, study_table
+from paper_tables import interval_of, made_by, study_table
 from report import Statement
 from study_tables import Estimate, StudyTable
 from talcum_results import BLUE, GREEN, GREY, ORANGE, RED, Array, new_figure
@@ -42,18 +42,6 @@ def table(results: Path, name: str, kind: str = "points") -> StudyTable | None:
     return study_table(results, KEPT, name, kind)
 
 
-def estimate(values: Iterable[float]) -> Estimate:
-    """Mean with Student's interval of values that are independent."""
-    known = np.array([value for value in values if math.isfinite(value)])
-    if not len(known):
-        return Estimate(math.nan, math.nan, math.nan, 0)
-    mean = float(np.mean(known))
-    if len(known) == 1:
-        return Estimate(mean, math.nan, math.nan, 1)
-    half = student(len(known) - 1) * float(np.std(known, ddof=1)) / math.sqrt(len(known))
-    return Estimate(mean, mean - half, mean + half, len(known))
-
-
 def study(results: Path, measure: str) -> Values:
     """A measure of both studies of the paper's cases."""
     found = {}
@@ -70,7 +58,7 @@ def study(results: Path, measure: str) -> Values:
 def by_case(curves: StudyTable, of: Callable[[StudyTable], Iterable[float]]) -> Values:
     """A quantity of the rows of each case; `of` gives its independent values."""
     cases = set(curves.texts("case"))
-    return {case: estimate(of(curves.where(case=case))) for case in CASES if case in cases}
+    return {case: interval_of(of(curves.where(case=case))) for case in CASES if case in cases}
 
 
 def column(name: str) -> Callable[[StudyTable], list[float]]:

@@ -21,7 +21,7 @@ BEDS: dict[str, list[Choice]] = {
     "fig1-sections": [{"count": count} for count in (6000, 12000)],
     "fig2": [{"bond_number": bond, "friction_cap": "net"} for bond in (2.0, 4.0, 6.0, 8.0)],
     "fig2-long": [{"bond_number": bond} for bond in (4.0, 5.0, 6.0, 7.0)],
-    "fig3": [{"gamma": gamma} for gamma in (1.0, 2.0, 3.0, 6.0)],
+    "fig3": [{"gamma": gamma} for gamma in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)],
     "map": [{"superficial_velocity": 0.12, "gamma": gamma, "bond_number": 32.0} for gamma in (2.0, 3.0, 4.0, 6.0)],
     "wide": [{"bond_number": bond, "gamma": gamma} for bond in (0.0, 8.0) for gamma in (0.0, 3.0)],
 }

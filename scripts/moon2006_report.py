@@ -14,8 +14,9 @@ import moon2006_thresholds
 import moon2006_wide
 from moon2006_pictures import beds
 from moon2006_tables import source, states, table
-from paper_tables import over, within
+from paper_tables import interval_of, over, within
 from report import Section, Statement
+from study_tables import Estimate, StudyTable
 
 TITLE = "Moon, Kevrekidis & Sundaresan (2006) with Talcum"
 INTRODUCTION = (
@@ -76,7 +77,7 @@ def figure_2(results: Path) -> Section | None:
 
 def figure_3(results: Path) -> Section | None:
     """Vibration brings the waves back."""
-    points = table(results, "fig3", "points")
+    points, runs = (table(results, "fig3", kind) for kind in ("points", "runs"))
     if points is None:
         return None
     speeds = [e.mean for e in points.estimates("speed")]
@@ -88,6 +89,10 @@ def figure_3(results: Path) -> Section | None:
         Statement("speed for Gamma of 3 and more", "nearly the same",
                   ", ".join(f"{speed:.3g}" for speed in strong), spread < 0.3 if strong else None),
     ]  # fmt: skip
+    if runs is not None:
+        back = returns(runs)
+        told = f"{back}: waves sweep half of the material, by lines between the points of each seed"
+        statements.append(Statement("Gamma at which waves come back", "2: agrees if the interval holds it", told, back.lower <= 2.0 <= back.upper))
     measures = {"speed": "wave speed [sqrt(g d)]", "share": "part that waves sweep", "agitation": "kinetic energy of fluctuations"}
     figures = [(over(points, "gamma", measures, [("Bo 20", points)]), "Over Gamma; means and intervals over seeds.")]
     figures += beds(results, "fig3")
@@ -96,6 +101,17 @@ def figure_3(results: Path) -> Section | None:
         "later, with the swing of the bed's centre taken out. Speeds within 30 % of each other are called nearly the same."
     )
     return Section("Fig. 3: vibration brings the waves back", text, statements, figures, [source("fig3", points)])
+
+
+def returns(runs: StudyTable) -> Estimate:
+    """Gamma at which the part of the material that waves sweep grows beyond one half: mean over the seeds with Student's interval."""
+    found = []
+    for seed in sorted(set(runs.numbers("seed"))):
+        of_seed = runs.where(seed=seed)
+        pairs = sorted(zip(of_seed.numbers("gamma"), of_seed.numbers("share")))
+        steps = [(a, b) for a, b in zip(pairs, pairs[1:]) if a[1] < 0.5 <= b[1]]
+        found += [a[0] + (0.5 - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in steps[:1]]
+    return interval_of(found)
 
 
 def sections(results: Path) -> list[Section]:

@@ -4,9 +4,10 @@ numbers come from, and curves over a key."""
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
-from study_tables import StudyTable, read_study_table
+from study_tables import Estimate, StudyTable, read_study_table
 from talcum_results import BLUE, GREY, ORANGE, RED, new_figure
 
 import numpy as np
@@ -20,6 +21,18 @@ STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228
 def student(freedom: int) -> float:
     """The quantile for a confidence of 95 %; beyond the table within 0.002 of it."""
     return STUDENT[freedom - 1] if freedom <= len(STUDENT) else 1.96 + 2.37 / freedom + 2.8 / freedom**2
+
+
+def interval_of(values: Iterable[float]) -> Estimate:
+    """Mean with Student's interval of values that are independent."""
+    known = np.array([value for value in values if math.isfinite(value)])
+    if not len(known):
+        return Estimate(math.nan, math.nan, math.nan, 0)
+    mean = float(np.mean(known))
+    if len(known) == 1:
+        return Estimate(mean, math.nan, math.nan, 1)
+    half = student(len(known) - 1) * float(np.std(known, ddof=1)) / math.sqrt(len(known))
+    return Estimate(mean, mean - half, mean + half, len(known))
 
 
 def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable | None:

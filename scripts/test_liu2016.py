@@ -12,8 +12,9 @@ import liu2016_curves
 import liu2016_tables
 import report
 from liu2016_breakage import share_kept
-from liu2016_tables import estimate, trends
+from liu2016_tables import trends
 from made_up_results import ScriptTest
+from paper_tables import interval_of
 from study_tables import Estimate, read_study_table
 from talcum_results import ResultsError
 
@@ -107,10 +108,10 @@ class TestNumbers(unittest.TestCase):
         self.assertEqual(names, ["rho137vdw20ug2", "rho250vdw20ug3", "rho250vdw10ug4", "rho250vdw5ug4"])
 
     def test_intervals_are_those_of_student(self) -> None:
-        found = estimate([1.0, 2.0, 3.0])
+        found = interval_of([1.0, 2.0, 3.0])
         # 4.303 sigma / sqrt(n), of tables with four digits.
         self.assertAlmostEqual(found.upper, 2.0 + 4.303 / 3.0**0.5, places=3)
-        self.assertEqual(estimate([]).runs, 0)
+        self.assertEqual(interval_of([]).runs, 0)
 
     def test_a_trend_needs_every_step(self) -> None:
         def values(*means: float) -> dict[str, Estimate]:
