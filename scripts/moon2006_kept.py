@@ -1,5 +1,5 @@
 """Keeps what the page of Moon, Kevrekidis & Sundaresan (2006) shows of the runs themselves beside the tables of the studies: pictures over height
-and time, curves over the plate's cycle, and how plane the waves of the wide bed are.
+and time and of the map, curves over the plate's cycle, and how plane the waves of the wide bed are.
 
     .venv/bin/python scripts/moon2006_kept.py results --keep cases/moon2006/results
 """
@@ -13,6 +13,7 @@ from pathlib import Path
 from talcum_results import run_script
 
 import moon2006_cycle
+import moon2006_map
 import moon2006_pictures
 import moon2006_wide
 
@@ -25,6 +26,7 @@ def main(command_line: list[str] | None = None) -> None:
     arguments = parser.parse_args(command_line)
     arguments.keep.mkdir(parents=True, exist_ok=True)
     moon2006_pictures.keep(arguments.results, arguments.keep)
+    moon2006_map.keep(arguments.results, arguments.keep)
     moon2006_cycle.keep(arguments.results, arguments.keep)
     moon2006_wide.keep(arguments.results, arguments.keep)
 

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 MARKS = {
     "waves": ("o", BLUE, "waves"),
-    "partly_frozen": ("D", GREEN, "waves in part, frozen above"),
+    "partly_frozen": ("D", GREEN, "waves in part"),
     "intermittent": ("^", ORANGE, "waves now and then"),
     "frozen": ("s", GREY, "frozen"),
     "rising_plug": ("v", RED, "one plug that rises"),
@@ -61,7 +61,7 @@ def over_all(results: Path) -> Section | None:
     if runs is None:
         return None
     usual, more = table(results, "fig4", "points"), table(results, "fig4-gas", "points")
-    lines = [(velocity, points) for velocity, points in ((0.12, usual), (0.15, more)) if points is not None]
+    lines = critical_lines(usual, more)
     statements = []
     for velocity, points in lines:
         text = "; ".join(f"Gamma {float(row['gamma']):g}: {critical(points, row)}" for row in points.rows)
@@ -75,6 +75,21 @@ def over_all(results: Path) -> Section | None:
     return Section("The map of Bond number and Gamma", text, statements, figures, made_by)
 
 
+def critical_lines(usual: StudyTable | None, more: StudyTable | None) -> list[tuple[float, StudyTable]]:
+    """The critical Bond numbers of Fig. 4 that are known, by the gas velocity."""
+    return [(velocity, points) for velocity, points in ((0.12, usual), (0.15, more)) if points is not None]
+
+
+def keep(results: Path, folder: Path) -> None:
+    """Stores the picture of the map, from the tables of the runs made here or those that are kept."""
+    runs = table(results, "map", "runs")
+    if runs is not None:
+        lines = critical_lines(table(results, "fig4", "points"), table(results, "fig4-gas", "points"))
+        file = folder / "map-states.png"
+        drawn(runs, lines).savefig(file, dpi=75)
+        print(f"picture: {file}")
+
+
 def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
     """How much larger Bo_c is with more gas, where both are known."""
     ratios = []
@@ -84,7 +99,8 @@ def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
             ratios.append(critical(more, row).mean / critical(usual, same[0]).mean)
     known = [ratio for ratio in ratios if np.isfinite(ratio)]
     told = ", ".join(f"{ratio:.2f}" for ratio in known) or "none"
-    return Statement("Bo_c with more gas over that at U_s 0.12", "a little more than 1", told, all(1.0 <= r < 1.5 for r in known) if known else None)
+    return Statement("Bo_c with more gas over that at U_s 0.12", "a little more than 1: agrees if all are between 1 and 1.5", told,
+                     all(1.0 < ratio < 1.5 for ratio in known) if known else None)  # fmt: skip
 
 
 def work_of_parting(bond_number: float, stiffness: float) -> float:
