@@ -20,7 +20,8 @@ from talcum_results import Array, ResultsError, read_series, result_file, run_sc
 
 import h5py
 import numpy as np
-from study_tables import StudyTable, read_study_table, write_study_table
+from paper_tables import made_or_kept
+from study_tables import StudyTable, read_study_table, table_of_rows, write_study_table
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
 STUDIES = ("fig3-cases", "other-cases")
@@ -188,16 +189,12 @@ def made(results: Path, name: str) -> StudyTable | None:
     if not rows:
         return None
     provenance = {f"{run.case} seed {run.seed}": f"digest {run.digest}, commit {run.commit}" for run in runs}
-    plain = [{key.split(" [")[0]: cell for key, cell in row.items()} for row in rows]
-    units = {key.split(" [")[0]: key.partition(" [")[2].rstrip("]") for key in rows[0]}
-    return StudyTable(results / f"{name}.csv", provenance, plain, units)
+    return table_of_rows(results / f"{name}.csv", provenance, rows)
 
 
 def table(results: Path, name: str) -> StudyTable | None:
     """A table of the runs that were made here, else the one that is kept; None if there is neither."""
-    found = made(results, name)
-    file = KEPT / f"{name}.csv"
-    return found or (read_study_table(file) if file.exists() else None)
+    return made_or_kept(made(results, name), KEPT / f"{name}.csv")
 
 
 def main(command_line: list[str] | None = None) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from cycle import average_over_phase, find_vibration
-import moon2006_tables
-from moon2006_tables import sources, table
+from moon2006_tables import made_or_kept, sources, table
 from paper_tables import over, within
 from report import Section, Statement
-from study_tables import StudyTable, read_study_table, write_study_table
+from study_tables import StudyTable, table_of_rows, write_study_table
 from talcum_results import GREY, new_figure, read_series
 
 import numpy as np
@@ -32,6 +31,11 @@ KEPT = "cycle.csv"
 
 def curves(results: Path) -> StudyTable | None:
     """Means at equal phases of the first run of each plate, stiffness and gas velocity; the kept table if no such run is here."""
+    return made_or_kept(made(results), KEPT)
+
+
+def made(results: Path) -> StudyTable | None:
+    """The same of the runs that are here."""
     rows: list[dict[str, str]] = []
     provenance: dict[str, str] = {}
     for study in STUDIES:
@@ -41,12 +45,7 @@ def curves(results: Path) -> StudyTable | None:
             if (folder / "series.csv").exists():
                 rows += over_one_cycle(study, run, folder)
                 provenance[f"{study} {run['run']}"] = f"digest {run['digest']}"
-    file = moon2006_tables.KEPT / KEPT
-    if not rows:
-        return read_study_table(file) if file.exists() else None
-    units = {name: name.partition(" [")[2].rstrip("]") for name in rows[0]}
-    plain = [{name.split(" [")[0]: cell for name, cell in row.items()} for row in rows]
-    return StudyTable(results / KEPT, provenance, plain, {name.split(" [")[0]: unit for name, unit in units.items()})
+    return table_of_rows(results / KEPT, provenance, rows) if rows else None
 
 
 def over_one_cycle(study: str, run: dict[str, str], folder: Path) -> list[dict[str, str]]:
@@ -63,8 +62,8 @@ def over_one_cycle(study: str, run: dict[str, str], folder: Path) -> list[dict[s
 
 def keep(results: Path, folder: Path) -> None:
     """Stores the curves of the runs that are here."""
-    found = curves(results)
-    if found is not None and found.file.parent == results:
+    found = made(results)
+    if found is not None:
         write_study_table(found, folder / KEPT)
 
 

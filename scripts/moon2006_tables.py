@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import paper_tables
 from paper_tables import made_by, study_table
 from study_tables import StudyTable
 
@@ -13,6 +14,11 @@ KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
 def table(results: Path, study: str, kind: str) -> StudyTable | None:
     """A table of a study, of the runs made here or the one that is kept."""
     return study_table(results, KEPT, study, kind)
+
+
+def made_or_kept(made: StudyTable | None, name: str) -> StudyTable | None:
+    """A table of the runs made here, else the one of this name that is kept."""
+    return paper_tables.made_or_kept(made, KEPT / name)
 
 
 def source(study: str, points: StudyTable) -> str:

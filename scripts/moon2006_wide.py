@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import moon2006_tables
 from moon2006_pictures import beds
-from moon2006_tables import source, table
+from moon2006_tables import made_or_kept, source, table
 from report import Section, Statement
-from study_tables import StudyTable, read_study_table, write_study_table
+from study_tables import StudyTable, table_of_rows, write_study_table
 from talcum_results import snapshot_times
 
 import h5py
@@ -22,6 +21,11 @@ KEPT = "wide-layers.csv"
 
 def layers(results: Path) -> StudyTable | None:
     """How the voidage varies over time in means of layers, and across layers; of the runs that are here, else the kept table."""
+    return made_or_kept(made(results), KEPT)
+
+
+def made(results: Path) -> StudyTable | None:
+    """The same of the runs that are here."""
     runs = table(results, "wide", "runs")
     rows: list[dict[str, str]] = []
     provenance: dict[str, str] = {}
@@ -30,12 +34,9 @@ def layers(results: Path) -> StudyTable | None:
         if file.exists():
             over_time, across = deviations(file)
             named = {name: run[name] for name in ("bond_number", "gamma", "seed")}
-            rows.append(named | {"over_time": f"{over_time:.4g}", "across": f"{across:.4g}"})
+            rows.append(named | {"over_time [1]": f"{over_time:.4g}", "across [1]": f"{across:.4g}"})
             provenance[run["run"]] = f"digest {run['digest']}"
-    if rows:
-        return StudyTable(results / KEPT, provenance, rows, {name: "1" if name in ("over_time", "across") else "" for name in rows[0]})
-    kept = moon2006_tables.KEPT / KEPT
-    return read_study_table(kept) if kept.exists() else None
+    return table_of_rows(results / KEPT, provenance, rows) if rows else None
 
 
 def deviations(file: Path) -> tuple[float, float]:
@@ -51,8 +52,8 @@ def deviations(file: Path) -> tuple[float, float]:
 
 def keep(results: Path, folder: Path) -> None:
     """Stores the deviations of the runs that are here."""
-    found = layers(results)
-    if found is not None and found.file.parent == results:
+    found = made(results)
+    if found is not None:
         write_study_table(found, folder / KEPT)
 
 

@@ -19,7 +19,7 @@ STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228
 
 
 def student(freedom: int) -> float:
-    """The quantile for a confidence of 95 %; beyond the table within 0.002 of it."""
+    """The quantile for a confidence of 95 %; beyond the table within 0.003 of it."""
     return STUDENT[freedom - 1] if freedom <= len(STUDENT) else 1.96 + 2.37 / freedom + 2.8 / freedom**2
 
 
@@ -45,6 +45,11 @@ def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable 
             if rows:
                 return StudyTable(found.file, found.provenance, rows, found.units)
     return None
+
+
+def made_or_kept(made: StudyTable | None, kept: Path) -> StudyTable | None:
+    """A table of the runs made here, else the one that is kept; None if there is neither."""
+    return made or (read_study_table(kept) if kept.exists() else None)
 
 
 def is_known(row: dict[str, str]) -> bool:

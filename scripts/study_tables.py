@@ -110,6 +110,12 @@ def read_study_table(file: Path) -> StudyTable:
     return StudyTable(file, provenance, [dict(zip(names, row)) for row in table[1:]], units)
 
 
+def table_of_rows(file: Path, provenance: dict[str, str], rows: list[dict[str, str]]) -> StudyTable:
+    """A table of rows whose keys are headings, with their units: "time [s]"."""
+    units = dict(split_heading(heading) for heading in rows[0])
+    return StudyTable(file, provenance, [dict(zip(units, row.values())) for row in rows], units)
+
+
 def write_study_table(table: StudyTable, file: Path) -> None:
     """Writes a table, with what is known of where it comes from above it."""
     heads = [f"{name} [{unit}]" if unit else name for name, unit in table.units.items()]

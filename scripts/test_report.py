@@ -49,6 +49,14 @@ class TestReport(ScriptTest):
         (folder / "points.csv").write_text(points(gas_force))
         (folder / "runs.csv").write_text(f"{HEAD}run,point,seed,state\nseed=1__abc,1,1,complete\n")
 
+    def write_run(self) -> Path:
+        """The profiles of its run."""
+        run = self.folder / "developed-bed/runs/seed=1__abc"
+        run.mkdir(parents=True)
+        time, height = np.arange(0.0, 20.0), np.arange(0.0, 30.0, 1.5)
+        write_profiles(run, time, height, np.full((len(time), len(height)), 0.5), CASE)
+        return run
+
     def page(self) -> str:
         """The page of the studies in the folder."""
         report.main(["moon2006", "--results", str(self.folder)])
@@ -67,20 +75,14 @@ class TestReport(ScriptTest):
 
     def test_pictures_are_in_the_page(self) -> None:
         self.write_study()
-        run = self.folder / "developed-bed/runs/seed=1__abc"
-        run.mkdir(parents=True)
-        time, height = np.arange(0.0, 20.0), np.arange(0.0, 30.0, 1.5)
-        write_profiles(run, time, height, np.full((len(time), len(height)), 0.5), CASE)
+        self.write_run()
         page = self.page()
         self.assertIn('src="data:image/png;base64,', page)
         self.assertNotIn('src="http', page)
 
     def test_kept_pictures_and_curves_stand_in_for_runs(self) -> None:
         self.write_study()
-        run = self.folder / "developed-bed/runs/seed=1__abc"
-        run.mkdir(parents=True)
-        time, height = np.arange(0.0, 20.0), np.arange(0.0, 30.0, 1.5)
-        write_profiles(run, time, height, np.full((len(time), len(height)), 0.5), CASE)
+        run = self.write_run()
         shaken = self.folder / "fig8/runs/u=0__abc"
         shaken.mkdir(parents=True)
         (self.folder / "fig8/runs.csv").write_text(f"{HEAD}run,superficial_velocity,seed,state,digest\nu=0__abc,0,1,complete,d1\n")
