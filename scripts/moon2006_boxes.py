@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from moon2006_pictures import drawn_or_kept, save
 from moon2006_tables import source, table
 from paper_tables import over
 from report import Section, Statement
@@ -110,6 +111,18 @@ def drawn(profiles: WaveProfiles) -> Figure:
     return figure
 
 
+def wave_profiles(results: Path) -> WaveProfiles | None:
+    """The profiles of Fig. 11 of the runs that are here."""
+    return read_wave_profiles(sorted((results / "fig11/runs").glob("*/measure-profile.h5")))
+
+
+def keep(results: Path, folder: Path) -> None:
+    """Stores the picture of the profiles of the runs that are here."""
+    profiles = wave_profiles(results)
+    if profiles is not None:
+        save(drawn(profiles), folder / "fig11.png")
+
+
 def figure_11(results: Path) -> Section | None:
     """Stress and granular temperature in the frame of the wave."""
     points = table(results, "fig11", "points")
@@ -123,15 +136,15 @@ def figure_11(results: Path) -> Section | None:
         Statement("largest tension of the bed", "about 0.8", str(strength), within_two),
         Statement("Rumpf's estimate", "about 6, an order of magnitude more", f"{rumpf}: {ratio:.1f} times as much", ratio > 5.0),
     ]
-    figures = []
-    profiles = read_wave_profiles(sorted((results / "fig11/runs").glob("*/measure-profile.h5")))
+    profiles = wave_profiles(results)
     if profiles is not None:
         tension, phase, height = profiles.tension()
         told = f"{tension:.3g} at phase {phase:.2f}, {height:.1f} d above the middle of the void"
         # g_eff = 1 + Gamma sin(2 pi phase) is largest at 0.25.
         statements.append(Statement("when and where", "in the upper plug, near the maximum of g_eff (phase 0.25)", told,
                                     abs(phase - 0.25) <= 0.1 and height > 0.0))  # fmt: skip
-        figures.append((drawn(profiles), "Profiles in the frame of the wave, with the void in the middle; means over cycles and seeds."))
+    shown = drawn_or_kept(drawn(profiles) if profiles else None, "fig11")
+    figures = [(shown, "Profiles in the frame of the wave, with the void in the middle; means over cycles and seeds.")] if shown else []
     text = (
         "The periodic box at Bo 20, vibrated with Gamma 3 and f 0.16: one wave of 18 d. Profiles move with the wave, and are "
         "averaged over ten cycles at each of ten phases; the tension is the largest over all phases and layers of these means."

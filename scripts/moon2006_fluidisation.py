@@ -91,3 +91,19 @@ def other_sections(results: Path) -> Section | None:
         statements.append(Statement(name, "the same", f"{speed} ({row['waves'].replace('_', ' ')})", within(speed.mean, usual.mean, 0.05)))
     text = "Twice as deep, and four times as wide. Speeds within 5 % of each other are called the same."
     return Section("Fig. 1: other sections", text, statements, beds(results, "fig1-sections"), [source("fig1-sections", points)])
+
+
+def choices(results: Path) -> Section | None:
+    """The same waves with half of the time step, and with drag in all directions."""
+    points, fast = table(results, "fig1-choices", "points"), table(results, "developed-bed", "points")
+    if points is None or fast is None:
+        return None
+    usual = fast.estimate(fast.rows[0], "speed")
+    statements = [Statement("speed with a time step of 2.5e-4 and vertical drag", "", str(usual), None)]
+    for row in points.rows:
+        speed, amplitude = points.estimate(row, "speed"), points.estimate(row, "amplitude")
+        drag = "drag in all directions" if row["lateral_drag"] == "true" else "vertical drag"
+        told = f"{speed} ({row['waves'].replace('_', ' ')}); amplitude {amplitude}"
+        statements.append(Statement(f"speed with a time step of {float(row['step']):g} and {drag}", "not stated", told, within(speed.mean, usual.mean, 0.05)))
+    text = "Half of the time step, and drag that acts sideways too. Speeds within 5 % of each other are called the same."
+    return Section("Fig. 1: time step and lateral drag", text, statements, [], [source("fig1-choices", points)])

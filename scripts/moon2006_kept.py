@@ -1,5 +1,5 @@
 """Keeps what the page of Moon, Kevrekidis & Sundaresan (2006) shows of the runs themselves beside the tables of the studies: pictures over height
-and time and of the map, curves over the plate's cycle, and how plane the waves of the wide bed are.
+and time, of the map and of the wave's frame, curves over the plate's cycle, how plane the waves of the wide bed are, and how long runs took.
 
     .venv/bin/python scripts/moon2006_kept.py results --keep cases/moon2006/results
 """
@@ -12,10 +12,13 @@ from pathlib import Path
 # First, because it says what to do if numpy is missing.
 from talcum_results import run_script
 
+import moon2006_boxes
 import moon2006_cycle
 import moon2006_map
 import moon2006_pictures
 import moon2006_wide
+import run_times
+from moon2006_tables import STUDIES
 
 
 def main(command_line: list[str] | None = None) -> None:
@@ -27,8 +30,10 @@ def main(command_line: list[str] | None = None) -> None:
     arguments.keep.mkdir(parents=True, exist_ok=True)
     moon2006_pictures.keep(arguments.results, arguments.keep)
     moon2006_map.keep(arguments.results, arguments.keep)
+    moon2006_boxes.keep(arguments.results, arguments.keep)
     moon2006_cycle.keep(arguments.results, arguments.keep)
     moon2006_wide.keep(arguments.results, arguments.keep)
+    run_times.keep(arguments.results, arguments.keep, STUDIES)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from moon2006_pictures import beds
+from moon2006_pictures import beds, save
 from moon2006_tables import sources, table
 from moon2006_thresholds import critical
 from report import Section, Statement
@@ -85,9 +85,7 @@ def keep(results: Path, folder: Path) -> None:
     runs = table(results, "map", "runs")
     if runs is not None:
         lines = critical_lines(table(results, "fig4", "points"), table(results, "fig4-gas", "points"))
-        file = folder / "map-states.png"
-        drawn(runs, lines).savefig(file, dpi=75)
-        print(f"picture: {file}")
+        save(drawn(runs, lines), folder / "map-states.png")
 
 
 def more_gas(usual: StudyTable, more: StudyTable) -> Statement:

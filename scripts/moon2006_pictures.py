@@ -22,11 +22,12 @@ BEDS: dict[str, list[Choice]] = {
     "fig2": [{"bond_number": bond, "friction_cap": "net"} for bond in (2.0, 4.0, 6.0, 8.0)],
     "fig2-long": [{"bond_number": bond} for bond in (4.0, 5.0, 6.0, 7.0)],
     "fig3": [{"gamma": gamma} for gamma in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)],
+    "fine-powder": [{"asperity_radius": radius} for radius in (4.25e-8, 8.9e-8, 2.23e-7)],
     "map": [{"superficial_velocity": 0.12, "gamma": gamma, "bond_number": 32.0} for gamma in (2.0, 3.0, 4.0, 6.0)],
     "wide": [{"bond_number": bond, "gamma": gamma} for bond in (0.0, 8.0) for gamma in (0.0, 3.0)],
 }
 """The beds that are shown of each study."""
-SYMBOLS = {"bond_number": "Bo", "gamma": "Gamma", "superficial_velocity": "U_s", "count": "particles"}
+SYMBOLS = {"bond_number": "Bo", "gamma": "Gamma", "superficial_velocity": "U_s", "count": "particles", "asperity_radius": "asperities [m]"}
 INSIDE = 0.02
 """Solids fraction above which there is a bed."""
 
@@ -34,10 +35,14 @@ INSIDE = 0.02
 def beds(results: Path, study: str) -> list[tuple[Figure, str]]:
     """The picture of a study with its caption: of the runs made here, else the one that is kept; nothing if there is neither."""
     caption = "Solids fraction (dark: dilute) over height and time, one bed of each kind."
-    drawn, kept = figure(results, study), moon2006_tables.KEPT / f"{study}.png"
-    if drawn is None and kept.exists():
-        drawn = picture(kept)
+    drawn = drawn_or_kept(figure(results, study), study)
     return [(drawn, caption)] if drawn else []
+
+
+def drawn_or_kept(drawn: Figure | None, study: str) -> Figure | None:
+    """A picture of the runs made here, else the one that is kept; None if there is neither."""
+    kept = moon2006_tables.KEPT / f"{study}.png"
+    return picture(kept) if drawn is None and kept.exists() else drawn
 
 
 def figure(results: Path, study: str) -> Figure | None:
@@ -60,9 +65,9 @@ def figure(results: Path, study: str) -> Figure | None:
         panel.set_ylim(0.0, top(profiles))
         panel.set_title(", ".join(named(*pair) for pair in chosen.items()), fontsize=9)
     for panel in panels[-1]:
-        panel.set_xlabel("time [sqrt(d/g)]")
+        panel.set_xlabel(f"time [{profiles.units['time']}]")
     for panel in panels[:, 0]:
-        panel.set_ylabel("height [d]")
+        panel.set_ylabel(f"height [{profiles.units['height']}]")
     return drawn
 
 
@@ -83,6 +88,10 @@ def keep(results: Path, folder: Path) -> None:
     for study in BEDS:
         drawn = figure(results, study)
         if drawn is not None:
-            file = folder / f"{study}.png"
-            drawn.savefig(file, dpi=75)
-            print(f"picture: {file}")
+            save(drawn, folder / f"{study}.png")
+
+
+def save(drawn: Figure, file: Path) -> None:
+    """Stores a picture."""
+    drawn.savefig(file, dpi=75)
+    print(f"picture: {file}")

@@ -10,8 +10,11 @@ import moon2006_boxes
 import moon2006_cycle
 import moon2006_fluidisation
 import moon2006_map
+import moon2006_powder
+import moon2006_tables
 import moon2006_thresholds
 import moon2006_wide
+import run_times
 from moon2006_pictures import beds
 from moon2006_tables import source, states, table
 from paper_tables import interval_of, over, within
@@ -114,13 +117,19 @@ def returns(runs: StudyTable) -> Estimate:
     return interval_of(found)
 
 
+def times_of_runs(results: Path) -> Section | None:
+    """How long the runs took."""
+    return run_times.section(results, moon2006_tables.KEPT, moon2006_tables.STUDIES)
+
+
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
     figures = (moon2006_fluidisation.minimum_fluidisation, figure_1, moon2006_fluidisation.lower_velocities,
-               moon2006_fluidisation.other_sections, figure_2, moon2006_thresholds.without_vibration,
+               moon2006_fluidisation.other_sections, moon2006_fluidisation.choices, figure_2, moon2006_thresholds.without_vibration,
                moon2006_thresholds.long_times, figure_3, moon2006_thresholds.over_gamma,
                moon2006_thresholds.over_frequency, moon2006_map.over_all, moon2006_map.stiffness, moon2006_cycle.figures_6_to_9,
                moon2006_boxes.figure_10, moon2006_boxes.figure_11,
-               moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_wide.wide_bed)  # fmt: skip
+               moon2006_beyond.distributor, moon2006_beyond.compressible, moon2006_wide.wide_bed,
+               moon2006_powder.fine_powder, times_of_runs)  # fmt: skip
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

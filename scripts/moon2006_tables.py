@@ -9,6 +9,8 @@ from paper_tables import made_by, study_table
 from study_tables import StudyTable
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
+STUDIES = sorted(file.stem for file in (KEPT.parent / "studies").glob("*.toml"))
+"""The names of all studies."""
 
 
 def table(results: Path, study: str, kind: str) -> StudyTable | None:

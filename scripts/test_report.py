@@ -14,10 +14,12 @@ import moon2006_cycle
 import moon2006_fluidisation
 import moon2006_kept
 import moon2006_map
+import moon2006_powder
 import moon2006_report
 import moon2006_tables
 import moon2006_thresholds
 import report
+import run_times
 from made_up_results import CASE, COLUMNS as SERIES, ScriptTest, write_profiles, write_series
 from study_tables import Estimate, read_study_table
 from talcum_results import ResultsError
@@ -98,6 +100,30 @@ class TestReport(ScriptTest):
         self.assertEqual(curves.provenance["fig8 u=0__abc"], "digest d1")
         self.assertAlmostEqual(max(curves.numbers("plate_stress")), 2.0, delta=0.01)
         self.assertIsNone(moon2006_cycle.drawn(curves, "fig7", 0.0))
+
+    def test_run_times_are_those_of_runs_made_in_one_go(self) -> None:
+        table = "stage   seconds   share     largest over mean\nintegrate      8.25  10.4 %      1.00\ndecide (wait)   1.50   0.1 %       1.00\n"
+        runs = {"one": f"starting anew\n{table}complete at time 9", "two": f"starting anew\nresuming from c.h5\n{table}complete at time 9", "three": "starting anew\n"}
+        for name, output in runs.items():
+            folder = self.folder / "fig3/runs" / name
+            folder.mkdir(parents=True)
+            (folder / "output.log").write_text(output)
+        moon2006_tables.KEPT.mkdir()
+        (moon2006_tables.KEPT / run_times.KEPT).write_text("study,runs,median [s],longest [s],all [h],processor\nfig2,3,7,8,0.1,old\nfig3,9,9,9,9,old\n")
+        self.assertEqual(run_times.seconds_of(self.folder / "fig3/runs/one"), 9.75)
+        self.assertIsNone(run_times.seconds_of(self.folder / "fig3/runs/two"))
+        self.assertIsNone(run_times.seconds_of(self.folder / "fig3/runs/none"))
+        moon2006_kept.main([str(self.folder), "--keep", str(moon2006_tables.KEPT)])
+        shutil.rmtree(self.folder / "fig3")
+        page = self.page()
+        self.assertIn("<td>fig2</td><td>not given</td><td>7 s; longest 8 s; all 3 runs 0.1 h of one core (old)</td>", page)
+        self.assertIn("<td>fig3</td><td>not given</td><td>10 s; longest 10 s; all 1 runs", page)
+
+    def test_the_bond_number_of_asperities_is_that_of_check(self) -> None:
+        # What `talcum check cases/moon2006/fine-powder.toml` prints, to its five digits.
+        self.assertAlmostEqual(moon2006_powder.bond_number(4.25e-8) / 4.0200, 1.0, delta=2.0e-5)
+        # The control: smooth spheres.
+        self.assertGreater(moon2006_powder.bond_number(0.0), 2000.0)
 
     def test_tables_are_read_by_heading(self) -> None:
         file = self.folder / "points.csv"
