@@ -1,4 +1,4 @@
-"""What the runs of Liu et al. (2016) give over time and lag, as small tables that are kept with the cases.
+"""What the runs of Liu et al. (2016) give over time and lag, and how long they took, as small tables that are kept with the cases.
 
     talcum study cases/liu2016/studies/fig3-cases.toml
     talcum study cases/liu2016/studies/other-cases.toml
@@ -20,11 +20,14 @@ from talcum_results import Array, ResultsError, read_series, result_file, run_sc
 
 import h5py
 import numpy as np
+import run_times
 from paper_tables import made_or_kept
 from study_tables import StudyTable, read_study_table, table_of_rows, write_study_table
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
 STUDIES = ("fig3-cases", "other-cases")
+"""Of which there are curves."""
+ALL_STUDIES = sorted(file.stem for file in (KEPT.parent / "studies").glob("*.toml"))
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
 FOLLOWED = "rho250vdw20ug4"
@@ -203,13 +206,14 @@ def main(command_line: list[str] | None = None) -> None:
     parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
     parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where the tables go")
     arguments = parser.parse_args(command_line)
-    if not runs_of(arguments.results):
-        raise ResultsError(f"{arguments.results}: no complete run of {' or '.join(STUDIES)}")
+    if not runs_of(arguments.results) and not run_times.made(arguments.results, ALL_STUDIES):
+        raise ResultsError(f"{arguments.results}: no complete run of {', '.join(ALL_STUDIES)}")
     arguments.keep.mkdir(parents=True, exist_ok=True)
     for name in TABLES:
         found = made(arguments.results, name)
         if found:
             write_study_table(found, arguments.keep / f"{name}.csv")
+    run_times.keep(arguments.results, arguments.keep, ALL_STUDIES)
 
 
 if __name__ == "__main__":

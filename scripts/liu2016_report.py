@@ -6,7 +6,10 @@ from pathlib import Path
 
 import liu2016_beyond
 import liu2016_breakage
+import liu2016_curves
 import liu2016_flow
+import run_times
+from liu2016_curves import ALL_STUDIES
 from report import Section
 
 TITLE = "Liu, van Wachem, Mudde, Chen & van Ommen (2016) with Talcum"
@@ -16,8 +19,13 @@ INTRODUCTION = (
 )
 
 
+def times_of_runs(results: Path) -> Section | None:
+    """How long the runs took."""
+    return run_times.section(results, liu2016_curves.KEPT, ALL_STUDIES)
+
+
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
-    figures = (*liu2016_flow.SECTIONS, *liu2016_breakage.SECTIONS, *liu2016_beyond.SECTIONS)
+    figures = (*liu2016_flow.SECTIONS, *liu2016_breakage.SECTIONS, *liu2016_beyond.SECTIONS, times_of_runs)
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]
