@@ -102,7 +102,7 @@ def find_vibration(series: Series, frequency: float | None) -> Vibration:
 
 
 def average_over_phase(series: Series, vibration: Vibration, bins: int) -> Cycle:
-    """Averages the rows at equal phase, in bins centred on 0, 1/bins, ...; bins without rows are left out."""
+    """Averages the rows at equal phase, in bins centred on 0, 1/bins, ..., each at the mean phase of its rows; bins without rows are left out."""
     rows_per_cycle = 1.0 / (vibration.frequency * float(np.median(np.diff(series.time))))
     cycles = (series.time[-1] - series.time[0]) * vibration.frequency
     if rows_per_cycle < LEAST_ROWS_PER_CYCLE:
@@ -114,18 +114,21 @@ def average_over_phase(series: Series, vibration: Vibration, bins: int) -> Cycle
         raise ResultsError(f"the results span {cycles:.2f} cycles; at least {LEAST_CYCLES} are needed")
     bins = min(bins, int(rows_per_cycle + 1e-6))
     phase = vibration.phase(series.time)
-    place = np.floor(phase * bins + 0.5).astype(int) % bins
+    # Rounded, so that rows on the edge of a bin all go one way.
+    nearest = np.floor(np.round(phase * bins, 4) + 0.5).astype(int)
+    place, aside = nearest % bins, phase - nearest / bins
     used = np.unique(place)
     mean, deviation = {}, {}
     for name, values in columns_of_a_cycle(series).items():
         mean[name] = np.array([np.nanmean(values[place == index]) for index in used])
         deviation[name] = np.array([np.nanstd(values[place == index]) for index in used])
-    return Cycle(used / bins, mean, deviation, cycles)
+    phases = np.array([index / bins + np.mean(aside[place == index]) for index in used])
+    return Cycle(phases, mean, deviation, cycles)
 
 
 def columns_of_a_cycle(series: Series) -> dict[str, Array]:
     """What is averaged: columns of the series, and the sum of plate stress and pressure drop."""
-    names = ["plate_stress", "grid_pressure_drop", "gas_force", "effective_gravity", "bed_bottom", "centre_velocity"]
+    names = ["plate_stress", "grid_pressure_drop", "gas_force", "effective_gravity", "bed_bottom", "centre_height", "centre_velocity"]
     columns = {name: series[name] for name in names}
     columns["sum"] = series["plate_stress"] + series["grid_pressure_drop"]
     return columns

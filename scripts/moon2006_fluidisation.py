@@ -84,10 +84,11 @@ def other_sections(results: Path) -> Section | None:
     if points is None or fast is None or not points.rows:
         return None
     usual = fast.estimate(fast.rows[0], "speed")
-    statements = [Statement("speed in 5 d x 5 d, 3,000 particles", "", str(usual), None)]
+    statements = [Statement("speed with 3,000 particles in 5 x 5 x 240 d", "not given in words", str(usual), None)]
     for row in points.rows:
         speed = points.estimate(row, "speed")
-        name = f"speed with {int(float(row['count'])):,} particles in {row['lengths']}"
+        lengths = " x ".join(f"{float(length):g}" for length in row["lengths"].strip("[]").split(","))
+        name = f"speed with {int(float(row['count'])):,} particles in {lengths} d"
         statements.append(Statement(name, "the same", f"{speed} ({row['waves'].replace('_', ' ')})", within(speed.mean, usual.mean, 0.05)))
     text = "Twice as deep, and four times as wide. Speeds within 5 % of each other are called the same."
     return Section("Fig. 1: other sections", text, statements, beds(results, "fig1-sections"), [source("fig1-sections", points)])
@@ -98,12 +99,12 @@ def choices(results: Path) -> Section | None:
     points, fast = table(results, "fig1-choices", "points"), table(results, "developed-bed", "points")
     if points is None or fast is None:
         return None
-    usual = fast.estimate(fast.rows[0], "speed")
-    statements = [Statement("speed with a time step of 2.5e-4 and vertical drag", "", str(usual), None)]
+    usual, strength = (fast.estimate(fast.rows[0], name) for name in ("speed", "amplitude"))
+    statements = [Statement("speed with a time step of 2.5e-4 and vertical drag", "not stated", f"{usual}; amplitude {strength}", None)]
     for row in points.rows:
         speed, amplitude = points.estimate(row, "speed"), points.estimate(row, "amplitude")
         drag = "drag in all directions" if row["lateral_drag"] == "true" else "vertical drag"
-        told = f"{speed} ({row['waves'].replace('_', ' ')}); amplitude {amplitude}"
-        statements.append(Statement(f"speed with a time step of {float(row['step']):g} and {drag}", "not stated", told, within(speed.mean, usual.mean, 0.05)))
-    text = "Half of the time step, and drag that acts sideways too. Speeds within 5 % of each other are called the same."
+        told = f"{speed}, {speed.mean / usual.mean:.3f} times the first; amplitude {amplitude}, {amplitude.mean / strength.mean:.3f} times"
+        statements.append(Statement(f"speed with a time step of {float(row['step']):g} and {drag}", "not stated", told, None))
+    text = "Half of the time step, and drag that acts sideways too."
     return Section("Fig. 1: time step and lateral drag", text, statements, [], [source("fig1-choices", points)])

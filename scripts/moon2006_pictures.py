@@ -35,14 +35,10 @@ INSIDE = 0.02
 def beds(results: Path, study: str) -> list[tuple[Figure, str]]:
     """The picture of a study with its caption: of the runs made here, else the one that is kept; nothing if there is neither."""
     caption = "Solids fraction (dark: dilute) over height and time, one bed of each kind."
-    drawn = drawn_or_kept(figure(results, study), study)
+    drawn, kept = figure(results, study), moon2006_tables.KEPT / f"{study}.png"
+    if drawn is None and kept.exists():
+        drawn = picture(kept)
     return [(drawn, caption)] if drawn else []
-
-
-def drawn_or_kept(drawn: Figure | None, study: str) -> Figure | None:
-    """A picture of the runs made here, else the one that is kept; None if there is neither."""
-    kept = moon2006_tables.KEPT / f"{study}.png"
-    return picture(kept) if drawn is None and kept.exists() else drawn
 
 
 def figure(results: Path, study: str) -> Figure | None:

@@ -36,7 +36,7 @@ def without_vibration(results: Path) -> Section | None:
     for row in points.rows:
         found = critical(points, row)
         agrees = found.lower <= 7.0 and found.upper >= 6.0 if found.runs else None
-        paper = "intermittent waves at 6, none above 7: agrees if the interval has a part of 6 to 7"
+        paper = "intermittent waves at 6, none above 7: agrees if the interval overlaps 6 to 7"
         statements.append(Statement(f"Bo_c (friction cap: {row['friction_cap']})", paper, str(found), agrees))
     return Section("Fig. 2: the critical Bond number", RESTING, statements, [], [source("bond-critical", points)])
 

@@ -35,7 +35,7 @@ code { background: #f3f5f7; padding: 0.1rem 0.3rem; }
 
 @dataclass
 class Statement:
-    """What a paper says about a quantity, what was measured, and whether the two agree; None if that is not judged."""
+    """What a paper says about a quantity, what was measured, and whether the two agree; None if it is only told."""
 
     quantity: str
     paper: str
@@ -44,7 +44,7 @@ class Statement:
 
     def row(self) -> str:
         """Its row of a table."""
-        verdict = {True: "agrees", False: "differs", None: "not judged"}[self.agrees]
+        verdict = {True: "agrees", False: "differs", None: "reported only"}[self.agrees]
         cells = "".join(f"<td>{html.escape(text)}</td>" for text in (self.quantity, self.paper, self.measured, verdict))
         return f'<tr class="{verdict}">{cells}</tr>'
 

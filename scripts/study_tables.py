@@ -23,8 +23,8 @@ class Estimate:
         if self.runs == 0:
             return "none"
         if self.runs == 1:
-            return f"{self.mean:.3g} (one seed)"
-        return f"{self.mean:.3g} ({self.lower:.3g} to {self.upper:.3g}; {self.runs} seeds)"
+            return f"{shortly(self.mean)} (one seed)"
+        return f"{shortly(self.mean)} ({shortly(self.lower)} to {shortly(self.upper)}; {self.runs} seeds)"
 
 
 @dataclass
@@ -78,6 +78,11 @@ class StudyTable:
         given = row.get(f"{measure}_runs", row.get("runs", "0"))
         runs = int(given) if mean == mean else 0
         return Estimate(mean, lower, upper, runs)
+
+
+def shortly(number: float) -> str:
+    """A number to three digits, from a thousand on to the whole."""
+    return f"{number:,.0f}" if abs(number) >= 1000.0 else f"{number:.3g}"
 
 
 def number_of(text: str) -> float:

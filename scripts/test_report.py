@@ -157,18 +157,29 @@ class TestReport(ScriptTest):
         self.assertEqual(profiles.tension(), (0.9, 0.375, 2.0))
         self.assertEqual(float(profiles.solids_fraction[0, 4]), 0.1)
         self.assertIsNone(moon2006_boxes.read_wave_profiles([]))
+        # The same from the table that is kept of these runs.
+        for void, file in zip((1, 6), files):
+            (self.folder / f"fig11/runs/r{void}").mkdir(parents=True)
+            file.rename(self.folder / f"fig11/runs/r{void}/measure-profile.h5")
+        (self.folder / "fig11/runs.csv").write_text(f"{HEAD}run,state,digest\nr1,complete,d1\nr6,complete,d6\n")
+        moon2006_kept.main([str(self.folder), "--keep", str(moon2006_tables.KEPT)])
+        shutil.rmtree(self.folder / "fig11")
+        kept = moon2006_boxes.wave_profiles(self.folder)
+        assert kept is not None
+        self.assertEqual(kept.tension(), (0.9, 0.375, 2.0))
+        np.testing.assert_allclose(kept.solids_fraction, profiles.solids_fraction)
 
     def test_waves_come_back_where_they_sweep_half_of_the_material(self) -> None:
         file = self.folder / "runs.csv"
         shares = {1: (0.0, 0.25, 0.75), 2: (0.1, 0.5, 0.9), 3: (0.2, 0.4, 0.6)}
         rows = "".join(f"{gamma},{seed},{share}\n" for seed, of_seed in shares.items() for gamma, share in zip((1, 2, 3), of_seed))
         file.write_text(f"{HEAD}gamma,seed,share\n{rows}")
-        back = moon2006_report.returns(read_study_table(file))
+        back = moon2006_report.returns(read_study_table(file), "share")
         self.assertAlmostEqual(back.mean, (2.5 + 2.0 + 2.5) / 3.0)
         self.assertEqual(back.runs, 3)
         # The control: waves that never sweep half come back nowhere.
         file.write_text(f"{HEAD}gamma,seed,share\n1,1,0.1\n2,1,0.4\n")
-        self.assertEqual(moon2006_report.returns(read_study_table(file)).runs, 0)
+        self.assertEqual(moon2006_report.returns(read_study_table(file), "share").runs, 0)
 
     def test_critical_values_lie_on_a_line(self) -> None:
         folder = self.folder / "fig4"

@@ -52,13 +52,13 @@ pub struct StateShares {
 }
 
 /// What the bed does as a whole. Waves that no window shows are told by the part of the material that they sweep: nine tenths
-/// of it for `Waves`, a quarter for `PartlyFrozen`.
+/// of it for `Waves`, a quarter for `WavesInPart`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedState {
-    /// Waves in at least nine tenths of the windows.
+    /// Waves in at least nine tenths of the windows, all over or here and there.
     Waves,
-    /// Waves in a part of the heights or times, which stands still elsewhere.
-    PartlyFrozen,
+    /// Waves in a part of the heights or times; the bed stands still or moves without waves elsewhere.
+    WavesInPart,
     /// Waves come and go twice or more at most heights.
     Intermittent,
     /// No waves; most of the bed stands still.
@@ -332,7 +332,7 @@ fn bed_state(shares: &StateShares, heights: &[HeightState], swept: f64) -> BedSt
     let waves = shares.waves + shares.intermittent;
     if waves < LEAST_PART {
         if swept >= LEAST_SWEPT {
-            return if swept >= WHOLE { BedState::Waves } else { BedState::PartlyFrozen };
+            return if swept >= WHOLE { BedState::Waves } else { BedState::WavesInPart };
         }
         let still = shares.frozen + shares.rising_plug;
         return match still > shares.disordered {
@@ -342,11 +342,11 @@ fn bed_state(shares: &StateShares, heights: &[HeightState], swept: f64) -> BedSt
         };
     }
     let alternating = heights.iter().filter(|height| height.changes >= 2).count();
-    if shares.waves >= WHOLE {
-        BedState::Waves
-    } else if 2 * alternating > heights.len() {
+    if shares.waves < WHOLE && 2 * alternating > heights.len() {
         BedState::Intermittent
+    } else if waves >= WHOLE {
+        BedState::Waves
     } else {
-        BedState::PartlyFrozen
+        BedState::WavesInPart
     }
 }

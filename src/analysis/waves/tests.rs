@@ -143,6 +143,24 @@ fn bursts_are_intermittent_and_their_speed_is_that_of_the_waves() {
 }
 
 #[test]
+fn a_bed_with_waves_below_a_thin_still_layer_has_waves() {
+    let below_a_layer = |thickness: f64| {
+        let top = BED as f64 * SPACING - thickness;
+        let drawn = Drawn::new(600, 0.02, 9, |z, t| {
+            in_bed(z, 0.5 + if z < top { sine(z, t, SPEED) } else { 0.0 })
+        });
+        drawn.map(&WaveOptions::default())
+    };
+    // Waves fill less than nine tenths of the windows; with those that have them here and there it is more.
+    let thin = below_a_layer(14.0);
+    assert!(thin.shares.waves < 0.9 && thin.shares.intermittent > 0.05, "{:?}", thin.shares);
+    assert_eq!(thin.state, BedState::Waves, "{:?}", thin.shares);
+    // The control: a layer that fills windows.
+    let thick = below_a_layer(40.0);
+    assert_eq!(thick.state, BedState::WavesInPart, "{:?}", thick.shares);
+}
+
+#[test]
 fn a_front_parts_waves_from_a_frozen_bed() {
     // The front descends by 0.5 from 85; above it the waves stand where they were when it passed.
     let drawn = Drawn::new(600, 0.02, 6, |z, t| {
@@ -150,7 +168,7 @@ fn a_front_parts_waves_from_a_frozen_bed() {
         in_bed(z, 0.5 + sine(z, t.min(passed), SPEED))
     });
     let map = drawn.map(&WaveOptions::default());
-    assert_eq!(map.state, BedState::PartlyFrozen, "{:?}", map.shares);
+    assert_eq!(map.state, BedState::WavesInPart, "{:?}", map.shares);
     let front = map.front.unwrap();
     assert!(front.waves_below);
     assert_within(front.speed, -0.5, 0.05);
@@ -296,7 +314,7 @@ fn voids_sweep_the_material_that_they_pass_though_none_comes_twice() {
         let half = single_voids(seed, 48.0, different).map(&WaveOptions::default());
         // Its part of the mass is 0.47: voids take an eighth of it. A tenth, because the record begins with voids under way.
         assert!((half.swept_share - 0.47).abs() < 0.1, "{}", half.swept_share);
-        assert_eq!(half.state, BedState::PartlyFrozen, "{:?}", half.shares);
+        assert_eq!(half.state, BedState::WavesInPart, "{:?}", half.shares);
         // Controls: the same voids at rest, and voids that sink.
         for speed in [0.0, -0.25] {
             let map = single_voids(seed, 0.0, |_| speed).map(&WaveOptions::default());

@@ -38,7 +38,7 @@ pub(super) const MEASURE: Measure = Measure {
 };
 
 const STATES: [&str; 6] =
-    ["waves", "partly_frozen", "intermittent", "frozen", "rising_plug", "disordered"];
+    ["waves", "waves_in_part", "intermittent", "frozen", "rising_plug", "disordered"];
 const STATE: Kind = Kind::text("state", &STATES, "what the bed does as a whole");
 const SPEED: Kind = Kind::number("speed", Quantity::Speed, "of the waves, positive if they rise");
 const PERIOD: Kind = Kind::number("period", Quantity::Time, "time after which the pattern repeats");
@@ -181,7 +181,7 @@ fn where_and_when(map: &WaveMap, units: &ColumnUnits) -> [String; 2] {
 fn name_of(state: BedState) -> &'static str {
     let place = match state {
         BedState::Waves => 0,
-        BedState::PartlyFrozen => 1,
+        BedState::WavesInPart => 1,
         BedState::Intermittent => 2,
         BedState::Frozen => 3,
         BedState::RisingPlug => 4,

@@ -135,7 +135,7 @@ fn bad_searches_and_continuations_are_refused() {
         ),
         (
             search.replace("\"top\"", "\"waves.state\""),
-            "study.toml:3: bisection.threshold: must be a text that waves.state may give: waves, partly_frozen",
+            "study.toml:3: bisection.threshold: must be a text that waves.state may give: waves, waves_in_part",
         ),
         (
             search.replace("\"top\"", "\"waves.state\"").replace("= 5", "= \"frosen\""),

@@ -62,7 +62,7 @@ fn waves_are_measured_where_and_when_they_are() {
     };
     made.profiles(&times(900, 0.5), phi);
     let later = made.find("waves", TimeWindow { from: 120.0, to: f64::INFINITY });
-    assert_eq!(text(&later, "waves.state"), "partly_frozen");
+    assert_eq!(text(&later, "waves.state"), "waves_in_part");
     let share = number(&later, "waves.share").0;
     assert!((0.35..0.75).contains(&share), "{share}");
     let (heights, speeds) =
