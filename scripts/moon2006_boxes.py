@@ -38,7 +38,11 @@ def figure_10(results: Path) -> Section | None:
     members = "; ".join(f"Bo {float(row['bond_number']):g}: {points.estimate(row, 'members')}" for row in points.rows)
     statements.append(Statement("mean number of members of such a set", "not given", members, None))
     measures = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
-    figures = [(over(points, "bond_number", measures, [("periodic box", points)]), "Over the Bond number; means and intervals over seeds.")]
+    figure = over(points, "bond_number", measures, [("periodic box", points)])
+    for panel in figure.axes:
+        panel.set_ylim(bottom=None)
+        panel.set_yscale("log")
+    figures = [(figure, "Against the Bond number; means and intervals over seeds.")]
     text = (
         "A periodic box of 1,375 particles whose weight the gas carries; cohesion is switched on after 20 time units. From 20 time units "
         "later on: sets of two particles or more connected by contacts lasting at least 0.05 time units, 14 times as long as a collision."

@@ -12,6 +12,7 @@ import argparse
 import base64
 import html
 import io
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -33,6 +34,10 @@ code { background: #f3f5f7; padding: 0.1rem 0.3rem; }
 """
 
 
+VERDICTS = ("agrees", "differs", "reported only")
+"""What is said of a statement."""
+
+
 @dataclass
 class Statement:
     """What a paper says about a quantity, what was measured, and whether the two agree; None if it is only told."""
@@ -42,11 +47,15 @@ class Statement:
     measured: str
     agrees: bool | None
 
+    @property
+    def verdict(self) -> str:
+        """Whether the two agree, in words."""
+        return dict(zip((True, False, None), VERDICTS))[self.agrees]
+
     def row(self) -> str:
         """Its row of a table."""
-        verdict = {True: "agrees", False: "differs", None: "reported only"}[self.agrees]
-        cells = "".join(f"<td>{html.escape(text)}</td>" for text in (self.quantity, self.paper, self.measured, verdict))
-        return f'<tr class="{verdict}">{cells}</tr>'
+        cells = "".join(f"<td>{html.escape(text)}</td>" for text in (self.quantity, self.paper, self.measured, self.verdict))
+        return f'<tr class="{self.verdict}">{cells}</tr>'
 
 
 @dataclass
@@ -59,9 +68,20 @@ class Section:
     figures: list[tuple[Figure, str]] = field(default_factory=list)
     sources: list[str] = field(default_factory=list)
 
+    @property
+    def anchor(self) -> str:
+        """What a link to it is called."""
+        return re.sub(r"[^a-z0-9]+", "-", self.title.lower()).strip("-")
+
+    def summary(self) -> str:
+        """Its row of the table of all parts: how many statements agree, differ, and are reported only."""
+        verdicts = [statement.verdict for statement in self.statements]
+        counts = "".join(f"<td>{verdicts.count(verdict) or ''}</td>" for verdict in VERDICTS)
+        return f'<tr><td><a href="#{self.anchor}">{html.escape(self.title)}</a></td>{counts}</tr>'
+
     def html(self) -> str:
         """Its part of the page."""
-        parts = [f"<h2>{html.escape(self.title)}</h2>", f"<p>{html.escape(self.text)}</p>"]
+        parts = [f'<h2 id="{self.anchor}">{html.escape(self.title)}</h2>', f"<p>{html.escape(self.text)}</p>"]
         if self.statements:
             head = "<tr><th>quantity</th><th>paper</th><th>Talcum</th><th></th></tr>"
             rows = "".join(statement.row() for statement in self.statements)
@@ -95,7 +115,9 @@ def embedded(figure: Figure) -> str:
 
 def page(title: str, introduction: str, sections: list[Section]) -> str:
     """The whole page."""
-    body = "\n".join(section.html() for section in sections)
+    head = "".join(f"<th>{text}</th>" for text in ("part", *VERDICTS))
+    summary = "\n".join(section.summary() for section in sections)
+    body = "\n".join([f"<table><tr>{head}</tr>\n{summary}</table>", *(section.html() for section in sections)])
     return (
         f'<!DOCTYPE html>\n<html lang="en-GB"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
         f"<style>{STYLE}</style></head><body>\n<h1>{html.escape(title)}</h1>\n<p>{html.escape(introduction)}</p>\n"

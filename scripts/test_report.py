@@ -70,6 +70,8 @@ class TestReport(ScriptTest):
         self.assertIn("<td>1 frozen, 4 waves</td>", page)
         self.assertIn("<td>0.4 (0.4 to 0.4; 5 seeds)</td>", page)
         self.assertIn('<tr class="agrees"><td>gas force over the weight</td>', page)
+        self.assertIn('<a href="#fig-1-waves-without-cohesion">Fig. 1: waves without cohesion</a></td><td>1</td><td></td><td>4</td>', page)
+        self.assertIn('<h2 id="fig-1-waves-without-cohesion">', page)
         self.assertIn("commit 0123456789)", page)
         self.assertNotIn("<img", page)  # the runs are not there
         self.write_study(gas_force=0.9)
