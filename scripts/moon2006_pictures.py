@@ -48,7 +48,7 @@ def figure(results: Path, study: str) -> Figure | None:
     folders = [(chosen, results / study / "runs" / row["run"]) for chosen, found in rows for row in found]
     if not folders or not all((folder / "profiles.h5").exists() for _, folder in folders):
         return None
-    columns = min(len(folders), 2)
+    columns = 2 if len(folders) > 3 else len(folders)
     lines = -(-len(folders) // columns)
     drawn, panels = new_figure(lines, columns, size=(5.6 * columns, 2.7 * lines))
     for panel, (chosen, folder) in zip(panels.flat, folders):
