@@ -16,7 +16,7 @@ import moon2006_thresholds
 import moon2006_wide
 import run_times
 from moon2006_pictures import beds
-from moon2006_tables import source, sources, states, table
+from moon2006_tables import parts, source, sources, states, table
 from paper_tables import interval_of, over, within
 from report import Section, Statement
 from study_tables import Estimate, StudyTable
@@ -56,9 +56,9 @@ def figure_2(results: Path) -> Section | None:
     groups = [(name, group) for name, group in groups if group.rows]
     statements = []
     for name, group in groups:
-        statements.append(Statement(f"Bond number and state ({name})",
+        statements.append(Statement(f"parts of heights and times by the Bond number ({name})",
                                     "waves up to 4, intermittent at 6, one plug above 7",
-                                    states(group, "bond_number"), None))  # fmt: skip
+                                    parts(group, "bond_number"), None))  # fmt: skip
         speeds = [e.mean for e in group.estimates("speed")][:2]
         falls = len(speeds) == 2 and speeds[1] < speeds[0]
         statements.append(Statement(f"speed from Bo 2 to Bo 4 ({name})", "falls",

@@ -37,3 +37,13 @@ def states(points: StudyTable, axis: str) -> str:
     """What the beds of each point do, in words."""
     parts = [f"{float(row[axis]):g}: {row['waves'].replace('_', ' ')}" for row in points.rows]
     return "; ".join(parts)
+
+
+def parts(points: StudyTable, axis: str) -> str:
+    """What parts of heights and times have waves, stand still and rise as a plug, at each point; means over the seeds."""
+    words = {"share": "waves", "frozen_share": "still", "plug_share": "plug"}
+    told = []
+    for row in points.rows:
+        shares = ", ".join(f"{name} {points.estimate(row, measure).mean:.2f}" for measure, name in words.items())
+        told.append(f"{float(row[axis]):g}: {shares}")
+    return "; ".join(told)

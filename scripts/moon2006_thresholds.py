@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from moon2006_pictures import beds
-from moon2006_tables import source, states, table
+from moon2006_tables import parts, source, table
 from paper_tables import over
 from report import Section, Statement
 from study_tables import Estimate, StudyTable
@@ -46,7 +46,7 @@ def long_times(results: Path) -> Section | None:
     points = table(results, "fig2-long", "points")
     if points is None or not points.rows:
         return None
-    statements = [Statement("Bond number and state", "intermittent waves at 6, one plug above 7", states(points, "bond_number"), None)]
+    statements = [Statement("parts of heights and times by the Bond number", "intermittent waves at 6, one plug above 7", parts(points, "bond_number"), None)]
     for row in points.rows:
         share, still, front = (points.estimate(row, name) for name in ("share", "frozen_share", "front_speed"))
         told = f"{share}; still {still.mean:.2g}; front {front}"

@@ -171,6 +171,13 @@ class TestReport(ScriptTest):
         self.assertEqual(kept.tension(), (0.9, 0.375, 2.0))
         np.testing.assert_allclose(kept.solids_fraction, profiles.solids_fraction)
 
+    def test_parts_of_a_bed_are_told_by_their_means(self) -> None:
+        file = self.folder / "points.csv"
+        ends = ",".join(f"{name}{end}" for name in ("share", "frozen_share", "plug_share") for end in ("", "_lower", "_upper"))
+        file.write_text(f"{HEAD}bond_number,runs,{ends}\n4,2,0.75,0.5,1,0.25,0,0.5,0,0,0\n8,2,0,0,0,0.5,0,1,0.5,0,1\n")
+        told = "4: waves 0.75, still 0.25, plug 0.00; 8: waves 0.00, still 0.50, plug 0.50"
+        self.assertEqual(moon2006_tables.parts(read_study_table(file), "bond_number"), told)
+
     def test_waves_come_back_where_they_sweep_half_of_the_material(self) -> None:
         file = self.folder / "runs.csv"
         shares = {1: (0.0, 0.25, 0.75), 2: (0.1, 0.5, 0.9), 3: (0.2, 0.4, 0.6)}
