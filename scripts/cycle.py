@@ -128,7 +128,7 @@ def average_over_phase(series: Series, vibration: Vibration, bins: int) -> Cycle
 
 def columns_of_a_cycle(series: Series) -> dict[str, Array]:
     """What is averaged: columns of the series, and the sum of plate stress and pressure drop."""
-    names = ["plate_stress", "grid_pressure_drop", "gas_force", "effective_gravity", "bed_bottom", "centre_height", "centre_velocity"]
+    names = ["plate_stress", "grid_pressure_drop", "gas_force", "effective_gravity", "bed_bottom", "centre_velocity"]
     columns = {name: series[name] for name in names}
     columns["sum"] = series["plate_stress"] + series["grid_pressure_drop"]
     return columns

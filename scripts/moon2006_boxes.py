@@ -40,8 +40,9 @@ def figure_10(results: Path) -> Section | None:
     measures = {"in_sets": "part of the particles in sets", "members": "members of a set", "largest": "members of the largest"}
     figure = over(points, "bond_number", measures, [("periodic box", points)])
     for panel in figure.axes:
-        panel.set_ylim(bottom=None)
         panel.set_yscale("log")
+        panel.relim()
+        panel.autoscale(axis="y")
     figures = [(figure, "Against the Bond number; means and intervals over seeds.")]
     text = (
         "A periodic box of 1,375 particles whose weight the gas carries; cohesion is switched on after 20 time units. From 20 time units "

@@ -89,7 +89,7 @@ class TestReport(ScriptTest):
         run = self.write_run()
         shaken = self.folder / "fig8/runs/u=0__abc"
         shaken.mkdir(parents=True)
-        (self.folder / "fig8/runs.csv").write_text(f"{HEAD}run,superficial_velocity,seed,state,digest\nu=0__abc,0,1,complete,d1\n")
+        (self.folder / "fig8/runs.csv").write_text(f"{HEAD}run,wall_bond_number,superficial_velocity,seed,state,digest\nu=0__abc,0,0,1,complete,d1\n")
         time = np.arange(62.5, 87.5, 0.125)
         wave = np.sin(2.0 * np.pi * 0.16 * time)
         write_series(shaken, {name: wave for name in SERIES} | {"time": time, "plate_stress": 2.0 * wave, "effective_gravity": 1.0 + 3.0 * wave})
@@ -102,6 +102,10 @@ class TestReport(ScriptTest):
         self.assertEqual(curves.provenance["fig8 u=0__abc"], "digest d1")
         self.assertAlmostEqual(max(curves.numbers("plate_stress")), 2.0, delta=0.01)
         self.assertIsNone(moon2006_cycle.drawn(curves, "fig7", 0.0))
+        # A velocity of sin(2 pi f t) moves the centre by 1 / (pi f) = 1.99 d, more than d.
+        self.assertAlmostEqual(moon2006_cycle.rises(curves, "fig8", 0.0)[0.0], 1.0 / (0.16 * np.pi), delta=0.01)
+        self.assertEqual([lift.agrees for lift in moon2006_cycle.lifts_off(curves, "fig8", 0.0, "stiff")], [False])
+        self.assertEqual(moon2006_cycle.lifts_off(curves, "fig7", 0.0, "soft"), [])
 
     def test_run_times_are_those_of_runs_made_in_one_go(self) -> None:
         table = "stage   seconds   share     largest over mean\nintegrate      8.25  10.4 %      1.00\ndecide (wait)   1.50   0.1 %       1.00\n"
