@@ -21,13 +21,13 @@ from talcum_results import Array, ResultsError, read_series, result_file, run_sc
 import h5py
 import numpy as np
 import run_times
-from paper_tables import made_or_kept
+from paper_tables import made_or_kept, studies_of
 from study_tables import StudyTable, read_study_table, table_of_rows, write_study_table
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
 STUDIES = ("fig3-cases", "other-cases")
 """Of which there are curves."""
-ALL_STUDIES = sorted(file.stem for file in (KEPT.parent / "studies").glob("*.toml"))
+ALL_STUDIES = studies_of(KEPT)
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
 FOLLOWED = "rho250vdw20ug4"

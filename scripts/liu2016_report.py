@@ -9,7 +9,6 @@ import liu2016_breakage
 import liu2016_curves
 import liu2016_flow
 import run_times
-from liu2016_curves import ALL_STUDIES
 from report import Section
 
 TITLE = "Liu, van Wachem, Mudde, Chen & van Ommen (2016) with Talcum"
@@ -21,7 +20,7 @@ INTRODUCTION = (
 
 def times_of_runs(results: Path) -> Section | None:
     """How long the runs took."""
-    return run_times.section(results, liu2016_curves.KEPT, ALL_STUDIES)
+    return run_times.section(results, liu2016_curves.KEPT, liu2016_curves.ALL_STUDIES)
 
 
 def sections(results: Path) -> list[Section]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from moon2006_tables import made_or_kept, source, table
 from paper_tables import over
 from report import Section, Statement
-from study_tables import StudyTable, table_of_rows, write_study_table
+from study_tables import StudyTable, table_of_rows
 from talcum_results import BLUE, GREY, ORANGE, RED, Array, new_figure
 
 import h5py
@@ -146,13 +146,6 @@ def profiles_of(found: StudyTable) -> WaveProfiles:
     """The profiles of a table."""
     phase, height = (np.unique(found.numbers(name)) for name in ("phase", "height"))
     return WaveProfiles(phase, height, *(np.array(found.numbers(name)).reshape(len(phase), len(height)) for name in PROFILES))
-
-
-def keep(results: Path, folder: Path) -> None:
-    """Stores the profiles of the runs that are here."""
-    found = made(results)
-    if found is not None:
-        write_study_table(found, folder / KEPT)
 
 
 def figure_11(results: Path) -> Section | None:

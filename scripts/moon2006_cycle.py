@@ -8,7 +8,7 @@ from cycle import average_over_phase, find_vibration
 from moon2006_tables import made_or_kept, sources, table
 from paper_tables import over, within
 from report import Section, Statement
-from study_tables import StudyTable, table_of_rows, write_study_table
+from study_tables import StudyTable, table_of_rows
 from talcum_results import GREY, Array, new_figure, read_series
 
 import numpy as np
@@ -66,33 +66,30 @@ def over_one_cycle(study: str, run: dict[str, str], folder: Path) -> list[dict[s
     ]
 
 
-def keep(results: Path, folder: Path) -> None:
-    """Stores the curves of the runs that are here."""
-    found = made(results)
-    if found is not None:
-        write_study_table(found, folder / KEPT)
+def by_velocity(found: StudyTable, study: str, wall_bond_number: float) -> dict[float, StudyTable]:
+    """The curves of a study and plate by the gas velocity."""
+    beds = found.where(study=study, wall_bond_number=wall_bond_number)
+    return {velocity: beds.where(superficial_velocity=velocity) for velocity in sorted(set(beds.numbers("superficial_velocity")))}
 
 
 def drawn(found: StudyTable, study: str, wall_bond_number: float) -> Figure | None:
     """Curves over the cycle for each gas velocity; None if there are none of this study and plate."""
-    beds = found.where(study=study, wall_bond_number=wall_bond_number)
-    velocities = sorted(set(beds.numbers("superficial_velocity")))
-    if not velocities:
+    beds = by_velocity(found, study, wall_bond_number)
+    if not beds:
         return None
-    drawn = {"rise": "rise of the bed's centre [d]"} | CURVES
-    figure, panels = new_figure(1, len(drawn), size=(3.6 * len(drawn), 3.6))
-    for place, velocity in enumerate(velocities):
-        bed = beds.where(superficial_velocity=velocity)
-        colour = colormaps["viridis"](place / len(velocities))
-        for panel, name in zip(panels[0], drawn):
+    labels = {"rise": "rise of the bed's centre [d]"} | CURVES
+    figure, panels = new_figure(1, len(labels), size=(3.6 * len(labels), 3.6))
+    for place, (velocity, bed) in enumerate(beds.items()):
+        colour = colormaps["viridis"](place / len(beds))
+        for panel, name in zip(panels[0], labels):
             values = rise(bed) if name == "rise" else bed.numbers(name)
             panel.plot(bed.numbers("phase"), values, color=colour, label=f"U_s {velocity:g}")
     phase = np.linspace(0.0, 1.0, 201)
     panels[0, 2].plot(phase, 1.0 + 3.0 * np.sin(2.0 * np.pi * phase), "--", color=GREY, label="1 + 3 sin(2 pi f t)")
-    for panel, label in zip(panels[0], drawn.values()):
+    for panel, label in zip(panels[0], labels.values()):
         panel.set_xlabel("phase of the plate, f t")
         panel.set_ylabel(label)
-    figure.legend(*panels[0, 2].get_legend_handles_labels(), loc="outside lower center", ncols=len(velocities) + 1, frameon=False)
+    figure.legend(*panels[0, 2].get_legend_handles_labels(), loc="outside lower center", ncols=len(beds) + 1, frameon=False)
     return figure
 
 
@@ -105,9 +102,7 @@ def rise(bed: StudyTable) -> Array:
 
 def rises(found: StudyTable, study: str, wall_bond_number: float) -> dict[float, float]:
     """How far the bed's centre rises above the plate within a cycle, by the gas velocity."""
-    beds = found.where(study=study, wall_bond_number=wall_bond_number)
-    by_velocity = {velocity: beds.where(superficial_velocity=velocity) for velocity in beds.numbers("superficial_velocity")}
-    return {velocity: float(rise(bed).max()) for velocity, bed in by_velocity.items()}
+    return {velocity: float(rise(bed).max()) for velocity, bed in by_velocity(found, study, wall_bond_number).items()}
 
 
 def lifts_off(found: StudyTable, study: str, wall_bond_number: float, name: str) -> list[Statement]:
@@ -121,11 +116,8 @@ def lifts_off(found: StudyTable, study: str, wall_bond_number: float, name: str)
                       "the bed lifts off by less than d without gas, and further with it", text, still < min(1.0, most))]  # fmt: skip
 
 
-def over_the_cycle(results: Path) -> list[tuple[Figure, str]]:
+def over_the_cycle(found: StudyTable) -> list[tuple[Figure, str]]:
     """The curves of both plates and both stiffnesses, with captions."""
-    found = curves(results)
-    if found is None:
-        return []
     pictures = [(drawn(found, study, bond), f"One bed of each gas velocity over the cycle, means of cycles 4 to 8: k_n {stiffness}, Bo_p {bond:g}.")
                 for study, stiffness in STUDIES.items() for bond in WALLS]  # fmt: skip
     return [(figure, caption) for figure, caption in pictures if figure is not None]
@@ -137,8 +129,8 @@ def figures_6_to_9(results: Path) -> Section | None:
     if points is None:
         return None
     statements = []
-    beds = [(f"k_n {stiffness}", found) for stiffness, found in zip(STUDIES.values(), (points, stiff)) if found]
-    groups = [(f"{name}, Bo_p {bond:g}", found.where(wall_bond_number=bond)) for name, found in beds for bond in WALLS]
+    beds = [(f"k_n {stiffness}", of_study) for stiffness, of_study in zip(STUDIES.values(), (points, stiff)) if of_study]
+    groups = [(f"{name}, Bo_p {bond:g}", of_study.where(wall_bond_number=bond)) for name, of_study in beds for bond in WALLS]
     groups = [(name, group) for name, group in groups if group.rows]
     for name, group in groups:
         velocities = group.numbers("superficial_velocity")
@@ -159,7 +151,7 @@ def figures_6_to_9(results: Path) -> Section | None:
             statements += lifts_off(found, study, bond, f"k_n {stiffness}, Bo_p {bond:g}")
     measures = {"peak": "peak of plate stress / weight", "gas_force": "mean gas force / weight", "pressure_drop": "mean pressure drop / weight"}
     figures = [(over(points, "superficial_velocity", measures, groups), "Over U_s; means and intervals over seeds.")]
-    figures = over_the_cycle(results) + figures
+    figures = (over_the_cycle(found) if found else []) + figures
     text = (
         "Poured with its cohesion (Bo 20), then shaken at Gamma 3 and f 0.16 in gas; cycles 4 to 8. Coulomb's limit is that from the contact "
         "force alone. The bed lifts off by less than the spacing of the nodes of the gas, so that its flight is shown by the height of its centre."

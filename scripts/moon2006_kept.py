@@ -19,6 +19,7 @@ import moon2006_pictures
 import moon2006_wide
 import run_times
 from moon2006_tables import STUDIES
+from study_tables import write_study_table
 
 
 def main(command_line: list[str] | None = None) -> None:
@@ -30,9 +31,10 @@ def main(command_line: list[str] | None = None) -> None:
     arguments.keep.mkdir(parents=True, exist_ok=True)
     moon2006_pictures.keep(arguments.results, arguments.keep)
     moon2006_map.keep(arguments.results, arguments.keep)
-    moon2006_boxes.keep(arguments.results, arguments.keep)
-    moon2006_cycle.keep(arguments.results, arguments.keep)
-    moon2006_wide.keep(arguments.results, arguments.keep)
+    for part in (moon2006_boxes, moon2006_cycle, moon2006_wide):
+        found = part.made(arguments.results)
+        if found is not None:
+            write_study_table(found, arguments.keep / part.KEPT)
     run_times.keep(arguments.results, arguments.keep, STUDIES)
 
 

@@ -97,14 +97,9 @@ def more_gas(usual: StudyTable, more: StudyTable) -> Statement:
             pairs.append((critical(more, row), critical(usual, same[0])))
     pairs = [(a, b) for a, b in pairs if np.isfinite(a.mean / b.mean)]
     told = ", ".join(f"{a.mean / b.mean:.2f}" for a, b in pairs) or "none"
-    apart = [a.mean > b.mean for a, b in pairs if not overlap(a, b)]
+    apart = [a.mean > b.mean for a, b in pairs if not a.overlaps(b.lower, b.upper)]
     return Statement("Bo_c with more gas, divided by that at U_s 0.12", "a little more than 1: judged where the intervals do not overlap", told,
                      all(apart) if apart else None)  # fmt: skip
-
-
-def overlap(one: Estimate, other: Estimate) -> bool:
-    """Whether two intervals have a part in common."""
-    return one.lower <= other.upper and other.lower <= one.upper
 
 
 def work_of_parting(bond_number: float, stiffness: float) -> float:
@@ -129,7 +124,7 @@ def stiffness(results: Path) -> Section | None:
     beds += [("k_n 2e5, with the force of the stiff ones (Fig. 4)", SOFT, found) for found in usual]
     statements = []
     for name, k_n, found in beds:
-        agrees = overlap(found, usual[0]) if usual and name == named["keeps_force"] else None
+        agrees = found.overlaps(usual[0].lower, usual[0].upper) if usual and name == named["keeps_force"] else None
         statements.append(Statement(f"Bo_c: {name}", "does not depend on k_n: agrees if stiff and soft overlap at equal force", str(found), agrees))
         works = (work_of_parting(bond, k_n) for bond in (found.mean, found.lower, found.upper))
         work = Estimate(*works, found.runs)

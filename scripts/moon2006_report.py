@@ -120,7 +120,7 @@ def all_returns(runs: StudyTable | None, limit: str) -> list[Statement]:
         back = returns(runs, measure)
         told = f"{back}, by lines between the points of each seed" if back.runs else "not reached"
         statements.append(Statement(f"Gamma from which {words} (Coulomb's limit: {limit})", "between 2 and 3: agrees if the interval overlaps that", told,
-                                    back.lower <= 3.0 and back.upper >= 2.0 if back.runs > 1 else None))  # fmt: skip
+                                    back.overlaps(2.0, 3.0) if back.runs > 1 else None))  # fmt: skip
     return statements
 
 

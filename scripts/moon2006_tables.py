@@ -9,7 +9,7 @@ from paper_tables import made_by, study_table
 from study_tables import StudyTable
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/moon2006/results"
-STUDIES = sorted(file.stem for file in (KEPT.parent / "studies").glob("*.toml"))
+STUDIES = paper_tables.studies_of(KEPT)
 """The names of all studies."""
 
 

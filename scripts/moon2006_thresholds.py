@@ -35,7 +35,7 @@ def without_vibration(results: Path) -> Section | None:
     statements = []
     for row in points.rows:
         found = critical(points, row)
-        agrees = found.lower <= 7.0 and found.upper >= 6.0 if found.runs else None
+        agrees = found.overlaps(6.0, 7.0) if found.runs else None
         paper = "intermittent waves at 6, none above 7: agrees if the interval overlaps 6 to 7"
         statements.append(Statement(f"Bo_c (friction cap: {row['friction_cap']})", paper, str(found), agrees))
     return Section("Fig. 2: the critical Bond number", RESTING, statements, [], [source("bond-critical", points)])

@@ -7,7 +7,7 @@ from pathlib import Path
 from moon2006_pictures import beds
 from moon2006_tables import made_or_kept, source, table
 from report import Section, Statement
-from study_tables import StudyTable, table_of_rows, write_study_table
+from study_tables import StudyTable, table_of_rows
 from talcum_results import snapshot_times
 
 import h5py
@@ -49,13 +49,6 @@ def deviations(file: Path) -> tuple[float, float]:
     over_time = voidage.mean(axis=(2, 3)).std(axis=0)
     across = voidage.std(axis=(2, 3))
     return float(np.sqrt(np.mean(over_time**2))), float(np.sqrt(np.mean(across**2)))
-
-
-def keep(results: Path, folder: Path) -> None:
-    """Stores the deviations of the runs that are here."""
-    found = made(results)
-    if found is not None:
-        write_study_table(found, folder / KEPT)
 
 
 def wide_bed(results: Path) -> Section | None:

@@ -35,6 +35,11 @@ def interval_of(values: Iterable[float]) -> Estimate:
     return Estimate(mean, mean - half, mean + half, len(known))
 
 
+def studies_of(kept: Path) -> list[str]:
+    """The names of all studies of a paper, by the folder of its kept tables."""
+    return sorted(file.stem for file in (kept.parent / "studies").glob("*.toml"))
+
+
 def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable | None:
     """A table of a study: of the runs made here, else the one that is kept; None if there is neither. Of points without a
     complete run nothing is known, and a study that was only begun here does not count."""

@@ -19,6 +19,10 @@ class Estimate:
     upper: float
     runs: int
 
+    def overlaps(self, lower: float, upper: float) -> bool:
+        """Whether its interval and another have a part in common."""
+        return self.lower <= upper and lower <= self.upper
+
     def __str__(self) -> str:
         if self.runs == 0:
             return "none"
