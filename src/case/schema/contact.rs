@@ -33,8 +33,8 @@ pub(super) const CHAPTER: Chapter = Chapter {
     keys: CONTACT,
     before: "",
     after: "\
-Sliding friction is limited by mu times a normal force: in `linear_spring_dashpot` the one that `friction_cap` names, in
-`adhesive_elastic_plastic` |F_n + F0|, in `linear_hysteretic` |F_n + k_c delta|, in `hertz_mindlin` |F_n|, in `jkr`
+Sliding friction is limited by mu times a normal force: in `linear_spring_dashpot` and `adhesive_elastic_plastic` the one that
+`friction_cap` names (in the second |F_n + F0| or |F_n|), in `linear_hysteretic` |F_n + k_c delta|, in `hertz_mindlin` |F_n|, in `jkr`
 |F_n + 2 F_c|.
 
 `adhesive_elastic_plastic` and `jkr` bring their own adhesion and cannot stand beside `[cohesion]`. `check` prints the

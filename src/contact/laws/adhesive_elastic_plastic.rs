@@ -6,7 +6,7 @@
 //! * O. R. Walton, R. L. Braun, "Viscosity, granular-temperature, and stress calculations for shearing assemblies of
 //!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
-use super::parts::{Hysteresis, HystereticParameters};
+use super::parts::{FrictionCap, Hysteresis, HystereticParameters, Reloading, friction_cap};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
@@ -15,7 +15,7 @@ use crate::contact::{
 };
 use crate::particles::ContactHistory;
 use crate::rules::adhesion_factor;
-use crate::schema::{Allowed, Key, Mixing, Value};
+use crate::schema::{Allowed, Key, Mixing, Value, Word};
 
 const ADHESION: Key = Key::number(
     "adhesion",
@@ -41,6 +41,17 @@ const PRIMARY_DIAMETER: Key = Key::number(
 .printed(Value::Derived("20 nm"), "")
 .required_when("units are dimensionless");
 
+const FRICTION_CAP: Key =
+    Key::word(friction_cap::FRICTION_CAP, FrictionCap::WORDS, friction_cap::MEANING)
+        .default(Value::Word("contact"));
+const RELOADING: Key =
+    Key::word("reloading", WAYS, "How a contact on the limit of adhesion is loaded again")
+        .default(Value::Word("from_limit"));
+const WAYS: &[Word] = &[
+    Word::new("from_limit", "along the unloading line through the present point (Luding 2008)"),
+    Word::new("along_limit", "back along the limit, to the unloading line that it came from"),
+];
+
 /// Diameter of the primary particles of Liu et al., m.
 const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 
@@ -63,13 +74,15 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 /// ```
 ///
 /// so the force of a contact is the larger of the unloading line and this one. A contact that is loaded again from it
-/// follows the unloading line through the present point: delta_max is lowered accordingly. With d_NP <= F0 / k_unload the line
+/// follows the unloading line through the present point, delta_max being lowered accordingly
+/// ([`Reloading::FromLimit`]), or goes back along it ([`Reloading::AlongLimit`]). With d_NP <= F0 / k_unload the line
 /// is never reached, and the force falls along the unloading line until the spheres separate. Without F0 there is no
 /// attraction.
 ///
 /// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with
 /// eta_n = 2 sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, eta_t of the same form in k_t
-/// and (2/7) m*, at most mu_f |F_n + F0|: a contact held by adhesion alone still resists sliding.
+/// and (2/7) m*, at most mu_f |F_n + F0|, so that a contact held by adhesion alone still resists sliding
+/// ([`FrictionCap::Contact`]), or at most mu_f |F_n| ([`FrictionCap::Net`]).
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -137,6 +150,16 @@ impl AdhesiveElasticPlastic {
         Ok(Self { hysteresis: Hysteresis::new(&parameters, limit)?, attraction, primary_diameter })
     }
 
+    /// With another limit of friction; `new` gives [`FrictionCap::Contact`].
+    pub fn with_friction_cap(self, friction_cap: FrictionCap) -> Self {
+        Self { hysteresis: self.hysteresis.with_friction_cap(friction_cap), ..self }
+    }
+
+    /// With another way back from the limit of adhesion; `new` gives [`Reloading::FromLimit`].
+    pub fn with_reloading(self, reloading: Reloading) -> Self {
+        Self { hysteresis: self.hysteresis.with_reloading(reloading), ..self }
+    }
+
     /// Constant attraction F0.
     pub fn attraction(&self) -> f64 {
         self.attraction
@@ -181,7 +204,17 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
     const MEANING: &'static str = "hysteretic springs with a constant adhesion (Liu 2016)";
     const KEYS: &'static [Key] = &{
         let [unloading, loading, plasticity, tangential] = HystereticParameters::KEYS;
-        [unloading, loading, plasticity, tangential, ADHESION, BOND_NUMBER, PRIMARY_DIAMETER]
+        [
+            unloading,
+            loading,
+            plasticity,
+            tangential,
+            ADHESION,
+            BOND_NUMBER,
+            PRIMARY_DIAMETER,
+            FRICTION_CAP,
+            RELOADING,
+        ]
     };
     const ADHESION: Adhesion =
         Adhesion { keys: &[ADHESION.name, BOND_NUMBER.name], replaces_cohesion: true };
@@ -204,10 +237,15 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
             true => values.number("primary_diameter"),
             false => values.is_si().then_some(LIU_PRIMARY_DIAMETER),
         };
-        Some(Self::new(parameters?, attraction?, primary?))
+        let cap = FrictionCap::from_keys(values)?;
+        let reloading = match values.word(RELOADING.name)? {
+            "along_limit" => Reloading::AlongLimit,
+            _ => Reloading::FromLimit,
+        };
+        let law = Self::new(parameters?, attraction?, primary?);
+        Some(law.map(|law| law.with_friction_cap(cap).with_reloading(reloading)))
     }
 
-    /// With the limit of adhesion, and without it.
     /// The part that is flattened, d_NP, stays with the adhesion.
     fn stiffened(&self, factor: f64) -> Self {
         let unloading = factor * self.hysteresis.unloading_stiffness();
@@ -235,10 +273,15 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
         Self { hysteresis, attraction, primary_diameter }
     }
 
+    /// With the limit of adhesion, without it, and with what Liu et al. print taken literally.
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let parameters = HystereticParameters::example(scales);
         let attraction = 0.3 * scales.stiffness * scales.overlap;
-        let diameters = [0.5 * scales.overlap, 0.0];
-        diameters.into_iter().flat_map(|d| Self::new(parameters, attraction, d)).collect()
+        let law = |diameter: f64| Self::new(parameters, attraction, diameter).ok();
+        let limited = law(0.5 * scales.overlap);
+        let literal = limited.map(|law| {
+            law.with_friction_cap(FrictionCap::Net).with_reloading(Reloading::AlongLimit)
+        });
+        [limited, law(0.0), literal].into_iter().flatten().collect()
     }
 }

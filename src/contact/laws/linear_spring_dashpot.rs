@@ -6,6 +6,7 @@
 //! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
 //!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (1)-(3)
 
+use super::parts::{FrictionCap, friction_cap};
 use super::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
@@ -13,7 +14,7 @@ use crate::contact::{
     StoredInContact,
 };
 use crate::particles::ContactHistory;
-use crate::schema::{Allowed, Key, Mixing, Value, Word};
+use crate::schema::{Allowed, Key, Mixing, Value};
 use std::f64::consts::PI;
 
 const NORMAL_STIFFNESS: Key =
@@ -34,22 +35,10 @@ const POISSON_RATIO: Key = Key::number(
     "Poisson's ratio nu, which gives k_t = 2 k_n (1 - nu) / (2 - nu)",
 )
 .or(&["tangential_stiffness"]);
-const FRICTION_CAP: Key = Key::word("friction_cap", CAPS, "Normal force that limits friction")
-    .printed(Value::Word("contact"), "without cohesion the same as \"net\"")
-    .required_when("[cohesion] is on");
-const CAPS: &[Word] = &[
-    Word::new("contact", "that of spring and dashpot"),
-    Word::new("net", "that of spring and dashpot, less cohesion"),
-];
-
-/// Which normal force limits friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrictionCap {
-    /// The force of spring and dashpot, |F_n|.
-    Contact,
-    /// The net normal force with cohesion F_c, |F_n - F_c|.
-    Net,
-}
+const FRICTION_CAP: Key =
+    Key::word(friction_cap::FRICTION_CAP, FrictionCap::WORDS, friction_cap::MEANING)
+        .printed(Value::Word("contact"), "without cohesion the same as \"net\"")
+        .required_when("[cohesion] is on");
 
 /// Linear spring and dashpot.
 ///
@@ -202,10 +191,7 @@ impl RegisteredContactLaw for LinearSpringDashpot {
             }
             key => values.number(key)?,
         };
-        let cap = match values.word("friction_cap")? {
-            "net" => FrictionCap::Net,
-            _ => FrictionCap::Contact,
-        };
+        let cap = FrictionCap::from_keys(values)?;
         let (restitution, friction) = (values.number("restitution")?, values.number("friction")?);
         Some(Self::new(normal, tangential, restitution, friction, cap))
     }

@@ -13,8 +13,7 @@ mod linear_hysteretic;
 mod linear_spring_dashpot;
 
 pub use custom::CustomContactLaw;
-pub use linear_spring_dashpot::FrictionCap;
-pub use parts::{ContactModuli, Elasticity, HystereticParameters};
+pub use parts::{ContactModuli, Elasticity, FrictionCap, HystereticParameters, Reloading};
 pub use registered::{
     Adhesion, ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw,
 };

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 use talcum::contact::{
     AdhesiveElasticPlastic, Contact, ContactForce, ContactForceLaw, ContactLaw, ContactModuli,
-    ExampleScales, HystereticParameters, Jkr,
+    ExampleScales, FrictionCap, HystereticParameters, Jkr, Reloading,
 };
 use talcum::particles::ContactHistory;
 
@@ -41,6 +41,19 @@ fn every_law_of_the_registry_gives_examples_of_itself() {
     }
 }
 
+fn contact(overlap: f64, relative_velocity: Vector3<f64>) -> Contact {
+    Contact {
+        overlap,
+        normal: Vector3::z(),
+        relative_velocity,
+        relative_spin: Vector3::zeros(),
+        reduced_mass: 1.0,
+        reduced_radius: 1.0,
+        reduced_inertia: 0.4,
+        cohesion: 0.0,
+    }
+}
+
 /// Two bodies that are moved by hand.
 struct Hand<'a> {
     law: &'a ContactLaw,
@@ -57,20 +70,16 @@ impl<'a> Hand<'a> {
         Self { law, history, overlap: 0.0, work: 0.0, last }
     }
 
+    /// At rest where it is.
+    fn contact(&self) -> Contact {
+        contact(self.overlap, Vector3::zeros())
+    }
+
     /// A step to another overlap, with a slip on the way; in a time of 1.
     fn step(&mut self, overlap: f64, slip: [f64; 2]) -> ContactForce {
         let separation = self.overlap - overlap;
         let displacement = Vector3::new(slip[0], slip[1], separation);
-        let contact = Contact {
-            overlap,
-            normal: Vector3::z(),
-            relative_velocity: displacement,
-            relative_spin: Vector3::zeros(),
-            reduced_mass: 1.0,
-            reduced_radius: 1.0,
-            reduced_inertia: 0.4,
-            cohesion: 0.0,
-        };
+        let contact = contact(overlap, displacement);
         let force = match self.law.touches(&contact, &self.history) {
             true => self.law.force(&contact, &mut self.history, 1.0),
             false => {
@@ -140,6 +149,54 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
     let mut hand = Hand::new(&other);
     hand.go(2.0, [0.0; 2]);
     assert!((hand.go(at_limit, [0.0; 2]).normal - limit).abs() > 0.05);
+}
+
+#[test]
+fn a_contact_on_the_limit_of_adhesion_goes_back_along_it_where_that_is_chosen() {
+    let of =
+        |reloading| ContactLaw::AdhesiveElasticPlastic(adhesive(PRIMARY).with_reloading(reloading));
+    let along = of(Reloading::AlongLimit);
+    let stored = |hand: &Hand| hand.law.stored_energy(&hand.contact(), &hand.history).normal;
+    let (plastic, stiffness) = (0.2 * 2.0_f64, 1.5); // k_c = 0.3 / (0.5 - 0.3)
+    let at_limit = plastic / (1.0 + stiffness);
+    let mut hand = Hand::new(&along);
+    hand.go(2.0, [0.0; 2]);
+    let (work, energy) = (hand.work, stored(&hand));
+    // Down the unloading line, onto the limit, back along it, and up the same unloading line.
+    for overlap in [0.5 * at_limit, 0.8 * at_limit, 1.5] {
+        let expected = (overlap - plastic).max(-stiffness * overlap) - F0;
+        let found = hand.go(overlap, [0.0; 2]).normal;
+        assert!((found - expected).abs() < 1.0e-12, "{found} for {expected}");
+        // No energy is lost on the way. Where the lines meet within a step, trapezoids miss (1.5 + 1) / 8 of its square.
+        let change = stored(&hand) - energy;
+        assert!((hand.work - work - change).abs() < 1.0e-6, "{} {change}", hand.work - work);
+    }
+    // Negative control: with the unloading line through the present point the force is another, and energy is lost.
+    let from = of(Reloading::FromLimit);
+    let mut hand = Hand::new(&from);
+    hand.go(2.0, [0.0; 2]);
+    let (work, energy) = (hand.work, stored(&hand));
+    hand.go(0.5 * at_limit, [0.0; 2]);
+    hand.go(0.8 * at_limit, [0.0; 2]);
+    assert!(hand.last.normal > -stiffness * 0.8 * at_limit - F0 + 0.05);
+    assert!(hand.work - work > stored(&hand) - energy + 1.0e-3);
+}
+
+#[test]
+fn adhesion_resists_sliding_unless_the_net_force_limits_friction() {
+    // At the overlap where spring and attraction balance: mu F0, or nothing.
+    let balance = F0 / 0.8;
+    for (cap, expected) in [(FrictionCap::Contact, 0.4 * F0), (FrictionCap::Net, 0.0)] {
+        let law = ContactLaw::AdhesiveElasticPlastic(adhesive(PRIMARY).with_friction_cap(cap));
+        let mut hand = Hand::new(&law);
+        hand.go(balance, [0.0; 2]);
+        let found = hand.go(balance, [2.0, 0.0]).tangential.norm();
+        assert!((found - expected).abs() < 1.0e-12, "{cap:?}: {found} for {expected}");
+        // Pressed on, the cap follows: without dashpots F_n + F0 = 0.8 delta.
+        let pressed = hand.go(2.0 * balance, [2.0, 0.0]);
+        let limit = if cap == FrictionCap::Net { F0 } else { 2.0 * F0 };
+        assert!((pressed.tangential.norm() - 0.4 * limit).abs() < 1.0e-12);
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Loading, unloading and adhesion along straight lines: what the hysteretic laws have in common.
 
+use super::friction_cap::FrictionCap;
 use super::slider::{Slider, damping_ratio};
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
 use crate::contact::{
@@ -109,6 +110,15 @@ impl HystereticParameters {
     }
 }
 
+/// How a contact that is on the line of adhesion is loaded again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reloading {
+    /// Along the unloading line through the present point: delta_max falls on the line of adhesion (Luding).
+    FromLimit,
+    /// Back along the line of adhesion, to the unloading line that it came from: delta_max stays.
+    AlongLimit,
+}
+
 /// The force without constant attraction, with delta_p = psi_p delta_max:
 ///
 /// ```math
@@ -119,7 +129,8 @@ impl HystereticParameters {
 /// \end{aligned}
 /// ```
 ///
-/// On the adhesion line delta_max falls, so that the unloading line meets it at the present overlap.
+/// On the adhesion line delta_max falls, so that the unloading line meets it at the present overlap, unless the contact
+/// is to be loaded again along that line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hysteresis {
     unloading_stiffness: f64,
@@ -129,6 +140,8 @@ pub(crate) struct Hysteresis {
     loading_stiffness: f64,
     tangential_stiffness: f64,
     friction: f64,
+    friction_cap: FrictionCap,
+    reloading: Reloading,
     /// eta_n / sqrt(m*).
     damping_factor: f64,
     /// eta_t / sqrt(m*).
@@ -151,9 +164,21 @@ impl Hysteresis {
             loading_stiffness: parameters.loading_stiffness,
             tangential_stiffness: kt,
             friction: parameters.friction,
+            friction_cap: FrictionCap::Contact,
+            reloading: Reloading::FromLimit,
             damping_factor: ratio * parameters.loading_stiffness.sqrt(),
             tangential_damping_factor: ratio * (2.0 / 7.0 * kt).sqrt(),
         })
+    }
+
+    /// With another limit of friction.
+    pub(crate) fn with_friction_cap(self, friction_cap: FrictionCap) -> Self {
+        Self { friction_cap, ..self }
+    }
+
+    /// With another way back from the line of adhesion.
+    pub(crate) fn with_reloading(self, reloading: Reloading) -> Self {
+        Self { reloading, ..self }
     }
 
     /// With stiffnesses that are larger by a factor, the same restitution, and this adhesion stiffness.
@@ -176,14 +201,19 @@ impl Hysteresis {
         let largest = if overlap > largest { overlap } else { largest };
         let unloading = self.unloading_stiffness * (overlap - self.plasticity * largest);
         let adhesion = -self.adhesion_stiffness * overlap;
-        let met = (self.unloading_stiffness + self.adhesion_stiffness) * overlap
-            / (self.unloading_stiffness * self.plasticity);
+        let met = match self.reloading {
+            Reloading::FromLimit => {
+                (self.unloading_stiffness + self.adhesion_stiffness) * overlap
+                    / (self.unloading_stiffness * self.plasticity)
+            }
+            Reloading::AlongLimit => largest,
+        };
         // Selects instead of branches: contacts are evaluated side by side, in lanes.
         if unloading < adhesion { (adhesion, met) } else { (unloading, largest) }
     }
 
     /// Force of spring, dashpots and friction, less a constant attraction. Friction is proportional to the normal
-    /// force without its adhesive part, that is plus `adhesion`.
+    /// force without its adhesive part, that is plus `adhesion`, or to the net one.
     #[inline(always)]
     pub(crate) fn force(
         &self,
@@ -198,7 +228,10 @@ impl Hysteresis {
         let (spring, largest) = self.spring(contact.overlap, history.largest_overlap);
         history.largest_overlap = largest;
         let normal = spring - attraction - self.damping_factor * root_of_mass * separation_speed;
-        let friction_normal = (normal + adhesion).abs();
+        let friction_normal = match self.friction_cap {
+            FrictionCap::Contact => (normal + adhesion).abs(),
+            FrictionCap::Net => (normal - contact.cohesion).abs(),
+        };
         let slider = Slider {
             stiffness: self.tangential_stiffness,
             damping: self.tangential_damping_factor * root_of_mass,
@@ -208,11 +241,19 @@ impl Hysteresis {
         ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
     }
 
-    /// F^2 / (2 k_unload) of the spring, and (k_t / 2) s^2.
+    /// (k_unload / 2) (delta - delta_p)^2 of the spring, and (k_t / 2) s^2. On a line of adhesion along which the contact
+    /// is loaded again: that where the line begins, delta_ad, and (k_c / 2) (delta_ad^2 - delta^2).
     pub(crate) fn stored_energy(&self, overlap: f64, history: &ContactHistory) -> StoredInContact {
-        let spring = overlap - self.plasticity * history.largest_overlap;
+        let (unloading, adhesion) = (self.unloading_stiffness, self.adhesion_stiffness);
+        let plastic = self.plasticity * history.largest_overlap;
+        let end = match self.reloading {
+            Reloading::FromLimit => overlap,
+            Reloading::AlongLimit => overlap.max(unloading * plastic / (unloading + adhesion)),
+        };
+        let on_line = if end > overlap { end * end - overlap * overlap } else { 0.0 };
+        let pulled = if on_line > 0.0 { 0.5 * adhesion * on_line } else { 0.0 };
         StoredInContact {
-            normal: 0.5 * self.unloading_stiffness * spring * spring,
+            normal: 0.5 * unloading * (end - plastic).powi(2) + pulled,
             tangential: 0.5 * self.tangential_stiffness * history.tangential_spring.norm_squared(),
         }
     }

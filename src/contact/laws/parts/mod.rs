@@ -1,11 +1,13 @@
 //! What several contact laws are made of.
 
 mod elastic;
+pub(super) mod friction_cap;
 mod hysteresis;
 mod slider;
 
 pub use elastic::{ContactModuli, Elasticity};
 pub(crate) use elastic::{Elastic, ElasticParameters, loading_factor};
+pub use friction_cap::FrictionCap;
 pub(crate) use hysteresis::Hysteresis;
-pub use hysteresis::HystereticParameters;
+pub use hysteresis::{HystereticParameters, Reloading};
 pub(crate) use slider::Slider;
