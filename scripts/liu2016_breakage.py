@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import liu2016_curves
-from liu2016_curves import FOLLOWED, Run
+import liu2016_pictures
+from liu2016_curves import BREAKAGE, FOLLOWED
+from liu2016_pictures import REFERENCE
 from liu2016_tables import SHOWN, Values, bars, by_case, column, curves, panels, read, sources, told, trends
 from report import Section, Statement
 from study_tables import StudyTable
-from talcum_results import Array, draw_spheres, new_figure, snapshot_rows, snapshot_times
 
-import h5py
 import numpy as np
 from matplotlib.figure import Figure
 
-REFERENCE = 0.3
-"""The first t_0 [s]."""
-LAGS = (0.01, 0.03, 0.06, 0.1)
-"""Lags at which a tagged agglomerate is shown [s]."""
 PROPERTIES = {
     "diameter": ("d_agg [mm]", 1.0e3),
     "coordination_number": ("C_N", 1.0),
@@ -31,68 +25,26 @@ PROPERTIES = {
 """What Figs 9 and 10 show: label, factor."""
 
 
-@dataclass
-class Tagged:
-    """Particles from the side at some times; those that were in one agglomerate at the first are tagged."""
-
-    times: list[float]
-    places: list[Array]
-    tagged: list[Array]
-    diameter: float
-
-    def draw(self, case: str) -> Figure:
-        """A panel for each time; a fifth of the other particles is shown, as in the paper."""
-        figure, found = new_figure(1, len(self.times), size=(2.3 * len(self.times), 6.0))
-        for panel, time, places, tagged in zip(found[0], self.times, self.places, self.tagged):
-            others = np.flatnonzero(~tagged)[::5]
-            for shown, value in ((others, np.nan), (np.flatnonzero(tagged), 0.0)):
-                draw_spheres(panel, places[shown], np.full(len(shown), self.diameter), np.full(len(shown), value))
-            panel.set(xlim=(0.0, 2.0e-3), ylim=(0.0, 6.0e-3), aspect="equal", title=f"{time:.2f} s")
-            panel.set_xticks([])
-            panel.grid(False)
-        found[0][0].set_ylabel(f"{case}: z [m]")
-        return figure
-
-
-def tagged(run: Run) -> Tagged | None:
-    """The largest agglomerate of the first look after t_0, followed; None if the snapshots do not show it."""
-    if not liu2016_curves.shows_agglomerates(run):
-        return None
-    with h5py.File(run.folder / "particles.vtkhdf") as snapshots:
-        root = snapshots["VTKHDF"]
-        times = snapshot_times(root)
-        steps = [int(np.argmin(np.abs(times - REFERENCE - lag))) for lag in LAGS]
-        if abs(times[steps[-1]] - REFERENCE - LAGS[-1]) > 1e-6:
-            return None
-        labels = root["PointData/agglomerate"][snapshot_rows(root, steps[0])]
-        ids = root["PointData/id"][snapshot_rows(root, steps[0])]
-        names, counts = np.unique(labels[labels >= 0], return_counts=True)
-        members = ids[labels == names[np.argmax(counts)]] if len(names) else ids[:0]
-        rows = [snapshot_rows(root, step) for step in steps]
-        places = [root["Points"][row][:, [0, 2]] for row in rows]
-        marks = [np.isin(root["PointData/id"][row], members) for row in rows]
-        return Tagged([float(times[step]) for step in steps], places, marks, liu2016_curves.PARTICLE)
-
-
-def tagging(results: Path) -> Section | None:
-    """Fig. 7: an agglomerate that is tagged."""
-    figures = []
-    for run in liu2016_curves.runs_of(results):
-        found = tagged(run) if run.case in SHOWN and run.seed == 1 else None
-        if found:
-            figures.append((found.draw(run.case), f"{run.case}: the largest agglomerate of the lag 0.01 s, tagged, and a fifth of the others."))
+def identification(results: Path) -> Section | None:
+    """Figs 1 and 7: agglomerates of one t_0, in the bed, singly, and tagged."""
+    captions = {
+        "lags": f"Fig. 1: {FOLLOWED}, what is left of the agglomerates of t_0 = 0.3 s after some lags; grey: in none.",
+        "cases": "The same of four cases at the lag 0.01 s. Particles behind are darker.",
+        "singly": "Agglomerates at the lag 0.01 s, taken out: the largest of each case, and those nearest to 200, 60 and 20 members; the bars are 0.2 mm long.",
+        "tagged": "Fig. 7: particles that were in the largest agglomerate at 0.31 s, later on, and a fifth of the others.",
+    }  # fmt: skip
+    figures = [(figure, caption) for name, caption in captions.items() if (figure := liu2016_pictures.pictured(results, name))]
     if not figures:
         return None
-    text = "The particles of one agglomerate at 0.31 s (contacts that hold for 0.01 s), and where they are later."
-    return Section("Fig. 7: an agglomerate breaks up", text, [], figures, sources(results))
+    text = "Colours tell agglomerates apart and mean nothing else."
+    return Section("Figs 1 and 7: agglomerates in the bed", text, [], figures, sources(results))
 
 
 def breakage(results: Path) -> Section | None:
     """Fig. 8: number and diameter of agglomerates over the lag, and critical times."""
-    found, windows = read(results, "agglomerates"), read(results, "windows")
-    if found is None or windows is None:
+    found, times = read(results, "agglomerates"), read(results, "critical")
+    if found is None:
         return None
-    few = by_case(windows, column("few"))
     kept = {lag: by_case(found, partial(share_kept, lag=lag)) for lag in (0.05, 0.1)}
     slowest = max(kept[0.05], key=lambda case: kept[0.05][case].mean)
     statements = [
@@ -100,8 +52,11 @@ def breakage(results: Path) -> Section | None:
                   min(value.mean for value in kept[0.05].values()) > 0.5),
         Statement("the same after 0.1 s", "", told(kept[0.1]), None),
         Statement("slowest breakage", "rho250vdw20ug2", slowest, slowest == "rho250vdw20ug2"),
-        Statement("tau_N15 [s]", "rho250vdw20ug2: beyond 1.5", told(few), None),
     ]  # fmt: skip
+    if times is not None:
+        papers = {"most": "a little above 0 for heavy particles", "few": "slowest for rho250vdw20ug2", "steady": "slowest for rho250vdw20ug2"}
+        names = {"most": "tau_Nmax", "few": "tau_N15", "steady": "tau_ds"}
+        statements += [Statement(f"{names[name]} [s]", paper, told(by_case(times, column(name))), None) for name, paper in papers.items()]
     rises = {"density": True, "gas velocity": False, "Bond number": True}
     statements += trends("left after 0.05 s", kept[0.05], rises)
     figure, (left, right) = panels(2)
@@ -109,9 +64,10 @@ def breakage(results: Path) -> Section | None:
     curves(right, found, "lag", "diameter", "d_agg [mm], weighted by mass", 1.0e3, reference_time=REFERENCE)
     left.set_yscale("log")
     text = (
-        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s)."
+        "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
+        "Critical times are those of runs with looks every 2 ms, from 0.3 and 0.4 s on."
     )
-    return Section("Fig. 8: breakage", text, statements, [(figure, "First window of the first seed.")], sources(results))
+    return Section("Fig. 8: breakage", text, statements, [(figure, "First window of the first seed.")], [*sources(results), *sources(results, BREAKAGE)])
 
 
 def share_kept(rows: StudyTable, lag: float) -> list[float]:
@@ -145,7 +101,7 @@ def properties(results: Path) -> Section | None:
     if single is not None and single.rows:
         figures.append((distributions(single), f"Fig. 10: single agglomerates of {FOLLOWED} at the lag 0.01 s."))
     if rates is not None:
-        figures.append((draw_rates(rates), "Members that an agglomerate loses and gains in a unit of time, by its size; both seeds."))
+        figures.append((draw_rates(rates), "Members that an agglomerate loses and gains in a unit of time, by its size, over windows of 10 ms."))
     text = (
         "The paper shows its values at the critical times; where few agglomerates outlive 50 ms, as here, these times say little, and all values are those of the lag 0.01 s."
     )
@@ -193,4 +149,4 @@ def draw_rates(rates: StudyTable) -> Figure:
     return figure
 
 
-SECTIONS = (tagging, breakage, properties)
+SECTIONS = (identification, breakage, properties)

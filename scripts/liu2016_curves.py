@@ -1,8 +1,4 @@
-"""What the runs of Liu et al. (2016) give over time and lag, and how long they took, as small tables that are kept with the cases.
-
-    talcum study cases/liu2016/studies/fig3-cases.toml
-    talcum study cases/liu2016/studies/other-cases.toml
-    .venv/bin/python scripts/liu2016_curves.py results --keep cases/liu2016/results
+"""What the runs of Liu et al. (2016) give over time and lag, as small tables that `scripts/liu2016_kept.py` keeps with the cases.
 
 A table has a row for each run and time, and names the run by the paper's name of its case and by its seed. `table` reads what the
 runs in a folder of results give, or what is kept where they are not there.
@@ -10,23 +6,23 @@ runs in a folder of results give, or what is kept where they are not there.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
-from talcum_results import Array, ResultsError, read_series, result_file, run_script
+from talcum_results import Array, read_series, result_file
 
 import h5py
 import numpy as np
-import run_times
 from paper_tables import made_or_kept, studies_of
-from study_tables import StudyTable, read_study_table, table_of_rows, write_study_table
+from study_tables import StudyTable, read_study_table, table_of_rows
 
 KEPT = Path(__file__).resolve().parent.parent / "cases/liu2016/results"
 STUDIES = ("fig3-cases", "other-cases")
 """Of which there are curves."""
+BREAKAGE = ("breakage",)
+"""Of which there are critical times and rates."""
 ALL_STUDIES = studies_of(KEPT)
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
@@ -60,10 +56,10 @@ def case_name(density: float, adhesion: float, velocity: float) -> str:
     return f"rho{density:.0f}vdw{bond}ug{100.0 * velocity:.0f}"
 
 
-def runs_of(results: Path) -> list[Run]:
-    """The complete runs of both studies below a folder of results."""
+def runs_of(results: Path, studies: tuple[str, ...] = STUDIES) -> list[Run]:
+    """The complete runs of some studies below a folder of results."""
     found = []
-    for study in STUDIES:
+    for study in studies:
         file = results / study / "runs.csv"
         if not file.exists():
             continue
@@ -114,19 +110,19 @@ def agglomerates(run: Run) -> Rows:
         yield {"reference_time [s]": start} | {to: float(found[name][row]) for name, to in names.items()}
 
 
-def windows(run: Run) -> Rows:
-    """Critical times of each window (Fig. 8c), and dispersion coefficients of the window of displacements (Fig. 5b)."""
-    found, moved = run.rows("agglomerates", "windows"), run.rows("dispersion", "dispersion")
-    for row in range(min(len(found["time"]), len(moved["time"]))):
-        yield {
-            "reference_time [s]": float(found["reference_time"][row]),
-            "most [s]": float(found["most"][row]),
-            "few [s]": float(found["few"][row]),
-            "steady [s]": float(found["steady"][row]),
-            "mass_radius_dimension": float(found["mass_radius_dimension"][row]),
-            "secant_x [m^2/s]": float(moved["secant_x"][row]),
-            "secant_z [m^2/s]": float(moved["secant_z"][row]),
-        }
+def dispersion(run: Run) -> Rows:
+    """Dispersion coefficients of each window (Fig. 5b)."""
+    found = run.rows("dispersion", "dispersion")
+    length = float(np.max(run.rows("dispersion", "results")["lag"]))
+    for time, x, z in zip(found["time"], found["secant_x"], found["secant_z"]):
+        yield {"start [s]": round(float(time) - length, 9), "secant_x [m^2/s]": float(x), "secant_z [m^2/s]": float(z)}
+
+
+def critical(run: Run) -> Rows:
+    """Critical times of each window, by looks every 2 ms (Fig. 8c)."""
+    found = run.rows("agglomerates", "windows")
+    for row, reference in enumerate(found["reference_time"]):
+        yield {"reference_time [s]": float(reference)} | {f"{name} [s]": float(found[name][row]) for name in ("most", "few", "steady")}
 
 
 def displacements(run: Run) -> Rows:
@@ -168,10 +164,10 @@ def singles(run: Run) -> Rows:
 
 
 def rates(run: Run) -> Rows:
-    """Members that an agglomerate loses and gains over time, by its size, of all windows; and where the two are equal."""
-    with h5py.File(result_file(run.folder, "measure-agglomerates.h5")) as file:
+    """Members that an agglomerate loses and gains over time, by its size, of all windows of 10 ms; and where the two are equal."""
+    with h5py.File(result_file(run.folder, "measure-rates.h5")) as file:
         limits = file["size_limits"][()]
-    found = run.rows("agglomerates", "rates")
+    found = run.rows("rates", "rates")
     if not len(found["time"]):
         return
     crossing = float(found["crossing"][-1])
@@ -181,14 +177,18 @@ def rates(run: Run) -> Rows:
         yield {"from_members": float(limits[size])} | {units[name]: value for name, value in row.items()} | {"crossing": crossing}
 
 
-TABLES = {table.__name__: table for table in (series, agglomerates, windows, displacements, contacts, singles, rates)}
+TABLES = {table.__name__: (STUDIES, table) for table in (series, agglomerates, dispersion, displacements, contacts, singles)} | {
+    table.__name__: (BREAKAGE, table) for table in (critical, rates)
+}
+"""Of which studies each table is, and what gives its rows of a run."""
 
 
 def made(results: Path, name: str) -> StudyTable | None:
     """A table of the runs below a folder of results; None if there are none."""
-    runs = runs_of(results)
+    studies, rows_of = TABLES[name]
+    runs = runs_of(results, studies)
     rows = [{"case": run.case, "seed": str(run.seed)} | {key: f"{value:.6g}" for key, value in row.items()}
-            for run in runs for row in TABLES[name](run)]  # fmt: skip
+            for run in runs for row in rows_of(run)]  # fmt: skip
     if not rows:
         return None
     provenance = {f"{run.case} seed {run.seed}": f"digest {run.digest}, commit {run.commit}" for run in runs}
@@ -198,23 +198,3 @@ def made(results: Path, name: str) -> StudyTable | None:
 def table(results: Path, name: str) -> StudyTable | None:
     """A table of the runs that were made here, else the one that is kept; None if there is neither."""
     return made_or_kept(made(results, name), KEPT / f"{name}.csv")
-
-
-def main(command_line: list[str] | None = None) -> None:
-    """Writes all tables of the runs."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
-    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where the tables go")
-    arguments = parser.parse_args(command_line)
-    if not runs_of(arguments.results) and not run_times.made(arguments.results, ALL_STUDIES):
-        raise ResultsError(f"{arguments.results}: no complete run of {', '.join(ALL_STUDIES)}")
-    arguments.keep.mkdir(parents=True, exist_ok=True)
-    for name in TABLES:
-        found = made(arguments.results, name)
-        if found:
-            write_study_table(found, arguments.keep / f"{name}.csv")
-    run_times.keep(arguments.results, arguments.keep, ALL_STUDIES)
-
-
-if __name__ == "__main__":
-    run_script(main)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import fluidised_bed
 import liu2016_curves
+import liu2016_pictures
 from liu2016_tables import SHOWN, Values, bars, bed_weight, by_case, column, curves, panels, read, sources, study, table, told, trends
 from paper_tables import within
 from report import Section, Statement, picture
@@ -31,25 +31,14 @@ def contact(_: Path) -> Section:
     return Section("Table 1: the contact", text, [], figures, [made])
 
 
-def patterns(results: Path) -> Section:
+def patterns(results: Path) -> Section | None:
     """Figs 2 and 3: particles and gas."""
-    figures = []
-    for case in SHOWN:
-        figure, stored = bed_of(results, case), STORED / f"liu2016-{case}.png"
-        if figure is not None:
-            figures.append((figure, f"{case}: particles coloured by the size of their agglomerate, gas velocity and voidage."))
-        elif stored.exists():
-            figures.append((picture(stored), f"{case}: particles coloured by speed, gas velocity and voidage, at 0.5 s."))
-    text = "The small beds at the end of their runs; of those that were not run here a stored picture, where there is one."
-    return Section("Figs 2 and 3: flow patterns", text, [], figures, ["Drawn by: scripts/fluidised_bed.py."])
-
-
-def bed_of(results: Path, case: str) -> Figure | None:
-    """The picture of a bed at the end of its first run, if that is here and shows agglomerates."""
-    for run in liu2016_curves.runs_of(results):
-        if run.case == case and liu2016_curves.shows_agglomerates(run) and (run.folder / "gas.vtkhdf").exists():
-            return fluidised_bed.draw(fluidised_bed.read_bed(run.folder, None, "members"))
-    return None
+    figures = [(figure, f"{case}: particles coloured by speed, gas velocity and voidage.")
+               for case in SHOWN if (figure := liu2016_pictures.pictured(results, f"flow-{case}"))]  # fmt: skip
+    if not figures:
+        return None
+    text = "The small beds at 1.2 s, cut in the middle."
+    return Section("Figs 2 and 3: flow patterns", text, [], figures, sources(results))
 
 
 def pressure(results: Path) -> Section | None:
@@ -103,10 +92,10 @@ def less_friction(drops: Values, friction: dict[str, float]) -> Values:
 
 def dispersion(results: Path) -> Section | None:
     """Fig. 5: squared displacements and dispersion coefficients."""
-    windows, moved = read(results, "windows"), read(results, "displacements")
-    if windows is None or moved is None:
+    coefficients, moved = read(results, "dispersion"), read(results, "displacements")
+    if coefficients is None or moved is None:
         return None
-    along, across = (by_case(windows, column(name)) for name in ("secant_z", "secant_x"))
+    along, across = (by_case(coefficients, column(name)) for name in ("secant_z", "secant_x"))
     ratios = {case: along[case].mean / across[case].mean for case in along}
     statements = [
         Statement("D_sz [m^2/s], largest slope of a secant", "curves; the text has no numbers", told(along), None),

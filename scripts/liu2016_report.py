@@ -6,6 +6,7 @@ from pathlib import Path
 
 import liu2016_beyond
 import liu2016_breakage
+import liu2016_cases
 import liu2016_curves
 import liu2016_flow
 import run_times
@@ -25,6 +26,6 @@ def times_of_runs(results: Path) -> Section | None:
 
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
-    figures = (*liu2016_flow.SECTIONS, *liu2016_breakage.SECTIONS, *liu2016_beyond.SECTIONS, times_of_runs)
+    figures = (*liu2016_cases.SECTIONS, *liu2016_flow.SECTIONS, *liu2016_breakage.SECTIONS, *liu2016_beyond.SECTIONS, times_of_runs)
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

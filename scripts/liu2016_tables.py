@@ -121,9 +121,9 @@ def bars(panel: Axes, values: Values, label: str, scale: float = 1.0) -> None:
     panel.set_xlabel(label)
 
 
-def sources(results: Path) -> list[str]:
+def sources(results: Path, studies: tuple[str, ...] = STUDIES) -> list[str]:
     """Where the numbers of the paper's cases come from."""
-    known = [(name, table(results, name)) for name in STUDIES]
+    known = [(name, table(results, name)) for name in studies]
     return [made_by("liu2016", name, points) for name, points in known if points]
 
 

@@ -60,13 +60,14 @@ class Statement:
 
 @dataclass
 class Section:
-    """A part of the page: what the paper shows, what was measured, pictures, and how to make it again."""
+    """A part of the page: what the paper shows, what was measured, a table whose first row is its head, pictures, and how to make it again."""
 
     title: str
     text: str
     statements: list[Statement] = field(default_factory=list)
     figures: list[tuple[Figure, str]] = field(default_factory=list)
     sources: list[str] = field(default_factory=list)
+    table: list[list[str]] = field(default_factory=list)
 
     @property
     def anchor(self) -> str:
@@ -86,6 +87,9 @@ class Section:
             head = "<tr><th>quantity</th><th>paper</th><th>Talcum</th><th></th></tr>"
             rows = "".join(statement.row() for statement in self.statements)
             parts.append(f"<table>{head}{rows}</table>")
+        if self.table:
+            lines = (row_of(cells, "td" if number else "th") for number, cells in enumerate(self.table))
+            parts.append(f"<table>{''.join(lines)}</table>")
         for figure, caption in self.figures:
             described = html.escape(caption)
             parts.append(
@@ -93,6 +97,11 @@ class Section:
             )
         parts += [f'<p class="source">{html.escape(source)}</p>' for source in self.sources]
         return "\n".join(parts)
+
+
+def row_of(cells: list[str], tag: str) -> str:
+    """A row of a table."""
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
 
 def picture(file: Path) -> Figure:

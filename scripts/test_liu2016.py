@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
 import unittest
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+import liu2016_cases
 import liu2016_curves
+import liu2016_kept
+import liu2016_pictures
 import liu2016_tables
 import report
 from liu2016_breakage import share_kept
@@ -44,6 +48,8 @@ class TestCurves(ScriptTest):
             "one,1,250,1.7e-9,0.04,1,complete,abc\ntwo,1,250,1.7e-9,0.04,2,not complete,\n"
         )
         self.write_run(run)
+        shutil.copytree(self.folder / "fig3-cases", self.folder / "breakage")
+        shutil.copy(run / "measure-agglomerates.h5", self.folder / "breakage/runs/one/measure-rates.h5")
 
     def write_run(self, run: Path) -> None:
         """Its series and measures: 20 ms of series, one window of three looks."""
@@ -69,7 +75,7 @@ class TestCurves(ScriptTest):
             write_table(file, "dispersion", {"time": np.array([0.4]), "secant_x": np.array([1.0e-7]), "secant_z": np.array([5.0e-7])})
 
     def test_tables_hold_what_the_run_gives(self) -> None:
-        liu2016_curves.main([str(self.folder), "--keep", str(self.folder / "kept")])
+        liu2016_kept.main([str(self.folder), "--keep", str(self.folder / "kept")])
         read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in liu2016_curves.TABLES}
         # The interval of time 0.01 holds the rows 1 to 10, of 2 to 11.
         self.assertEqual(read["series"].numbers("pressure_drop"), [6.5, 16.5])
@@ -77,19 +83,71 @@ class TestCurves(ScriptTest):
         self.assertEqual(read["displacements"].numbers("half_square_z"), [2.0, 2.0, 2.0])
         self.assertAlmostEqual(read["contacts"].numbers("with_7_or_more")[0], 6.0 / 13.0, places=5)
         self.assertEqual(len(read["singles"].rows), 1)  # those of the first lag alone
+        self.assertEqual(read["critical"].numbers("steady"), [0.05])
+        self.assertEqual(read["dispersion"].numbers("start"), [0.3])
         self.assertEqual(read["rates"].numbers("crossing"), [40.0])  # sizes of which none were seen have no row
         self.assertIn("rho250vdw20ug4 seed 1", read["series"].provenance)
         self.assertNotIn("rho250vdw20ug4 seed 2", read["series"].provenance)
 
     def test_a_folder_without_runs_is_refused(self) -> None:
         with self.assertRaisesRegex(ResultsError, "no complete run"):
-            liu2016_curves.main([str(self.folder / "nowhere"), "--keep", str(self.folder / "kept")])
+            liu2016_kept.main([str(self.folder / "nowhere"), "--keep", str(self.folder / "kept")])
 
     def test_agglomerates_that_are_left(self) -> None:
         found = liu2016_curves.table(self.folder, "agglomerates")
         assert found is not None
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
+
+    def write_points(self, names: tuple[str, ...]) -> None:
+        """Means of the study, 1.5 with an interval of 0.5 each."""
+        ends = {"": 1.5, "_deviation": 0.1, "_lower": 1.0, "_upper": 2.0}
+        columns = {f"{name}{end} [1]": value for name in names for end, value in ends.items()}
+        head = ["point", "density [kg/m^3]", "adhesion [N]", "inlet_velocity [m/s]", "runs", *columns]
+        row = [1, 250, 1.7e-9, 0.04, 2, *columns.values()]
+        (self.folder / "fig3-cases/points.csv").write_text(f"{HEAD}{','.join(head)}\n{','.join(map(str, row))}\n")
+
+    def test_cases_stand_side_by_side(self) -> None:
+        self.assertEqual(liu2016_cases.table(self.folder), [])  # no means yet
+        self.write_points(("pressure_drop", "pressure_deviation", "gas_force", "coordination_number", "centre_height", "departed"))
+        head, *rows = liu2016_cases.table(self.folder)
+        self.assertEqual(head, ["", "paper", "rho250 vdw20 ug4"])
+        found = {row[0]: row[2] for row in rows}
+        self.assertEqual(found["C_N of the bed"], "1.5 ± 0.5")
+        self.assertEqual(found["left after 50 ms"], "0.6")  # one window has no interval
+        self.assertEqual(found["d_agg [mm]"], "0.2")
+        report.main(["liu2016", "--results", str(self.folder)])
+        self.assertIn("<td>C_N of the bed</td><td>2 to 3</td><td>1.5 ± 0.5</td>", (self.folder / "liu2016.html").read_text())
+
+    def write_snapshots(self) -> None:
+        """Four snapshots of three particles: the first two are in the agglomerate 5 until they part, the third is in none."""
+        with h5py.File(self.folder / "fig3-cases/runs/one/particles.vtkhdf", "w") as file:
+            count = len(liu2016_pictures.LAGS)
+            root = file.create_group("VTKHDF")
+            steps = root.create_group("Steps")
+            steps.attrs["NSteps"] = count
+            steps["Values"] = liu2016_pictures.REFERENCE + np.array(liu2016_pictures.LAGS)
+            steps["PointOffsets"] = 3 * np.arange(count)
+            root["NumberOfPoints"] = np.full(count, 3)
+            root["Points"] = np.tile(4.0e-5 * np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [9.0, 1.0, 3.0]]), (count, 1))
+            root["PointData/id"] = np.tile([5, 6, 7], count)
+            root["PointData/agglomerate"] = np.concatenate([[5, 5, -1]] + [[-1, -1, -1]] * (count - 1))
+
+    def test_agglomerates_have_colours_and_the_others_are_grey(self) -> None:
+        self.assertIsNone(liu2016_pictures.lags(self.folder))  # no snapshots
+        self.write_snapshots()
+        run = next(liu2016_pictures.shown_runs(self.folder))
+        first, second, *_ = liu2016_pictures.snapshots(run)
+        self.assertEqual([list(part) for part in first.sizes()], [[5], [2]])
+        self.assertEqual(len(second.sizes()[0]), 0)
+        colours = liu2016_pictures.colours_of(first.agglomerates)
+        self.assertEqual(tuple(colours[0]), tuple(colours[1]))
+        self.assertNotEqual(tuple(colours[0]), liu2016_pictures.GREY)
+        self.assertEqual(tuple(colours[2]), liu2016_pictures.GREY)
+        figure = liu2016_pictures.lags(self.folder)
+        assert figure is not None
+        self.assertEqual([panel.get_title() for panel in figure.axes], ["10 ms", "30 ms", "60 ms", "100 ms"])
+        self.assertIsNone(liu2016_pictures.cases(self.folder))  # one case of four
 
     def test_the_page_tells_of_breakage(self) -> None:
         report.main(["liu2016", "--results", str(self.folder)])

@@ -177,6 +177,7 @@ fn explained(groups: &[Group], number: usize) -> Vec<Explained> {
             continue;
         }
         match found.iter_mut().find(|known| known.choices == words) {
+            Some(known) if known.keys.contains(&key.name) => {}
             Some(known) => known.keys.push(key.name),
             None => found.push(Explained { keys: vec![key.name], choices: words }),
         }
