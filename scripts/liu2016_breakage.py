@@ -9,7 +9,7 @@ from pathlib import Path
 import liu2016_pictures
 from liu2016_curves import BREAKAGE, FOLLOWED
 from liu2016_pictures import REFERENCE
-from liu2016_tables import SHOWN, Values, bars, by_case, column, curves, panels, read, sources, told, trends
+from liu2016_tables import SHOWN, Values, bars, by_case, column, curves, panels, reaches, read, sources, told, trends
 from report import Section, Statement
 from study_tables import StudyTable
 
@@ -56,7 +56,7 @@ def breakage(results: Path) -> Section | None:
     if times is not None:
         papers = {"most": "a little above 0 for heavy particles", "few": "slowest for rho250vdw20ug2", "steady": "slowest for rho250vdw20ug2"}
         names = {"most": "tau_Nmax", "few": "tau_N15", "steady": "tau_ds"}
-        statements += [Statement(f"{names[name]} [s]", paper, told(by_case(times, column(name))), None) for name, paper in papers.items()]
+        statements += [Statement(f"{names[name]} [ms]", paper, told(by_case(times, column(name)), 1.0e3), None) for name, paper in papers.items()]
     rises = {"density": True, "gas velocity": False, "Bond number": True}
     statements += trends("left after 0.05 s", kept[0.05], rises)
     figure, (left, right) = panels(2)
@@ -89,8 +89,9 @@ def properties(results: Path) -> Section | None:
                 "packing_fraction": ("0.2 to 0.3", (0.2, 0.3)), "fractal_dimension": ("1.9 to 2.3", (1.9, 2.3))}  # fmt: skip
     statements = []
     for name, (paper, (low, high)) in expected.items():
-        inside = all(low <= value.mean <= high for value in means[name].values())
-        statements.append(Statement(f"{name.replace('_', ' ')} at a lag of 0.01 s", paper, told(means[name]), inside))
+        inside = all(reaches(value, low, high) for value in means[name].values())
+        label, factor = PROPERTIES[name]
+        statements.append(Statement(f"{label} at a lag of 0.01 s", paper, told(means[name], factor), inside))
     crossing = crossings(rates)
     if crossing:
         statements.append(Statement("members at which loss and gain are equal", "not shown", told(crossing), None))
@@ -103,7 +104,8 @@ def properties(results: Path) -> Section | None:
     if rates is not None:
         figures.append((draw_rates(rates), "Members that an agglomerate loses and gains in a unit of time, by its size, over windows of 10 ms."))
     text = (
-        "The paper shows its values at the critical times; where few agglomerates outlive 50 ms, as here, these times say little, and all values are those of the lag 0.01 s."
+        "The paper shows its values at the critical times; where few agglomerates outlive 50 ms, as here, these times say little, and all values are those of the lag 0.01 s. "
+        "A range is reached if the interval of every case has a part in it."
     )
     return Section("Figs 9 and 10: properties of agglomerates", text, statements, figures, sources(results))
 
@@ -143,6 +145,9 @@ def draw_rates(rates: StudyTable) -> Figure:
                                color=colour, label=case, capsize=2)  # fmt: skip
         panel.set_xscale("log")
         panel.set_yscale("log")
+        sizes = sorted(set(rates.numbers("from_members")))
+        panel.set_xticks(sizes, [f"{size:.0f}" for size in sizes])
+        panel.set_xticks([], minor=True)
         panel.set_xlabel("members, from")
         panel.set_ylabel(f"members {name} [1/s]")
     shown[0].legend(fontsize=8)

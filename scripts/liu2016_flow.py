@@ -6,7 +6,7 @@ from pathlib import Path
 
 import liu2016_curves
 import liu2016_pictures
-from liu2016_tables import SHOWN, Values, bars, bed_weight, by_case, column, curves, panels, read, sources, study, table, told, trends
+from liu2016_tables import SHOWN, Values, bars, bed_weight, by_case, column, curves, panels, reaches, read, sources, study, table, told, trends
 from paper_tables import within
 from report import Section, Statement, picture
 from study_tables import Estimate, StudyTable
@@ -98,8 +98,8 @@ def dispersion(results: Path) -> Section | None:
     along, across = (by_case(coefficients, column(name)) for name in ("secant_z", "secant_x"))
     ratios = {case: along[case].mean / across[case].mean for case in along}
     statements = [
-        Statement("D_sz [m^2/s], largest slope of a secant", "curves; the text has no numbers", told(along), None),
-        Statement("D_sx [m^2/s]", "curves; the text has no numbers", told(across), None),
+        Statement("D_sz [mm^2/s], largest slope of a secant", "curves; the text has no numbers", told(along, 1.0e6), None),
+        Statement("D_sx [mm^2/s]", "curves; the text has no numbers", told(across, 1.0e6), None),
         Statement("D_sz over D_sx", "much larger than 1; asked here: more than 3",
                   "; ".join(f"{case}: {ratio:.2g}" for case, ratio in ratios.items()), all(ratio > 3.0 for ratio in ratios.values())),
     ]  # fmt: skip
@@ -119,7 +119,7 @@ def coordination(results: Path) -> Section | None:
     if series is None or parts is None or not means:
         return None
     statements = [Statement("C_N of the whole bed, from 0.3 s on", "2 to 3 in all cases, steady from 0.3 s on", told(means),
-                            all(2.0 <= found.mean <= 3.0 for found in means.values()))]  # fmt: skip
+                            all(reaches(found, 2.0, 3.0) for found in means.values()))]  # fmt: skip
     followed = parts.where(case=liu2016_curves.FOLLOWED, seed="1")
     figure, (left, right) = panels(2)
     curves(left, series, "time", "coordination_number", "C_N of the whole bed")
@@ -145,7 +145,7 @@ def draw_parts(panel: Axes, followed: StudyTable) -> None:
     asked = [time for time in (0.1, 0.3, 0.6, 0.9, 1.2) if times and time <= times[-1] + 1e-9]
     for time, colour in zip(asked, colormaps["viridis"](np.linspace(0.0, 0.9, max(len(asked), 1)))):
         row = followed.rows[int(np.argmin(np.abs(np.array(times) - time)))]
-        panel.plot(range(8), [float(row[name]) for name in part_names()], "o-", color=colour, label=f"{float(row['time']):.2g} s")
+        panel.plot(range(8), [float(row[name]) for name in part_names()], "o-", color=colour, label=f"{float(row['time']):.1f} s")
     panel.set_xlabel("C_N (7: or more)")
     panel.set_ylabel("part of the particles")
     if asked:

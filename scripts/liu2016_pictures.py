@@ -119,9 +119,10 @@ def lags(results: Path) -> Figure | None:
 
 
 def singly(results: Path) -> Figure | None:
-    """Agglomerates of each case, taken out of the bed at the first lag."""
-    runs = [(run, shots[0]) for run in shown_runs(results) if (shots := snapshots(run)) and len(shots[0].sizes()[0])]
-    if len(runs) < len(SHOWN):
+    """Agglomerates of each case that has some, taken out of the bed at the first lag."""
+    shots = [(run, found[0]) for run in shown_runs(results) if (found := snapshots(run))]
+    runs = [(run, shot) for run, shot in shots if len(shot.sizes()[0])]
+    if len(shots) < len(SHOWN) or not runs:
         return None
     figure, panels = new_figure(len(runs), len(SINGLE), size=(3.0 * len(SINGLE), 3.1 * len(runs)))
     for row, (run, shot) in zip(panels, runs):
@@ -159,8 +160,9 @@ def told(properties: dict[str, Array], time: float, name: int) -> str:
 
 def tagged(results: Path) -> Figure | None:
     """Fig. 7: the particles of the largest agglomerate of the first lag, tagged, later on; a fifth of the other particles."""
-    runs = [(run.case, shots) for run in shown_runs(results) if len(shots := snapshots(run)) == len(LAGS)]
-    if len(runs) < len(SHOWN):
+    complete = [(run.case, shots) for run in shown_runs(results) if len(shots := snapshots(run)) == len(LAGS)]
+    runs = [(case, shots) for case, shots in complete if len(shots[0].sizes()[0])]
+    if len(complete) < len(SHOWN) or not runs:
         return None
     figure, panels = new_figure(len(runs), len(LAGS), size=(2.2 * len(LAGS), 5.2 * len(runs)))
     for row, (case, shots) in zip(panels, runs):
@@ -207,8 +209,9 @@ def keep(results: Path, folder: Path) -> None:
 
 
 def save(drawn: Figure, file: Path) -> None:
-    """Stores a picture with 128 colours, which takes a third of the room."""
+    """Stores a picture with 128 colours, which takes a quarter of the room; those of few pixels are kept."""
     image = io.BytesIO()
     drawn.savefig(image, format="png", dpi=80, bbox_inches="tight")
-    Image.open(image).convert("RGB").quantize(128).save(file, optimize=True)
+    colours = Image.open(image).convert("RGB").quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    colours.save(file, optimize=True)
     print(f"picture: {file}")

@@ -66,16 +66,22 @@ def column(name: str) -> Callable[[StudyTable], list[float]]:
     return lambda rows: rows.numbers(name)
 
 
-def told(values: Values) -> str:
-    """All cases, one after the other."""
-    return "; ".join(f"{case}: {brief(found)}" for case, found in values.items()) or "none"
+def told(values: Values, factor: float = 1.0) -> str:
+    """All cases, one after the other, times a factor for the unit."""
+    return "; ".join(f"{case}: {brief(found, factor)}" for case, found in values.items()) or "none"
 
 
-def brief(found: Estimate) -> str:
+def reaches(found: Estimate, low: float, high: float) -> bool:
+    """Whether an interval, or a single value, reaches into a range."""
+    return low <= found.mean <= high if math.isnan(found.lower) else found.overlaps(low, high)
+
+
+def brief(found: Estimate, factor: float = 1.0) -> str:
     """A mean with its interval, where there is one."""
     if found.runs == 0:
         return "none"
-    return f"{found.mean:.3g}" if math.isnan(found.lower) else f"{found.mean:.3g} ({found.lower:.3g} to {found.upper:.3g})"
+    mean, lower, upper = (f"{factor * value:.3g}" for value in (found.mean, found.lower, found.upper))
+    return mean if math.isnan(found.lower) else f"{mean} ({lower} to {upper})"
 
 
 def trends(quantity: str, values: Values, rises: dict[str, bool]) -> list[Statement]:
