@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 from liu2016_curves import GRAVITY, PARTICLE, case_name
 from liu2016_tables import SHOWN, brief, panels, table
@@ -14,6 +15,7 @@ from talcum_results import BLUE, ORANGE
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 LAGS = {"10ms": 0.01, "30ms": 0.03, "50ms": 0.05}
@@ -87,12 +89,8 @@ def lasting(results: Path) -> Section | None:
         for row in rows:
             case = case_name(*(float(row[key]) for key in ("density", "adhesion", "inlet_velocity")))
             statements.append(Statement(f"{case}, {words}", PAPER, in_words(points, row, LONG_LAGS), None))
-            left = np.maximum(lifetimes(points, row, LONG_LAGS), 0.5)
-            panel.plot([1e3 * lag for lag in LONG_LAGS.values()], left, "o-", color=SHOWN[case], label=case)
-        panel.set_yscale("log")
-        panel.set_xlabel("lag since t_0 [ms]")
+            draw_lifetimes(panel, lifetimes(points, row, LONG_LAGS), LONG_LAGS, marker="o", color=SHOWN[case], label=case)
         panel.set_title(words)
-    shown[0].set_ylabel("N_agg (0.5: none)")
     shown[0].legend(fontsize=7)
     text = (
         "The adhesion of a contact is limited by (delta / d_NP + 1) F0. With d_NP = 1 nm and the plastic overlap as delta (the same as 5 nm and the largest "
@@ -103,16 +101,21 @@ def lasting(results: Path) -> Section | None:
                    [made_by("liu2016", "lasting-agglomerates", points)])  # fmt: skip
 
 
+def draw_lifetimes(panel: Axes, left: list[float], lags: dict[str, float], **style: Any) -> None:
+    """Numbers of agglomerates over the lag, on a logarithmic axis on which none stand at 0.5."""
+    panel.plot([1e3 * lag for lag in lags.values()], np.maximum(left, 0.5), **style)
+    panel.set_yscale("log")
+    panel.set_xlabel("lag since t_0 [ms]")
+    panel.set_ylabel("N_agg (0.5: none)")
+
+
 def drawn(points: StudyTable, names: list[str]) -> tuple[Figure, str]:
     """Numbers of agglomerates over the lag."""
     figure, (panel,) = panels(1, 5.0)
     colours = colormaps["viridis"](np.linspace(0.0, 0.9, len(names)))
     for number, (row, name) in enumerate(zip(points.rows, names)):
-        left = np.maximum(lifetimes(points, row), 0.5)
-        panel.plot([1e3 * lag for lag in LAGS.values()], left, marker="os^v"[number % 4], color=colours[number], label=name, linewidth=1.0)
-    panel.set_yscale("log")
-    panel.set_xlabel("lag since t_0 [ms]")
-    panel.set_ylabel("N_agg (0.5: none)")
+        style = {"marker": "os^v"[number % 4], "color": colours[number], "label": name, "linewidth": 1.0}
+        draw_lifetimes(panel, lifetimes(points, row), LAGS, **style)
     panel.legend(fontsize=6)
     return figure, "Agglomerates of t_0 that are left."
 

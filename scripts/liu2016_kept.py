@@ -9,7 +9,6 @@ beds and agglomerates, and how long runs took.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
@@ -17,6 +16,7 @@ from talcum_results import ResultsError, run_script
 
 import liu2016_curves
 import liu2016_pictures
+import paper_tables
 import run_times
 from liu2016_curves import ALL_STUDIES
 from study_tables import write_study_table
@@ -24,19 +24,16 @@ from study_tables import write_study_table
 
 def main(command_line: list[str] | None = None) -> None:
     """Keeps what the runs in the folder give."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
-    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where they go")
-    arguments = parser.parse_args(command_line)
-    if not liu2016_curves.runs_of(arguments.results) and not run_times.made(arguments.results, ALL_STUDIES):
-        raise ResultsError(f"{arguments.results}: no complete run of {', '.join(ALL_STUDIES)}")
-    arguments.keep.mkdir(parents=True, exist_ok=True)
+    results, folder = paper_tables.keeping(__doc__, command_line)
+    if not liu2016_curves.runs_of(results) and not run_times.made(results, ALL_STUDIES):
+        raise ResultsError(f"{results}: no complete run of {', '.join(ALL_STUDIES)}")
+    folder.mkdir(parents=True, exist_ok=True)
     for name in liu2016_curves.TABLES:
-        found = liu2016_curves.made(arguments.results, name)
+        found = liu2016_curves.made(results, name)
         if found:
-            write_study_table(found, arguments.keep / f"{name}.csv")
-    liu2016_pictures.keep(arguments.results, arguments.keep)
-    run_times.keep(arguments.results, arguments.keep, ALL_STUDIES)
+            write_study_table(found, folder / f"{name}.csv")
+    liu2016_pictures.keep(results, folder)
+    run_times.keep(results, folder, ALL_STUDIES)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ and time, of the map and of the wave's frame, curves over the plate's cycle, how
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 # First, because it says what to do if numpy is missing.
@@ -17,6 +16,7 @@ import moon2006_cycle
 import moon2006_map
 import moon2006_pictures
 import moon2006_wide
+import paper_tables
 import run_times
 from moon2006_tables import STUDIES
 from study_tables import write_study_table
@@ -24,18 +24,15 @@ from study_tables import write_study_table
 
 def main(command_line: list[str] | None = None) -> None:
     """Keeps what the runs in the folder give."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
-    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where they go")
-    arguments = parser.parse_args(command_line)
-    arguments.keep.mkdir(parents=True, exist_ok=True)
-    moon2006_pictures.keep(arguments.results, arguments.keep)
-    moon2006_map.keep(arguments.results, arguments.keep)
+    results, folder = paper_tables.keeping(__doc__, command_line)
+    folder.mkdir(parents=True, exist_ok=True)
+    moon2006_pictures.keep(results, folder)
+    moon2006_map.keep(results, folder)
     for part in (moon2006_boxes, moon2006_cycle, moon2006_wide):
-        found = part.made(arguments.results)
+        found = part.made(results)
         if found is not None:
-            write_study_table(found, arguments.keep / part.KEPT)
-    run_times.keep(arguments.results, arguments.keep, STUDIES)
+            write_study_table(found, folder / part.KEPT)
+    run_times.keep(results, folder, STUDIES)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ numbers come from, and curves over a key."""
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -38,6 +39,15 @@ def interval_of(values: Iterable[float]) -> Estimate:
 def studies_of(kept: Path) -> list[str]:
     """The names of all studies of a paper, by the folder of its kept tables."""
     return sorted(file.stem for file in (kept.parent / "studies").glob("*.toml"))
+
+
+def keeping(description: str | None, command_line: list[str] | None) -> tuple[Path, Path]:
+    """What the command line of a script that keeps things says: where the studies' results are, and where what is kept goes."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=Path, help="the folder in which the studies' results are")
+    parser.add_argument("--keep", type=Path, required=True, metavar="FOLDER", help="where they go")
+    arguments = parser.parse_args(command_line)
+    return arguments.results, arguments.keep
 
 
 def study_table(results: Path, kept: Path, study: str, kind: str) -> StudyTable | None:
