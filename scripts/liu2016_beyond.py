@@ -30,7 +30,7 @@ READINGS = (
 )  # fmt: skip
 """The rows of readings.toml."""
 LASTING: dict[str, dict[str, float | str]] = {
-    "d_NP = 1 nm": {"primary_diameter": 1.0e-9}, "plasticity index 0.5": {"loading_stiffness": 1.0}, "restitution 0.3": {"restitution": 0.3},
+    "d_NP = 1 nm": {"primary_diameter": 1.0e-9}, "plasticity index 0.5": {"loading_stiffness": 1.0},
     "cells of six diameters": {"cells": "[8, 3, 40]"},
 }  # fmt: skip
 """What `lasting-agglomerates` varies, by the value that differs from the case."""
@@ -58,7 +58,7 @@ def depth(results: Path) -> Section | None:
         return None
     paper = "2 to 3 for the whole bed; agglomerates outlive 0.1 s"
     statements = [Statement(f"{row['count']} particles", paper, in_words(points, row), None) for row in points.rows]
-    text = "The paper does not tell its number of particles. Beds 1.1, 2.2 and 4.4 mm deep at rest, in a box of the paper's height; t_0 = 0.3 s."
+    text = "The paper does not tell its number of particles. Beds 1.1 and 4.4 mm deep at rest, in a box of the paper's height; t_0 = 0.3 s."
     return Section("The number of particles", text, statements, [drawn(points, [f"{row['count']}" for row in points.rows])],
                    [made_by("liu2016", "depth", points)])  # fmt: skip
 
@@ -78,7 +78,7 @@ def readings(results: Path) -> Section | None:
 
 
 def lasting(results: Path) -> Section | None:
-    """The cases of Fig. 3 by readings in which agglomerates last longer."""
+    """Cases of Fig. 3 by readings in which agglomerates last longer."""
     points = table(results, "lasting-agglomerates")
     if points is None:
         return None
@@ -94,7 +94,7 @@ def lasting(results: Path) -> Section | None:
     shown[0].legend(fontsize=7)
     text = (
         "The adhesion of a contact is limited by (delta / d_NP + 1) F0. With d_NP = 1 nm and the plastic overlap as delta (the same as 5 nm and the largest "
-        "overlap) the limit is hardly reached; with a plasticity index of 0.5, the largest that the paper names, or strong dashpots, impacts lose more; "
+        "overlap) the limit is hardly reached; with a plasticity index of 0.5, the largest that the paper names, impacts lose more; "
         "cells of six diameters along x and z do not show the gas between single agglomerates. t_0 = 0.3 s."
     )
     return Section("Readings by which agglomerates last longer", text, statements, [(figure, "Agglomerates of t_0 that are left.")],

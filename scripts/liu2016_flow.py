@@ -6,7 +6,7 @@ from pathlib import Path
 
 import liu2016_curves
 import liu2016_pictures
-from liu2016_tables import SHOWN, Values, bars, bed_weight, by_case, column, curves, panels, reaches, read, sources, study, table, told, trends
+from liu2016_tables import SHOWN, SMALL, Beds, Values, bars, by_case, column, curves, panels, reaches, read, sources, study, table, told, trends
 from paper_tables import within
 from report import Section, Statement, picture
 from study_tables import Estimate, StudyTable
@@ -52,7 +52,7 @@ def pressure(results: Path) -> Section | None:
                   all(within(found.mean, 1.0, 0.01) for found in forces.values())),
         Statement("mean pressure drop over the weight", "fluctuates around 1", told(drops), None),
     ]  # fmt: skip
-    net = less_friction(drops, channel(results))
+    net = net_drops(results)
     if net:
         statements.append(Statement("the same less that of the empty channel", "fluctuates around 1", told(net),
                                     all(within(found.mean, 1.0, 0.03) for found in net.values())))  # fmt: skip
@@ -69,25 +69,27 @@ def pressure(results: Path) -> Section | None:
     return Section("Fig. 4: pressure drop", text, statements, [(figure, caption)], sources(results))
 
 
-def channel(results: Path) -> dict[str, float]:
-    """Force of the gas on the walls of the empty channel [N], by the gas velocity in cm/s."""
-    found = table(results, "empty-channel")
-    if found is None:
-        return {}
-    drops, weights = found.estimates("pressure_drop"), found.estimates("weight")
-    velocities = (f"{100.0 * velocity:.0f}" for velocity in found.numbers("inlet_velocity"))
-    return {velocity: drop.mean * weight.mean for velocity, drop, weight in zip(velocities, drops, weights)}
-
-
-def less_friction(drops: Values, friction: dict[str, float]) -> Values:
-    """Pressure drops over the weight less those of the empty channel."""
+def net_drops(results: Path, beds: Beds = SMALL) -> Values:
+    """Pressure drops over the weight of the particles that are left, less those of the empty channel."""
+    drops, weights, friction = study(results, "pressure_drop", beds), study(results, "weight", beds), channel(results, beds)
     found = {}
     for case, drop in drops.items():
         velocity = case.split("ug")[1]
         if velocity in friction:
-            off = friction[velocity] / bed_weight(case)
+            off = friction[velocity] / weights[case].mean
             found[case] = Estimate(drop.mean - off, drop.lower - off, drop.upper - off, drop.runs)
     return found
+
+
+def channel(results: Path, beds: Beds) -> dict[str, float]:
+    """Force of the gas on the walls of the empty channel [N], by the gas velocity in cm/s."""
+    points = table(results, "empty-channel")
+    if points is None:
+        return {}
+    found = points.where(cells=beds.cells)
+    drops, weights = found.estimates("pressure_drop"), found.estimates("weight")
+    velocities = (f"{100.0 * velocity:.0f}" for velocity in found.numbers("inlet_velocity"))
+    return {velocity: drop.mean * weight.mean for velocity, drop, weight in zip(velocities, drops, weights)}
 
 
 def dispersion(results: Path) -> Section | None:

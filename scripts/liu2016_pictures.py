@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fluidised_bed
 import liu2016_curves
-from liu2016_curves import FOLLOWED, PARTICLE, Run
+from liu2016_curves import FOLLOWED, PARTICLE, WHOLE_BOX, Run
 from liu2016_tables import SHOWN
 from report import picture
 from talcum_results import Array, draw_spheres, new_figure, result_file, snapshot_rows, snapshot_times
@@ -92,13 +92,13 @@ def draw_coloured(panel: Axes, places: Array, agglomerates: Array) -> None:
     panel.set_yticks([])
 
 
-def draw_beds(shown: list[tuple[str, Snapshot]]) -> Figure:
+def draw_beds(shown: list[tuple[str, Snapshot]], width: float = 2.0e-3) -> Figure:
     """Beds side by side, their particles coloured by agglomerate."""
     top = max(float(np.percentile(snapshot.places[:, 2], 99.5)) for _, snapshot in shown) + PARTICLE
-    figure, panels = new_figure(1, len(shown), size=(2.9 * len(shown), 0.5 + 2.7 * top / 2.0e-3))
+    figure, panels = new_figure(1, len(shown), size=(2.9 * len(shown), 0.5 + 2.7 * top / width))
     for panel, (title, snapshot) in zip(panels[0], shown):
         draw_coloured(panel, snapshot.places, snapshot.agglomerates)
-        panel.set(xlim=(0.0, 2.0e-3), ylim=(0.0, top))
+        panel.set(xlim=(0.0, width), ylim=(0.0, top))
         panel.set_title(title, fontsize=9)
     return figure
 
@@ -114,8 +114,21 @@ def lags(results: Path) -> Figure | None:
     """Fig. 1: the agglomerates of one t_0 that are left at later times."""
     for run in shown_runs(results):
         if run.case == FOLLOWED:
-            return draw_beds([(f"{1e3 * (shot.time - REFERENCE):.0f} ms", shot) for shot in snapshots(run)])
+            return draw_beds(by_lag(snapshots(run)))
     return None
+
+
+def box(results: Path) -> Figure | None:
+    """The same in the whole box."""
+    for run in liu2016_curves.runs_of(results, WHOLE_BOX):
+        if liu2016_curves.shows_agglomerates(run):
+            return draw_beds(by_lag(snapshots(run)), width=4.0e-3)
+    return None
+
+
+def by_lag(shots: list[Snapshot]) -> list[tuple[str, Snapshot]]:
+    """Snapshots with their lags as titles."""
+    return [(f"{1e3 * (shot.time - REFERENCE):.0f} ms", shot) for shot in shots]
 
 
 def singly(results: Path) -> Figure | None:
@@ -188,7 +201,7 @@ def flow(results: Path, case: str) -> Figure | None:
     return None
 
 
-PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "singly": singly, "tagged": tagged} | {
+PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "box": box, "singly": singly, "tagged": tagged} | {
     f"flow-{case}": lambda results, case=case: flow(results, case) for case in SHOWN
 }
 """By the name of the file that is kept."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import liu2016_curves
-from liu2016_curves import GRAVITY, KEPT, PARTICLE, STUDIES, case_name
+from liu2016_curves import KEPT, STUDIES, WHOLE_BOX, case_name
 from paper_tables import interval_of, made_by, study_table
 from report import Statement
 from study_tables import Estimate, StudyTable
@@ -24,8 +25,6 @@ CASES = (
 """Table 2 of the paper."""
 SHOWN = {"rho137vdw20ug2": BLUE, "rho250vdw20ug2": ORANGE, "rho250vdw20ug4": RED, "rho250vdw5ug4": GREEN}
 """The cases of which the paper shows most, and their colours."""
-PARTICLES = 12500
-"""In the small box."""
 FACTORS = {
     "density": (("rho137vdw20ug2", "rho250vdw20ug2"), ("rho137vdw20ug3", "rho250vdw20ug3"), ("rho137vdw20ug4", "rho250vdw20ug4")),
     "gas velocity": (("rho137vdw20ug2", "rho137vdw20ug3", "rho137vdw20ug4"), ("rho250vdw20ug2", "rho250vdw20ug3", "rho250vdw20ug4")),
@@ -37,15 +36,29 @@ Values = dict[str, Estimate]
 """A quantity by the name of the case."""
 
 
+@dataclass(frozen=True)
+class Beds:
+    """Beds in one box: their studies, how the names of their tables of curves begin, their particles, and the cells of the gas."""
+
+    studies: tuple[str, ...]
+    prefix: str
+    particles: int
+    cells: str
+
+
+SMALL = Beds(STUDIES, "", 12500, "[16, 3, 80]")
+WHOLE = Beds(WHOLE_BOX, "whole-", 100000, "[32, 6, 160]")
+
+
 def table(results: Path, name: str, kind: str = "points") -> StudyTable | None:
     """A table of a study, of the runs made here or the one that is kept."""
     return study_table(results, KEPT, name, kind)
 
 
-def study(results: Path, measure: str) -> Values:
-    """A measure of both studies of the paper's cases."""
+def study(results: Path, measure: str, beds: Beds = SMALL) -> Values:
+    """A measure of the studies of the paper's cases."""
     found = {}
-    for name in STUDIES:
+    for name in beds.studies:
         points = table(results, name)
         if points is None:
             continue
@@ -98,12 +111,6 @@ def trends(quantity: str, values: Values, rises: dict[str, bool]) -> list[Statem
     return statements
 
 
-def bed_weight(case: str) -> float:
-    """Weight of the particles of the small box [N]."""
-    density = float(case.removeprefix("rho").split("vdw")[0])
-    return PARTICLES * density * math.pi / 6.0 * PARTICLE**3 * GRAVITY
-
-
 def curves(panel: Axes, found: StudyTable, along: str, name: str, label: str, scale: float = 1.0, **chosen: float) -> None:
     """A column over another one, of the first seed of each case that is shown."""
     for case, colour in SHOWN.items():
@@ -139,6 +146,6 @@ def panels(count: int, height: float = 4.2) -> tuple[Figure, list[Axes]]:
     return figure, list(found[0])
 
 
-def read(results: Path, name: str) -> StudyTable | None:
+def read(results: Path, name: str, beds: Beds = SMALL) -> StudyTable | None:
     """A table of curves."""
-    return liu2016_curves.table(results, name)
+    return liu2016_curves.table(results, beds.prefix + name)

@@ -16,7 +16,7 @@ import liu2016_pictures
 import liu2016_tables
 import report
 from liu2016_breakage import share_kept
-from liu2016_tables import trends
+from liu2016_tables import SMALL, WHOLE, trends
 from made_up_results import ScriptTest
 from paper_tables import interval_of
 from study_tables import Estimate, read_study_table
@@ -75,6 +75,7 @@ class TestCurves(ScriptTest):
             write_table(file, "dispersion", {"time": np.array([0.4]), "secant_x": np.array([1.0e-7]), "secant_z": np.array([5.0e-7])})
 
     def test_tables_hold_what_the_run_gives(self) -> None:
+        shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
         liu2016_kept.main([str(self.folder), "--keep", str(self.folder / "kept")])
         read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in liu2016_curves.TABLES}
         # The interval of time 0.01 holds the rows 1 to 10, of 2 to 11.
@@ -84,6 +85,7 @@ class TestCurves(ScriptTest):
         self.assertAlmostEqual(read["contacts"].numbers("with_7_or_more")[0], 6.0 / 13.0, places=5)
         self.assertEqual(len(read["singles"].rows), 1)  # those of the first lag alone
         self.assertEqual(read["critical"].numbers("steady"), [0.05])
+        self.assertEqual(read["whole-agglomerates"].rows, read["agglomerates"].rows)  # the same run in another study
         self.assertEqual(read["dispersion"].numbers("start"), [0.3])
         self.assertEqual(read["rates"].numbers("crossing"), [40.0])  # sizes of which none were seen have no row
         self.assertIn("rho250vdw20ug4 seed 1", read["series"].provenance)
@@ -99,17 +101,17 @@ class TestCurves(ScriptTest):
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
 
-    def write_points(self, names: tuple[str, ...]) -> None:
-        """Means of the study, 1.5 with an interval of 0.5 each."""
+    def write_points(self, names: tuple[str, ...], study: str = "fig3-cases") -> None:
+        """Means of a study, 1.5 with an interval of 0.5 each."""
         ends = {"": 1.5, "_deviation": 0.1, "_lower": 1.0, "_upper": 2.0}
         columns = {f"{name}{end} [1]": value for name in names for end, value in ends.items()}
         head = ["point", "density [kg/m^3]", "adhesion [N]", "inlet_velocity [m/s]", "runs", *columns]
         row = [1, 250, 1.7e-9, 0.04, 2, *columns.values()]
-        (self.folder / "fig3-cases/points.csv").write_text(f"{HEAD}{','.join(head)}\n{','.join(map(str, row))}\n")
+        (self.folder / study / "points.csv").write_text(f"{HEAD}{','.join(head)}\n{','.join(map(str, row))}\n")
 
     def test_cases_stand_side_by_side(self) -> None:
         self.assertEqual(liu2016_cases.table(self.folder), [])  # no means yet
-        self.write_points(("pressure_drop", "pressure_deviation", "gas_force", "coordination_number", "centre_height", "departed"))
+        self.write_points(("pressure_drop", "pressure_deviation", "gas_force", "weight", "coordination_number", "centre_height", "departed"))
         head, *rows = liu2016_cases.table(self.folder)
         self.assertEqual(head, ["", "paper", "rho250 vdw20 ug4"])
         found = {row[0]: row[2] for row in rows}
@@ -118,6 +120,30 @@ class TestCurves(ScriptTest):
         self.assertEqual(found["d_agg [mm]"], "0.2")
         report.main(["liu2016", "--results", str(self.folder)])
         self.assertIn("<td>C_N of the bed</td><td>2 to 3</td><td>1.5 ± 0.5</td>", (self.folder / "liu2016.html").read_text())
+
+    def write_channel(self) -> None:
+        """A pressure drop of half of the weight in each box."""
+        (self.folder / "empty-channel").mkdir()
+        rows = [f'{number},"{beds.cells}",0.04,1,0.5,,,1.5,,' for number, beds in enumerate((SMALL, WHOLE))]
+        measured = ",".join(f"{name}{end}" for name in ("pressure_drop", "weight") for end in ("", "_lower", "_upper"))
+        head = f"point,cells,inlet_velocity,runs,{measured}"
+        (self.folder / "empty-channel/points.csv").write_text("\n".join([HEAD + head, *rows]) + "\n")
+
+    def test_the_whole_box_stands_beside_the_small_one(self) -> None:
+        names = ("pressure_drop", "pressure_deviation", "gas_force", "weight", "coordination_number", "centre_height", "departed")
+        self.write_points(names)
+        self.write_channel()
+        self.assertEqual(liu2016_cases.boxes(self.folder), [])  # no run in the whole box
+        shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
+        self.write_points(names, "full-box")
+        with h5py.File(self.folder / "full-box/runs/one/measure-agglomerates.h5", "a") as file:
+            file["results/agglomerates"][:] = 8.0 * NUMBERS
+        head, *rows = liu2016_cases.boxes(self.folder)
+        self.assertEqual(head, ["", "paper", "12,500 particles", "100,000 particles"])
+        found = {row[0]: row[2:] for row in rows}
+        self.assertEqual(found["N_agg"], ["200", "1,600"])
+        self.assertEqual(found["left after 50 ms"], ["0.6", "0.6"])
+        self.assertEqual(found["pressure drop less the walls' over weight"], ["1 ± 0.5", "1 ± 0.5"])
 
     def write_snapshots(self) -> None:
         """Four snapshots of three particles: the first two are in the agglomerate 5 until they part, the third is in none."""
