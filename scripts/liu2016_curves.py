@@ -25,6 +25,7 @@ BREAKAGE = ("breakage",)
 """Of which there are critical times and rates."""
 WHOLE_BOX = ("full-box",)
 """The paper's box, of which there are agglomerates and dispersion; their tables are kept as `whole-agglomerates` and so on."""
+WHOLE_PREFIX = "whole-"
 ALL_STUDIES = studies_of(KEPT)
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
@@ -181,7 +182,7 @@ def rates(run: Run) -> Rows:
 
 TABLES = {table.__name__: (STUDIES, table) for table in (series, agglomerates, dispersion, displacements, contacts, singles)} | {
     table.__name__: (BREAKAGE, table) for table in (critical, rates)
-} | {f"whole-{table.__name__}": (WHOLE_BOX, table) for table in (agglomerates, dispersion)}
+} | {f"{WHOLE_PREFIX}{table.__name__}": (WHOLE_BOX, table) for table in (agglomerates, dispersion)}
 """Of which studies each table is, and what gives its rows of a run."""
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import fluidised_bed
 import liu2016_curves
-from liu2016_curves import FOLLOWED, PARTICLE, WHOLE_BOX, Run
+from liu2016_curves import FOLLOWED, PARTICLE, STUDIES, WHOLE_BOX, Run
 from liu2016_tables import SHOWN
 from report import picture
 from talcum_results import Array, draw_spheres, new_figure, result_file, snapshot_rows, snapshot_times
@@ -61,10 +62,10 @@ def snapshots(run: Run) -> list[Snapshot]:
     return found
 
 
-def shown_runs(results: Path) -> Iterator[Run]:
+def shown_runs(results: Path, studies: tuple[str, ...] = STUDIES) -> Iterator[Run]:
     """The first run of each case that is shown, where it is here with its snapshots."""
     for case in SHOWN:
-        for run in liu2016_curves.runs_of(results):
+        for run in liu2016_curves.runs_of(results, studies):
             if run.case == case and run.seed == 1 and liu2016_curves.shows_agglomerates(run):
                 yield run
                 break
@@ -110,25 +111,12 @@ def cases(results: Path) -> Figure | None:
     return draw_beds(known) if len(known) == len(SHOWN) else None
 
 
-def lags(results: Path) -> Figure | None:
-    """Fig. 1: the agglomerates of one t_0 that are left at later times."""
-    for run in shown_runs(results):
+def lags(results: Path, studies: tuple[str, ...] = STUDIES, width: float = 2.0e-3) -> Figure | None:
+    """Fig. 1: the agglomerates of one t_0 that are left at later times, in a box of some width."""
+    for run in shown_runs(results, studies):
         if run.case == FOLLOWED:
-            return draw_beds(by_lag(snapshots(run)))
+            return draw_beds([(f"{1e3 * (shot.time - REFERENCE):.0f} ms", shot) for shot in snapshots(run)], width)
     return None
-
-
-def box(results: Path) -> Figure | None:
-    """The same in the whole box."""
-    for run in liu2016_curves.runs_of(results, WHOLE_BOX):
-        if liu2016_curves.shows_agglomerates(run):
-            return draw_beds(by_lag(snapshots(run)), width=4.0e-3)
-    return None
-
-
-def by_lag(shots: list[Snapshot]) -> list[tuple[str, Snapshot]]:
-    """Snapshots with their lags as titles."""
-    return [(f"{1e3 * (shot.time - REFERENCE):.0f} ms", shot) for shot in shots]
 
 
 def singly(results: Path) -> Figure | None:
@@ -201,7 +189,7 @@ def flow(results: Path, case: str) -> Figure | None:
     return None
 
 
-PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "box": box, "singly": singly, "tagged": tagged} | {
+PICTURES: dict[str, Callable[[Path], Figure | None]] = {"cases": cases, "lags": lags, "box": partial(lags, studies=WHOLE_BOX, width=4.0e-3), "singly": singly, "tagged": tagged} | {
     f"flow-{case}": lambda results, case=case: flow(results, case) for case in SHOWN
 }
 """By the name of the file that is kept."""

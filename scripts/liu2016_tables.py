@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import liu2016_curves
-from liu2016_curves import KEPT, STUDIES, WHOLE_BOX, case_name
+from liu2016_curves import KEPT, STUDIES, WHOLE_BOX, WHOLE_PREFIX, case_name
 from paper_tables import interval_of, made_by, study_table
 from report import Statement
 from study_tables import Estimate, StudyTable
@@ -47,7 +47,7 @@ class Beds:
 
 
 SMALL = Beds(STUDIES, "", 12500, "[16, 3, 80]")
-WHOLE = Beds(WHOLE_BOX, "whole-", 100000, "[32, 6, 160]")
+WHOLE = Beds(WHOLE_BOX, WHOLE_PREFIX, 100000, "[32, 6, 160]")
 
 
 def table(results: Path, name: str, kind: str = "points") -> StudyTable | None:

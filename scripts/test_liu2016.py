@@ -25,6 +25,7 @@ from talcum_results import ResultsError
 HEAD = "# title: t\n# commit: 0123456789abcdef\n"
 LAGS = np.array([0.01, 0.05, 0.1])
 NUMBERS = np.array([200.0, 120.0, 20.0])
+MEASURES = ("pressure_drop", "pressure_deviation", "gas_force", "weight", "coordination_number", "centre_height", "departed")
 
 
 def write_table(file: h5py.File, name: str, columns: dict[str, np.ndarray]) -> None:
@@ -101,17 +102,17 @@ class TestCurves(ScriptTest):
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
 
-    def write_points(self, names: tuple[str, ...], study: str = "fig3-cases") -> None:
+    def write_points(self, study: str = "fig3-cases") -> None:
         """Means of a study, 1.5 with an interval of 0.5 each."""
         ends = {"": 1.5, "_deviation": 0.1, "_lower": 1.0, "_upper": 2.0}
-        columns = {f"{name}{end} [1]": value for name in names for end, value in ends.items()}
+        columns = {f"{name}{end} [1]": value for name in MEASURES for end, value in ends.items()}
         head = ["point", "density [kg/m^3]", "adhesion [N]", "inlet_velocity [m/s]", "runs", *columns]
         row = [1, 250, 1.7e-9, 0.04, 2, *columns.values()]
         (self.folder / study / "points.csv").write_text(f"{HEAD}{','.join(head)}\n{','.join(map(str, row))}\n")
 
     def test_cases_stand_side_by_side(self) -> None:
         self.assertEqual(liu2016_cases.table(self.folder), [])  # no means yet
-        self.write_points(("pressure_drop", "pressure_deviation", "gas_force", "weight", "coordination_number", "centre_height", "departed"))
+        self.write_points()
         head, *rows = liu2016_cases.table(self.folder)
         self.assertEqual(head, ["", "paper", "rho250 vdw20 ug4"])
         found = {row[0]: row[2] for row in rows}
@@ -130,12 +131,11 @@ class TestCurves(ScriptTest):
         (self.folder / "empty-channel/points.csv").write_text("\n".join([HEAD + head, *rows]) + "\n")
 
     def test_the_whole_box_stands_beside_the_small_one(self) -> None:
-        names = ("pressure_drop", "pressure_deviation", "gas_force", "weight", "coordination_number", "centre_height", "departed")
-        self.write_points(names)
+        self.write_points()
         self.write_channel()
         self.assertEqual(liu2016_cases.boxes(self.folder), [])  # no run in the whole box
         shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
-        self.write_points(names, "full-box")
+        self.write_points("full-box")
         with h5py.File(self.folder / "full-box/runs/one/measure-agglomerates.h5", "a") as file:
             file["results/agglomerates"][:] = 8.0 * NUMBERS
         head, *rows = liu2016_cases.boxes(self.folder)
