@@ -161,7 +161,7 @@ def fluidisation(results: Path) -> Section | None:
             paper = "fluidised" if number < 30.0 else "a fixed bed in the end"
             statements.append(Statement(f"Bo {number:.0f}, {100.0 * velocity:.0f} cm/s", paper, told, None))
     left.legend(fontsize=8)
-    text = "From 0.2 to 0.3 s. Gas velocity and drag factor of the companion paper's runs are not told in what was at hand: two velocities, one factor."
+    text = "From 0.4 to 0.6 s. Gas velocity and drag factor of the companion paper's runs are not told in what was at hand: two velocities, one factor."
     return Section("Companion paper: fluidisation over the Bond number", text, statements, [(figure, "One bed each.")],
                    [made_by("liu2016", "fluidisation", points)])  # fmt: skip
 
