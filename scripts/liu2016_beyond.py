@@ -1,17 +1,17 @@
-"""Beyond the figures of Liu et al. (2016): what the paper leaves open, the companion paper's tests, drag from the agglomerates themselves."""
+"""Beyond the figures of Liu et al. (2016): what the paper leaves open, and readings of it by which agglomerates last longer."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
-from liu2016_curves import GRAVITY, PARTICLE, case_name
-from liu2016_tables import SHOWN, brief, panels, table
+from liu2016_breakage import of_lag
+from liu2016_curves import case_name
+from liu2016_pictures import REFERENCE
+from liu2016_tables import SHOWN, panels, read, sources, table
 from paper_tables import made_by
 from report import Section, Statement
 from study_tables import StudyTable
-from talcum_results import BLUE, ORANGE
 
 import numpy as np
 from matplotlib import colormaps
@@ -44,11 +44,15 @@ def lifetimes(points: StudyTable, row: dict[str, str], lags: dict[str, float] = 
 
 def in_words(points: StudyTable, row: dict[str, str], lags: dict[str, float] = LAGS) -> str:
     """Lifetimes and properties of a bed."""
-    left = ", ".join(f"{value:.0f}" for value in lifetimes(points, row, lags))
     names = {"coordination_number": "C_N of the bed", "coordination_in_agglomerates": "in agglomerates", "packing_fraction": "packing",
              "fractal_dimension": "D_f"}  # fmt: skip
     rest = "; ".join(f"{words} {points.estimate(row, name).mean:.3g}" for name, words in names.items())
-    return f"N_agg {left} after {', '.join(f'{1e3 * lag:.0f}' for lag in lags.values())} ms; {rest}"
+    return f"{told_lifetimes(lifetimes(points, row, lags), lags)}; {rest}"
+
+
+def told_lifetimes(left: list[float], lags: dict[str, float]) -> str:
+    """Numbers of agglomerates at lags."""
+    return f"N_agg {', '.join(f'{value:.0f}' for value in left)} after {', '.join(f'{1e3 * lag:.0f}' for lag in lags.values())} ms"
 
 
 def depth(results: Path) -> Section | None:
@@ -58,7 +62,8 @@ def depth(results: Path) -> Section | None:
         return None
     paper = "2 to 3 for the whole bed; agglomerates outlive 0.1 s"
     statements = [Statement(f"{row['count']} particles", paper, in_words(points, row), None) for row in points.rows]
-    text = "The paper does not tell its number of particles. Beds 1.1 and 4.4 mm deep at rest, in a box of the paper's height; t_0 = 0.3 s."
+    text = ("The paper does not tell its number of particles. Beds 1.05 and 4.2 mm deep at a packing of 0.5, in a box of the paper's height; t_0 = 0.3 s; "
+            "C_N of the bed is the mean from 0.2 s on.")  # fmt: skip
     return Section("The number of particles", text, statements, [drawn(points, [f"{row['count']}" for row in points.rows])],
                    [made_by("liu2016", "depth", points)])  # fmt: skip
 
@@ -91,14 +96,31 @@ def lasting(results: Path) -> Section | None:
             statements.append(Statement(f"{case}, {words}", PAPER, in_words(points, row, LONG_LAGS), None))
             draw_lifetimes(panel, lifetimes(points, row, LONG_LAGS), LONG_LAGS, marker="o", color=SHOWN[case], label=case)
         panel.set_title(words)
-    shown[0].legend(fontsize=7)
+    cases = [case for case in SHOWN if any(statement.quantity.startswith(case) for statement in statements)]
+    for case, left in as_it_stands(results, cases).items():
+        statements.append(Statement(f"{case}, as it stands", PAPER, told_lifetimes(left, LONG_LAGS), None))
+        for panel in shown:
+            draw_lifetimes(panel, left, LONG_LAGS, linestyle="--", linewidth=1.0, color=SHOWN[case], label=f"{case}, as it stands")
+    shown[0].legend(fontsize=6)
     text = (
         "The adhesion of a contact is limited by (delta / d_NP + 1) F0. With d_NP = 1 nm and the plastic overlap as delta (the same as 5 nm and the largest "
         "overlap) the limit is hardly reached; with a plasticity index of 0.5, the largest that the paper names, impacts lose more; "
-        "cells of six diameters along x and z do not show the gas between single agglomerates. t_0 = 0.3 s."
+        "cells of six diameters along x and z do not show the gas between single agglomerates. t_0 = 0.3 s; the cases as they stand: the same t_0, "
+        "means over two seeds."
     )
-    return Section("Readings by which agglomerates last longer", text, statements, [(figure, "Agglomerates of t_0 that are left.")],
-                   [made_by("liu2016", "lasting-agglomerates", points)])  # fmt: skip
+    caption = "Agglomerates of t_0 that are left; broken: the cases as they stand."
+    return Section("Readings by which agglomerates last longer", text, statements, [(figure, caption)],
+                   [made_by("liu2016", "lasting-agglomerates", points), *sources(results, ("fig3-cases",))])  # fmt: skip
+
+
+def as_it_stands(results: Path, cases: list[str]) -> dict[str, list[float]]:
+    """Number of agglomerates of the first t_0 at each lag, without another reading: means over the seeds."""
+    found = read(results, "agglomerates")
+    if found is None:
+        return {}
+    rows = {case: found.where(case=case, reference_time=REFERENCE) for case in cases}
+    return {case: [float(np.mean(of_lag(known, lag))) for lag in LONG_LAGS.values()] for case, known in rows.items()
+            if all(of_lag(known, lag) for lag in LONG_LAGS.values())}  # fmt: skip
 
 
 def draw_lifetimes(panel: Axes, left: list[float], lags: dict[str, float], **style: Any) -> None:
@@ -120,50 +142,4 @@ def drawn(points: StudyTable, names: list[str]) -> tuple[Figure, str]:
     return figure, "Agglomerates of t_0 that are left."
 
 
-def heap(results: Path) -> Section | None:
-    """Angle of repose over the Bond number."""
-    points = table(results, "heap")
-    if points is None:
-        return None
-    found = points.estimates("repose.angle")
-    told = "; ".join(f"Bo {float(row['bond_number']):g}: {brief(angle)}" for row, angle in zip(points.rows, found))
-    rising = [angle.mean for angle in found if math.isfinite(angle.mean)]
-    statements = [Statement("angle of repose [degrees]", "grows with cohesion", told, all(np.diff(rising) > 0.0))]
-    figure, (panel,) = panels(1)
-    panel.errorbar(points.numbers("bond_number"), [angle.mean for angle in found],
-                   yerr=[angle.upper - angle.mean for angle in found], fmt="o-", color=BLUE, capsize=3)  # fmt: skip
-    panel.set_xlabel("Bond number")
-    panel.set_ylabel("angle of repose [degrees]")
-    text = "A block of 5,400 particles slumps on a plate with open ends. The companion paper's numbers could not be had; that the angle grows is its finding."
-    return Section("Companion paper: angle of repose", text, statements, [(figure, "Means and intervals over seeds.")],
-                   [made_by("liu2016", "heap", points)])  # fmt: skip
-
-
-def fluidisation(results: Path) -> Section | None:
-    """Beds over the Bond number: which of them fluidise."""
-    points = table(results, "fluidisation")
-    if points is None:
-        return None
-    weight = 250.0 * math.pi / 6.0 * PARTICLE**3 * GRAVITY
-    statements = []
-    figure, (left, right) = panels(2)
-    for velocity, colour in ((0.02, BLUE), (0.04, ORANGE)):
-        rows = points.where(inlet_velocity=velocity)
-        bond = [adhesion / weight for adhesion in rows.numbers("adhesion")]
-        for panel, name, label in ((left, "agitation", "energy of fluctuations [J]"), (right, "coordination_number", "C_N")):
-            panel.plot(bond, [found.mean for found in rows.estimates(name)], "o-", color=colour, label=f"{100.0 * velocity:.0f} cm/s")
-            panel.set_xlabel("Bond number")
-            panel.set_ylabel(label)
-        for number, row in zip(bond, rows.rows):
-            told = "; ".join(f"{words} {rows.estimate(row, name).mean:.3g}" for name, words in (
-                ("agitation", "energy of fluctuations [J]"), ("pressure_deviation", "deviation of the pressure drop"), ("centre_height", "centre [m]"),
-                ("coordination_number", "C_N")))  # fmt: skip
-            paper = "fluidised" if number < 30.0 else "a fixed bed in the end"
-            statements.append(Statement(f"Bo {number:.0f}, {100.0 * velocity:.0f} cm/s", paper, told, None))
-    left.legend(fontsize=8)
-    text = "From 0.4 to 0.6 s. Gas velocity and drag factor of the companion paper's runs are not told in what was at hand: two velocities, one factor."
-    return Section("Companion paper: fluidisation over the Bond number", text, statements, [(figure, "One bed each.")],
-                   [made_by("liu2016", "fluidisation", points)])  # fmt: skip
-
-
-SECTIONS = (depth, readings, lasting, heap, fluidisation)
+SECTIONS = (depth, readings, lasting)

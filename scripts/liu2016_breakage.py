@@ -9,7 +9,8 @@ from pathlib import Path
 import liu2016_pictures
 from liu2016_curves import BREAKAGE, FOLLOWED
 from liu2016_pictures import REFERENCE
-from liu2016_tables import SHOWN, Values, bars, by_case, column, curves, panels, reaches, read, sources, told, trends
+from liu2016_tables import CASES, SHOWN, Values, bars, by_case, column, curves, panels, reaches, read, sources, told, trends
+from paper_tables import interval_of
 from report import Section, Statement
 from study_tables import StudyTable
 
@@ -23,6 +24,8 @@ PROPERTIES = {
     "fractal_dimension": ("D_f", 1.0),
 }
 """What Figs 9 and 10 show: label, factor."""
+TOLD_LAGS = (0.01, 0.03, 0.05)
+"""Lags at which what is left of agglomerates is described [s]."""
 
 
 def identification(results: Path) -> Section | None:
@@ -51,6 +54,7 @@ def breakage(results: Path) -> Section | None:
         Statement("agglomerates left after 0.05 s, of those after 0.01 s", "most: ug2 is intact after 1.5 s", told(kept[0.05]),
                   min(value.mean for value in kept[0.05].values()) > 0.5),
         Statement("the same after 0.1 s", "", told(kept[0.1]), None),
+        Statement("left after 0.05 s by t_0", "one t_0, of 1 s", told_by_window(found, 0.05), None),
         Statement("slowest breakage", "rho250vdw20ug2", slowest, slowest == "rho250vdw20ug2"),
     ]  # fmt: skip
     if times is not None:
@@ -65,9 +69,11 @@ def breakage(results: Path) -> Section | None:
     left.set_yscale("log")
     text = (
         "Agglomerates are connected sets, of 15 particles or more, of the contacts of t_0 that touch at t_0 + lag (looked at every 10 ms, from t_0 = 0.3 s on; the paper's t_0 is 1 s). "
-        "Critical times are those of runs with looks every 2 ms, from 0.3 and 0.4 s on."
+        "Critical times are those of runs with looks every 2 ms, from 0.3 and 0.4 s on. Agglomerates of t_0 = 0.3 s last for a shorter time than those of "
+        "0.6 and 0.9 s."
     )
-    return Section("Fig. 8: breakage", text, statements, [(figure, "First window of the first seed.")], [*sources(results), *sources(results, BREAKAGE)])
+    made = [*sources(results), *sources(results, BREAKAGE)]
+    return Section("Fig. 8: breakage", text, statements, [(figure, "First window of the first seed.")], made)
 
 
 def share_kept(rows: StudyTable, lag: float) -> list[float]:
@@ -77,6 +83,42 @@ def share_kept(rows: StudyTable, lag: float) -> list[float]:
         key = (row["seed"], row["reference_time"])
         at.setdefault(key, {})[round(float(row["lag"]), 6)] = float(row["agglomerates"])
     return [numbers[lag] / numbers[min(numbers)] for numbers in at.values() if lag in numbers and numbers[min(numbers)] > 0.0]
+
+
+def told_by_window(found: StudyTable, lag: float) -> str:
+    """Of each case of which there are several windows: the parts left at a lag, means over the seeds, by t_0."""
+    told_cases = []
+    for case in CASES:
+        rows = found.where(case=case)
+        starts = sorted(set(rows.numbers("reference_time")))
+        parts = [interval_of(share_kept(rows.where(reference_time=start), lag)) for start in starts]
+        if len(starts) > 1 and any(part.mean > 0.0 for part in parts):
+            told_cases.append(f"{case}: {', '.join(f'{part.mean:.2g} ({start:g} s)' for start, part in zip(starts, parts) if part.runs)}")
+    return "; ".join(told_cases) or "none"
+
+
+def of_lag(rows: StudyTable, lag: float) -> list[float]:
+    """Numbers of agglomerates at a lag, of each run and window."""
+    return [float(row["agglomerates"]) for row in rows.rows if abs(float(row["lag"]) - lag) < 1.0e-6]
+
+
+def lag_table(found: StudyTable) -> list[list[str]]:
+    """What is left of agglomerates at some lags, of the windows in which some are; the first row is the head."""
+    names = ("coordination_number", "packing_fraction", "fractal_dimension")
+    rows = []
+    for case in CASES:
+        at = {lag: [row for row in found.where(case=case).rows if abs(float(row["lag"]) - lag) < 1.0e-6] for lag in TOLD_LAGS}
+        cells = [mean_of(at[lag], name) for name in names for lag in TOLD_LAGS]
+        if any(cells):
+            rows.append([case, *cells])
+    labels = [PROPERTIES[name][0].replace(" fraction", "") for name in names]
+    return [["", *(f"{label}, {1e3 * lag:.0f} ms" for label in labels for lag in TOLD_LAGS)], *rows]
+
+
+def mean_of(rows: list[dict[str, str]], name: str) -> str:
+    """Mean of a column over rows, without those that have none."""
+    found = interval_of(float(row[name]) for row in rows)
+    return "" if found.runs == 0 else f"{found.mean:.2f}"
 
 
 def properties(results: Path) -> Section | None:
@@ -105,9 +147,10 @@ def properties(results: Path) -> Section | None:
         figures.append((draw_rates(rates), "Members that an agglomerate loses and gains in a unit of time, by its size, over windows of 10 ms."))
     text = (
         "The paper shows its values at the critical times; where few agglomerates outlive 50 ms, as here, these times say little, and all values are those of the lag 0.01 s. "
-        "A range is reached if the interval of every case has a part in it."
+        "A range is reached if the interval of every case has a part in it. The table: the same at later lags, means over the windows in which agglomerates "
+        "are left."
     )
-    return Section("Figs 9 and 10: properties of agglomerates", text, statements, figures, sources(results))
+    return Section("Figs 9 and 10: properties of agglomerates", text, statements, figures, sources(results), lag_table(found))
 
 
 def of_first_lag(rows: StudyTable, name: str) -> list[float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 from pathlib import Path
 
@@ -10,9 +9,8 @@ import liu2016_pictures
 from liu2016_breakage import of_first_lag, share_kept
 from liu2016_curves import FOLLOWED
 from liu2016_flow import net_drops
-from liu2016_tables import CASES, SMALL, WHOLE, Beds, Values, by_case, column, read, sources, study
+from liu2016_tables import CASES, SMALL, WHOLE, Beds, Values, by_case, cell, column, read, sources, study
 from report import Section
-from study_tables import Estimate, shortly
 
 Column = tuple[str, str, float, Values]
 """A quantity: its name, what the paper says, a factor for its unit, its values by case."""
@@ -44,15 +42,6 @@ def columns(results: Path, beds: Beds = SMALL) -> list[Column]:
     ]  # fmt: skip
 
 
-def cell(found: Estimate | None, factor: float) -> str:
-    """A mean with half of its interval, where there is one."""
-    if found is None or found.runs == 0 or math.isnan(found.mean):
-        return ""
-    half = factor * (found.upper - found.mean)
-    mean = shortly(factor * found.mean)
-    return mean if math.isnan(half) else f"{mean} ± {half:.2g}"
-
-
 def table(results: Path) -> list[list[str]]:
     """A row for each quantity: its name, the paper, the cases; the first row is the head."""
     known = columns(results)
@@ -67,8 +56,9 @@ def cases(results: Path) -> Section | None:
     if not found:
         return None
     text = (
-        "Small beds, from 0.3 s on. The four cases of Fig. 3 have three windows of 0.3 s in each of their runs, the others one. What is said of "
-        "agglomerates is at the lag 0.01 s. ± is half of the interval of 95 % confidence over seeds, or over windows and seeds."
+        "Small beds, from 0.3 s on. The four cases of Fig. 3 have three windows of 0.3 s in each of their runs, the others one, from 0.3 s on, in "
+        "which agglomerates of the cases of Fig. 3 are short-lived (Fig. 8). What is said of agglomerates is at the lag 0.01 s. ± is half of the interval of 95 % confidence over "
+        "seeds, or over windows and seeds."
     )
     return Section("Table 2, case by case", text, sources=sources(results), table=found)
 
@@ -87,8 +77,9 @@ def box(results: Path) -> Section | None:
     if not found:
         return None
     text = (
-        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, beside the small one. One seed and one window of 0.3 s, with eight times as many "
-        "particles; it has eight times as many agglomerates if the box does not matter."
+        f"{FOLLOWED} in the paper's box of 4 x 0.8 x 20 mm for 0.6 s, beside the small one. One seed and one window, of t_0 = 0.3 s, in which agglomerates "
+        "of the small box are short-lived too (Fig. 8). "
+        "With eight times as many particles it has eight times as many agglomerates if the box does not matter."
     )
     picture = liu2016_pictures.pictured(results, "box")
     figures = [(picture, "The whole box: agglomerates of t_0 = 0.3 s that are left.")] if picture else []

@@ -26,14 +26,20 @@ BREAKAGE = ("breakage",)
 WHOLE_BOX = ("full-box",)
 """The paper's box, of which there are agglomerates and dispersion; their tables are kept as `whole-agglomerates` and so on."""
 WHOLE_PREFIX = "whole-"
+FLUIDISATION = ("fluidisation",)
+"""The companion paper's beds over the Bond number, of which there are means over intervals of time."""
 ALL_STUDIES = studies_of(KEPT)
 INTERVAL = 0.01
 """Interval over which the series is averaged [s]."""
+LONG_INTERVAL = 0.05
+"""That of the companion paper's beds [s]."""
 FOLLOWED = "rho250vdw20ug4"
 """The case of which the paper shows distributions."""
 PARTICLE = 40.0e-6
 """Diameter of the simple agglomerates [m]."""
 GRAVITY = 9.81
+HEAVY = 250.0
+"""Density of the case that all studies begin with [kg/m^3]: that of a study in which it does not vary."""
 
 
 @dataclass
@@ -54,9 +60,13 @@ class Run:
 
 def case_name(density: float, adhesion: float, velocity: float) -> str:
     """The paper's name of a case, for example rho250vdw20ug4: density, Bond number, gas velocity in cm/s."""
+    return f"rho{density:.0f}vdw{nominal_bond_number(density, adhesion)}ug{100.0 * velocity:.0f}"
+
+
+def nominal_bond_number(density: float, adhesion: float) -> int:
+    """The Bond number that the paper names: a multiple of 5, since it gives forces to one digit or two."""
     weight = density * np.pi / 6.0 * PARTICLE**3 * GRAVITY
-    bond = 5 * round(adhesion / weight / 5.0)  # the paper gives forces to one digit or two
-    return f"rho{density:.0f}vdw{bond}ug{100.0 * velocity:.0f}"
+    return 5 * round(adhesion / weight / 5.0)
 
 
 def runs_of(results: Path, studies: tuple[str, ...] = STUDIES) -> list[Run]:
@@ -70,11 +80,12 @@ def runs_of(results: Path, studies: tuple[str, ...] = STUDIES) -> list[Run]:
         for row in table.rows:
             if row["state"] != "complete":
                 continue
-            keys = (float(row[name]) for name in ("density", "adhesion", "inlet_velocity"))
+            density = float(row.get("density") or HEAVY)
+            adhesion, velocity = float(row["adhesion"]), float(row["inlet_velocity"])
             seed = int(row.get("seed") or 1)
             folder = results / study / "runs" / row["run"]
             if folder.exists():
-                found.append(Run(case_name(*keys), seed, folder, row["digest"], table.provenance.get("commit", "unknown")))
+                found.append(Run(case_name(density, adhesion, velocity), seed, folder, row["digest"], table.provenance.get("commit", "unknown")))
     return sorted(found, key=lambda run: (run.case, run.seed))
 
 
@@ -88,16 +99,35 @@ def shows_agglomerates(run: Run) -> bool:
 
 
 Rows = Iterator[dict[str, float]]
+IN_TIME = "fluidisation-in-time"
 
 
 def series(run: Run) -> Rows:
     """Means over intervals: the whole bed over time (Figs 4 and 6a)."""
     found = read_series(run.folder)
     names = {"grid_pressure_drop": "pressure_drop", "coordination_number": "coordination_number", "centre_height": "centre_height [m]"}
-    interval = np.ceil(np.round(found.time / INTERVAL, 6)).astype(int)
-    for number in np.unique(interval[interval > 0]):
-        rows = interval == number
-        yield {"time [s]": number * INTERVAL} | {to: float(np.mean(found[name][rows])) for name, to in names.items()}
+    for end, rows in intervals(found.time, INTERVAL):
+        yield {"time [s]": end} | {to: float(np.mean(found[name][rows])) for name, to in names.items()}
+
+
+def intervals(time: Array, length: float) -> Iterator[tuple[float, Array]]:
+    """The end of each interval of time, and which rows are in it: those after its begin, up to its end."""
+    number = np.ceil(np.round(time / length, 6)).astype(int)
+    for found in np.unique(number[number > 0]):
+        yield float(found * length), number == found
+
+
+def in_time(run: Run) -> Rows:
+    """Means of a bed over intervals of 50 ms: how it goes on moving or comes to rest (companion paper)."""
+    found = read_series(run.folder)
+    names = {
+        "fluctuating_kinetic_energy": "fluctuating_kinetic_energy [J]", "grid_pressure_drop": "pressure_drop", "gas_force": "gas_force",
+        "coordination_number": "coordination_number", "centre_height": "centre_height [m]",
+    }  # fmt: skip
+    for end, rows in intervals(found.time, LONG_INTERVAL):
+        means = {to: float(np.mean(found[name][rows])) for name, to in names.items()}
+        deviation = float(np.std(found["grid_pressure_drop"][rows], ddof=1))
+        yield {"time [s]": end} | means | {"pressure_deviation": deviation, "departed": float(found["departed"][rows][-1])}
 
 
 def agglomerates(run: Run) -> Rows:
@@ -182,7 +212,7 @@ def rates(run: Run) -> Rows:
 
 TABLES = {table.__name__: (STUDIES, table) for table in (series, agglomerates, dispersion, displacements, contacts, singles)} | {
     table.__name__: (BREAKAGE, table) for table in (critical, rates)
-} | {f"{WHOLE_PREFIX}{table.__name__}": (WHOLE_BOX, table) for table in (agglomerates, dispersion)}
+} | {f"{WHOLE_PREFIX}{table.__name__}": (WHOLE_BOX, table) for table in (agglomerates, dispersion)} | {IN_TIME: (FLUIDISATION, in_time)}
 """Of which studies each table is, and what gives its rows of a run."""
 
 
@@ -194,7 +224,7 @@ def made(results: Path, name: str) -> StudyTable | None:
             for run in runs for row in rows_of(run)]  # fmt: skip
     if not rows:
         return None
-    provenance = {f"{run.case} seed {run.seed}": f"digest {run.digest}, commit {run.commit}" for run in runs}
+    provenance = {"studies": ", ".join(studies)} | {f"{run.case} seed {run.seed}": f"digest {run.digest}, commit {run.commit}" for run in runs}
     return table_of_rows(results / f"{name}.csv", provenance, rows)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import liu2016_curves
@@ -18,6 +19,8 @@ from matplotlib.figure import Figure
 STORED = Path(__file__).resolve().parent.parent / "docs"
 STEADY = 0.3
 """Time from which beds count [s]: in the paper coordination numbers are steady by then."""
+TIMES = (0.1, 0.2, 0.3, 0.6, 1.2)
+"""Times at which the coordination number is told [s]."""
 
 
 def contact(_: Path) -> Section:
@@ -106,7 +109,7 @@ def dispersion(results: Path) -> Section | None:
                   "; ".join(f"{case}: {ratio:.2g}" for case, ratio in ratios.items()), all(ratio > 3.0 for ratio in ratios.values())),
     ]  # fmt: skip
     rises = {"density": False, "gas velocity": True, "Bond number": False}
-    statements += trends("D_sz", along, rises)
+    statements += trends("D_sz [mm^2/s]", along, rises, 1.0e6)
     figure, (left, right) = panels(2)
     curves(left, moved, "lag", "half_square_z", "half of the mean square displacement along z [mm^2]", 1.0e6, start=STEADY)
     bars(right, along, "D_sz [mm^2/s]", 1.0e6)
@@ -132,8 +135,39 @@ def coordination(results: Path) -> Section | None:
         most = sum(shares[1:5])
         statements.append(Statement("distribution of C_N, rho250vdw20ug4", "0 to 7, mostly 1 to 4",
                                     f"{most:.2f} of the particles have 1 to 4, {shares[0]:.2f} none", most > 0.5))  # fmt: skip
-    text = "Mean number of touching neighbours of all particles. The paper's mean holds single particles, too."
-    return Section("Fig. 6: coordination numbers", text, statements, [(figure, "Right: rho250vdw20ug4, means over 50 ms.")], sources(results))
+    text = (
+        "Mean number of touching neighbours of all particles. The paper's mean holds single particles, too. The table: means over the 10 ms that end at a "
+        "time, and the parts of the particles with so many neighbours, means from 0.3 s on; both over the seeds."
+    )
+    return Section("Fig. 6: coordination numbers", text, statements, [(figure, "Right: rho250vdw20ug4, means over 50 ms.")], sources(results),
+                   coordination_table(series, parts))  # fmt: skip
+
+
+def coordination_table(series: StudyTable, parts: StudyTable) -> list[list[str]]:
+    """Coordination number of each case at some times, and its distribution from 0.3 s on; the first row is the head."""
+    at = {time: by_case(series, partial(at_time, time=time)) for time in TIMES}
+    names = part_names()
+    few = [by_case(developed(parts), column(name)) for name in names[:5]]
+    more = by_case(developed(parts), lambda rows: [sum(float(row[name]) for name in names[5:]) for row in rows.rows])
+    head = ["", *(f"C_N at {time:g} s" for time in TIMES), *(f"with {number}" for number in range(5)), "with 5 or more"]
+    rows = [[case, *(known(at[time].get(case)) for time in TIMES), *(known(shares.get(case)) for shares in (*few, more))] for case in at[TIMES[0]]]
+    return [head, *rows]
+
+
+def at_time(rows: StudyTable, time: float) -> list[float]:
+    """Coordination numbers of the interval that ends at a time, of each seed."""
+    return [float(row["coordination_number"]) for row in rows.rows if abs(float(row["time"]) - time) < 1.0e-6]
+
+
+def developed(parts: StudyTable) -> StudyTable:
+    """The rows from which on beds count: each is of the 50 ms up to its time."""
+    rows = [row for row in parts.rows if float(row["time"]) > STEADY + 0.04]
+    return StudyTable(parts.file, parts.provenance, rows, parts.units)
+
+
+def known(found: Estimate | None) -> str:
+    """A mean to two places; nothing without values."""
+    return "" if found is None or found.runs == 0 else f"{found.mean:.2f}"
 
 
 def part_names() -> list[str]:

@@ -1,9 +1,11 @@
 """Keeps what the page of Liu et al. (2016) shows of the runs themselves beside the tables of the studies: curves over time and lag, pictures of
-beds and agglomerates, and how long runs took.
+beds and agglomerates, and how long runs took. Of a study that was not run here what is kept stays as it is.
 
     talcum study cases/liu2016/studies/fig3-cases.toml
     talcum study cases/liu2016/studies/other-cases.toml
     talcum study cases/liu2016/studies/breakage.toml
+    talcum study cases/liu2016/studies/full-box.toml
+    talcum study cases/liu2016/studies/fluidisation.toml
     .venv/bin/python scripts/liu2016_kept.py results --keep cases/liu2016/results
 """
 

@@ -7,7 +7,9 @@ from pathlib import Path
 import liu2016_beyond
 import liu2016_breakage
 import liu2016_cases
+import liu2016_companion
 import liu2016_curves
+import liu2016_drag
 import liu2016_flow
 import run_times
 from report import Section
@@ -26,6 +28,7 @@ def times_of_runs(results: Path) -> Section | None:
 
 def sections(results: Path) -> list[Section]:
     """All figures of which there are tables."""
-    figures = (*liu2016_cases.SECTIONS, *liu2016_flow.SECTIONS, *liu2016_breakage.SECTIONS, *liu2016_beyond.SECTIONS, times_of_runs)
+    modules = (liu2016_cases, liu2016_flow, liu2016_breakage, liu2016_beyond, liu2016_companion, liu2016_drag)
+    figures = [*(make for module in modules for make in module.SECTIONS), times_of_runs]
     found = (make(results) for make in figures)
     return [section for section in found if section is not None]

@@ -11,7 +11,7 @@ import liu2016_curves
 from liu2016_curves import KEPT, STUDIES, WHOLE_BOX, WHOLE_PREFIX, case_name
 from paper_tables import interval_of, made_by, study_table
 from report import Statement
-from study_tables import Estimate, StudyTable
+from study_tables import Estimate, StudyTable, shortly
 from talcum_results import BLUE, GREEN, GREY, ORANGE, RED, Array, new_figure
 
 import numpy as np
@@ -93,15 +93,25 @@ def brief(found: Estimate, factor: float = 1.0) -> str:
     """A mean with its interval, where there is one."""
     if found.runs == 0:
         return "none"
-    mean, lower, upper = (f"{factor * value:.3g}" for value in (found.mean, found.lower, found.upper))
+    mean, lower, upper = (shortly(factor * value) for value in (found.mean, found.lower, found.upper))
     return mean if math.isnan(found.lower) else f"{mean} ({lower} to {upper})"
 
 
-def trends(quantity: str, values: Values, rises: dict[str, bool]) -> list[Statement]:
-    """For each thing that grows: what the paper says that the quantity does, what was found, and whether all its series agree."""
+def cell(found: Estimate | None, factor: float = 1.0) -> str:
+    """A mean with half of its interval, where there is one."""
+    if found is None or found.runs == 0 or math.isnan(found.mean):
+        return ""
+    half = factor * (found.upper - found.mean)
+    mean = shortly(factor * found.mean)
+    return mean if math.isnan(half) else f"{mean} ± {half:.2g}"
+
+
+def trends(quantity: str, values: Values, rises: dict[str, bool], scale: float = 1.0) -> list[Statement]:
+    """For each thing that grows: what the paper says that the quantity does, what was found (times a factor for the unit), and whether
+    all its series agree."""
     statements = []
     for factor, grows in rises.items():
-        known = [[values[case].mean for case in cases if case in values] for cases in FACTORS[factor]]
+        known = [[scale * values[case].mean for case in cases if case in values] for cases in FACTORS[factor]]
         known = [series for series in known if len(series) > 1]
         steps = [after - before for series in known for before, after in zip(series, series[1:])]
         agrees = all((step > 0.0) == grows for step in steps) if steps else None

@@ -78,8 +78,11 @@ def section(results: Path, kept: Path, studies: Iterable[str]) -> Section | None
     if found is None:
         return None
     statements = [
-        Statement(row["study"], "not given", f"{row['median']} s; longest {row['longest']} s; all {row['runs']} runs {row['all']} h of one core ({row['processor']})", None)
+        Statement(row["study"], "not given", f"{row['median']} s; longest {row['longest']} s; runs that were not interrupted: {row['runs']}, {row['all']} h of one core ({row['processor']})", None)
         for row in found.rows
     ]
-    text = "Median time of a run on one core, by the table that each run prints at its end, with as many runs at a time as the machine has cores."
+    text = (
+        "Median time of a run on one core, by the table that each run prints at its end, with as many runs at a time as the machine has cores. "
+        "Of runs that were stopped and went on only the last part is known; they are not counted."
+    )
     return Section("Run times", text, statements, [], [f"Numbers: {found.file.name}"])

@@ -9,8 +9,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+import liu2016_breakage
 import liu2016_cases
+import liu2016_companion
 import liu2016_curves
+import liu2016_drag
+import liu2016_flow
 import liu2016_kept
 import liu2016_pictures
 import liu2016_tables
@@ -19,7 +23,7 @@ from liu2016_breakage import share_kept
 from liu2016_tables import SMALL, WHOLE, trends
 from made_up_results import ScriptTest
 from paper_tables import interval_of
-from study_tables import Estimate, read_study_table
+from study_tables import Estimate, StudyTable, read_study_table
 from talcum_results import ResultsError
 
 HEAD = "# title: t\n# commit: 0123456789abcdef\n"
@@ -32,6 +36,12 @@ def write_table(file: h5py.File, name: str, columns: dict[str, np.ndarray]) -> N
     """A table of a measure."""
     for column, values in columns.items():
         file.create_dataset(f"{name}/{column}", data=values)
+
+
+def made_table(columns: dict[str, tuple[float, ...]]) -> StudyTable:
+    """A table of rows of rho250vdw20ug4."""
+    rows = [dict(zip(columns, map(str, values))) | {"case": "rho250vdw20ug4", "seed": "1"} for values in zip(*columns.values())]
+    return StudyTable(Path("made.csv"), {}, rows, {})
 
 
 class TestCurves(ScriptTest):
@@ -54,8 +64,8 @@ class TestCurves(ScriptTest):
 
     def write_run(self, run: Path) -> None:
         """Its series and measures: 20 ms of series, one window of three looks."""
-        rows = [f"{0.001 * step:.3f},{1.0 + step},{2.0},{1.0e-3}" for step in range(21)]
-        head = "time [s],grid_pressure_drop [1],coordination_number [1],centre_height [m]"
+        rows = [f"{0.001 * step:.3f},{1.0 + step},{2.0},{1.0e-3},{1.0e-12 * step},{1.0},{10 * step}" for step in range(21)]
+        head = "time [s],grid_pressure_drop [1],coordination_number [1],centre_height [m],fluctuating_kinetic_energy [J],gas_force [1],departed [1]"
         (run / "series.csv").write_text("\n".join(["# title: t", head, *rows]) + "\n")
         ones = np.ones(3)
         with h5py.File(run / "measure-agglomerates.h5", "w") as file:
@@ -75,8 +85,15 @@ class TestCurves(ScriptTest):
             write_table(file, "results", {"time": 0.3 + LAGS, "lag": LAGS, "square_x": ones, "square_z": 4.0 * ones})
             write_table(file, "dispersion", {"time": np.array([0.4]), "secant_x": np.array([1.0e-7]), "secant_z": np.array([5.0e-7])})
 
+    def write_fluidisation(self) -> None:
+        """The same run in the study over the Bond number, in which the density does not vary."""
+        study = self.folder / "fluidisation"
+        shutil.copytree(self.folder / "fig3-cases", study)
+        (study / "runs.csv").write_text(f"{HEAD}run,point,inlet_velocity,adhesion,state,digest\none,1,0.04,8.2e-9,complete,abc\n")
+
     def test_tables_hold_what_the_run_gives(self) -> None:
         shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
+        self.write_fluidisation()
         liu2016_kept.main([str(self.folder), "--keep", str(self.folder / "kept")])
         read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in liu2016_curves.TABLES}
         # The interval of time 0.01 holds the rows 1 to 10, of 2 to 11.
@@ -89,6 +106,12 @@ class TestCurves(ScriptTest):
         self.assertEqual(read["whole-agglomerates"].rows, read["agglomerates"].rows)  # the same run in another study
         self.assertEqual(read["dispersion"].numbers("start"), [0.3])
         self.assertEqual(read["rates"].numbers("crossing"), [40.0])  # sizes of which none were seen have no row
+        (beds,) = read["fluidisation-in-time"].rows  # 20 ms lie in one interval of 50 ms
+        self.assertEqual([beds["case"], float(beds["time"]), float(beds["departed"])], ["rho250vdw100ug4", 0.05, 200.0])
+        # Of the rows 1 to 20: the start does not count. The deviation of 20 successive numbers is sqrt(20 * 21 / 12).
+        self.assertEqual(float(beds["fluctuating_kinetic_energy"]), 1.05e-11)
+        self.assertAlmostEqual(float(beds["pressure_deviation"]), 35.0**0.5, places=4)
+        self.assertEqual(read["series"].provenance["studies"], "fig3-cases, other-cases")
         self.assertIn("rho250vdw20ug4 seed 1", read["series"].provenance)
         self.assertNotIn("rho250vdw20ug4 seed 2", read["series"].provenance)
 
@@ -101,6 +124,33 @@ class TestCurves(ScriptTest):
         assert found is not None
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
+
+    def test_lifetimes_are_told_by_t_0_where_there_are_several(self) -> None:
+        found = liu2016_curves.table(self.folder, "agglomerates")
+        assert found is not None
+        self.assertEqual(liu2016_breakage.told_by_window(found, 0.05), "none")  # the control: one window
+        later = [row | {"reference_time": "0.6", "agglomerates": "100"} for row in found.rows]
+        both = StudyTable(found.file, found.provenance, found.rows + later, found.units)
+        self.assertEqual(liu2016_breakage.told_by_window(both, 0.05), "rho250vdw20ug4: 0.6 (0.3 s), 1 (0.6 s)")
+
+    def test_properties_over_the_lag_leave_out_windows_without_agglomerates(self) -> None:
+        found = liu2016_curves.table(self.folder, "agglomerates")
+        assert found is not None
+        none = [row | {"reference_time": "0.6", "coordination_number": "nan"} for row in found.rows]
+        both = StudyTable(found.file, found.provenance, found.rows + none, found.units)
+        head, row = liu2016_breakage.lag_table(both)
+        self.assertEqual(dict(zip(head, row))["C_N, 50 ms"], "1.00")
+        self.assertEqual(dict(zip(head, row))["C_N, 30 ms"], "")  # not looked at
+
+    def test_coordination_numbers_in_time_and_their_distribution(self) -> None:
+        series = made_table({"time": (0.1, 0.3), "coordination_number": (2.0, 1.5)})
+        parts = {f"with_{number}": (0.9 if number == 0 else 0.1 / 6, 0.1) for number in range(7)}
+        contacts = made_table({"time": (0.299, 0.349)} | parts | {"with_7_or_more": (0.0, 0.3)})
+        head, row = liu2016_flow.coordination_table(series, contacts)
+        found = dict(zip(head, row))
+        self.assertEqual([found["C_N at 0.1 s"], found["C_N at 0.2 s"], found["C_N at 0.3 s"]], ["2.00", "", "1.50"])
+        # What was before 0.3 s is not in the distribution.
+        self.assertEqual([found["with 0"], found["with 5 or more"]], ["0.10", "0.50"])
 
     def write_points(self, study: str = "fig3-cases") -> None:
         """Means of a study, 1.5 with an interval of 0.5 each."""
@@ -175,6 +225,28 @@ class TestCurves(ScriptTest):
         self.assertEqual([panel.get_title() for panel in figure.axes], ["10 ms", "30 ms", "60 ms", "100 ms"])
         self.assertIsNone(liu2016_pictures.cases(self.folder))  # one case of four
 
+    def test_the_page_shows_beds_over_time(self) -> None:
+        self.write_fluidisation()
+        found = liu2016_curves.table(self.folder, liu2016_curves.IN_TIME)
+        self.assertEqual(liu2016_companion.last_energy(found, "rho250vdw100ug4"), "; energy in the last 50 ms 10.5 pJ")
+        self.assertEqual(liu2016_companion.last_energy(found, "rho250vdw50ug4"), "")
+        assert found is not None
+        left, right = liu2016_companion.energies(found).axes
+        self.assertEqual([len(left.lines), len(right.lines), right.get_yscale()], [0, 1, "log"])
+
+    def test_the_page_compares_drag_from_agglomerates(self) -> None:
+        self.assertIsNone(liu2016_drag.drag(self.folder))  # no table
+        liu2016_curves.KEPT.mkdir()
+        ways = {"one factor, 0.2": 0.2, "from agglomerates": 0.5, "one factor, 1": 1.0}
+        rows = [",".join(["it", f'"{way}"', str(xi), *["4.0" if xi == 0.2 else "5.0"] * 6]) for way, xi in ways.items()]
+        head = ",".join(["case", "drag", *liu2016_drag.SHOWN])
+        (liu2016_curves.KEPT / liu2016_drag.FILE).write_text("\n".join([HEAD + head, *rows]) + "\n")
+        section = liu2016_drag.drag(self.folder)
+        assert section is not None
+        self.assertEqual([statement.agrees for statement in section.statements[:1]], [False])  # 0.5 is not 0.2
+        self.assertEqual(section.statements[1].measured, "it: 1.250")
+        self.assertEqual(section.table[1][:4], ["it", "one factor, 0.2", "0.2", "4,000"])  # heights in mm
+
     def test_the_page_tells_of_breakage(self) -> None:
         report.main(["liu2016", "--results", str(self.folder)])
         page = (self.folder / "liu2016.html").read_text()
@@ -190,6 +262,15 @@ class TestNumbers(unittest.TestCase):
         keys = [(137.0, 0.9e-9, 0.02), (250.0, 1.7e-9, 0.03), (250.0, 0.8e-9, 0.04), (250.0, 0.4e-9, 0.04)]
         names = [liu2016_curves.case_name(*values) for values in keys]
         self.assertEqual(names, ["rho137vdw20ug2", "rho250vdw20ug3", "rho250vdw10ug4", "rho250vdw5ug4"])
+
+    def test_bond_numbers_are_rounded_to_those_of_the_paper(self) -> None:
+        self.assertEqual([liu2016_curves.nominal_bond_number(250.0, force) for force in (0.0, 1.7e-9, 4.1e-9, 8.2e-9)], [0, 20, 50, 100])
+        self.assertEqual(liu2016_curves.nominal_bond_number(137.0, 1.7e-9), 40)  # the control: of a lighter particle it is larger
+
+    def test_trends_are_told_in_the_unit_that_is_asked_for(self) -> None:
+        values = {case: Estimate(mean, mean, mean, 1) for case, mean in (("rho250vdw5ug4", 2.0e-6), ("rho250vdw10ug4", 3.0e-6))}
+        self.assertEqual(trends("it", values, {"Bond number": True}, 1.0e6)[0].measured, "2 to 3")
+        self.assertEqual(trends("it", values, {"Bond number": True})[0].measured, "2e-06 to 3e-06")
 
     def test_intervals_are_those_of_student(self) -> None:
         found = interval_of([1.0, 2.0, 3.0])

@@ -122,8 +122,8 @@ class TestReport(ScriptTest):
         moon2006_kept.main([str(self.folder), "--keep", str(moon2006_tables.KEPT)])
         shutil.rmtree(self.folder / "fig3")
         page = self.page()
-        self.assertIn("<td>fig2</td><td>not given</td><td>7 s; longest 8 s; all 3 runs 0.1 h of one core (old)</td>", page)
-        self.assertIn("<td>fig3</td><td>not given</td><td>10 s; longest 10 s; all 1 runs", page)
+        self.assertIn("<td>fig2</td><td>not given</td><td>7 s; longest 8 s; runs that were not interrupted: 3, 0.1 h of one core (old)</td>", page)
+        self.assertIn("<td>fig3</td><td>not given</td><td>10 s; longest 10 s; runs that were not interrupted: 1,", page)
 
     def test_the_bond_number_of_asperities_is_that_of_check(self) -> None:
         # What `talcum check cases/moon2006/fine-powder.toml` prints, to its five digits.
