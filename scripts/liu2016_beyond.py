@@ -52,7 +52,7 @@ def in_words(points: StudyTable, row: dict[str, str], lags: dict[str, float] = L
 
 def told_lifetimes(left: list[float], lags: dict[str, float]) -> str:
     """Numbers of agglomerates at lags."""
-    return f"N_agg {', '.join(f'{value:.0f}' for value in left)} after {', '.join(f'{1e3 * lag:.0f}' for lag in lags.values())} ms"
+    return f"N_agg {', '.join(f'{value:.3g}' for value in left)} after {', '.join(f'{1e3 * lag:.0f}' for lag in lags.values())} ms"
 
 
 def depth(results: Path) -> Section | None:

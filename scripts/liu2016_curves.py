@@ -111,7 +111,7 @@ def series(run: Run) -> Rows:
 
 
 def intervals(time: Array, length: float) -> Iterator[tuple[float, Array]]:
-    """The end of each interval of time, and which rows are in it: those after its begin, up to its end."""
+    """The end of each interval of time, and which rows are in it: those after its start, up to its end."""
     number = np.ceil(np.round(time / length, 6)).astype(int)
     for found in np.unique(number[number > 0]):
         yield float(found * length), number == found
