@@ -178,7 +178,7 @@ def part_names() -> list[str]:
 def draw_parts(panel: Axes, followed: StudyTable) -> None:
     """The distribution at some times."""
     times = followed.numbers("time")
-    asked = [time for time in (0.1, 0.3, 0.6, 0.9, 1.2) if times and time <= times[-1] + 1e-9]
+    asked = [time for time in (0.1, 0.3, 0.6, 0.9, 1.2) if times and time <= times[-1] + 0.005]  # the last look is 1 ms before the end
     for time, colour in zip(asked, colormaps["viridis"](np.linspace(0.0, 0.9, max(len(asked), 1)))):
         row = followed.rows[int(np.argmin(np.abs(np.array(times) - time)))]
         panel.plot(range(8), [float(row[name]) for name in part_names()], "o-", color=colour, label=f"{float(row['time']):.1f} s")
