@@ -72,6 +72,19 @@ impl Communicator for Counting<'_> {
         self.inner.exchange(neighbours, outgoing, incoming);
     }
 
+    fn exchange_during(
+        &self,
+        outgoing: &[Message],
+        incoming: &mut [Message],
+        meanwhile: &mut dyn FnMut(),
+    ) {
+        self.count(|counts| {
+            counts.messages += outgoing.len() as u64;
+            counts.bytes += outgoing.iter().map(|message| message.bytes.len() as u64).sum::<u64>();
+        });
+        self.inner.exchange_during(outgoing, incoming, meanwhile);
+    }
+
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
         let to_others = || outgoing.iter().filter(|message| message.rank != self.rank());
         self.count(|counts| {

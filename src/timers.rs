@@ -64,7 +64,7 @@ impl Phase {
 /// Time spent in each phase on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Timers {
-    /// Processor time for lists of this rank's particles and forces on them, in which it waits for no other rank.
+    /// Processor time for motion and lists of this rank's particles and forces on them, in which it waits for no other rank.
     pub on_particles: Duration,
     spent: [Duration; Phase::ALL.len()],
 }

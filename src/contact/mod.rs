@@ -26,7 +26,9 @@ mod walls;
 pub use by_species::{ByPair, BySpecies};
 pub use coarse_graining::{COARSE_GRAINING, CoarseGraining, Kept};
 pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
-pub(crate) use energy_pass::{WallWork, attraction_energy, elastic_energy, work_of_walls};
+pub(crate) use energy_pass::{
+    WallWork, attraction_energy, elastic_energy, work_of_pairs, work_of_walls,
+};
 pub(crate) use force_laws::{ForceLaws, WallLaws};
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
@@ -35,7 +37,7 @@ pub use lanes::BlockLaw;
 pub use law::ContactForceLaw;
 pub use laws::*;
 pub use model::ContactModel;
-pub(crate) use pair_loop::add_pair_forces;
+pub(crate) use pair_loop::{add_contact_forces, find_contacts, prepare_pairs};
 pub use parting::{AttractionInContact, overlap_under, pull_off_force, work_of_parting};
 pub use readout::{PairForce, WallForce};
 pub(crate) use readout::{for_each_pair_force, wall_forces};

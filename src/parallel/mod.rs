@@ -9,8 +9,8 @@
 //!
 //! | what | record | bytes | to whom | how |
 //! | --- | --- | --- | --- | --- |
-//! | motion of ghosts ([`ParticleHalo::refresh`]) | `GhostMotion` | 72 per ghost | neighbours, axis by axis | [`exchange`] |
-//! | what is done next (`time_step::decide`) | 6 numbers | 48 | all | [`maximum`] |
+//! | velocities of ghosts ([`ParticleHalo::exchange`]) | `GhostVelocities` | 48 per particle | ranks with copies of it | [`exchange_during`] |
+//! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
 //! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact`] |
 //! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
@@ -23,7 +23,8 @@
 //! | load of each rank, costs along each divided axis ([`RankLoad`]) | integers | 8192 per axis | all | [`sum_integers`] |
 //! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 200 per particle | new owner | [`sparse_exchange`] |
 //! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owner | [`sparse_exchange`] |
-//! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 104 per ghost | neighbours, axis by axis | [`exchange`] |
+//! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
+//! | which particles ghosts are copies of | indices | 4 per particle | their owner | [`sparse_exchange`] |
 //! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
 //!
 //! At the start of a run, the same records go to their owners ([`send_to_owners`], `send_cells_to_owners`), those of
@@ -31,6 +32,7 @@
 //! sorted by id over the ranks ([`sort_by_id`]).
 //!
 //! [`exchange`]: Communicator::exchange
+//! [`exchange_during`]: Communicator::exchange_during
 //! [`sparse_exchange`]: Communicator::sparse_exchange
 //! [`maximum`]: Communicator::maximum
 //! [`sum_exact`]: Communicator::sum_exact
@@ -70,7 +72,6 @@ pub use records::{
     CellRecord, CellSample, ComputedRecords, ContactRecord, ParticleRecord, Records,
     WallContactRecord, records_of_bytes,
 };
-use records::{GhostMotion, NewGhost};
 pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks};
 pub use thread_ranks::{is_on_root, run_on_threads, start_on_threads};
 
@@ -132,6 +133,15 @@ pub trait Communicator {
         neighbours: AxisNeighbours,
         outgoing: [&[u8]; 2],
         incoming: &mut [Vec<u8>; 2],
+    );
+
+    /// Sends messages to other ranks, one to each at most, does `meanwhile`, and waits for those from other ranks. Of
+    /// these, sender and length are known: the bytes of `incoming` have that length before, and are the message after.
+    fn exchange_during(
+        &self,
+        outgoing: &[Message],
+        incoming: &mut [Message],
+        meanwhile: &mut dyn FnMut(),
     );
 
     /// Sends at most one message to each rank, this one included, and returns the messages to this rank in the order of

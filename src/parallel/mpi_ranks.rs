@@ -27,6 +27,8 @@ const DOWNWARDS: Tag = 1;
 const UPWARDS: Tag = 2;
 /// Messages of collective operations.
 const COLLECTIVE: Tag = 3;
+/// Messages that travel while other work is done.
+const DURING: Tag = 6;
 
 /// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
 const PANIC_CODE: i32 = 101;
@@ -208,6 +210,31 @@ impl Communicator for MpiRanks {
                     incoming[side].extend_from_slice(outgoing[1 - side]);
                 }
             }
+        });
+    }
+
+    fn exchange_during(
+        &self,
+        outgoing: &[Message],
+        incoming: &mut [Message],
+        meanwhile: &mut dyn FnMut(),
+    ) {
+        scope(|scope| {
+            let process = |rank: usize| self.world.process_at_rank(rank as i32);
+            let mut underway: Vec<WaitGuard<_, _>> = Vec::with_capacity(incoming.len());
+            for Message { rank, bytes } in incoming {
+                let pieces = bytes.chunks_mut(self.longest_message);
+                let receive =
+                    |piece| process(*rank).immediate_receive_into_with_tag(scope, piece, DURING);
+                underway.extend(pieces.map(receive).map(WaitGuard::from));
+            }
+            let mut sent: Vec<WaitGuard<_, _>> = Vec::with_capacity(outgoing.len());
+            for Message { rank, bytes } in outgoing {
+                let pieces = bytes.chunks(self.longest_message);
+                let send = |piece| process(*rank).immediate_send_with_tag(scope, piece, DURING);
+                sent.extend(pieces.map(send).map(WaitGuard::from));
+            }
+            meanwhile();
         });
     }
 

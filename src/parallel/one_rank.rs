@@ -31,6 +31,10 @@ impl Communicator for OneRank {
         }
     }
 
+    fn exchange_during(&self, _: &[Message], _: &mut [Message], meanwhile: &mut dyn FnMut()) {
+        meanwhile();
+    }
+
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
         outgoing.iter().filter(|message| !message.bytes.is_empty()).cloned().collect()
     }

@@ -1,34 +1,46 @@
 //! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
-//! They are exchanged axis by axis. Ghosts received along one axis are sent on along the next, so that edges and
-//! corners need no messages of their own.
+//! When lists are made, ghosts are sent axis by axis: those received along one axis are sent on along the next, so that
+//! edges and corners need no messages of their own. Each says where its original is, and each rank then tells the owners
+//! of its ghosts which particles they are copies of. At a step an owner sends the velocities of such a particle once,
+//! whatever the number of its copies; these move by them as the original did, to the bit.
 
-use super::{AxisNeighbours, Communicator, GhostMotion, NewGhost, records_of_bytes};
+use super::records::{GhostVelocities, NewGhost, Origin};
+use super::{AxisNeighbours, Communicator, Message, records_of_bytes};
 use crate::domain::Subdomain;
 use crate::particles::{Body, Particles};
 use nalgebra::Vector3;
 
-/// The particles that are sent to one neighbour, and their shift along the axis if that is beyond a periodic face.
-#[derive(Clone, Debug, Default)]
+/// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
+#[derive(Debug, Default)]
+pub struct ParticleHalo {
+    images: Vec<Images>,
+    copies: Vec<Copies>,
+    /// For each rank that has copies of this rank's particles, which particles these are.
+    lent: Vec<Vec<u32>>,
+    /// To those ranks.
+    outgoing: Vec<Message>,
+    /// From the owners of the copies, in their order.
+    incoming: Vec<Message>,
+    buffers: [Vec<u8>; 2],
+}
+
+/// Periodic images of owned particles, by one shift: ghost and original.
+#[derive(Clone, Debug)]
+struct Images {
+    /// Along x, y and z, and zero.
+    shift: [f64; 4],
+    pairs: Vec<[u32; 2]>,
+}
+
+/// The ghosts that are copies of particles of one other rank: the place of the particle in that rank's message, and the
+/// index of the ghost.
+type Copies = Vec<[u32; 2]>;
+
+/// The particles that are sent to one neighbour along an axis, and their shift if that is beyond a periodic face.
 struct SendList {
     indices: Vec<u32>,
     shift: f64,
-}
-
-/// One axis: what is sent down and up, and the index of the first ghost received from below and from above.
-#[derive(Clone, Debug, Default)]
-struct AxisPlan {
-    neighbours: AxisNeighbours,
-    send_lists: [SendList; 2],
-    first_ghost: [usize; 2],
-}
-
-/// The ghosts of this rank and of its neighbours, from one rebuild of the neighbour list to the next.
-#[derive(Debug, Default)]
-pub struct ParticleHalo {
-    plans: [AxisPlan; 3],
-    outgoing: [Vec<u8>; 2],
-    incoming: [Vec<u8>; 2],
 }
 
 impl ParticleHalo {
@@ -43,134 +55,286 @@ impl ParticleHalo {
         width: f64,
         ranks: &dyn Communicator,
     ) {
-        let [lower, upper] = subdomain.corners();
+        let here = ranks.rank() as u32;
+        let owned = 0..particles.owned_count() as u32;
+        let mut origins: Vec<Origin> = owned.map(|index| Origin { rank: here, index }).collect();
         for axis in 0..3 {
-            let plan = &mut self.plans[axis];
-            plan.neighbours = subdomain.neighbours(axis);
-            let length = subdomain.bounds.lengths()[axis];
-            let at_end = [lower[axis] == 0.0, upper[axis] == length];
-            for (side, send_list) in plan.send_lists.iter_mut().enumerate() {
-                send_list.shift = match (at_end[side], side) {
-                    (false, _) => 0.0,
-                    (true, 0) => length,
-                    (true, _) => -length,
-                };
-                send_list.indices.clear();
-                if plan.neighbours[side].is_none() {
-                    continue;
-                }
-                let near_face = |position: &Vector3<f64>| match side {
-                    0 => position[axis] - lower[axis] < width,
-                    _ => upper[axis] - position[axis] <= width,
-                };
-                let chosen =
-                    (0..particles.count()).filter(|&i| near_face(&particles.body[i].position));
-                send_list.indices.extend(chosen.map(|i| i as u32));
+            let neighbours = subdomain.neighbours(axis);
+            if neighbours != [None, None] {
+                let lists = [0, 1].map(|side| send_list(particles, subdomain, width, axis, side));
+                self.send_new_ghosts((axis, neighbours), &lists, (particles, &mut origins), ranks);
             }
-            self.send_new_ghosts(axis, particles, ranks);
+        }
+        self.divide(particles, &origins, here);
+        if ranks.size() > 1 {
+            self.ask_owners(ranks);
         }
     }
 
-    /// Updates position, velocity and angular velocity of all ghosts. This call is collective.
+    /// Brings velocity and angular velocity of all ghosts up to date, and the position of images. This call is
+    /// collective.
     ///
-    /// Before: owned particles are current, and the ghosts are those of the last rebuild. After: ghosts equal their
-    /// originals; their order is unchanged.
+    /// Before: owned particles are current, the ghosts are those of the last rebuild, and copies are where their
+    /// originals are.
     pub fn refresh(&mut self, particles: &mut Particles, ranks: &dyn Communicator) {
-        for axis in 0..3 {
-            let plan = &self.plans[axis];
-            if plan.neighbours == [None, None] {
-                continue;
+        self.begin(particles);
+        self.exchange(ranks, &mut || ());
+        self.finish(particles, |_| ());
+    }
+
+    /// Images become like their originals, and what other ranks need is made ready to be sent.
+    pub fn begin(&mut self, particles: &mut Particles) {
+        for Images { shift, pairs } in &self.images {
+            for &[ghost, original] in pairs {
+                let [position, velocity, spin] = *particles.body[original as usize].vectors();
+                // Exact: both are multiples of the quantum of positions. The fourth number, the radius, has no shift.
+                let position = std::array::from_fn(|axis| position[axis] + shift[axis]);
+                *particles.body[ghost as usize].vectors_mut() = [position, velocity, spin];
             }
-            if plan.neighbours == [Some(ranks.rank()); 2] {
-                refresh_images(plan, axis, particles);
-                continue;
-            }
-            for (send_list, buffer) in plan.send_lists.iter().zip(&mut self.outgoing) {
-                buffer.clear();
-                for &index in &send_list.indices {
-                    let motion = motion_of(particles, index as usize, axis, send_list.shift);
-                    buffer.extend_from_slice(bytemuck::bytes_of(&motion));
-                }
-            }
-            let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
-            ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
-            for (&first, buffer) in plan.first_ghost.iter().zip(&self.incoming) {
-                for (offset, motion) in records_of_bytes::<GhostMotion>(buffer).enumerate() {
-                    set_motion(particles, first + offset, &motion);
-                }
+        }
+        for (message, lent) in self.outgoing.iter_mut().zip(&self.lent) {
+            message.bytes.clear();
+            for &index in lent {
+                let velocities = GhostVelocities::of(&particles.body[index as usize]);
+                message.bytes.extend_from_slice(bytemuck::bytes_of(&velocities));
             }
         }
     }
 
+    /// Sends it, and does other work until all has come. This call is collective.
+    pub fn exchange(&mut self, ranks: &dyn Communicator, meanwhile: &mut dyn FnMut()) {
+        ranks.exchange_during(&self.outgoing, &mut self.incoming, meanwhile);
+    }
+
+    /// Gives the copies the velocities that have come; `drift` then moves each as its original was moved.
+    pub fn finish(&self, particles: &mut Particles, drift: impl Fn(&mut Body)) {
+        for (message, copies) in self.incoming.iter().zip(&self.copies) {
+            for &[place, ghost] in copies {
+                let from = place as usize * size_of::<GhostVelocities>();
+                let record = &message.bytes[from..][..size_of::<GhostVelocities>()];
+                let velocities: GhostVelocities = bytemuck::pod_read_unaligned(record);
+                let body = &mut particles.body[ghost as usize];
+                velocities.give_to(body);
+                drift(body);
+            }
+        }
+    }
+
+    /// Sends the particles of both lists to the neighbours along an axis, and adds what they send as ghosts.
     fn send_new_ghosts(
         &mut self,
-        axis: usize,
-        particles: &mut Particles,
+        (axis, neighbours): (usize, AxisNeighbours),
+        lists: &[SendList; 2],
+        (particles, origins): (&mut Particles, &mut Vec<Origin>),
         ranks: &dyn Communicator,
     ) {
-        let plan = &mut self.plans[axis];
-        if plan.neighbours == [None, None] {
-            return;
-        }
-        for (send_list, buffer) in plan.send_lists.iter().zip(&mut self.outgoing) {
-            buffer.clear();
-            for &index in &send_list.indices {
+        let outgoing = lists.each_ref().map(|list| {
+            let mut bytes = Vec::with_capacity(list.indices.len() * size_of::<NewGhost>());
+            for &index in &list.indices {
                 let index = index as usize;
-                let ghost = NewGhost {
-                    id: particles.id[index],
-                    radius: particles.body[index].radius,
-                    mass: particles.body[index].mass,
-                    species: particles.body[index].species() as f64,
-                    motion: motion_of(particles, index, axis, send_list.shift),
-                };
-                buffer.extend_from_slice(bytemuck::bytes_of(&ghost));
+                let mut ghost = NewGhost::of(particles, index, origins[index]);
+                ghost.position[axis] += list.shift; // exact, as above
+                bytes.extend_from_slice(bytemuck::bytes_of(&ghost));
+            }
+            bytes
+        });
+        let outgoing = [&outgoing[0][..], &outgoing[1][..]];
+        ranks.exchange(neighbours, outgoing, &mut self.buffers);
+        for ghost in self.buffers.iter().flat_map(|buffer| records_of_bytes::<NewGhost>(buffer)) {
+            let is_image = ghost.origin.rank == ranks.rank() as u32;
+            let image_of = is_image.then_some(ghost.origin.index as usize);
+            particles.push_ghost(ghost.id, ghost.body(), image_of);
+            origins.push(ghost.origin);
+        }
+    }
+
+    /// Divides the ghosts into images of owned particles and copies of other ranks'.
+    fn divide(&mut self, particles: &Particles, origins: &[Origin], here: u32) {
+        self.images.clear();
+        let mut copies = Vec::new();
+        for (ghost, &origin) in origins.iter().enumerate().skip(particles.owned_count()) {
+            if origin.rank == here {
+                let [image, original] =
+                    [ghost, origin.index as usize].map(|index| particles.body[index].position);
+                self.add_image([ghost as u32, origin.index], image - original);
+            } else {
+                copies.push((origin, ghost as u32));
             }
         }
-        let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
-        ranks.exchange(plan.neighbours, outgoing, &mut self.incoming);
-        for (side, buffer) in self.incoming.iter().enumerate() {
-            plan.first_ghost[side] = particles.count();
-            let from_here = plan.neighbours[side] == Some(ranks.rank());
-            for (row, ghost) in records_of_bytes::<NewGhost>(buffer).enumerate() {
-                // Ghosts received from below were sent upwards.
-                let source = || plan.send_lists[1 - side].indices[row] as usize;
-                let image_of = from_here.then(source);
-                let index = particles.count();
-                let motion = &ghost.motion;
-                let (position, velocity) = (motion.position.into(), motion.velocity.into());
-                let body = Body::new(position, velocity, ghost.radius, ghost.mass);
-                let body = body.of_species(ghost.species as usize);
-                particles.push_ghost(ghost.id, body, image_of);
-                set_motion(particles, index, motion);
+        copies.sort_unstable();
+        self.copies.clear();
+        self.incoming.clear();
+        for of_rank in copies.chunk_by(|(one, _), (other, _)| one.rank == other.rank) {
+            let mut asked: Vec<u32> = of_rank.iter().map(|(origin, _)| origin.index).collect();
+            asked.dedup();
+            let mut place = 0;
+            let place_of = |&(origin, ghost): &(Origin, u32)| {
+                while asked[place] != origin.index {
+                    place += 1;
+                }
+                [place as u32, ghost]
+            };
+            self.copies.push(of_rank.iter().map(place_of).collect());
+            self.incoming.push(Message::of(of_rank[0].0.rank as usize, &asked));
+        }
+    }
+
+    fn add_image(&mut self, pair: [u32; 2], shift: Vector3<f64>) {
+        let shift = [shift.x, shift.y, shift.z, 0.0];
+        // Ghosts of one shift follow each other, but for those of edges and corners.
+        let known = self.images.iter_mut().rev().find(|images| images.shift == shift);
+        match known {
+            Some(images) => images.pairs.push(pair),
+            None => self.images.push(Images { shift, pairs: vec![pair] }),
+        }
+    }
+
+    /// Tells the owners of copies which of their particles these are. This call is collective.
+    fn ask_owners(&mut self, ranks: &dyn Communicator) {
+        let asked = ranks.sparse_exchange(&self.incoming);
+        let indices = |message: &Message| records_of_bytes(&message.bytes).collect();
+        self.lent = asked.iter().map(indices).collect();
+        self.outgoing =
+            asked.iter().map(|message| Message { rank: message.rank, bytes: Vec::new() }).collect();
+        for message in &mut self.incoming {
+            let particles = message.bytes.len() / size_of::<u32>();
+            message.bytes.resize(particles * size_of::<GhostVelocities>(), 0);
+        }
+    }
+}
+
+/// The particles that become ghosts of the neighbour on one side along an axis; none if there is no neighbour.
+fn send_list(
+    particles: &Particles,
+    subdomain: Subdomain,
+    width: f64,
+    axis: usize,
+    side: usize,
+) -> SendList {
+    let ([lower, upper], length) = (subdomain.corners(), subdomain.bounds.lengths()[axis]);
+    let shift = match side {
+        0 if lower[axis] == 0.0 => length,
+        1 if upper[axis] == length => -length,
+        _ => 0.0,
+    };
+    let near_face = |index: &u32| {
+        let position = particles.body[*index as usize].position[axis];
+        match side {
+            0 => position - lower[axis] < width,
+            _ => upper[axis] - position <= width,
+        }
+    };
+    let indices = match subdomain.neighbours(axis)[side] {
+        Some(_) => (0..particles.count() as u32).filter(near_face).collect(),
+        None => Vec::new(),
+    };
+    SendList { indices, shift }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::run_on_threads;
+    use super::*;
+    use crate::domain::{Bounds, Decomposition, Face, RankGrid};
+    use crate::numbers::{Quantum, random_of, uniform};
+    use std::collections::BTreeMap;
+
+    const WIDTH: f64 = 1.1;
+    const TIME_STEP: f64 = 0.01;
+
+    fn bounds() -> Bounds {
+        let periodic = [Face::Periodic; 2];
+        Bounds::new(Vector3::new(6.0, 2.5, 9.0), [periodic, periodic, [Face::Wall; 2]])
+    }
+
+    fn drift(body: &mut Body, quantum: Quantum) {
+        body.position += quantum.round_vector(body.velocity * TIME_STEP);
+    }
+
+    /// The particles of a rank, at random, and all in the box by their ids.
+    fn particles_of(subdomain: Subdomain) -> (Particles, BTreeMap<u64, Body>) {
+        let quantum = bounds().position_quantum();
+        let (mut particles, mut all) = (Particles::default(), BTreeMap::new());
+        let ([lower, upper], lengths) = (subdomain.corners(), bounds().lengths());
+        for id in 0..300 {
+            let mut random = random_of(7, id, "halo");
+            let mut numbers = || Vector3::from_fn(|_, _| uniform(&mut random));
+            let position = quantum.round_vector(numbers().component_mul(&lengths));
+            let mut body = Body::new(position, numbers(), 0.5, 1.0);
+            body.angular_velocity = numbers();
+            all.insert(id, body);
+            if (0..3).all(|axis| (lower[axis]..upper[axis]).contains(&position[axis])) {
+                particles.push(id, position, body.velocity, 0.5, 1.0);
+                particles.body.last_mut().expect("it was pushed").angular_velocity =
+                    body.angular_velocity;
             }
         }
+        (particles, all)
     }
-}
 
-/// Along an axis that is not divided, ghosts are copied from their originals.
-fn refresh_images(plan: &AxisPlan, axis: usize, particles: &mut Particles) {
-    for (side, &first) in plan.first_ghost.iter().enumerate() {
-        let send_list = &plan.send_lists[1 - side];
-        for (row, &source) in send_list.indices.iter().enumerate() {
-            let (source, ghost) = (source as usize, first + row);
-            particles.body[ghost] = particles.body[source];
-            particles.body[ghost].position[axis] += send_list.shift;
+    /// Moves all particles on a grid of ranks, the ghosts too if `moves` says so, and returns for each rank how many
+    /// ghosts are copies of other ranks' particles, how many particles it was sent, and how many ghosts are not where an
+    /// image of their original can be, or move otherwise than that.
+    fn moved_on(grid: [usize; 3], moves: bool) -> Vec<[usize; 3]> {
+        let (bounds, quantum) = (bounds(), bounds().position_quantum());
+        let decomposition = Decomposition::even(RankGrid(grid), &bounds);
+        run_on_threads(grid.iter().product(), |ranks| {
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            let (mut particles, mut all) = particles_of(subdomain);
+            let mut halo = ParticleHalo::default();
+            halo.rebuild(&mut particles, subdomain, WIDTH, ranks);
+            let owned = particles.owned_count();
+            for body in particles.body[..owned].iter_mut().chain(all.values_mut()) {
+                body.velocity.x += 1.0;
+                drift(body, quantum);
+            }
+            halo.begin(&mut particles);
+            halo.exchange(ranks, &mut || ());
+            halo.finish(&mut particles, |body| {
+                if moves {
+                    drift(body, quantum)
+                }
+            });
+            let is_wrong = |ghost: &usize| {
+                let (id, body) = (particles.id[*ghost], particles.body[*ghost]);
+                let original = all[&id];
+                let shift = body.position - original.position;
+                let lengths = bounds.lengths();
+                let is_image = (0..3).all(|axis| [0.0, lengths[axis]].contains(&shift[axis].abs()));
+                let moves = [body.velocity, body.angular_velocity];
+                !is_image || moves != [original.velocity, original.angular_velocity]
+            };
+            let copies: usize = halo.copies.iter().map(Vec::len).sum();
+            let images: usize = halo.images.iter().map(|images| images.pairs.len()).sum();
+            assert_eq!(copies + images, particles.count() - owned);
+            let bytes: usize = halo.incoming.iter().map(|message| message.bytes.len()).sum();
+            let sent = bytes / size_of::<GhostVelocities>();
+            [copies, sent, (owned..particles.count()).filter(is_wrong).count()]
+        })
+    }
+
+    #[test]
+    fn ghosts_move_as_their_originals_on_any_grid() {
+        for grid in [[1, 1, 1], [2, 1, 1], [1, 1, 3], [2, 1, 2], [3, 1, 1]] {
+            for [_, _, wrong] in moved_on(grid, true) {
+                assert_eq!(wrong, 0, "{grid:?}");
+            }
+        }
+        // The control: copies that stay behind are found.
+        for [copies, _, wrong] in moved_on([2, 1, 1], false) {
+            assert!(copies > 0 && wrong == copies);
         }
     }
-}
 
-fn motion_of(particles: &Particles, index: usize, axis: usize, shift: f64) -> GhostMotion {
-    let mut position: [f64; 3] = particles.body[index].position.into();
-    position[axis] += shift; // exact: both are multiples of the quantum of positions
-    GhostMotion {
-        position,
-        velocity: particles.body[index].velocity.into(),
-        angular_velocity: particles.body[index].angular_velocity.into(),
+    #[test]
+    fn a_particle_is_sent_once_to_each_rank_with_copies_of_it() {
+        // The box is 2.5 wide along y: nearly each copy has an image there.
+        for [copies, sent, _] in moved_on([1, 1, 2], true) {
+            assert!(10 * copies > 17 * sent, "{copies} copies of {sent} particles");
+        }
+        // On three ranks along x, where nothing but images makes a second copy, the copies are no fewer.
+        for [copies, sent, _] in moved_on([3, 1, 1], true) {
+            assert!(copies >= sent);
+        }
     }
-}
-
-fn set_motion(particles: &mut Particles, index: usize, motion: &GhostMotion) {
-    particles.body[index].position = motion.position.into();
-    particles.body[index].velocity = motion.velocity.into();
-    particles.body[index].angular_velocity = motion.angular_velocity.into();
 }

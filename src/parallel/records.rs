@@ -1,7 +1,7 @@
 //! The records that are sent between ranks and written to checkpoints. In memory, in messages and in files they are
 //! the same bytes; [`super`] lists who sends which of them when.
 
-use crate::particles::{ContactHistory, Membership, PairHistory, Particles, WallHistory};
+use crate::particles::{Body, ContactHistory, Membership, PairHistory, Particles, WallHistory};
 use bytemuck::{Pod, Zeroable};
 
 /// A sequence of records that are stored, or computed when they are asked for and so take no memory.
@@ -140,24 +140,70 @@ pub struct CellSample {
     pub solids_velocity: [f64; 3],
 }
 
-/// A particle that becomes a ghost of a neighbour, sent when the neighbour list is rebuilt.
+/// Where a particle is owned: the rank, and its index there until lists are next made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Origin {
+    pub(super) rank: u32,
+    pub(super) index: u32,
+}
+
+/// A particle that becomes a ghost of a neighbour, sent when the neighbour list is rebuilt. The position is that of the
+/// image, shifted through periodic faces.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct NewGhost {
     pub(super) id: u64,
+    pub(super) origin: Origin,
     pub(super) radius: f64,
     pub(super) mass: f64,
     pub(super) species: f64,
-    pub(super) motion: GhostMotion,
+    pub(super) position: [f64; 3],
+    pub(super) velocities: GhostVelocities,
 }
 
-/// What changes of a ghost, sent at every step. Positions are those of the image, shifted through periodic faces.
+impl NewGhost {
+    /// A particle where it is, the copy of one of that origin.
+    pub(super) fn of(particles: &Particles, index: usize, origin: Origin) -> Self {
+        let body = &particles.body[index];
+        Self {
+            id: particles.id[index],
+            origin,
+            radius: body.radius,
+            mass: body.mass,
+            species: body.species() as f64,
+            position: body.position.into(),
+            velocities: GhostVelocities::of(body),
+        }
+    }
+
+    pub(super) fn body(&self) -> Body {
+        let (position, velocity) = (self.position.into(), self.velocities.velocity.into());
+        let mut body = Body::new(position, velocity, self.radius, self.mass);
+        self.velocities.give_to(&mut body);
+        body.of_species(self.species as usize)
+    }
+}
+
+/// What is sent of a ghost's original at every step.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct GhostMotion {
-    pub(super) position: [f64; 3],
+pub(super) struct GhostVelocities {
     pub(super) velocity: [f64; 3],
     pub(super) angular_velocity: [f64; 3],
+}
+
+impl GhostVelocities {
+    #[inline(always)]
+    pub(super) fn of(body: &Body) -> Self {
+        Self { velocity: body.velocity.into(), angular_velocity: body.angular_velocity.into() }
+    }
+
+    #[inline(always)]
+    pub(super) fn give_to(&self, body: &mut Body) {
+        body.velocity = self.velocity.into();
+        body.angular_velocity = self.angular_velocity.into();
+    }
 }
 
 impl ParticleRecord {
@@ -266,7 +312,7 @@ mod tests {
         assert_eq!(size_of::<ContactRecord>(), 80);
         assert_eq!(size_of::<WallContactRecord>(), 80);
         assert_eq!(size_of::<CellRecord>(), 72);
-        assert_eq!(size_of::<NewGhost>(), 104);
-        assert_eq!(size_of::<GhostMotion>(), 72);
+        assert_eq!(size_of::<NewGhost>(), 112);
+        assert_eq!(size_of::<GhostVelocities>(), 48);
     }
 }

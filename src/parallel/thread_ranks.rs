@@ -25,7 +25,9 @@ const DOWNWARDS: usize = 0;
 const UPWARDS: usize = 1;
 /// Messages of collective operations.
 const COLLECTIVE: usize = 2;
-const MAILBOXES: usize = 3;
+/// Messages that travel while other work is done.
+const DURING: usize = 3;
+const MAILBOXES: usize = 4;
 
 /// Bytes of a thread's stack, that of a program's first thread.
 const STACK: usize = 8 << 20;
@@ -244,6 +246,19 @@ impl Communicator for ThreadRank {
                 incoming[side].extend_from_slice(outgoing[1 - side]);
             }
         }
+    }
+
+    fn exchange_during(
+        &self,
+        outgoing: &[Message],
+        incoming: &mut [Message],
+        meanwhile: &mut dyn FnMut(),
+    ) {
+        outgoing.iter().for_each(|message| self.send(message.rank, DURING, &message.bytes));
+        meanwhile();
+        incoming.iter_mut().for_each(|message| {
+            self.receive(message.rank, DURING, &mut message.bytes);
+        });
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {

@@ -10,7 +10,7 @@ use super::contact_history::{ContactHistories, ContactHistory, PairHistory, Wall
 use super::inner_list::{Rows, pair_of};
 use super::pair_blocks::OrientedHistory;
 use super::range::ListRange;
-use super::{InnerList, InteractionRanges, Particles};
+use super::{InnerList, InteractionRanges, PairCounts, Particles};
 use crate::domain::PosedWalls;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -154,9 +154,21 @@ impl Contacts {
         self.inner.clear(particles);
     }
 
-    /// Adds a bound of the displacements of all particles since the last call.
-    pub fn moved(&mut self, displacement: f64) {
-        self.inner.moved(displacement);
+    /// How many pairs this rank has, by which the margin of the inner list is chosen.
+    pub(crate) fn pair_counts(&self) -> PairCounts {
+        let candidates = self.inner.candidates_per_length();
+        PairCounts { listed: self.pair_count() as f64, candidates }
+    }
+
+    /// Adds a bound of the displacements of all particles since the last call; the numbers of pairs are the largest of all
+    /// ranks.
+    pub(crate) fn moved(&mut self, displacement: f64, pairs: PairCounts) {
+        self.inner.moved(displacement, pairs);
+    }
+
+    /// Whether the inner list is certain to hold all pairs within the interaction ranges, wherever ghosts are.
+    pub(crate) fn inner_list_is_valid(&self, ranges: InteractionRanges) -> bool {
+        self.inner.is_valid(ranges)
     }
 
     /// Makes sure that the inner list holds all pairs within the interaction ranges.

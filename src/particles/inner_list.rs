@@ -5,9 +5,11 @@
 //! approached each other by more than its margin. The law is evaluated on **active** pairs, those within the range of
 //! contacts, at every step. Of the others, the **candidates**, only the distance is computed, and the attraction if there
 //! is any; a candidate that comes within the range of contacts is promoted. Which pairs beyond the interaction range the
-//! list holds changes no result, so every rank may choose its own margin and its own time to make the list anew.
+//! list holds changes no result. But all ranks choose one margin, so that they make their lists anew at the same steps: else
+//! the others would wait at each step at which one of them does.
 //!
-//! The pairs of each two species are held apart, so that one law holds for all pairs of a block.
+//! The pairs of each two species are held apart, so that one law holds for all pairs of a block; and so are those with a
+//! particle of another rank, so that all others can be evaluated while such particles' motion is on its way.
 
 use super::contact_history::ContactHistory;
 use super::pair_blocks::{OrientedHistory, Pair, Remembered};
@@ -24,6 +26,8 @@ pub(crate) struct InteractionRanges {
     pub(crate) contact: f64,
     /// Range of any force, of contact or attraction.
     pub(crate) any: f64,
+    /// Largest diameter of a particle, the unit of margins.
+    pub(crate) diameter: f64,
 }
 
 /// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`.
@@ -33,11 +37,33 @@ pub(super) struct Rows<'a> {
     pub(super) partners: &'a [u32],
 }
 
+/// Which pairs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PairGroup {
+    /// Those of two owned particles, also through a periodic face.
+    Own,
+    /// Those with a particle of another rank.
+    Shared,
+}
+
+impl PairGroup {
+    /// Both groups.
+    pub(crate) const ALL: [Self; 2] = [Self::Own, Self::Shared];
+
+    /// The group of a pair of an owned particle with another.
+    fn of(particles: &Particles, second: u32) -> Self {
+        match particles.owned_original(second as usize) {
+            Some(_) => Self::Own,
+            None => Self::Shared,
+        }
+    }
+}
+
 /// The inner list.
 #[derive(Clone, Debug)]
 pub(crate) struct InnerList {
-    /// The pairs by their kinds; a bed of one species has one kind.
-    pub(crate) kinds: Vec<PairsOfKind>,
+    /// The pairs of each group by their kinds; a bed of one species has one kind.
+    groups: [Vec<PairsOfKind>; 2],
     /// Radius and mass, if all particles have the same.
     pub(crate) one_size: Option<[f64; 2]>,
     /// Separation of surfaces up to which contacts act, and a little more: a pair below it is to be promoted.
@@ -50,7 +76,7 @@ pub(crate) struct InnerList {
 impl Default for InnerList {
     fn default() -> Self {
         Self {
-            kinds: vec![PairsOfKind::default()],
+            groups: PairGroup::ALL.map(|_| vec![PairsOfKind::default()]),
             one_size: None,
             contact_range: 0.0,
             active_slots: Vec::new(),
@@ -70,6 +96,17 @@ struct Validity {
     displacement: f64,
     /// Evaluations since; zero if the neighbour list is new.
     age: u32,
+    /// The most pairs that a rank has.
+    pairs: PairCounts,
+}
+
+/// How many pairs there are.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PairCounts {
+    /// Pairs of the neighbour list.
+    pub(crate) listed: f64,
+    /// Candidates per length of the margin, one at least.
+    pub(crate) candidates: f64,
 }
 
 /// Cost of a listed pair when the list is made, in which active pairs are marked and kept too, over the cost of a candidate at a
@@ -86,15 +123,6 @@ const FIRST_MARGIN: f64 = 0.005;
 /// Addition to the range of contacts, since distances are rounded, in diameters.
 const ALLOWANCE: f64 = 1.0e-9;
 
-/// What the margin is chosen by.
-#[derive(Clone, Copy)]
-struct PairCounts {
-    /// Pairs of the neighbour list.
-    listed: usize,
-    /// Candidates of the last inner list.
-    candidates: usize,
-}
-
 impl Validity {
     /// Whether the list is certain to hold every pair within the ranges.
     fn covers(&self, ranges: InteractionRanges) -> bool {
@@ -103,86 +131,116 @@ impl Validity {
 
     /// With s the displacement in a step, a list of margin m is valid for m / 2s steps. The cost of making it from L listed
     /// pairs and of its n m candidates, 2 s a L / m + b n m, is least for m^2 = 2 s (a / b) L / n.
-    fn renew(&mut self, diameter: f64, ranges: InteractionRanges, pairs: PairCounts) {
-        if self.age > 0 {
+    fn renew(&mut self, ranges: InteractionRanges) {
+        let PairCounts { listed, candidates } = self.pairs;
+        if self.age > 0 && candidates > 0.0 {
             let step = self.displacement / f64::from(self.age);
-            let reach = self.ranges.any - self.ranges.contact + self.margin;
-            let per_length = pairs.candidates.max(1) as f64 / reach;
-            let margin = (2.0 * step * COST_RATIO * pairs.listed as f64 / per_length).sqrt();
-            self.margin = margin.clamp(MARGINS[0] * diameter, MARGINS[1] * diameter);
+            let margin = (2.0 * step * COST_RATIO * listed / candidates).sqrt();
+            self.margin = margin.clamp(MARGINS[0] * ranges.diameter, MARGINS[1] * ranges.diameter);
         } else if self.margin == 0.0 {
-            self.margin = FIRST_MARGIN * diameter;
+            self.margin = FIRST_MARGIN * ranges.diameter;
         }
         (self.ranges, self.displacement, self.age) = (ranges, 0.0, 0);
     }
 }
 
 impl InnerList {
-    /// Adds a bound of the displacements of all particles since the last call.
-    pub(super) fn moved(&mut self, displacement: f64) {
+    /// The candidates of this rank, one at least, per length of the margin; none before there is a list.
+    pub(super) fn candidates_per_length(&self) -> f64 {
+        let Validity { margin, ranges, .. } = self.validity;
+        let reach = ranges.any - ranges.contact + margin;
+        let candidates: usize = self.all().map(|pairs| pairs.separated().len()).sum();
+        if reach > 0.0 { candidates.max(1) as f64 / reach } else { 0.0 }
+    }
+
+    /// Adds a bound of the displacements of all particles since the last call; the numbers of pairs are the largest of all
+    /// ranks.
+    pub(super) fn moved(&mut self, displacement: f64, pairs: PairCounts) {
         self.validity.displacement += displacement;
+        self.validity.pairs = pairs;
     }
 
     /// Removes all pairs, for a new neighbour list of particles of these species.
     pub(super) fn clear(&mut self, particles: &Particles) {
-        let kinds = particles.kinds_of_pairs();
-        self.kinds.resize_with(kinds, PairsOfKind::default);
-        self.kinds.iter_mut().for_each(PairsOfKind::clear);
+        let count = particles.kinds_of_pairs();
+        for kinds in &mut self.groups {
+            kinds.resize_with(count, PairsOfKind::default);
+            kinds.iter_mut().for_each(PairsOfKind::clear);
+        }
         self.validity.age = 0;
+    }
+
+    /// The pairs of a group by their kinds.
+    pub(crate) fn kinds_mut(&mut self, group: PairGroup) -> &mut [PairsOfKind] {
+        &mut self.groups[group as usize]
+    }
+
+    /// All pairs, each set with the number of its kind.
+    fn numbered(&self) -> impl Iterator<Item = (usize, &PairsOfKind)> + '_ {
+        self.groups.iter().flat_map(|kinds| kinds.iter().enumerate())
+    }
+
+    /// The same without the numbers.
+    fn all(&self) -> impl Iterator<Item = &PairsOfKind> + '_ {
+        self.groups.iter().flatten()
     }
 
     /// Adds a touching pair with its history.
     pub(super) fn restore(&mut self, particles: &Particles, pair: Pair, history: OrientedHistory) {
         let [first, second, _] = pair;
         let bodies = [first, second].map(|index| &particles.body[index as usize]);
-        self.kinds[kind_of_bodies(bodies)].restore(pair, history);
+        let group = PairGroup::of(particles, second);
+        self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, history);
+    }
+
+    /// Whether the list is certain to hold every pair within the ranges: then the next update looks at no particle.
+    pub(super) fn is_valid(&self, ranges: InteractionRanges) -> bool {
+        self.validity.covers(ranges)
     }
 
     /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
     /// may have come within the range of contacts since it was made: [`InnerList::find_promotions`].
     pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: InteractionRanges) {
         if !self.validity.covers(ranges) {
-            let diameter = particles.body.first().map_or(1.0, |body| 2.0 * body.radius);
             if self.validity.age == 0 {
                 self.one_size = particles.one_size();
             }
-            let candidates = self.kinds.iter().map(|pairs| pairs.separated().len()).sum();
-            let pairs = PairCounts { listed: rows.partners.len(), candidates };
-            self.validity.renew(diameter, ranges, pairs);
-            self.contact_range = ranges.contact + ALLOWANCE * diameter;
+            self.validity.renew(ranges);
+            self.contact_range = ranges.contact + ALLOWANCE * ranges.diameter;
             self.make(particles, rows);
         }
         self.validity.age += 1;
     }
 
-    /// Finds the candidates that have come within the range of contacts.
-    pub(crate) fn find_promotions(&mut self, particles: &Particles) {
+    /// Finds the candidates of a group that have come within the range of contacts.
+    pub(crate) fn find_promotions(&mut self, particles: &Particles, group: PairGroup) {
         let is_new = self.validity.age == 1; // then no candidate is within the range of contacts
-        for pairs in &mut self.kinds {
-            pairs.find_promotions(particles, self.contact_range, is_new);
+        let contact_range = self.contact_range;
+        for pairs in self.kinds_mut(group) {
+            pairs.find_promotions(particles, contact_range, is_new);
         }
     }
 
-    /// Makes the candidates that were found active.
-    pub(crate) fn promote(&mut self) {
-        self.kinds.iter_mut().for_each(PairsOfKind::promote);
+    /// Makes the candidates of a group that were found active.
+    pub(crate) fn promote(&mut self, group: PairGroup) {
+        self.kinds_mut(group).iter_mut().for_each(PairsOfKind::promote);
     }
 
     /// The touching pairs, first and second particle, and their histories.
     pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], OrientedHistory)> + '_ {
-        self.kinds.iter().flat_map(|pairs| pairs.active.touching())
+        self.all().flat_map(|pairs| pairs.active.touching())
     }
 
     /// First and second particle of the touching pairs.
     pub(super) fn touching_indices(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.kinds.iter().flat_map(|pairs| pairs.active.touching_indices())
+        self.all().flat_map(|pairs| pairs.active.touching_indices())
     }
 
     /// All pairs, active ones with the histories of those that touch.
     pub(super) fn with_histories(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
-        self.kinds.iter().flat_map(|pairs| {
+        self.all().flat_map(|pairs| {
             let separated = pairs.separated().iter().map(|&[one, other, _]| ([one, other], None));
             pairs.active.with_histories().chain(separated)
         })
@@ -190,7 +248,7 @@ impl InnerList {
 
     /// The active pairs with the number of their kind, and what they remember.
     pub(crate) fn active_pairs(&self) -> impl Iterator<Item = (usize, [u32; 2], Remembered)> + '_ {
-        self.kinds.iter().enumerate().flat_map(|(kind, pairs)| {
+        self.numbered().flat_map(|(kind, pairs)| {
             pairs.active.all().map(move |(pair, remembered)| (kind, pair, remembered))
         })
     }
@@ -199,19 +257,21 @@ impl InnerList {
         let (bodies, contact_range) = (&particles.body[..], self.contact_range);
         let bodies_of = |pair: [u32; 2]| pair.map(|index| &bodies[index as usize]);
         let is_within = |pair: [u32; 2], range: f64| is_close(bodies_of(pair), range);
-        for pairs in &mut self.kinds {
+        for pairs in self.groups.iter_mut().flatten() {
             pairs.retain(|pair| is_within(pair, contact_range));
         }
-        let active = self.kinds.iter().flat_map(|pairs| pairs.active.pairs());
+        let active = self.groups.iter().flatten().flat_map(|pairs| pairs.active.pairs());
         mark(&mut self.active_slots, rows, active);
-        let Self { kinds, active_slots, validity, .. } = self;
-        let several_species = kinds.len() > 1;
+        let Self { groups, active_slots, validity, .. } = self;
+        let several_species = groups[0].len() > 1;
         let add = |slot: usize, pair: [u32; 2]| {
             if active_slots[slot / 64] >> (slot % 64) & 1 == 1 {
                 return;
             }
             let kind = if several_species { kind_of_bodies(bodies_of(pair)) } else { 0 };
-            kinds[kind].add(pair_of(particles, pair), is_within(pair, contact_range));
+            let group = PairGroup::of(particles, pair[1]);
+            let pairs = &mut groups[group as usize][kind];
+            pairs.add(pair_of(particles, pair), is_within(pair, contact_range));
         };
         let separation = validity.ranges.any + validity.margin;
         with_simd(PairSearch { bodies, rows, separation, add });
@@ -260,5 +320,37 @@ impl<F: FnMut(usize, [u32; 2])> SimdKernel for PairSearch<'_, F> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RANGES: InteractionRanges = InteractionRanges { contact: 0.0, any: 0.0, diameter: 1.0 };
+
+    /// The margin after ten steps of a displacement on a rank with as many pairs as listed.
+    fn margin_of_rank(own: usize, largest: PairCounts, displacement: f64) -> f64 {
+        let mut list = InnerList::default();
+        let particles = Particles::default();
+        let partners = vec![0; own];
+        let rows = Rows { start: &[0], partners: &partners };
+        list.update(&particles, rows, RANGES);
+        assert_eq!(list.validity.margin, FIRST_MARGIN);
+        (0..10).for_each(|_| list.moved(displacement, largest));
+        list.validity.age = 10;
+        list.update(&particles, rows, RANGES);
+        list.validity.margin
+    }
+
+    #[test]
+    fn ranks_with_few_and_with_many_pairs_choose_one_margin() {
+        let largest = PairCounts { listed: 3000.0, candidates: 5.0e5 };
+        let margins = [10, 3000].map(|own| margin_of_rank(own, largest, 1.0e-3));
+        assert_eq!(margins[0], margins[1]);
+        // sqrt(2 s 3 L / n) of s = 1e-3.
+        assert!((margins[0] - 6.0e-3).abs() < 1.0e-15, "{margins:?}");
+        // The control: it does depend on the displacement.
+        assert!(margin_of_rank(10, largest, 4.0e-3) > 1.9 * margins[0]);
     }
 }

@@ -1,7 +1,8 @@
 //! When cut planes move.
 
 /// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
-/// since the last look, and at the latest after [`Balance::LATEST`] times as many.
+/// since the last look, and at the latest after [`Balance::LATEST`] times as many: lists are then rebuilt only if the loads
+/// are uneven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Least number of steps between looks.
@@ -20,12 +21,12 @@ impl Balance {
         Self { every, threshold, last_look: 0 }
     }
 
-    /// Whether lists must be rebuilt for a look.
+    /// Whether to look although lists are not rebuilt.
     pub fn is_overdue(&self, step: u64) -> bool {
         step - self.last_look >= Self::LATEST * self.every
     }
 
-    /// Whether to look at this step, at which lists are rebuilt.
+    /// Whether to look at this step, if lists are rebuilt.
     pub fn look(&mut self, step: u64) -> bool {
         let due = step - self.last_look >= self.every;
         if due {

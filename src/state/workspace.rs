@@ -4,7 +4,7 @@ use super::{Balance, Domain, Models, SizeRange};
 use crate::contact::WallTallies;
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
-use crate::parallel::ParticleHalo;
+use crate::parallel::{ParticleHalo, RankLoad};
 use crate::particles::{ListRange, NeighbourList, Skin};
 use crate::timers::{Phase, Timers, processor_time};
 use std::fmt::Display;
@@ -27,6 +27,8 @@ pub struct Workspace {
     pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
+    /// The load at the last look, if it was uneven and the planes have not been moved for it.
+    pub uneven: Option<RankLoad>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
     /// The gas of the present stage.
@@ -60,14 +62,16 @@ impl Workspace {
         least_width: f64,
         balance: Option<Balance>,
     ) -> Self {
+        let several_ranks = decomposition.grid().size() > 1;
         Self {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
+            balance: balance.filter(|_| several_ranks),
+            uneven: None,
             decomposition,
             skin,
             list_range: ListRange { interaction: 0.0, skin: skin.narrowest() },
             least_width,
-            balance,
             wall_poses: Vec::new(),
             gas: GasSolver::None,
             on_walls: WallTallies::default(),
@@ -86,8 +90,12 @@ impl Workspace {
         result
     }
 
-    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time.
+    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time if loads are
+    /// looked at.
     pub fn on_particles<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        if self.balance.is_none() {
+            return work(self);
+        }
         let start = processor_time();
         let result = work(self);
         self.timers.on_particles += processor_time() - start;

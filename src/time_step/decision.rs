@@ -1,9 +1,10 @@
-//! What all ranks do next: the one reduction of a step.
+//! What all ranks do next: the one reduction of a step, and looks at their loads where lists live long.
 
 use super::StepError;
+use super::rebuild::is_overdue_and_uneven;
 use crate::domain::{Face, PosedWalls};
 use crate::parallel::{CollectiveError, Communicator, agree};
-use crate::particles::Particles;
+use crate::particles::{PairCounts, Particles};
 use crate::state::{Domain, Requests, State, Workspace};
 use crate::timers::Phase;
 
@@ -24,7 +25,7 @@ pub(super) struct Displacement {
     pub(super) allowed: f64,
 }
 
-/// One reduction per step: how far have particles moved, is any list outdated, has any particle left, has anything
+/// One reduction per step: how far have particles moved, how many pairs are near, is any list outdated, has any particle left, has anything
 /// gone wrong, was any rank asked to stop? If a particle may have moved farther than allowed, lists
 /// are made anew at once, where it is found: at the same step with any skin.
 pub(super) fn decide(
@@ -34,9 +35,9 @@ pub(super) fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<StepDecision, StepError> {
+    let uneven = work.time(Phase::Decide, |work| is_overdue_and_uneven(state, work, ranks));
     let Workspace { neighbours, wall_poses, timers, list_range, fault, requests, .. } = work;
     let step = state.clock.step;
-    let balance_due = work.balance.is_some_and(|balance| balance.is_overdue(step));
     timers.time(Phase::Decide, || {
         let particles = &state.particles;
         let near_faces = neighbours.may_have_passed(displacement);
@@ -48,11 +49,13 @@ pub(super) fn decide(
         let Requests { stop, checkpoint } = *requests;
         let flags = [left || by_walls, faulty, stopped.is_some(), stop, checkpoint];
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(f64::from);
-        let mut numbers = [displacement, outdated, faulty, any_stopped, stop, checkpoint];
+        let PairCounts { listed, candidates } = state.contacts.pair_counts();
+        let mut numbers =
+            [displacement, listed, candidates, outdated, faulty, any_stopped, stop, checkpoint];
         ranks.maximum(&mut numbers);
-        let [displacement, flags @ ..] = numbers;
+        let [displacement, listed, candidates, flags @ ..] = numbers;
         let [outdated, faulty, any_stopped, stop, checkpoint] = flags.map(|flag| flag > 0.0);
-        state.contacts.moved(displacement);
+        state.contacts.moved(displacement, PairCounts { listed, candidates });
         neighbours.moved(displacement);
         let too_far = displacement >= 0.999 * allowed;
         let outdated = outdated || too_far || neighbours.outdated(*list_range);
@@ -64,7 +67,7 @@ pub(super) fn decide(
             return Err(StepError::Stopped { step, message: agreed_message(stopped, ranks) });
         }
         let requests = Requests { stop, checkpoint };
-        Ok(StepDecision { rebuild: outdated || balance_due, requests })
+        Ok(StepDecision { rebuild: outdated || uneven, requests })
     })
 }
 

@@ -3,7 +3,7 @@
 //! Contacts: work over the step that ends, at its middle's velocities. Gas, weight and moving walls: their power at the
 //! evaluations of forces, by the trapezoidal rule, at velocities of the same instants.
 
-use super::force_laws;
+use super::laws::force_laws;
 use crate::contact::{
     ContactWork, ForceLaws, WallWork, attraction_energy, elastic_energy, work_of_walls,
 };

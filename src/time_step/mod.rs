@@ -3,25 +3,23 @@
 mod agglomerates;
 mod decision;
 mod energy;
+mod forces;
+mod laws;
 mod rebuild;
 mod staggered;
 
 pub use energy::stored_energy;
 pub use staggered::Staggered;
 
-use crate::contact::{
-    ByPair, ContactWork, ForceLaws, VanDerWaalsNow, add_pair_forces, add_wall_forces,
-};
-use crate::domain::PosedWalls;
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
-use crate::particles::{
-    self, ContactHistories, DriftStep, InteractionRanges, set_forces_to_weight,
-};
-use crate::state::{Domain, EnergyLedger, Models, Requests, State, Workspace};
+use crate::particles::{self, Body, ContactHistories, DriftStep, set_forces_to_weight};
+use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
+use forces::{PairsDue, add_forces, add_own_pairs};
 use rebuild::arrange;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Why a run cannot go on. The same on all ranks.
@@ -70,18 +68,26 @@ pub fn advance(
     // [step]
     let (state, kick_due) = staggered.take();
     state.clock.tick();
-    let displacement = kick_and_drift(state, kick_due, domain, models, work);
+    let drift = drift_step(state, domain, models);
+    let displacement = kick_and_drift(state, kick_due, drift, models, work);
     work.move_walls(domain, state.clock.time(), dt);
-    let decision = decide(state, displacement, domain, work, ranks)?;
+    let (decision, pairs) = while_ghosts_travel(state, work, ranks, |state, work| {
+        let decision = decide(state, displacement, domain, work, ranks)?;
+        let pairs = match decision.rebuild {
+            true => PairsDue::All,
+            false => add_own_pairs(state, models, work, dt),
+        };
+        Ok((decision, pairs))
+    })?;
     if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
     } else {
-        refresh_ghosts(state, work, ranks);
+        move_ghosts(state, work, drift);
     }
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
         advance_gas(state, domain, models, work, ranks);
     }
-    add_forces(state, domain, models, work, dt);
+    add_forces(pairs, state, domain, models, work, dt);
     staggered.leave_kick(dt);
     // [/step]
     Ok(decision.requests)
@@ -115,7 +121,7 @@ pub fn find_first_forces(
 ) {
     set_forces_to_weight(&mut state.particles, models.weight_at(state.clock.time()));
     advance_gas(state, domain, models, work, ranks);
-    add_forces(state, domain, models, work, 0.0);
+    add_forces(PairsDue::All, state, domain, models, work, 0.0);
 }
 
 /// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.
@@ -150,27 +156,61 @@ pub fn confirm(
     Err(StepError::Unstable { step: state.clock.step, message })
 }
 
+/// How particles move at this step.
+fn drift_step(state: &State, domain: &Domain, models: &Models) -> DriftStep {
+    let quantum = domain.bounds.position_quantum();
+    let weight = models.weight_at(state.clock.time());
+    DriftStep { dt: models.physics.time_step, quantum, weight }
+}
+
 /// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
 /// the weight. Returns how far particles have moved.
 fn kick_and_drift(
     state: &mut State,
     kick_due: Option<f64>,
-    domain: &Domain,
+    step: DriftStep,
     models: &Models,
     work: &mut Workspace,
 ) -> Displacement {
-    let dt = models.physics.time_step;
-    let quantum = domain.bounds.position_quantum();
-    let weight = models.weight_at(state.clock.time());
-    let step = DriftStep { dt, quantum, weight };
     let particles = &mut state.particles;
-    let timers = &mut work.timers;
-    let largest =
-        timers.time(Phase::Integrate, || particles::kick_and_drift(particles, kick_due, step));
-    Displacement { largest, allowed: dt * models.limits.speed }
+    let largest = work.on_particles(|work| {
+        work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step))
+    });
+    Displacement { largest, allowed: step.dt * models.limits.speed }
 }
 
-/// Brings ghosts up to date. Collective.
+/// Images become like their originals, and the velocities of other ranks' particles are sent; meanwhile other work is done,
+/// for which these particles are not yet where they should be. Collective.
+fn while_ghosts_travel<T>(
+    state: &mut State,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+    meanwhile: impl FnOnce(&mut State, &mut Workspace) -> Result<T, StepError>,
+) -> Result<T, StepError> {
+    let begin = Instant::now();
+    let mut halo = std::mem::take(&mut work.halo);
+    work.on_particles(|_| halo.begin(&mut state.particles));
+    let (mut meanwhile, mut result, mut took) = (Some(meanwhile), None, Duration::ZERO);
+    halo.exchange(ranks, &mut || {
+        let begin = Instant::now();
+        result = meanwhile.take().map(|meanwhile| meanwhile(state, work));
+        took = begin.elapsed();
+    });
+    work.halo = halo;
+    work.timers.add(Phase::Halo, begin.elapsed() - took);
+    result.expect("an exchange does the work that is given to it")
+}
+
+/// Moves the ghosts of other ranks' particles by the velocities that have come.
+fn move_ghosts(state: &mut State, work: &mut Workspace, step: DriftStep) {
+    let particles = &mut state.particles;
+    let drift = |body: &mut Body| particles::drift(body, step);
+    work.on_particles(|work| {
+        work.time(Phase::Halo, |work| work.halo.finish(particles, drift));
+    });
+}
+
+/// Brings the velocities of ghosts up to date, between two steps. Collective.
 pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
     work.timers.time(Phase::Halo, || work.halo.refresh(&mut state.particles, ranks));
 }
@@ -190,81 +230,4 @@ fn advance_gas(
     let step = GasStep { time, dt, gravity: models.physics.gravity.at(time) };
     let advanced = work.timers.time(Phase::Gas, || work.gas.advance(gas, particles, &step, ranks));
     work.note_fault(advanced);
-}
-
-/// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
-/// contacts are advanced by `dt`.
-///
-/// Before: forces are those of the weight. The order changes nothing, since every contribution is rounded to the quantum
-/// of force. A force without meaning is kept as this rank's fault until the ranks agree at the next step.
-fn add_forces(state: &mut State, domain: &Domain, models: &Models, work: &mut Workspace, dt: f64) {
-    let cohesion = models.physics.cohesion_at(state.clock.time());
-    let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
-    let mut ledger = state.energy.take();
-    if let Some(ledger) = &mut ledger {
-        energy::before_forces(ledger, state, domain, models, work, &laws);
-    }
-    work.on_particles(|work| {
-        let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
-        add_contact_forces(state, &laws, work, of_contacts);
-        add_forces_of_walls(state, domain, &laws, work);
-        let before_gas = ledger.as_ref().map(|_| energy::forces_so_far(&state.particles));
-        add_gas_forces(state, work);
-        if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
-            energy::after_forces(ledger, state, models, &before_gas, dt);
-        }
-    });
-    state.energy = ledger;
-}
-
-/// The laws of all contacts now, with the attraction that there is now; they advance histories by `dt`.
-fn force_laws<'a>(
-    state: &State,
-    models: &'a Models,
-    work: &Workspace,
-    cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
-    dt: f64,
-) -> ForceLaws<'a> {
-    ForceLaws {
-        contact: &models.physics.contact,
-        at_walls: &models.physics.at_walls,
-        cohesion,
-        ranges: InteractionRanges {
-            contact: models.contact_range(&state.sizes),
-            any: work.list_range.interaction,
-        },
-        dt,
-        limit: models.limits.force,
-        force_quantum: models.force_quantum,
-        torque_quantum: models.torque_quantum,
-    }
-}
-
-fn add_contact_forces(
-    state: &mut State,
-    laws: &ForceLaws,
-    work: &mut Workspace,
-    ledger: Option<&mut EnergyLedger>,
-) {
-    let State { particles, contacts, .. } = state;
-    let mut account = ledger.map(|ledger| |work| energy::add_contact_work(ledger, work));
-    let account = account.as_mut().map(|account| account as &mut dyn FnMut(ContactWork));
-    let added =
-        work.timers.time(Phase::Contacts, || add_pair_forces(particles, contacts, laws, account));
-    work.note_fault(added);
-}
-
-fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, work: &mut Workspace) {
-    let State { particles, contacts, .. } = state;
-    let added = work.timers.time(Phase::Walls, || {
-        let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
-        add_wall_forces(particles, contacts, walls, laws, &mut work.on_walls)
-    });
-    work.note_fault(added);
-}
-
-fn add_gas_forces(state: &mut State, work: &mut Workspace) {
-    let particles = &mut state.particles;
-    let added = work.timers.time(Phase::GasForce, || work.gas.add_forces(particles));
-    work.note_fault(added);
 }

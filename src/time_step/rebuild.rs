@@ -131,19 +131,39 @@ fn remove_departed(
     particles.select(&staying);
 }
 
-/// Moves the cut planes if a look at the ranks' loads is due and finds them uneven. Collective.
-fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+/// Looks at the ranks' loads if that is overdue. Returns whether they are uneven, so that lists must be rebuilt for the
+/// planes to move. Collective.
+pub(super) fn is_overdue_and_uneven(
+    state: &State,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> bool {
+    let overdue = work.balance.is_some_and(|balance| balance.is_overdue(state.clock.step));
+    if overdue {
+        look_at_loads(state, work, ranks);
+    }
+    work.uneven.is_some()
+}
+
+/// Looks at the ranks' loads, if it is time for that, and keeps them if they are uneven. Collective.
+fn look_at_loads(state: &State, work: &mut Workspace, ranks: &dyn Communicator) {
     if !work.balance.as_mut().is_some_and(|balance| balance.look(state.clock.step)) {
         return;
     }
-    let particles = &state.particles;
     let threshold = work.balance.map_or(f64::INFINITY, |balance| balance.threshold);
-    let load = RankLoad::measured(particles.owned_count(), work.time_since_last_look(), ranks);
+    let (owned, time) = (state.particles.owned_count(), work.time_since_last_look());
+    let load = RankLoad::measured(owned, time, ranks);
     if ranks.is_root() {
         log::debug!("largest over mean load {:.3}", load.imbalance);
     }
-    if load.imbalance > threshold {
-        let positions = particles.body.iter().map(|body| body.position);
+    work.uneven = Some(load).filter(|load| load.imbalance > threshold);
+}
+
+/// Moves the cut planes if the ranks' loads are uneven. Collective.
+fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+    look_at_loads(state, work, ranks);
+    if let Some(load) = work.uneven.take() {
+        let positions = state.particles.body.iter().map(|body| body.position);
         let width = work.least_width;
         work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
     }

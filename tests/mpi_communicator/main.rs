@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+mod exchange_during;
 mod sparse_exchange;
 
 use std::fs::File;
@@ -182,6 +183,7 @@ fn methods(ranks: &MpiRanks) {
 fn messages(ranks: &MpiRanks) {
     sparse_exchange::messages_arrive_in_their_exchange(ranks);
     sparse_exchange::all_ranks_get_the_records_of_all(ranks);
+    exchange_during::messages_arrive_after_other_work(ranks);
 }
 
 fn numbers(ranks: &MpiRanks) {

@@ -20,7 +20,7 @@ pub(super) fn attract<S: Sizes, const EXTRAS: bool>(
             let smooth = NearContact(cohesion);
             attract_by(Rough { smooth, asperity_radius }, block, sizes);
         }
-        // `add_pair_forces` chooses the other loop; an undefined force ends the run.
+        // `add_contact_forces` chooses the other loop; an undefined force ends the run.
         CohesionExpression::Rough { .. } => block.cohesion = [f64::NAN; LANES],
     }
 }

@@ -4,48 +4,62 @@ mod attraction;
 mod contacts;
 mod separated;
 
-use super::energy_pass::work_of_pairs;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
-use super::{CohesionExpression, ContactModel, ContactWork, VanDerWaalsNow};
+use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
 use crate::numbers::with_simd;
-use crate::particles::{Contacts, InnerList, PairsOfKind, Particles};
+use crate::particles::{Contacts, InnerList, PairGroup, Particles};
 use contacts::ContactLoop;
 use separated::{SeparatedLoop, SeparatedReach};
 
-/// Adds the forces and torques of all pairs to both their particles.
+/// Makes sure that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
+///
+/// Before: ghosts are current, unless the inner list is valid.
+pub(crate) fn prepare_pairs(particles: &Particles, contacts: &mut Contacts, laws: &ForceLaws) {
+    PairGroup::ALL.iter().for_each(|&group| hold_angles(&mut contacts.inner, laws, group));
+    contacts.update_inner_list(particles, laws.ranges);
+}
+
+/// Finds the pairs of a group that are in contact now, and adds the attraction of the others, if there is any, to both
+/// their particles.
+///
+/// # Errors
+/// As [`add_contact_forces`].
+pub(crate) fn find_contacts(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+    group: PairGroup,
+) -> Result<(), ForceOutOfRange> {
+    let inner = &mut contacts.inner;
+    match laws.cohesion {
+        None => inner.find_promotions(particles, group),
+        Some(_) => attract_separated(particles, inner, laws, group)?,
+    }
+    inner.promote(group);
+    Ok(())
+}
+
+/// Adds the forces and torques of the contacts of a group to both their particles.
 ///
 /// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
 /// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
 /// -r_i n x F_t. Every contribution is rounded to a multiple of a quantum before it is added: the
 /// sums are exact, so neither the order of pairs nor evaluating a pair on two ranks changes a bit.
 ///
-/// Before: forces are sums of multiples of the quantum; ghosts are current. After: the forces of all pairs with an owned
-/// particle have been added to it.
-///
-/// `work` is given the work of each contact over the step, if anybody keeps account of it.
+/// Before: forces are sums of multiples of the quantum; ghosts of the group are current. After: the forces of all pairs of
+/// the group with an owned particle have been added to it.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined; the first such pair of this rank.
-pub(crate) fn add_pair_forces(
+pub(crate) fn add_contact_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
-    work: Option<&mut dyn FnMut(ContactWork)>,
+    group: PairGroup,
 ) -> Result<(), ForceOutOfRange> {
-    hold_angles(&mut contacts.inner, laws);
-    contacts.update_inner_list(particles, laws.ranges);
-    let inner = &mut contacts.inner;
-    match laws.cohesion {
-        None => inner.find_promotions(particles),
-        Some(_) => attract_separated(particles, inner, laws)?,
-    }
-    inner.promote();
-    if let Some(sink) = work {
-        work_of_pairs(particles, contacts, laws, sink);
-    }
-    let InnerList { kinds, one_size, .. } = &mut contacts.inner;
-    for (kind, PairsOfKind { active: pairs, .. }) in kinds.iter_mut().enumerate() {
-        let (one_size, laws) = (*one_size, laws.of_kind(kind));
+    let one_size = contacts.inner.one_size;
+    for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
+        let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
         match needs_extras(&laws) {
             true => with_simd(ContactLoop::<true> { particles, pairs, one_size, laws })?,
             false => with_simd(ContactLoop::<false> { particles, pairs, one_size, laws })?,
@@ -55,8 +69,8 @@ pub(crate) fn add_pair_forces(
 }
 
 /// Makes room for the angles of the springs that the laws have.
-fn hold_angles(inner: &mut InnerList, laws: &ForceLaws) {
-    for (kind, pairs) in inner.kinds.iter_mut().enumerate() {
+fn hold_angles(inner: &mut InnerList, laws: &ForceLaws, group: PairGroup) {
+    for (kind, pairs) in inner.kinds_mut(group).iter_mut().enumerate() {
         let ContactModel { rolling, twisting, .. } = laws.contact.of_kind(kind);
         pairs.active.hold_angles(rolling.is_some(), twisting.is_some());
     }
@@ -67,12 +81,12 @@ fn attract_separated(
     particles: &mut Particles,
     inner: &mut InnerList,
     laws: &ForceLaws,
+    group: PairGroup,
 ) -> Result<(), ForceOutOfRange> {
-    let InnerList { kinds, one_size, contact_range, .. } = inner;
-    for (kind, pairs) in kinds.iter_mut().enumerate() {
+    let InnerList { one_size, contact_range, .. } = *inner;
+    for (kind, pairs) in inner.kinds_mut(group).iter_mut().enumerate() {
         let laws = laws.of_kind(kind);
         let Some(cohesion) = laws.cohesion else { continue };
-        let (one_size, contact_range) = (*one_size, *contact_range);
         let reach = SeparatedReach { cohesion, contact_range };
         with_simd(SeparatedLoop { particles, pairs, one_size, reach, laws })?;
     }

@@ -1,0 +1,129 @@
+//! The forces of a step: of pairs of particles, of walls and of the gas.
+
+use super::energy;
+use super::laws::force_laws;
+use crate::contact::{
+    ForceLaws, add_contact_forces, add_wall_forces, find_contacts, prepare_pairs, work_of_pairs,
+};
+use crate::domain::PosedWalls;
+use crate::particles::PairGroup;
+use crate::state::{Domain, EnergyLedger, Models, State, Workspace};
+use crate::timers::Phase;
+
+/// Pairs whose forces have not been added at a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PairsDue {
+    /// All.
+    All,
+    /// Those with a particle of another rank.
+    Shared,
+}
+
+impl PairsDue {
+    fn groups(self) -> &'static [PairGroup] {
+        match self {
+            Self::All => &PairGroup::ALL,
+            Self::Shared => &[PairGroup::Shared],
+        }
+    }
+}
+
+/// Adds the forces of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody keeps
+/// account of energies, which is done for all pairs together. Returns what is left to [`add_forces`].
+///
+/// Before: forces are those of the weight.
+pub(super) fn add_own_pairs(
+    state: &mut State,
+    models: &Models,
+    work: &mut Workspace,
+    dt: f64,
+) -> PairsDue {
+    let cohesion = models.physics.cohesion_at(state.clock.time());
+    let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
+    if state.energy.is_some() || !state.contacts.inner_list_is_valid(laws.ranges) {
+        return PairsDue::All;
+    }
+    let State { particles, contacts, .. } = state;
+    work.on_particles(|work| {
+        let added = work.timers.time(Phase::Contacts, || {
+            prepare_pairs(particles, contacts, &laws);
+            find_contacts(particles, contacts, &laws, PairGroup::Own)?;
+            add_contact_forces(particles, contacts, &laws, PairGroup::Own)
+        });
+        work.note_fault(added);
+    });
+    PairsDue::Shared
+}
+
+/// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
+/// contacts are advanced by `dt`.
+///
+/// Before: forces are those of the weight, and of the pairs that are not due. The order changes nothing, since every
+/// contribution is rounded to the quantum of force. A force without meaning is kept as this rank's fault until the ranks
+/// agree at the next step.
+pub(super) fn add_forces(
+    pairs: PairsDue,
+    state: &mut State,
+    domain: &Domain,
+    models: &Models,
+    work: &mut Workspace,
+    dt: f64,
+) {
+    let cohesion = models.physics.cohesion_at(state.clock.time());
+    let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
+    let mut ledger = state.energy.take();
+    if let Some(ledger) = &mut ledger {
+        energy::before_forces(ledger, state, domain, models, work, &laws);
+    }
+    work.on_particles(|work| {
+        let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
+        add_pair_forces(pairs, state, &laws, work, of_contacts);
+        add_forces_of_walls(state, domain, &laws, work);
+        let before_gas = ledger.as_ref().map(|_| energy::forces_so_far(&state.particles));
+        add_gas_forces(state, work);
+        if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
+            energy::after_forces(ledger, state, models, &before_gas, dt);
+        }
+    });
+    state.energy = ledger;
+}
+
+fn add_pair_forces(
+    pairs: PairsDue,
+    state: &mut State,
+    laws: &ForceLaws,
+    work: &mut Workspace,
+    ledger: Option<&mut EnergyLedger>,
+) {
+    let State { particles, contacts, .. } = state;
+    let added = work.timers.time(Phase::Contacts, || {
+        if pairs == PairsDue::All {
+            prepare_pairs(particles, contacts, laws);
+        }
+        for &group in pairs.groups() {
+            find_contacts(particles, contacts, laws, group)?;
+        }
+        if let Some(ledger) = ledger {
+            let account = |work| energy::add_contact_work(ledger, work);
+            work_of_pairs(particles, contacts, laws, account);
+        }
+        let mut groups = pairs.groups().iter();
+        groups.try_for_each(|&group| add_contact_forces(particles, contacts, laws, group))
+    });
+    work.note_fault(added);
+}
+
+fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, work: &mut Workspace) {
+    let State { particles, contacts, .. } = state;
+    let added = work.timers.time(Phase::Walls, || {
+        let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+        add_wall_forces(particles, contacts, walls, laws, &mut work.on_walls)
+    });
+    work.note_fault(added);
+}
+
+fn add_gas_forces(state: &mut State, work: &mut Workspace) {
+    let particles = &mut state.particles;
+    let added = work.timers.time(Phase::GasForce, || work.gas.add_forces(particles));
+    work.note_fault(added);
+}

@@ -1,0 +1,29 @@
+//! The laws of forces at a step.
+
+use crate::contact::{ByPair, ForceLaws, VanDerWaalsNow};
+use crate::particles::InteractionRanges;
+use crate::state::{Models, State, Workspace};
+
+/// The laws of all contacts now, with the attraction that there is now; they advance histories by `dt`.
+pub(super) fn force_laws<'a>(
+    state: &State,
+    models: &'a Models,
+    work: &Workspace,
+    cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
+    dt: f64,
+) -> ForceLaws<'a> {
+    ForceLaws {
+        contact: &models.physics.contact,
+        at_walls: &models.physics.at_walls,
+        cohesion,
+        ranges: InteractionRanges {
+            contact: models.contact_range(&state.sizes),
+            any: work.list_range.interaction,
+            diameter: state.sizes.largest_diameter,
+        },
+        dt,
+        limit: models.limits.force,
+        force_quantum: models.force_quantum,
+        torque_quantum: models.torque_quantum,
+    }
+}
