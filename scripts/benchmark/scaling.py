@@ -4,16 +4,20 @@ Blocks of a bed over a plate, cut into columns or into cubes. With n particles p
 layer of width w and a block of sides l:
 
     compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
-    halo        per cut axis two messages of c w (face, with the ghosts of the axes before) particles, 72 bytes each
-    decide      one all-reduce of six numbers: log2(P) latencies
+    twice       the pairs of two ranks' particles, which both compute: c z / 4 for each area of a cut, z the contacts of a
+                particle, since a contact crosses the plane of a cut by half a diameter in the mean
+    halo        one message to each block around, 48 bytes for each particle of the layer w; what is left of it after
+                decide and the forces of all pairs of the rank's own particles
+    decide      one all-reduce of eight numbers: log2(P) latencies
     gas         one all-reduce of two fields over the column's nodes, more if there is gas
-    rebuild     every R steps: the ghosts anew (96 bytes each), two reductions, and a migration: letters to the blocks
-                around with the particles of a layer at the faces, half a skin thick, and their contacts, and a
-                barrier of log2(P) latencies, after which all letters have come
+    rebuild     every R steps: the ghosts anew along one axis after the other (112 bytes each), what they are copies of (4),
+                two reductions, and two sparse exchanges: letters to the blocks around, with the particles of a layer at the
+                faces, half a skin thick, and their contacts, and a barrier of log2(P) latencies, after which all letters
+                have come
 
-t = latency + bytes / bandwidth for each message; messages of one axis go both ways at once, the axes one after another.
-Ranks of a node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks
-leave it. Nothing overlaps; loads are even.
+t = latency + bytes / bandwidth for each message; messages that are not said to go one after another go at once. Ranks of a
+node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks leave it.
+Loads are even.
 """
 
 from __future__ import annotations
@@ -23,8 +27,10 @@ from dataclasses import dataclass, replace
 
 from .tables import table
 
-GHOST_BYTES, NEW_GHOST_BYTES = 72, 96
-DECISION_BYTES = 6 * 8
+GHOST_BYTES, NEW_GHOST_BYTES = 48, 112
+DECISION_BYTES, INDEX_BYTES = 8 * 8, 4
+# The contacts of a particle in a settled bed, and what part of a step pairs are (docs/performance.md, settled beds).
+CONTACTS, PART_OF_PAIRS = 5.28, 0.75
 # Whether no particle is too fast, and whether each contact has found its place.
 REDUCTIONS_PER_REBUILD = 2
 # A particle and its contacts, 2.64 for each of both sides; half a skin is the farthest way between two rebuilds.
@@ -83,39 +89,80 @@ class Load:
         """Particles per volume."""
         return SOLIDS_FRACTION * 6.0 / math.pi
 
+    @property
+    def cut_axes(self) -> int:
+        """Along how many axes the bed is cut."""
+        return 2 if self.columns else 3
+
+    @property
+    def blocks_around(self) -> int:
+        """Blocks that touch it, also at edges and corners."""
+        return 8 if self.columns else 26
+
+    @property
+    def copies(self) -> float:
+        """Particles of other ranks within the layer around the block."""
+        widened = self.sides
+        for axis in range(self.cut_axes):
+            widened[axis] += 2.0 * LAYER
+        return self.density * (math.prod(widened) - math.prod(self.sides))
+
+    @property
+    def shared_pairs(self) -> float:
+        """Contacts with particles of other ranks, over all contacts of the block's particles."""
+        sides, contacts = self.sides, 0.5 * CONTACTS * self.density
+        area = sum(2.0 * math.prod(sides) / sides[axis] for axis in range(self.cut_axes))
+        # A contact's branch has the component 1/2 along the normal of a plane in the mean.
+        return 0.5 * contacts * area / (contacts * math.prod(sides))
+
     def ghosts_per_message(self) -> list[float]:
         """For each cut axis, in the order in which they go: what came along one axis goes on along the next."""
         sides, ghosts = self.sides, []
-        for axis in range(2 if self.columns else 3):
+        for axis in range(self.cut_axes):
             others = [side for other, side in enumerate(sides) if other != axis]
             ghosts.append(self.density * LAYER * others[0] * others[1])
             sides[axis] += 2.0 * LAYER
         return ghosts
 
 
-def migration(load: Load, ranks: int, network: Network) -> float:
-    """Seconds of a migration: letters are sent one after another and each is acknowledged; then the barrier."""
-    if ranks == 1:
-        return 0.0
-    ghosts = load.ghosts_per_message()
-    letters = min(8 if load.columns else 26, ranks - 1)
-    size = MIGRANT_BYTES * LONGEST_WAY / LAYER * max(ghosts)
-    letter = network.message(size, len(ghosts)) + network.latency
+def sparse_exchange(load: Load, ranks: int, network: Network, size: float) -> float:
+    """Seconds of one: letters of a size are sent one after another and each is acknowledged; then the barrier."""
+    letters = min(load.blocks_around, ranks - 1)
+    letter = network.message(size, load.cut_axes) + network.latency
     return letter + 2.0 * network.overhead * letters + network.all_reduce(ranks, 0.0)
+
+
+def rebuild(load: Load, ranks: int, network: Network) -> float:
+    """Seconds of new lists, without the work on them."""
+    ghosts = load.ghosts_per_message()
+    made = sum(network.message(NEW_GHOST_BYTES * n, load.cut_axes) + network.overhead for n in ghosts)
+    migrants = MIGRANT_BYTES * LONGEST_WAY / LAYER * max(ghosts)
+    exchanges = [sparse_exchange(load, ranks, network, size) for size in (migrants, INDEX_BYTES * max(ghosts))]
+    return made + sum(exchanges) + REDUCTIONS_PER_REBUILD * network.all_reduce(ranks, 8)
+
+
+def halo(load: Load, ranks: int, network: Network) -> float:
+    """Seconds until all velocities of copies have come."""
+    messages = min(load.blocks_around, ranks - 1)
+    return network.message(GHOST_BYTES * load.copies, load.cut_axes) + messages * network.overhead
 
 
 def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:
     """Seconds of the parts of a step."""
-    ghosts = load.ghosts_per_message() if ranks > 1 else []
-    messages = lambda size: sum(network.message(size * n, len(ghosts)) + network.overhead for n in ghosts)  # noqa: E731
-    halo, renewal = messages(GHOST_BYTES), messages(NEW_GHOST_BYTES)
-    renewal += REDUCTIONS_PER_REBUILD * network.all_reduce(ranks, 8) + migration(load, ranks, network)
+    compute = load.particles * load.particle_step
+    if ranks == 1:
+        return {"compute": compute, "twice": 0.0, "halo": 0.0, "decide": 0.0, "gas": 0.0, "rebuild": 0.0}
+    shared = load.shared_pairs
+    decide = network.all_reduce(ranks, DECISION_BYTES)
+    # Each shared pair is half of one rank's contacts and half of the other's, but computed by both.
+    meanwhile = decide + PART_OF_PAIRS * (1.0 - 0.5 * shared) * compute
     return {
-        "compute": load.particles * load.particle_step,
-        "halo": halo,
-        "decide": network.all_reduce(ranks, DECISION_BYTES),
+        "compute": compute,
+        "twice": PART_OF_PAIRS * 0.5 * shared * compute,
+        "halo": max(0.0, halo(load, ranks, network) - meanwhile),
+        "decide": decide,
         "gas": network.all_reduce(ranks, 16 * load.gas_nodes) if load.gas_nodes else 0.0,
-        "rebuild": renewal / load.steps_per_rebuild,
+        "rebuild": rebuild(load, ranks, network) / load.steps_per_rebuild,
     }
 
 
@@ -133,5 +180,5 @@ def model_table(load: Load, network: Network = Network()) -> str:
             cells = [f"{1e6 * seconds:.1f}" for seconds in parts.values()]
             sizes = [f"{particles:,.0f}", f"{ranks:,}", f"{particles * ranks:.1e}"]
             rows.append([*sizes, *cells, efficiency(parts)])
-    head = ["particles per rank", "ranks", "particles", "compute, us", "halo", "decide", "gas", "rebuild", "efficiency"]
+    head = ["particles per rank", "ranks", "particles", "compute, us", "twice", "halo", "decide", "gas", "rebuild", "efficiency"]
     return table(head, rows)

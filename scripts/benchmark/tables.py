@@ -14,7 +14,8 @@ from .beds import BEDS, ROOT, Bed
 
 # Runs of one bed by program: [{"rate": ..., ...}, ...], one of each program in each round.
 Runs = dict[str, list[dict[str, Any]]]
-TALCUM, LAMMPS = "Talcum", "LAMMPS"
+# The peer that ratios are taken to: compiled for the processor.
+TALCUM, LAMMPS = "Talcum", "LAMMPS native"
 SMALL, LARGE = "24,000 settled", "216,000 settled"
 
 
@@ -53,7 +54,7 @@ def rate_table(beds: list[Bed], results: dict[str, Runs]) -> str:
         beside = f"{rounded(ratio(ours, rates(results.get(bed.beside or '', {}), TALCUM)))}" if bed.beside else "-"
         aim = f"{bed.aim}" if bed.aim else "-"
         rows.append([bed.name, *map(rounded, cells), rounded(to_lammps), aim, beside])
-    head = ["bed", TALCUM, "per core", *programs, "to LAMMPS", "aim", "to its other bed"]
+    head = ["bed", TALCUM, "per core", *programs, f"to {LAMMPS}", "aim", "to its other bed"]
     return table(head, rows)
 
 
