@@ -28,8 +28,9 @@ impl PairsDue {
     }
 }
 
-/// Adds the forces of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody keeps
-/// account of energies, which is done for all pairs together. Returns what is left to [`add_forces`].
+/// Adds the forces of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody needs
+/// contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a step of the gas.
+/// Returns what is left to [`add_forces`].
 ///
 /// Before: forces are those of the weight.
 pub(super) fn add_own_pairs(
@@ -40,7 +41,9 @@ pub(super) fn add_own_pairs(
 ) -> PairsDue {
     let cohesion = models.physics.cohesion_at(state.clock.time());
     let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
-    if state.energy.is_some() || !state.contacts.inner_list_is_valid(laws.ranges) {
+    let gas = &models.physics.gas;
+    let gas_looks = gas.agglomerates().is_some() && state.clock.step.is_multiple_of(gas.substeps());
+    if gas_looks || state.energy.is_some() || !state.contacts.inner_list_is_valid(laws.ranges) {
         return PairsDue::All;
     }
     let State { particles, contacts, .. } = state;
