@@ -262,7 +262,7 @@ class TestModels(ScriptTest):
     def test_only_latencies_grow_with_the_ranks(self) -> None:
         load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
         few, many = (scaling.step_parts(load, ranks, network) for ranks in (1_000, 1_000_000))
-        # Twice as many rounds of reductions and of the barriers; halo and letters are those of the blocks around.
+        # Twice as many rounds of reductions and of the barriers; halo and messages are those of the blocks around.
         self.assertEqual(*(scaling.halo(load, ranks, network) for ranks in (1_000, 1_000_000)))
         self.assertAlmostEqual(many["decide"], 2.0 * few["decide"])
         self.assertLess(many["rebuild"], 2.0 * few["rebuild"])

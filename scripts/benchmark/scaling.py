@@ -11,9 +11,9 @@ layer of width w and a block of sides l:
     decide      one all-reduce of eight numbers: log2(P) latencies
     gas         one all-reduce of two fields over the column's nodes, more if there is gas
     rebuild     every R steps: the ghosts anew along one axis after the other (112 bytes each), what they are copies of (4),
-                two reductions, and two sparse exchanges: letters to the blocks around, with the particles of a layer at the
-                faces, half a skin thick, and their contacts, and a barrier of log2(P) latencies, after which all letters
-                have come
+                two reductions, and two sparse exchanges: messages to the blocks around, with the particles of a layer at the
+                faces, half a skin thick, and their contacts, and a barrier of log2(P) latencies, after which all
+                messages have come
 
 t = latency + bytes / bandwidth for each message; messages that are not said to go one after another go at once. Ranks of a
 node are blocks side by side, so that of the messages along an axis only those of the node's outermost blocks leave it.
@@ -29,8 +29,8 @@ from .tables import table
 
 GHOST_BYTES, NEW_GHOST_BYTES = 48, 112
 DECISION_BYTES, INDEX_BYTES = 8 * 8, 4
-# The contacts of a particle in a settled bed, and what part of a step pairs are (docs/performance.md, settled beds).
-CONTACTS, PART_OF_PAIRS = 5.28, 0.75
+# What part of a step pairs are (docs/performance.md, settled beds).
+PART_OF_PAIRS = 0.75
 # Whether no particle is too fast, and whether each contact has found its place.
 REDUCTIONS_PER_REBUILD = 2
 # A particle and its contacts, 2.64 for each of both sides; half a skin is the farthest way between two rebuilds.
@@ -110,10 +110,8 @@ class Load:
     @property
     def shared_pairs(self) -> float:
         """Contacts with particles of other ranks, over all contacts of the block's particles."""
-        sides, contacts = self.sides, 0.5 * CONTACTS * self.density
-        area = sum(2.0 * math.prod(sides) / sides[axis] for axis in range(self.cut_axes))
-        # A contact's branch has the component 1/2 along the normal of a plane in the mean.
-        return 0.5 * contacts * area / (contacts * math.prod(sides))
+        # Two faces along each cut axis; a contact's branch has the component 1/2 along their normal in the mean.
+        return sum(2.0 * 0.5 / side for side in self.sides[: self.cut_axes])
 
     def ghosts_per_message(self) -> list[float]:
         """For each cut axis, in the order in which they go: what came along one axis goes on along the next."""
@@ -126,10 +124,10 @@ class Load:
 
 
 def sparse_exchange(load: Load, ranks: int, network: Network, size: float) -> float:
-    """Seconds of one: letters of a size are sent one after another and each is acknowledged; then the barrier."""
-    letters = min(load.blocks_around, ranks - 1)
-    letter = network.message(size, load.cut_axes) + network.latency
-    return letter + 2.0 * network.overhead * letters + network.all_reduce(ranks, 0.0)
+    """Seconds of one: messages of a size are sent one after another and each is acknowledged; then the barrier."""
+    messages = min(load.blocks_around, ranks - 1)
+    there_and_back = network.message(size, load.cut_axes) + network.latency
+    return there_and_back + 2.0 * network.overhead * messages + network.all_reduce(ranks, 0.0)
 
 
 def rebuild(load: Load, ranks: int, network: Network) -> float:
