@@ -10,7 +10,7 @@ from made_up_results import SCRIPTS, ScriptTest
 
 # What the script calls of the system itself. apt-get and sudo are not among them: the machine is a cluster.
 SYSTEM = (
-    "bash cat awk cmp cp dirname env false grep head id mkdir mktemp nproc paste readlink rm sed sort tail tr true uname xargs"
+    "bash cat awk cmp cp dirname env false flock grep head id mkdir mktemp nproc paste readlink rm sed sleep sort tail tr true uname xargs"
 ).split()
 
 # "Compiles" by naming what was asked for; ldd, below, says what is linked. OTHER_MPI is what HDF5 was built with.
@@ -33,7 +33,7 @@ esac
 """
 PYTHON = """#!/usr/bin/env bash
 case "$*" in
-    *"-m venv "*) mkdir -p "${!#}/bin"; cp "$0" "${!#}/bin/python" ;;
+    *"-m venv "*) mkdir -p "${!#}/bin"; cp "$0" "${!#}/bin/python"; echo made >>"$MACHINE/environments"; sleep 0.5 ;;
     *"-m pip install"*) [ "${PIP:-works}" = works ] || { echo "no such address" >&2; exit 1; } ;;
 esac
 """
@@ -73,13 +73,22 @@ class TestInstalling(ScriptTest):
             (self.tools / name).write_text(text)
             (self.tools / name).chmod(0o755)
 
-    def install(self, **more: str) -> tuple[int, str]:
-        """Calls the script; returns its exit code and what it said."""
+    def start(self, **more: str) -> subprocess.Popen[str]:
+        """Starts the script."""
         environment = {"PATH": str(self.tools), "HOME": str(self.folder / "home"), "MACHINE": str(self.folder),
                        "LIBCLANG_PATH": str(self.folder / "clang")}  # fmt: skip
         command = [str(self.tools / "bash"), str(self.folder / "root/scripts/install")]
-        done = subprocess.run(command, env=environment | more, capture_output=True, text=True, timeout=60, check=False)
-        return done.returncode, done.stdout + done.stderr
+        return subprocess.Popen(command, env=environment | more, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+    def install(self, **more: str) -> tuple[int, str]:
+        """Calls the script; returns its exit code and what it said."""
+        return self.end_of(self.start(**more))
+
+    @staticmethod
+    def end_of(script: subprocess.Popen[str]) -> tuple[int, str]:
+        """Waits for a script; returns its exit code and what it said."""
+        said, _ = script.communicate(timeout=60)
+        return script.returncode, said
 
     def test_one_mpi_is_accepted(self) -> None:
         code, said = self.install()
@@ -120,6 +129,12 @@ class TestInstalling(ScriptTest):
         code, said = self.install()
         self.assertEqual(code, 0, said)
         self.assertNotIn("warning", said)
+
+    def test_two_at_once_make_one_environment(self) -> None:
+        for code, said in map(self.end_of, [self.start(), self.start()]):
+            self.assertEqual(code, 0, said)
+            self.assertNotIn("warning", said)
+        self.assertEqual((self.folder / "environments").read_text(), "made\n")
 
     def test_what_is_missing_is_named(self) -> None:
         (self.tools / "mpirun").unlink()
