@@ -64,7 +64,8 @@ impl Phase {
 /// Time spent in each phase on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Timers {
-    /// Processor time for motion and lists of this rank's particles and forces on them, in which it waits for no other rank.
+    /// Processor time, at the steps at which it is read, for motion and lists of this rank's particles and forces on them, in
+    /// which it waits for no other rank.
     pub on_particles: Duration,
     spent: [Duration; Phase::ALL.len()],
 }

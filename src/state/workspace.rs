@@ -27,6 +27,8 @@ pub struct Workspace {
     pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
+    /// Whether the load is measured at this step.
+    is_timed: bool,
     /// The load at the last look, if it was uneven and the planes have not been moved for it.
     pub uneven: Option<RankLoad>,
     /// Where the walls are at this step.
@@ -67,6 +69,7 @@ impl Workspace {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
             balance: balance.filter(|_| several_ranks),
+            is_timed: false,
             uneven: None,
             decomposition,
             skin,
@@ -90,10 +93,15 @@ impl Workspace {
         result
     }
 
-    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time if loads are
-    /// looked at.
+    /// Chooses whether the load is measured at a step.
+    pub fn choose_timing(&mut self, step: u64) {
+        self.is_timed = self.balance.is_some_and(|balance| balance.is_timed(step));
+    }
+
+    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time if the load is
+    /// measured at this step.
     pub fn on_particles<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        if self.balance.is_none() {
+        if !self.is_timed {
             return work(self);
         }
         let start = processor_time();

@@ -172,6 +172,7 @@ fn kick_and_drift(
     models: &Models,
     work: &mut Workspace,
 ) -> Displacement {
+    work.choose_timing(state.clock.step);
     let particles = &mut state.particles;
     let largest = work.on_particles(|work| {
         work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step))
