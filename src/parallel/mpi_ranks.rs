@@ -46,6 +46,13 @@ const LONGEST_MESSAGE: usize = 1 << 30;
 const FILE_ACCESS: [(&str, &str); 2] =
     [("OMPI_MCA_io_ompio_priority", "1"), ("OMPI_MCA_sharedfp", "^sm,lockedfile")];
 
+/// Up to this many bytes Open MPI sends a message to another process of the same node at once, where the user has not said otherwise:
+/// 32 KiB, the most that it takes into one piece, in place of 4. Longer messages are announced first, and wait for the answer: 3.5 us for
+/// 6 kB instead of 1 us, 4.7 us for 12 kB instead of 2.3 (4.1.4 on an AMD EPYC). A rank with a thousand particles or a hundred cells along an edge
+/// has halos of such lengths. Shared memory is called "vader" in version 4 and "sm" in 5.
+const SENT_AT_ONCE: [(&str, &str); 2] =
+    [("OMPI_MCA_btl_vader_eager_limit", "32768"), ("OMPI_MCA_btl_sm_eager_limit", "32768")];
+
 /// Whether MPI may be called: it was initialised and is not being finalised.
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
@@ -77,7 +84,7 @@ impl MpiRanks {
     /// # Errors
     /// If MPI was initialised before.
     pub fn start() -> Result<Self, AlreadyStarted> {
-        choose_file_access();
+        choose_options();
         let (universe, _) =
             mpi::initialize_with_threading(Threading::Funneled).ok_or(AlreadyStarted)?;
         let world = universe.world().duplicate();
@@ -152,12 +159,12 @@ pub fn mpi_library() -> Option<String> {
     Some(text.split(whole).next().unwrap_or_default().trim().to_owned())
 }
 
-/// Chooses how Open MPI writes files, unless the user has.
-fn choose_file_access() {
+/// Chooses how Open MPI writes files and sends messages, unless the user has.
+fn choose_options() {
     if RUNNING.load(Ordering::SeqCst) {
         return;
     }
-    for (variable, value) in FILE_ACCESS {
+    for (variable, value) in FILE_ACCESS.into_iter().chain(SENT_AT_ONCE) {
         if std::env::var_os(variable).is_none() {
             #[expect(unsafe_code, reason = "Open MPI reads its options from the environment")]
             // SAFETY: MPI is initialised at the start of the program, before there are other threads, which could read
