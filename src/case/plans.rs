@@ -86,6 +86,8 @@ pub enum RankLayout {
     Slabs(usize),
     /// A rank grid; the number of ranks must fit.
     Grid(RankGrid),
+    /// The rank grid that shares the work best.
+    Cheapest,
 }
 
 /// How a run is spread over ranks; never changes results.
@@ -142,9 +144,12 @@ pub(super) fn read_checkpoint(section: &Section<'_>) -> Option<CheckpointPlan> {
 /// `[parallel]`.
 pub(super) fn read_parallel(section: &Section<'_>) -> Option<ParallelPlan> {
     let axes = [("x", 0), ("y", 1), ("z", 2)];
-    let layout = match section.has("ranks") {
-        true => RankLayout::Grid(RankGrid(section.counts("ranks")?)),
-        false => RankLayout::Slabs(section.choice("axis", &axes)?),
+    let layout = if section.has("ranks") {
+        RankLayout::Grid(RankGrid(section.counts("ranks")?))
+    } else if section.has("axis") {
+        RankLayout::Slabs(section.choice("axis", &axes)?)
+    } else {
+        RankLayout::Cheapest
     };
     Some(ParallelPlan { layout, skin: section.number("skin"), balance: read_balance(section)? })
 }

@@ -2,24 +2,39 @@
 
 use crate::case::{Case, RankLayout};
 use crate::domain::{Decomposition, RankGrid};
+use crate::parallel::{Communicator, ParticleRecord, RankLoad};
 use crate::setup::{Layout, LayoutError};
 use crate::state::SizeRange;
+use nalgebra::Vector3;
 
-/// Subdomains of equal size on the rank grid of the case, or on `grid` if given.
-///
-/// # Errors
-/// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts.
-pub fn lay_out(
-    case: &Case,
-    sizes: &SizeRange,
-    grid: Option<RankGrid>,
-    ranks: usize,
-) -> Result<Decomposition, LayoutError> {
-    let grid = grid.unwrap_or(match case.parallel.layout {
+/// The rank grid that the case names; slabs along z if it names none.
+pub(super) fn named_grid(case: &Case, ranks: usize) -> RankGrid {
+    match case.parallel.layout {
         RankLayout::Slabs(axis) => RankGrid::slabs(axis, ranks),
         RankLayout::Grid(grid) => grid,
-    });
-    layout_of(case, sizes).even(grid, ranks)
+        RankLayout::Cheapest => RankGrid::slabs(2, ranks),
+    }
+}
+
+/// Subdomains on a rank grid, with as many particles each, if loads are balanced, as planes through the whole box allow. Particles lie
+/// on the ranks in any order. Collective.
+///
+/// # Errors
+/// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts or cells; the same on all ranks.
+pub(super) fn divide(
+    case: &Case,
+    layout: &Layout<'_>,
+    grid: RankGrid,
+    particles: &[ParticleRecord],
+    ranks: &dyn Communicator,
+) -> Result<Decomposition, LayoutError> {
+    let even = layout.even(grid, ranks.size())?;
+    if case.parallel.balance.is_none() {
+        return Ok(even);
+    }
+    let positions = particles.iter().map(|record| Vector3::from(record.position));
+    let width = layout.ghost_width;
+    layout.align(RankLoad::UNKNOWN.balanced(&even, positions, layout.bounds, width, ranks))
 }
 
 /// What the division of the case's box must respect.
@@ -45,7 +60,8 @@ mod tests {
             neck > 0.2 && case.stages[0].physics.cohesion.is_none(),
             "necks alone reach far: {neck}"
         );
-        let slabs = |count: usize| lay_out(&case, &sizes, Some(RankGrid([1, 1, count])), count);
+        let layout = layout_of(&case, &sizes);
+        let slabs = |count: usize| layout.even(RankGrid([1, 1, count]), count);
         // Diameter and skin are 1.08, with the necks 1.3: slabs of 1.18 lie between.
         let error = slabs(34).unwrap_err();
         let LayoutError::TooNarrow { needed, most, .. } = error else { panic!("{error}") };

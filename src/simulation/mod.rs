@@ -1,5 +1,6 @@
 //! A run from its start to its end: stages, results, checkpoints, and what stops it.
 
+mod cheapest_grid;
 mod checkpoints;
 mod folder;
 mod interval;
@@ -12,7 +13,6 @@ mod running;
 mod start;
 
 pub use folder::{FolderLock, OutputFolder};
-pub use layout::lay_out;
 pub use start::{InitialState, Origin, StartError, start_from_case, start_from_checkpoint};
 
 use crate::analysis::Digest;

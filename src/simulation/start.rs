@@ -1,18 +1,16 @@
 //! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
 
-use super::layout::{lay_out, layout_of};
+use super::cheapest_grid::cheapest_grid;
+use super::layout::{divide, layout_of, named_grid};
 use crate::analysis::Digest;
 use crate::case::{BedPart, BedStart, Case, CaseErrors, Change, RankLayout, changes};
-use crate::domain::{Decomposition, RankGrid, Wall};
+use crate::domain::{RankGrid, Wall};
 use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
-use crate::parallel::{
-    CollectiveError, Communicator, ParticleRecord, RankLoad, WallContactRecord, agree,
-};
+use crate::parallel::{CollectiveError, Communicator, ParticleRecord, WallContactRecord, agree};
 use crate::particles::ContactHistories;
-use crate::setup::{DistributedState, Layout, LayoutError, Snapshot};
+use crate::setup::{DistributedState, LayoutError, Snapshot};
 use crate::state::{SizeRange, State, Workspace};
-use nalgebra::Vector3;
 use std::path::Path;
 use thiserror::Error;
 
@@ -230,19 +228,17 @@ fn distribute(
     let sizes = snapshot.sizes;
     case.require_sizes(&sizes)?;
     require_species(case, &snapshot.particles, ranks)?;
-    let laid_out = lay_out(case, &sizes, grid, ranks.size());
-    let mut decomposition = laid_out.map_err(|error| match (grid, case.parallel.layout) {
+    let layout = layout_of(case, &sizes);
+    let cheapest = || cheapest_grid(case, &sizes, &snapshot.particles, ranks);
+    let rank_grid = grid.or_else(cheapest).unwrap_or_else(|| named_grid(case, ranks.size()));
+    let divided = divide(case, &layout, rank_grid, &snapshot.particles, ranks);
+    let decomposition = divided.map_err(|error| match (grid, case.parallel.layout) {
         // The case names the grid that does not fit.
         (None, RankLayout::Grid(_)) => {
             StartError::Case(case.places.errors([("parallel.ranks", error.to_string())]))
         }
         _ => error.into(),
     })?;
-    if case.parallel.balance.is_some() {
-        let layout = layout_of(case, &sizes);
-        let balanced = balanced_at_start(&layout, &decomposition, &snapshot.particles, ranks);
-        decomposition = layout.align(balanced)?;
-    }
     let gas = case.gas_on_cells();
     let DistributedState { state, histories } =
         snapshot.distribute(&case.domain.bounds, gas, &decomposition, ranks);
@@ -250,16 +246,4 @@ fn distribute(
     let work = Workspace::new(decomposition, skin, least_width, case.parallel.balance);
     let measures = Vec::new();
     Ok(InitialState { state, work, histories, measures, origin, begins_with: None })
-}
-
-fn balanced_at_start(
-    layout: &Layout<'_>,
-    decomposition: &Decomposition,
-    particles: &[ParticleRecord],
-    ranks: &dyn Communicator,
-) -> Decomposition {
-    let positions: Vec<Vector3<f64>> =
-        particles.iter().map(|record| Vector3::from(record.position)).collect();
-    let positions = positions.iter().copied();
-    RankLoad::UNKNOWN.balanced(decomposition, positions, layout.bounds, layout.ghost_width, ranks)
 }

@@ -134,7 +134,7 @@ const BALANCE: &[Key] = &[
 pub(in crate::case) const PARALLEL: &[Key] = &[
     Key::word("axis", AXES, "Slabs along this axis, one per rank")
         .or(&["ranks"])
-        .default(Value::Word("z")),
+        .optionally("the rank grid that shares the work best"),
     Key::new(
         "ranks",
         Kind::Counts(1, 65_536),
