@@ -41,6 +41,7 @@ COUPLED = (
     CoupledBed("agglomerates, small box (Liu et al.)", "cases/liu2016/small/rho250vdw20ug4.toml", 0.05, 12_500, 8_000),
     CoupledBed("agglomerates, full box (Liu et al.)", "cases/liu2016/full/rho250vdw20ug4.toml", 0.02, 100_000, 1_000),
     CoupledBed("bubbling beads (Mueller et al.)", "cases/experiments/mueller2009.toml", 0.3, 9_240, 4_000),
+    CoupledBed("flat bed of beads (van Wachem et al.)", "cases/experiments/van-wachem2001.toml", 0.5, 17_562, 4_000),
 )
 
 
