@@ -21,6 +21,8 @@ pub(super) struct LevelGrid {
     counts: [usize; 3],
     spacing: [f64; 3],
     periodic: [bool; 3],
+    /// Every rank holds all cells, whatever their number.
+    replicated: bool,
     /// First cells of the subdomains along each axis, and the number of cells.
     starts: [Vec<usize>; 3],
 }
@@ -36,7 +38,7 @@ impl LevelGrid {
                 .collect()
         });
         let periodic = [0, 1, 2].map(|axis| grid.is_periodic(axis));
-        Self { counts, spacing: grid.spacing().into(), periodic, starts }
+        Self { counts, spacing: grid.spacing().into(), periodic, replicated: false, starts }
     }
 
     pub(super) fn cells(&self) -> usize {
@@ -70,15 +72,15 @@ impl LevelGrid {
     /// The same grid, of which every rank holds all cells.
     pub(super) fn replicated(&self) -> Self {
         let starts = self.counts.map(|count| vec![0, count]);
-        Self { starts, ..self.clone() }
+        Self { starts, replicated: true, ..self.clone() }
     }
 
-    /// Whether every rank holds the level as a whole: it is small, or too narrow on some rank.
+    /// Whether every rank holds the level as a whole: it is small, too narrow on some rank, or coarser than one of which that holds.
     pub(super) fn is_replicated(&self) -> bool {
         let narrow = |starts: &Vec<usize>| {
             starts.len() > 2 && starts.windows(2).any(|pair| pair[1] - pair[0] < NARROWEST)
         };
-        self.cells() <= LARGEST_REPLICATED || self.starts.iter().any(narrow)
+        self.replicated || self.cells() <= LARGEST_REPLICATED || self.starts.iter().any(narrow)
     }
 
     /// The cells that a rank holds: those of its subdomain, or all cells of a replicated level.

@@ -125,7 +125,8 @@ impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
             let weight = &weight.values()[weight.index(cell)..][..length];
             let values = &mut fine.values_mut()[to..][..length];
             if axis == 0 {
-                prolong_along_x::<CORRECT>(weight, &coarse[own - 1..], global, values);
+                let below_first_even = own + global % 2 - 1;
+                prolong_along_x::<CORRECT>(weight, &coarse[below_first_even..], global, values);
             } else {
                 let next = if global % 2 == 1 { own + stride } else { own - stride };
                 let pairs = [&coarse[own..], &coarse[next..]];
@@ -141,8 +142,8 @@ fn put<const CORRECT: bool>(value: &mut f64, weight: f64, own: f64, next: f64) {
     *value = if CORRECT { *value + interpolated } else { interpolated };
 }
 
-/// Cells along x, the first of which has this global index. The slice of pairs starts one below the pair of the first
-/// cell.
+/// Cells along x, the first of which has this global index. The slice of pairs starts one below the pair of the first cell of
+/// even index, since an odd one takes from no pair below its own.
 #[inline(always)]
 fn prolong_along_x<const CORRECT: bool>(
     weight: &[f64],
@@ -153,9 +154,9 @@ fn prolong_along_x<const CORRECT: bool>(
     let odd = global_index % 2;
     let (single, doubles) = values.split_at_mut(odd.min(values.len()));
     for value in single {
-        put::<CORRECT>(value, weight[0], pairs[1], pairs[2]);
+        put::<CORRECT>(value, weight[0], pairs[0], pairs[1]);
     }
-    let (weight, pairs) = (&weight[odd..], &pairs[odd..]);
+    let weight = &weight[odd..];
     let half = doubles.len() / 2;
     let windows = &pairs[..half + 2];
     for (m, (two, weight)) in doubles.chunks_exact_mut(2).zip(weight.chunks_exact(2)).enumerate() {

@@ -36,6 +36,8 @@ fn solutions_have_the_same_bits_for_any_decomposition() {
         ([33, 17, 11], [false; 3]),
         ([21, 18, 13], [true, true, false]),
         ([16, 15, 24], [true, false, true]),
+        // So many cells that two levels are divided among the ranks, where none of these is too narrow.
+        ([34, 20, 16], [false; 3]),
     ];
     for (counts, periodic) in cases {
         let mut equation = rough(counts, periodic);
