@@ -87,22 +87,21 @@ impl Work {
     fn cost(&self, divided: &Decomposition, layout: &Layout<'_>) -> f64 {
         let Layout { bounds, ghost_width, .. } = *layout;
         let grid = divided.grid();
-        let across =
-            |axis: usize| self.faces(axis, grid, bounds) * ghost_width * grid.0[axis] as f64;
+        let across = |axis: usize| faces(axis, grid, bounds) * ghost_width * grid.0[axis] as f64;
         let twice: f64 =
             (0..3).map(|axis| 0.5 * across(axis) / self.extents[axis].max(ghost_width)).sum();
         let most_cells: f64 =
             (0..3).map(|axis| widest(divided, axis) / bounds.lengths()[axis]).product();
         self.of_particles * (1.0 + twice) / grid.size() as f64 + self.of_cells * most_cells
     }
+}
 
-    /// n_a.
-    fn faces(&self, axis: usize, grid: RankGrid, bounds: &Bounds) -> f64 {
-        match grid.0[axis] {
-            1 => 0.0,
-            2 if !bounds.is_periodic(axis) => 1.0,
-            _ => 2.0,
-        }
+/// n_a.
+fn faces(axis: usize, grid: RankGrid, bounds: &Bounds) -> f64 {
+    match grid.0[axis] {
+        1 => 0.0,
+        2 if !bounds.is_periodic(axis) => 1.0,
+        _ => 2.0,
     }
 }
 
