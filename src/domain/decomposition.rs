@@ -118,7 +118,16 @@ impl Decomposition {
 
     /// Width of the narrowest subdomain along an axis.
     pub fn narrowest(&self, axis: usize) -> f64 {
-        self.cut_planes[axis].windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)
+        self.widths(axis).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Width of the widest subdomain along an axis.
+    pub fn widest(&self, axis: usize) -> f64 {
+        self.widths(axis).fold(0.0, f64::max)
+    }
+
+    fn widths(&self, axis: usize) -> impl Iterator<Item = f64> {
+        self.cut_planes[axis].windows(2).map(|pair| pair[1] - pair[0])
     }
 }
 

@@ -91,7 +91,7 @@ impl Work {
         let twice: f64 =
             (0..3).map(|axis| 0.5 * across(axis) / self.extents[axis].max(ghost_width)).sum();
         let most_cells: f64 =
-            (0..3).map(|axis| widest(divided, axis) / bounds.lengths()[axis]).product();
+            (0..3).map(|axis| divided.widest(axis) / bounds.lengths()[axis]).product();
         self.of_particles * (1.0 + twice) / grid.size() as f64 + self.of_cells * most_cells
     }
 }
@@ -103,11 +103,6 @@ fn faces(axis: usize, grid: RankGrid, bounds: &Bounds) -> f64 {
         2 if !bounds.is_periodic(axis) => 1.0,
         _ => 2.0,
     }
-}
-
-/// Width of the widest block along an axis.
-fn widest(divided: &Decomposition, axis: usize) -> f64 {
-    divided.cut_planes(axis).windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
