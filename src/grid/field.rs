@@ -1,25 +1,27 @@
 //! Values on the cells of a rank, with a halo around them.
 
 use super::LocalCells;
+use bytemuck::Pod;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// One value for each cell that a rank owns, and for each cell of a halo around them; x varies fastest.
+/// One value for each cell that a rank owns, and for each cell of a halo around them; x varies fastest. Values are in
+/// double precision unless another type of number is named.
 ///
 /// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from
 /// count to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub struct Field<T = f64> {
     count: [usize; 3],
     halo: usize,
-    values: Vec<f64>,
+    values: Vec<T>,
 }
 
-impl Field {
+impl<T: Pod> Field<T> {
     /// Zero everywhere.
     pub fn new(cells: &LocalCells, halo: usize) -> Self {
         let size = cells.count.iter().map(|count| count + 2 * halo).product();
-        Self { count: cells.count, halo, values: vec![0.0; size] }
+        Self { count: cells.count, halo, values: vec![T::zeroed(); size] }
     }
 
     /// Owned cells along each axis.
@@ -50,31 +52,31 @@ impl Field {
 
     /// The value of a cell.
     #[inline(always)]
-    pub fn at(&self, cell: [isize; 3]) -> f64 {
+    pub fn at(&self, cell: [isize; 3]) -> T {
         self.values[self.index(cell)]
     }
 
     /// Mutable access to the value of a cell.
     #[inline(always)]
-    pub fn at_mut(&mut self, cell: [isize; 3]) -> &mut f64 {
+    pub fn at_mut(&mut self, cell: [isize; 3]) -> &mut T {
         let index = self.index(cell);
         &mut self.values[index]
     }
 
     /// All values, halo included.
     #[inline(always)]
-    pub fn values(&self) -> &[f64] {
+    pub fn values(&self) -> &[T] {
         &self.values
     }
 
     /// Mutable access to all values, halo included.
     #[inline(always)]
-    pub fn values_mut(&mut self) -> &mut [f64] {
+    pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
     /// Indices at which the rows of owned cells along x start; each row is `count()[0]` long.
-    pub fn rows(&self) -> impl Iterator<Item = usize> + use<> {
+    pub fn rows(&self) -> impl Iterator<Item = usize> + use<T> {
         let [_, along_y, along_z] = self.strides();
         let first = self.index([0; 3]);
         let [_, rows, layers] = self.count;
@@ -82,13 +84,13 @@ impl Field {
     }
 
     /// The values of owned cells, x fastest, then y, then z.
-    pub fn owned(&self) -> impl Iterator<Item = f64> + '_ {
+    pub fn owned(&self) -> impl Iterator<Item = T> + '_ {
         let along_x = self.count[0];
         self.rows().flat_map(move |row| self.values[row..row + along_x].iter().copied())
     }
 
     /// Sets the values of owned cells, in the order of [`Field::owned`]. The halo is not changed.
-    pub fn set_owned(&mut self, mut values: impl Iterator<Item = f64>) {
+    pub fn set_owned(&mut self, mut values: impl Iterator<Item = T>) {
         let along_x = self.count[0];
         for row in self.rows() {
             for (own, value) in self.values[row..row + along_x].iter_mut().zip(&mut values) {
@@ -103,7 +105,7 @@ impl Field {
         &self,
         axis: usize,
         layers: Range<isize>,
-    ) -> impl Iterator<Item = Range<usize>> + use<> {
+    ) -> impl Iterator<Item = Range<usize>> + use<T> {
         self.rows_within(std::array::from_fn(|other| match other.cmp(&axis) {
             Ordering::Less => self.with_halo(other),
             Ordering::Equal => (layers.start, layers.end),
@@ -116,7 +118,7 @@ impl Field {
         &self,
         axis: usize,
         layers: Range<isize>,
-    ) -> impl Iterator<Item = Range<usize>> + use<> {
+    ) -> impl Iterator<Item = Range<usize>> + use<T> {
         self.rows_within([0, 1, 2].map(|other| match other == axis {
             true => (layers.start, layers.end),
             false => self.with_halo(other),
@@ -132,7 +134,7 @@ impl Field {
     fn rows_within(
         &self,
         [x, y, z]: [(isize, isize); 3],
-    ) -> impl Iterator<Item = Range<usize>> + use<> {
+    ) -> impl Iterator<Item = Range<usize>> + use<T> {
         let [_, along_y, along_z] = self.strides();
         let first = self.index([x.0, y.0, z.0]);
         let (length, rows, layers) = ((x.1 - x.0) as usize, y.1 - y.0, z.1 - z.0);
@@ -163,7 +165,7 @@ mod tests {
 
     #[test]
     fn slabs_include_the_halo_of_the_axes_before_their_own() {
-        let field = Field::new(&local_cells(), 1);
+        let field = Field::<f64>::new(&local_cells(), 1);
         let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
         assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
         let cells = |axis| -> usize { field.layers(axis, 0..1).map(|row| row.len()).sum() };

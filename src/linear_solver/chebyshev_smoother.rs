@@ -12,10 +12,10 @@ use crate::numbers::{VectorWork, in_wide_vectors};
 
 /// Eigenvalues of D^-1 A that are smoothed. Waves shorter than four cells along one axis have eigenvalues of at least
 /// 1/3; where coefficients jump, coarse grids also fail to represent some smaller ones.
-const SMOOTHED: [f64; 2] = [0.2, 2.0];
+const SMOOTHED: [f32; 2] = [0.2, 2.0];
 
 /// x_1 = x_0 + FIRST D^-1 r_0.
-const FIRST: f64 = 2.0 / (SMOOTHED[0] + SMOOTHED[1]);
+const FIRST: f32 = 2.0 / (SMOOTHED[0] + SMOOTHED[1]);
 
 /// For x_2 and x_3.
 const NEXT: [Recurrence; 2] = Recurrence::chebyshev(SMOOTHED);
@@ -23,13 +23,13 @@ const NEXT: [Recurrence; 2] = Recurrence::chebyshev(SMOOTHED);
 /// x_(n+1) = x_n + momentum (x_n - x_(n-1)) + step D^-1 r_n.
 #[derive(Clone, Copy, Debug)]
 struct Recurrence {
-    momentum: f64,
-    step: f64,
+    momentum: f32,
+    step: f32,
 }
 
 impl Recurrence {
     /// The coefficients of the Chebyshev iteration on an interval of eigenvalues.
-    const fn chebyshev([lower, upper]: [f64; 2]) -> [Self; 2] {
+    const fn chebyshev([lower, upper]: [f32; 2]) -> [Self; 2] {
         let half_width = 0.5 * (upper - lower);
         let sigma = 0.5 * (upper + lower) / half_width;
         let first = 1.0 / sigma;
@@ -45,18 +45,18 @@ impl Recurrence {
 /// A x = b with the inverse of the diagonal D of A.
 #[derive(Clone, Copy)]
 pub(super) struct System<'a> {
-    pub(super) coefficients: &'a Coefficients,
-    pub(super) inverse_diagonal: &'a Field,
-    pub(super) right_hand_side: &'a Field,
+    pub(super) coefficients: &'a Coefficients<f32>,
+    pub(super) inverse_diagonal: &'a Field<f32>,
+    pub(super) right_hand_side: &'a Field<f32>,
 }
 
-/// Smooths from x_0 = 0, or from the x_0 in `solution`, whose halo is then current. After: the halo of `solution` is
-/// current; `scratch` is overwritten.
+/// Smooths from x_0 = 0, or from the x_0 in `solution`, whose halo is then current. After: that halo is out of date, and
+/// `scratch` is overwritten.
 pub(super) fn smooth(
     system: System,
-    [solution, scratch]: [&mut Field; 2],
+    [solution, scratch]: [&mut Field<f32>; 2],
     from_zero: bool,
-    mut refresh: impl FnMut(&mut Field),
+    mut refresh: impl FnMut(&mut Field<f32>),
 ) {
     if from_zero {
         in_wide_vectors(FirstFromZero { system, next: scratch });
@@ -85,13 +85,12 @@ pub(super) fn smooth(
         last: scratch,
     });
     std::mem::swap(solution, scratch);
-    refresh(solution);
 }
 
 /// x_1 from x_0 = 0.
 struct FirstFromZero<'a> {
     system: System<'a>,
-    next: &'a mut Field,
+    next: &'a mut Field<f32>,
 }
 
 impl VectorWork for FirstFromZero<'_> {
@@ -113,8 +112,8 @@ impl VectorWork for FirstFromZero<'_> {
 /// x_1 from x_0.
 struct First<'a> {
     system: System<'a>,
-    solution: &'a Field,
-    next: &'a mut Field,
+    solution: &'a Field<f32>,
+    next: &'a mut Field<f32>,
 }
 
 impl VectorWork for First<'_> {
@@ -142,8 +141,8 @@ impl VectorWork for First<'_> {
 struct Next<'a, const FROM_ZERO: bool> {
     system: System<'a>,
     recurrence: Recurrence,
-    present: &'a Field,
-    last: &'a mut Field,
+    present: &'a Field<f32>,
+    last: &'a mut Field<f32>,
 }
 
 impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {

@@ -14,80 +14,160 @@
 use super::interpolation::Interpolation;
 use super::operator::Coefficients;
 use super::rows::rows;
+use crate::grid::Field;
+use crate::numbers::{VectorWork, in_wide_vectors};
 
 impl Interpolation {
     /// Sets the coefficients of owned cells of the coarse grid.
     ///
     /// Before: halos of coefficients, R and t are current. After: those of the coarse coefficients are not.
-    pub(super) fn coarsen(&self, fine: &Coefficients, coarse: &mut Coefficients) {
-        let pairs = &self.pairs;
-        let spacing = if pairs.axis == 0 { 2 } else { 1 };
-        let targets = rows([&coarse.diagonal]).zip(pairs.coarse_rows());
-        for ([target], pair) in targets {
-            let first = fine.diagonal.index(pairs.first_of(pair));
+    pub(super) fn coarsen(&self, fine: &Coefficients<f32>, coarse: &mut Coefficients<f32>) {
+        in_wide_vectors(Coarsen { interpolation: self, fine, coarse });
+    }
+}
+
+struct Coarsen<'a> {
+    interpolation: &'a Interpolation,
+    fine: &'a Coefficients<f32>,
+    coarse: &'a mut Coefficients<f32>,
+}
+
+impl VectorWork for Coarsen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let pairs = self.interpolation.pairs;
+        let length = pairs.coarse.count[0];
+        for ([target], pair) in rows([&self.coarse.diagonal]).zip(pairs.coarse_rows()) {
+            let first = self.fine.diagonal.index(pairs.first_of(pair));
             let global = pairs.coarse.start[pairs.axis] as isize + pair[pairs.axis];
-            for i in 0..pairs.coarse.count[0] {
-                let global = if pairs.axis == 0 { global + i as isize } else { global };
-                let (cell, single) = (first + spacing * i, pairs.is_single_before_wrap(global));
-                for axis in 0..3 {
-                    coarse.faces[axis].values_mut()[target + i] = if axis == pairs.axis {
-                        self.in_series(fine, cell)
-                    } else {
-                        self.in_parallel(fine.faces[axis].values(), Some(axis), cell, single)
-                    };
+            if pairs.axis == 0 {
+                self.set_row::<2, false>(first, target, length);
+                let last = length - 1;
+                if pairs.is_single_before_wrap(global + last as isize) {
+                    self.set_row::<2, true>(first + 2 * last, target + last, 1);
                 }
-                let diagonal = self.in_parallel(fine.diagonal.values(), None, cell, single);
-                coarse.diagonal.values_mut()[target + i] = diagonal;
+            } else if pairs.is_single_before_wrap(global) {
+                self.set_row::<1, true>(first, target, length);
+            } else {
+                self.set_row::<1, false>(first, target, length);
             }
         }
     }
+}
 
-    /// The coefficient between a pair, given by its first cell, and the pair below.
+/// Values in the four cells that the coefficients of a pair follow from, for all pairs of a row: the cell below the pair,
+/// its own two, the one above.
+type FourCells<'a> = [&'a [f32]; 4];
+
+impl Coarsen<'_> {
+    /// Sets the coefficients of pairs in a row along x, from their index `target` on. Their first cells are `SPACING`
+    /// apart, from the index `first` on; a pair may be a `SINGLE` cell.
     #[inline(always)]
-    fn in_series(&self, fine: &Coefficients, cell: usize) -> f64 {
-        let axis = self.pairs.axis;
-        let strides = self.weight.strides();
-        let (stride, resistance) = (strides[axis], self.half_resistance.values());
-        let face = fine.faces[axis].values()[cell];
-        if face == 0.0 || self.pairs.coarse.counts[axis] == 1 {
-            return 0.0; // the end of the grid, or a pair that is its own neighbour
+    fn set_row<const SPACING: usize, const SINGLE: bool>(
+        &mut self,
+        first: usize,
+        target: usize,
+        length: usize,
+    ) {
+        let Self { interpolation: Interpolation { pairs, weight, .. }, fine, .. } = *self;
+        let (strides, cells) = (weight.strides(), SPACING * (length - 1) + 1);
+        let below = first - strides[pairs.axis];
+        let own_weights = four_rows(weight, below, strides[pairs.axis], cells);
+        self.set_series::<SPACING>(first, target, length);
+        for across in (0..3).filter(|&across| across != pairs.axis) {
+            let values = four_rows(&fine.faces[across], below, strides[pairs.axis], cells);
+            let beside = four_rows(weight, below - strides[across], strides[pairs.axis], cells);
+            let coarse = &mut self.coarse.faces[across].values_mut()[target..][..length];
+            in_parallel::<SPACING, SINGLE>(values, [own_weights, beside], coarse);
         }
-        let series = 1.0 / (resistance[cell - stride] + 1.0 / face + resistance[cell]);
-        let mut cross_flow = 0.0;
-        for across in (0..3).filter(|&across| across != axis) {
-            let faces = fine.faces[across].values();
-            for cell in [cell - stride, cell] {
-                let above = cell + strides[across];
-                cross_flow += self.cross_flow(faces, cell, strides[across])
-                    + self.cross_flow(faces, above, strides[across]);
+        let values = four_rows(&fine.diagonal, below, strides[pairs.axis], cells);
+        let coarse = &mut self.coarse.diagonal.values_mut()[target..][..length];
+        in_parallel::<SPACING, SINGLE>(values, [own_weights; 2], coarse);
+    }
+
+    /// The coefficients between pairs and the pairs below. They are zero at the end of the grid, and where a pair is its own
+    /// neighbour.
+    #[inline(always)]
+    fn set_series<const SPACING: usize>(&mut self, first: usize, target: usize, length: usize) {
+        let Interpolation { pairs, weight, half_resistance } = self.interpolation;
+        let coarse = &mut self.coarse.faces[pairs.axis].values_mut()[target..][..length];
+        if pairs.coarse.counts[pairs.axis] == 1 {
+            return coarse.fill(0.0);
+        }
+        let (strides, cells) = (weight.strides(), SPACING * (length - 1) + 1);
+        let below = first - strides[pairs.axis];
+        let faces = &self.fine.faces;
+        let resistances = [below, first].map(|first| row(half_resistance, first, cells));
+        let between = row(&faces[pairs.axis], first, cells);
+        for (i, coefficient) in coarse.iter_mut().enumerate() {
+            let [below, own] = resistances.map(|resistance| resistance[SPACING * i]);
+            *coefficient = 1.0 / (below + 1.0 / between[SPACING * i] + own);
+        }
+        for across in (0..3).filter(|&across| across != pairs.axis) {
+            let stride = strides[across];
+            for first in [below, first] {
+                let faces = [first, first + stride].map(|face| row(&faces[across], face, cells));
+                let beside = [first - stride, first, first + stride];
+                add_cross_flow::<SPACING>(
+                    faces,
+                    beside.map(|cell| row(weight, cell, cells)),
+                    coarse,
+                );
             }
         }
-        series + 0.5 * cross_flow
+        for (i, coefficient) in coarse.iter_mut().enumerate() {
+            *coefficient = if between[SPACING * i] == 0.0 { 0.0 } else { *coefficient };
+        }
     }
+}
 
-    /// a_f (t_c - t_c')^2 of the lower face of a cell across the axis.
-    #[inline(always)]
-    fn cross_flow(&self, faces: &[f64], cell: usize, across: usize) -> f64 {
-        let weight = self.weight.values();
-        let difference = weight[cell] - weight[cell - across];
-        faces[cell] * (difference * difference)
+/// The values of some cells along x.
+#[inline(always)]
+fn row(field: &Field<f32>, first: usize, cells: usize) -> &[f32] {
+    &field.values()[first..][..cells]
+}
+
+/// The values of such cells in four rows, the second of which lies a stride beyond the first, and so on.
+#[inline(always)]
+fn four_rows(field: &Field<f32>, first: usize, stride: usize, cells: usize) -> FourCells<'_> {
+    [0, 1, 2, 3].map(|number| row(field, first + number * stride, cells))
+}
+
+/// Adds a_f (t_c - t_c')^2 / 2 for the lower and the upper faces of cells, from t in the cells below, the cells
+/// themselves and those above.
+#[inline(always)]
+fn add_cross_flow<const SPACING: usize>(
+    [lower, upper]: [&[f32]; 2],
+    [below, here, above]: [&[f32]; 3],
+    coefficients: &mut [f32],
+) {
+    for (i, coefficient) in coefficients.iter_mut().enumerate() {
+        let cell = SPACING * i;
+        let (rise_below, rise_above) = (here[cell] - below[cell], above[cell] - here[cell]);
+        let flows =
+            lower[cell] * (rise_below * rise_below) + upper[cell] * (rise_above * rise_above);
+        *coefficient += 0.5 * flows;
     }
+}
 
-    /// The sum over fine cells of their values times their weights in a pair, given by its first cell. For faces
-    /// across the axis the weight is the mean of those of their two cells.
-    #[inline(always)]
-    fn in_parallel(&self, values: &[f64], across: Option<usize>, cell: usize, single: bool) -> f64 {
-        let (weight, strides) = (self.weight.values(), self.weight.strides());
-        let stride = strides[self.pairs.axis];
-        let mean = |cell: usize| match across {
-            Some(axis) => 0.5 * (weight[cell] + weight[cell - strides[axis]]),
-            None => weight[cell],
+/// The sums over fine cells of their values times their weights in a pair. The weight is the mean of two: those of the two
+/// cells of a face across the axis, or twice that of a cell.
+#[inline(always)]
+fn in_parallel<const SPACING: usize, const SINGLE: bool>(
+    values: FourCells,
+    [here, beside]: [FourCells; 2],
+    coarse: &mut [f32],
+) {
+    for (i, sum) in coarse.iter_mut().enumerate() {
+        let cell = SPACING * i;
+        let mean = |of: usize| 0.5 * (here[of][cell] + beside[of][cell]);
+        let own = |of: usize| (1.0 - mean(of)) * values[of][cell];
+        let next = |of: usize| mean(of) * values[of][cell];
+        *sum = match SINGLE {
+            true => own(1) + (next(0) + next(2)),
+            false => (own(1) + own(2)) + (next(0) + next(3)),
         };
-        let own = |cell: usize| (1.0 - mean(cell)) * values[cell];
-        let next = |cell: usize| mean(cell) * values[cell];
-        if single {
-            return own(cell) + (next(cell - stride) + next(cell + stride));
-        }
-        (own(cell) + own(cell + stride)) + (next(cell - stride) + next(cell + 2 * stride))
     }
 }

@@ -10,9 +10,11 @@
 
 use super::convergence::LinearSolverError;
 use super::dot_product::{DotProduct, RunningDot};
-use super::multigrid::{Cycle, Multigrid};
+use super::multigrid::Cycle;
 use super::operator::{Equation, apply, residual};
+use super::preconditioner::Preconditioner;
 use super::rows::rows;
+use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
@@ -20,9 +22,10 @@ use crate::parallel::{Communicator, FieldHalo};
 /// Iterations after which a solve is given up.
 const ITERATION_LIMIT: usize = 200;
 
-/// The vectors of the iteration.
+/// The vectors of the iteration, and their halo.
 #[derive(Clone, Debug)]
 pub(super) struct ConjugateGradients {
+    halo: FieldHalo,
     /// r
     residual: Field,
     /// z = M r
@@ -40,12 +43,6 @@ pub(super) struct Solved {
     pub(super) iterations: usize,
     /// |b - A x|.
     pub(super) residual: f64,
-}
-
-/// The preconditioner, and the halo of the vectors that it and the operator are applied to.
-pub(super) struct Preconditioner<'a> {
-    pub(super) multigrid: &'a mut Multigrid,
-    pub(super) halo: &'a mut FieldHalo,
 }
 
 /// What is kept when the iteration is restarted: the magnitudes of the dot products, and the kind of cycle.
@@ -76,9 +73,15 @@ impl Restart {
 }
 
 impl ConjugateGradients {
-    pub(super) fn new(cells: &LocalCells) -> Self {
+    pub(super) fn new(cells: &LocalCells, subdomain: Subdomain) -> Self {
         let zero = || Field::new(cells, 1);
-        Self { residual: zero(), preconditioned: zero(), direction: zero(), applied: zero() }
+        Self {
+            halo: FieldHalo::new(subdomain),
+            residual: zero(),
+            preconditioned: zero(),
+            direction: zero(),
+            applied: zero(),
+        }
     }
 
     /// A vector that may be overwritten between two solves.
@@ -91,13 +94,13 @@ impl ConjugateGradients {
     pub(super) fn solve(
         &mut self,
         equation: &mut Equation,
-        mut preconditioner: Preconditioner,
+        preconditioner: &mut Preconditioner,
         allowed: f64,
         ranks: &dyn Communicator,
     ) -> Result<Solved, LinearSolverError> {
         let mut restart = Restart::new();
         loop {
-            preconditioner.halo.refresh(&mut [&mut *equation.solution], ranks);
+            self.halo.refresh(&mut [&mut *equation.solution], ranks);
             residual(equation, &mut self.residual);
             let norm = restart.squared_residual.of(&self.residual, &self.residual, ranks).sqrt();
             if !(norm + allowed).is_finite() {
@@ -107,7 +110,7 @@ impl ConjugateGradients {
             if norm <= allowed || (iterations > 0 && norm <= self.rounding(equation, ranks)) {
                 return Ok(Solved { iterations, residual: norm });
             }
-            self.iterate(equation, &mut preconditioner, &mut restart, [norm, allowed], ranks)?;
+            self.iterate(equation, preconditioner, &mut restart, [norm, allowed], ranks)?;
         }
     }
 
@@ -137,15 +140,15 @@ impl ConjugateGradients {
             if restart.iterations == ITERATION_LIMIT {
                 return Err(failed);
             }
-            let mut product = self.precondition(equation, preconditioner, restart, ranks);
+            let mut product = self.precondition(preconditioner, restart, norm, ranks);
             if product <= 0.0 {
                 restart.cycle = Cycle::V;
                 last_product = f64::INFINITY;
-                product = self.precondition(equation, preconditioner, restart, ranks);
+                product = self.precondition(preconditioner, restart, norm, ranks);
             }
             self.update_direction(product / last_product);
             last_product = product;
-            preconditioner.halo.refresh(&mut [&mut self.direction], ranks);
+            self.halo.refresh(&mut [&mut self.direction], ranks);
             let squared_norm = self.update_solution(equation, restart, product, ranks);
             if !squared_norm.is_finite() {
                 return Err(failed);
@@ -156,21 +159,17 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// z = M r; returns r . z. This call is collective.
+    /// z = M r, r being of this norm; returns r . z. This call is collective.
     fn precondition(
         &mut self,
-        equation: &Equation,
         preconditioner: &mut Preconditioner,
         restart: &mut Restart,
+        norm: f64,
         ranks: &dyn Communicator,
     ) -> f64 {
-        let mut correction = Equation {
-            coefficients: equation.coefficients,
-            right_hand_side: &self.residual,
-            solution: &mut self.preconditioned,
-        };
-        preconditioner.multigrid.cycle(&mut correction, restart.cycle, ranks);
-        restart.residual_dot_preconditioned.of(&self.residual, &self.preconditioned, ranks)
+        let Self { residual, preconditioned, .. } = self;
+        preconditioner.apply(restart.cycle, (residual, norm), preconditioned, ranks);
+        restart.residual_dot_preconditioned.of(residual, preconditioned, ranks)
     }
 
     /// p <- z + beta p.

@@ -1,5 +1,5 @@
 //! The coarsest level: a dense LDL^T factorisation (Golub and Van Loan, "Matrix computations", section 4.1), which
-//! every rank computes for itself.
+//! every rank computes for itself. In double precision: coefficients that differ much would leave no digit.
 
 use super::operator::{Coefficients, Equation};
 
@@ -26,7 +26,7 @@ impl DirectSolver {
     }
 
     /// Factorises the operator of a level that this rank holds as a whole.
-    pub(super) fn factorise(&mut self, coefficients: &Coefficients) {
+    pub(super) fn factorise(&mut self, coefficients: &Coefficients<f32>) {
         self.assemble(coefficients);
         let n = self.size;
         let (lower, diagonal) = (&self.lower, &mut self.work);
@@ -47,7 +47,7 @@ impl DirectSolver {
         }
     }
 
-    fn assemble(&mut self, coefficients: &Coefficients) {
+    fn assemble(&mut self, coefficients: &Coefficients<f32>) {
         let n = self.size;
         self.lower.fill(0.0);
         let [nx, ny, nz] = coefficients.diagonal.count();
@@ -56,9 +56,9 @@ impl DirectSolver {
         for index in 0..n {
             let cell = [index % nx, (index / nx) % ny, index / (nx * ny)];
             let at = cell.map(|along| along as isize);
-            self.lower[index * n + index] += coefficients.diagonal.at(at);
+            self.lower[index * n + index] += f64::from(coefficients.diagonal.at(at));
             for axis in 0..3 {
-                let value = coefficients.faces[axis].at(at);
+                let value = f64::from(coefficients.faces[axis].at(at));
                 let mut below = cell;
                 below[axis] = (cell[axis] + counts[axis] - 1) % counts[axis];
                 let below = index_of(below);
@@ -73,10 +73,10 @@ impl DirectSolver {
     }
 
     /// Solves A x = b; for a singular A the result is one of the solutions, if there are any.
-    pub(super) fn solve(&mut self, equation: &mut Equation) {
+    pub(super) fn solve(&mut self, equation: &mut Equation<f32>) {
         let n = self.size;
         let x = &mut self.work;
-        x.iter_mut().zip(equation.right_hand_side.owned()).for_each(|(x, b)| *x = b);
+        x.iter_mut().zip(equation.right_hand_side.owned()).for_each(|(x, b)| *x = f64::from(b));
         for row in 0..n {
             let known = &self.lower[row * n..][..row];
             let sum = known.iter().zip(&x[..row]).fold(0.0, |sum, (l, x)| sum + l * x);
@@ -88,6 +88,6 @@ impl DirectSolver {
             let known = &self.lower[row * n..][..row];
             known.iter().zip(&mut x[..row]).for_each(|(l, x)| *x -= l * value);
         }
-        equation.solution.set_owned(x.iter().copied());
+        equation.solution.set_owned(x.iter().map(|&value| value as f32));
     }
 }

@@ -21,9 +21,9 @@ use crate::grid::Field;
 pub(super) struct Interpolation {
     pub(super) pairs: CellPairs,
     /// t of each fine cell, the weight of the next pair. The halo is two cells wide.
-    pub(super) weight: Field,
+    pub(super) weight: Field<f32>,
     /// R of each fine cell, from its centre to the middle of its pair.
-    pub(super) half_resistance: Field,
+    pub(super) half_resistance: Field<f32>,
 }
 
 impl Interpolation {
@@ -33,7 +33,7 @@ impl Interpolation {
     }
 
     /// Sets R of owned cells. Before: halos of the coefficients are current.
-    pub(super) fn set_half_resistance(&mut self, fine: &Coefficients) {
+    pub(super) fn set_half_resistance(&mut self, fine: &Coefficients<f32>) {
         let Self { pairs, half_resistance, .. } = self;
         let stride = half_resistance.strides()[pairs.axis];
         let faces = fine.faces[pairs.axis].values();
@@ -56,7 +56,7 @@ impl Interpolation {
     }
 
     /// Sets t of owned cells. Before: halos of the coefficients and of R are current.
-    pub(super) fn set_weights(&mut self, fine: &Coefficients) {
+    pub(super) fn set_weights(&mut self, fine: &Coefficients<f32>) {
         let Self { pairs, half_resistance, weight } = self;
         let stride = half_resistance.strides()[pairs.axis];
         let faces = fine.faces[pairs.axis].values();
@@ -75,9 +75,9 @@ impl Interpolation {
 
 /// R / (R + 1/a + R'); 0 if the face is closed, 1 if only R is infinite, 1/2 if R and R' both are.
 #[inline(always)]
-fn weight_of_next(own: f64, face: f64, next: f64) -> f64 {
+fn weight_of_next(own: f32, face: f32, next: f32) -> f32 {
     let weight = own / (own + 1.0 / face + next);
-    let if_infinite = if next == f64::INFINITY { 0.5 } else { 1.0 };
-    let weight = if own == f64::INFINITY { if_infinite } else { weight };
+    let if_infinite = if next == f32::INFINITY { 0.5 } else { 1.0 };
+    let weight = if own == f32::INFINITY { if_infinite } else { weight };
     if face == 0.0 { 0.0 } else { weight }
 }

@@ -16,16 +16,16 @@ pub(super) struct LevelTransfer {
     along_axes: Vec<AxisTransfer>,
     /// If the coarser level is the first replicated one.
     gathered: Option<GatheredLevel>,
-    solution: Field,
+    solution: Field<f32>,
 }
 
 /// The transfer along one axis.
 #[derive(Clone, Debug)]
 struct AxisTransfer {
     interpolation: Interpolation,
-    coefficients: Coefficients,
+    coefficients: Coefficients<f32>,
     /// The restricted residual, then the correction.
-    values: Field,
+    values: Field<f32>,
 }
 
 /// The equation of the first replicated level.
@@ -33,17 +33,13 @@ struct AxisTransfer {
 struct GatheredLevel {
     replication: Replication,
     halo: FieldHalo,
-    coefficients: Coefficients,
-    right_hand_side: Field,
+    coefficients: Coefficients<f32>,
+    right_hand_side: Field<f32>,
 }
 
 impl LevelTransfer {
-    /// The transfer from a level, which is replicated or not, and the grid of the next level.
-    pub(super) fn new(
-        grid: &LevelGrid,
-        subdomain: Subdomain,
-        replicated: bool,
-    ) -> (Self, LevelGrid) {
+    /// The transfer from a level, and the grid of the next one.
+    pub(super) fn new(grid: &LevelGrid, subdomain: Subdomain) -> (Self, LevelGrid) {
         let mut along_axes = Vec::new();
         let mut fine = grid.clone();
         for axis in grid.axes_to_coarsen().into_iter().rev() {
@@ -62,7 +58,7 @@ impl LevelTransfer {
             fine = coarse;
         }
         let cells = fine.local_cells(subdomain);
-        let gathers = !replicated && fine.is_replicated();
+        let gathers = !grid.is_replicated() && fine.is_replicated();
         let next = if gathers { fine.replicated() } else { fine };
         let next_cells = next.local_cells(subdomain);
         let gathered = gathers.then(|| GatheredLevel {
@@ -78,10 +74,10 @@ impl LevelTransfer {
     /// collective.
     pub(super) fn coarsen<'a>(
         &'a mut self,
-        finest: &'a Coefficients,
+        finest: &'a Coefficients<f32>,
         halo: &mut FieldHalo,
         ranks: &dyn Communicator,
-    ) -> &'a Coefficients {
+    ) -> &'a Coefficients<f32> {
         let mut fine = finest;
         let last = self.along_axes.len() - 1;
         for (number, along_axis) in self.along_axes.iter_mut().enumerate() {
@@ -104,7 +100,7 @@ impl LevelTransfer {
     }
 
     /// Restricts the residual to the right-hand side of the coarser level. Before: the halo of the residual is current.
-    pub(super) fn restrict(&mut self, residual: &Field, ranks: &dyn Communicator) {
+    pub(super) fn restrict(&mut self, residual: &Field<f32>, ranks: &dyn Communicator) {
         let mut fine = residual;
         for along_axis in &mut self.along_axes {
             along_axis.interpolation.restrict(fine, &mut along_axis.values);
@@ -116,7 +112,7 @@ impl LevelTransfer {
     }
 
     /// The equation of the coarser level.
-    pub(super) fn equation(&mut self) -> Equation<'_> {
+    pub(super) fn equation(&mut self) -> Equation<'_, f32> {
         let last = self.along_axes.last().expect("a level is coarsened along some axis");
         let (coefficients, right_hand_side) = match &self.gathered {
             Some(gathered) => (&gathered.coefficients, &gathered.right_hand_side),
@@ -127,7 +123,7 @@ impl LevelTransfer {
 
     /// Adds the prolonged solution of the coarser level to that of the finer one. Before: the halo of the coarser
     /// solution is current.
-    pub(super) fn correct(&mut self, solution: &mut Field) {
+    pub(super) fn correct(&mut self, solution: &mut Field<f32>) {
         let last = self.along_axes.len() - 1;
         let mut coarse = &self.solution;
         let (finer, coarsest) = self.along_axes.split_at_mut(last);

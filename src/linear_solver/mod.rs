@@ -9,7 +9,7 @@
 //! distances are contained in a_f and d_c, so that A is symmetric.
 //!
 //! The method is conjugate gradients \[Hestenes1952\], preconditioned by one cycle of geometric multigrid
-//! \[Ashby1996\]:
+//! \[Ashby1996\] in single precision:
 //!
 //! * `level_grid`: a coarser grid keeps every other cell along the axes along which cells are narrowest
 //!   (semi-coarsening). Coarse grids follow from the whole grid alone, not from the decomposition.
@@ -21,6 +21,7 @@
 //!   does not depend on the order of the cells.
 //! * `replication`, `direct_solver`: every rank holds the small levels as a whole, and factorises the coarsest.
 //! * `multigrid`: the hierarchy of levels, and the V- and W-cycle over them.
+//! * `preconditioner`: the cycle, for equations in double precision.
 //! * `conjugate_gradients`, `pressure_solver`: the iteration, and what the rest of the crate calls.
 //!
 //! Dot products are sums of integers (`dot_product`), so that their bits do not depend on the order of the cells.
@@ -46,6 +47,7 @@ mod level_grid;
 mod level_transfer;
 mod multigrid;
 mod operator;
+mod preconditioner;
 mod pressure_solver;
 mod prolongation;
 mod replication;

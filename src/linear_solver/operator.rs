@@ -8,30 +8,41 @@ use super::dot_product::RunningDot;
 use super::rows::rows;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
+use bytemuck::Pod;
+use std::ops::{Add, Mul, Sub};
+
+/// A number of single or double precision.
+pub(super) trait Number:
+    Pod + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+}
+
+impl Number for f32 {}
+impl Number for f64 {}
 
 /// a_f of the lower faces of cells along x, y and z, and d_c. The halo is two cells wide; faces in the faces of the box
 /// are zero, unless those are periodic.
 #[derive(Clone, Debug)]
-pub(super) struct Coefficients {
-    pub(super) faces: [Field; 3],
-    pub(super) diagonal: Field,
+pub(super) struct Coefficients<T = f64> {
+    pub(super) faces: [Field<T>; 3],
+    pub(super) diagonal: Field<T>,
 }
 
-impl Coefficients {
+impl<T: Number> Coefficients<T> {
     pub(super) fn new(cells: &LocalCells) -> Self {
         let zero = || Field::new(cells, 2);
         Self { faces: [zero(), zero(), zero()], diagonal: zero() }
     }
 
     /// All four fields.
-    pub(super) fn fields(&mut self) -> [&mut Field; 4] {
+    pub(super) fn fields(&mut self) -> [&mut Field<T>; 4] {
         let [x, y, z] = &mut self.faces;
         [x, y, z, &mut self.diagonal]
     }
 
     /// The diagonal of A, the sum of a_f and d_c, for the cell of an index.
     #[inline(always)]
-    fn sum(&self, cell: usize) -> f64 {
+    fn sum(&self, cell: usize) -> T {
         let strides = self.diagonal.strides();
         let along = |axis: usize| {
             let faces = self.faces[axis].values();
@@ -39,9 +50,11 @@ impl Coefficients {
         };
         (along(0) + along(1)) + (along(2) + self.diagonal.values()[cell])
     }
+}
 
+impl Coefficients<f32> {
     /// The inverse of the diagonal of A; zero for a cell without any coupling.
-    pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field) {
+    pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field<f32>) {
         let length = inverse.count()[0];
         for [from, to] in rows([&self.diagonal, inverse]) {
             for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
@@ -50,7 +63,9 @@ impl Coefficients {
             }
         }
     }
+}
 
+impl Coefficients<f64> {
     /// 1 in cells that are coupled to others or to zero, 0 in the rest.
     pub(super) fn mark_coupled(&self, marks: &mut Field) {
         let length = marks.count()[0];
@@ -73,33 +88,33 @@ impl Coefficients {
 }
 
 /// A x = b on the cells of a rank.
-pub(super) struct Equation<'a> {
+pub(super) struct Equation<'a, T = f64> {
     /// A.
-    pub(super) coefficients: &'a Coefficients,
+    pub(super) coefficients: &'a Coefficients<T>,
     /// b.
-    pub(super) right_hand_side: &'a Field,
+    pub(super) right_hand_side: &'a Field<T>,
     /// x, or an approximation to it.
-    pub(super) solution: &'a mut Field,
+    pub(super) solution: &'a mut Field<T>,
 }
 
 /// A row of cells along x with its coefficients, and the values in the cells and in their neighbours.
 #[derive(Clone, Copy)]
-pub(super) struct StencilRow<'a> {
-    lower_faces: [&'a [f64]; 3],
-    upper_faces: [&'a [f64]; 3],
-    diagonal: &'a [f64],
-    centre: &'a [f64],
-    below: [&'a [f64]; 3],
-    above: [&'a [f64]; 3],
+pub(super) struct StencilRow<'a, T> {
+    lower_faces: [&'a [T]; 3],
+    upper_faces: [&'a [T]; 3],
+    diagonal: &'a [T],
+    centre: &'a [T],
+    below: [&'a [T]; 3],
+    above: [&'a [T]; 3],
 }
 
-impl<'a> StencilRow<'a> {
+impl<'a, T: Number> StencilRow<'a, T> {
     /// `length` cells, from the index `first` into the coefficients and the index `row` into the values.
     #[inline(always)]
     pub(super) fn new(
-        coefficients: &'a Coefficients,
+        coefficients: &'a Coefficients<T>,
         first: usize,
-        values: &'a Field,
+        values: &'a Field<T>,
         row: usize,
         length: usize,
     ) -> Self {
@@ -118,7 +133,7 @@ impl<'a> StencilRow<'a> {
 
     /// A p in the i-th cell of the row. The order of the sum is fixed.
     #[inline(always)]
-    pub(super) fn apply(&self, i: usize) -> f64 {
+    pub(super) fn apply(&self, i: usize) -> T {
         let centre = self.centre[i];
         let along = |axis: usize| {
             self.lower_faces[axis][i] * (centre - self.below[axis][i])
@@ -128,13 +143,13 @@ impl<'a> StencilRow<'a> {
     }
 
     #[inline(always)]
-    pub(super) fn centre(&self) -> &'a [f64] {
+    pub(super) fn centre(&self) -> &'a [T] {
         self.centre
     }
 }
 
 #[inline(always)]
-fn slices([x, y, z]: [&[f64]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[f64]; 3] {
+fn slices<T>([x, y, z]: [&[T]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[T]; 3] {
     [&x[i..][..length], &y[j..][..length], &z[k..][..length]]
 }
 
@@ -175,19 +190,19 @@ impl VectorWork for Apply<'_> {
 }
 
 /// r = b - A x. Before: the halo of x is current.
-pub(super) fn residual(equation: &Equation, r: &mut Field) {
+pub(super) fn residual<T: Number>(equation: &Equation<T>, r: &mut Field<T>) {
     let Equation { coefficients, right_hand_side: b, solution: ref x } = *equation;
     in_wide_vectors(Residual { coefficients, x, b, r });
 }
 
-struct Residual<'a> {
-    coefficients: &'a Coefficients,
-    x: &'a Field,
-    b: &'a Field,
-    r: &'a mut Field,
+struct Residual<'a, T> {
+    coefficients: &'a Coefficients<T>,
+    x: &'a Field<T>,
+    b: &'a Field<T>,
+    r: &'a mut Field<T>,
 }
 
-impl VectorWork for Residual<'_> {
+impl<T: Number> VectorWork for Residual<'_, T> {
     type Output = ();
 
     #[inline(always)]

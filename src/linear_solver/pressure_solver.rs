@@ -1,14 +1,15 @@
 //! The pressure equation as the gas solvers pose it.
 
-use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
+use super::conjugate_gradients::ConjugateGradients;
 use super::convergence::{Convergence, LinearSolverError, Tolerance};
 use super::dot_product::DotProduct;
 use super::level_grid::LevelGrid;
-use super::multigrid::Multigrid;
 use super::operator::{Coefficients, Equation};
+use super::preconditioner::Preconditioner;
 use super::rows::rows;
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
 
 /// Solves A p = b on the cells of the box; it keeps its memory from one solve to the next.
@@ -50,7 +51,7 @@ pub struct PressureSolver {
     coefficients: Coefficients,
     /// No cell is coupled to zero, so that the mean of the solution is undetermined.
     closed: bool,
-    multigrid: Multigrid,
+    preconditioner: Preconditioner,
     gradients: ConjugateGradients,
     right_hand_side: Field,
     solution: Field,
@@ -69,8 +70,8 @@ impl PressureSolver {
             halo: FieldHalo::new(subdomain),
             coefficients: Coefficients::new(&cells),
             closed: true,
-            multigrid: Multigrid::new(&finest, subdomain),
-            gradients: ConjugateGradients::new(&cells),
+            preconditioner: Preconditioner::new(&finest, &cells, subdomain),
+            gradients: ConjugateGradients::new(&cells, subdomain),
             right_hand_side: Field::new(&cells, 1),
             solution: Field::new(&cells, 1),
         }
@@ -98,18 +99,18 @@ impl PressureSolver {
             Some(diagonal) => copy_owned(diagonal, &mut self.coefficients.diagonal),
             None => self.coefficients.diagonal.values_mut().fill(0.0),
         }
-        let allowed = |value: f64| (0.0..=f64::MAX).contains(&value);
-        let fields = self.coefficients.fields();
-        let wrong: usize = fields.iter().map(|field| count(field, |a| !allowed(a))).sum();
-        let coupled_to_zero = count(&self.coefficients.diagonal, |d| d > 0.0);
-        let mut counts = [wrong as i64, coupled_to_zero as i64];
-        ranks.sum_integers(&mut counts);
-        if counts[0] != 0 {
-            return Err(LinearSolverError::Coefficients(counts[0] as usize));
+        let Coefficients { faces, diagonal } = &self.coefficients;
+        let mut largest = [largest(faces), largest([diagonal])];
+        ranks.maximum(&mut largest);
+        let [of_faces, of_diagonal] = largest;
+        if of_faces.max(of_diagonal) == f64::INFINITY {
+            let wrong: usize =
+                self.coefficients.fields().iter().map(|field| not_allowed(field)).sum();
+            return Err(LinearSolverError::Coefficients(ranks.total(wrong)));
         }
-        self.closed = counts[1] == 0;
+        self.closed = of_diagonal == 0.0;
         self.halo.refresh(&mut self.coefficients.fields(), ranks);
-        self.multigrid.set_coefficients(&self.coefficients, ranks);
+        self.preconditioner.set_coefficients(&self.coefficients, of_faces.max(of_diagonal), ranks);
         Ok(())
     }
 
@@ -141,7 +142,7 @@ impl PressureSolver {
     ) -> Result<Convergence, LinearSolverError> {
         copy_owned(solution, &mut self.solution);
         copy_owned(right_hand_side, &mut self.right_hand_side);
-        let Self { multigrid, halo, gradients, closed, coefficients, .. } = self;
+        let Self { preconditioner, gradients, closed, coefficients, .. } = self;
         let right = &mut self.right_hand_side;
         let removed_mean = match *closed {
             true => remove_mean(right, coefficients, gradients.scratch(), ranks),
@@ -159,7 +160,6 @@ impl PressureSolver {
             right_hand_side: right,
             solution: &mut self.solution,
         };
-        let preconditioner = Preconditioner { multigrid, halo };
         let solved = gradients.solve(&mut equation, preconditioner, allowed, ranks)?;
         if *closed {
             remove_mean(&mut self.solution, &self.coefficients, gradients.scratch(), ranks);
@@ -207,9 +207,41 @@ fn copy_owned(from: &Field, to: &mut Field) {
     }
 }
 
-/// How many owned values satisfy a condition.
-fn count(field: &Field, condition: impl Fn(f64) -> bool) -> usize {
+/// The largest of the owned values; infinity if one is negative, infinite or undefined (NaN).
+fn largest<'a>(fields: impl IntoIterator<Item = &'a Field>) -> f64 {
+    let bits = fields.into_iter().map(|field| in_wide_vectors(LargestBits { field })).max();
+    match bits.unwrap_or(0) {
+        bits if bits < f64::INFINITY.to_bits() => f64::from_bits(bits),
+        _ => f64::INFINITY,
+    }
+}
+
+/// The largest bit pattern of the owned values. Those of positive numbers have the order of the numbers; infinity, NaN and
+/// negative numbers come after.
+struct LargestBits<'a> {
+    field: &'a Field,
+}
+
+impl VectorWork for LargestBits<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let length = self.field.count()[0];
+        let mut largest = 0;
+        for [row] in rows([self.field]) {
+            for value in &self.field.values()[row..][..length] {
+                largest = largest.max((value + 0.0).to_bits()); // a zero has no sign
+            }
+        }
+        largest
+    }
+}
+
+/// How many owned values are negative, infinite or undefined (NaN).
+fn not_allowed(field: &Field) -> usize {
     let length = field.count()[0];
     let row = |[row]: [usize; 1]| &field.values()[row..][..length];
-    rows([field]).map(|at| row(at).iter().filter(|&&value| condition(value)).count()).sum()
+    let is_wrong = |value: &&f64| !(0.0..=f64::MAX).contains(*value);
+    rows([field]).map(|at| row(at).iter().filter(is_wrong).count()).sum()
 }

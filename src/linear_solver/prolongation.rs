@@ -10,26 +10,26 @@ use crate::numbers::{VectorWork, in_wide_vectors};
 
 impl Interpolation {
     /// Restricts values from cells to pairs. Before: the halo of `fine`, two cells wide, is current.
-    pub(super) fn restrict(&self, fine: &Field, coarse: &mut Field) {
+    pub(super) fn restrict(&self, fine: &Field<f32>, coarse: &mut Field<f32>) {
         in_wide_vectors(Restrict { interpolation: self, fine, coarse });
     }
 
     /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this
     /// one.
-    pub(super) fn prolong(&self, coarse: &Field, fine: &mut Field) {
+    pub(super) fn prolong(&self, coarse: &Field<f32>, fine: &mut Field<f32>) {
         in_wide_vectors(Prolong::<false> { interpolation: self, coarse, fine });
     }
 
     /// Adds the prolonged values to owned cells.
-    pub(super) fn correct(&self, coarse: &Field, fine: &mut Field) {
+    pub(super) fn correct(&self, coarse: &Field<f32>, fine: &mut Field<f32>) {
         in_wide_vectors(Prolong::<true> { interpolation: self, coarse, fine });
     }
 }
 
 struct Restrict<'a> {
     interpolation: &'a Interpolation,
-    fine: &'a Field,
-    coarse: &'a mut Field,
+    fine: &'a Field<f32>,
+    coarse: &'a mut Field<f32>,
 }
 
 impl VectorWork for Restrict<'_> {
@@ -67,7 +67,7 @@ impl VectorWork for Restrict<'_> {
 
 /// What a pair of a single cell receives from it and from the cells below and above.
 #[inline(always)]
-fn restrict_single(weight: &[f64], values: &[f64], cell: usize, stride: usize) -> f64 {
+fn restrict_single(weight: &[f32], values: &[f32], cell: usize, stride: usize) -> f32 {
     let own = (1.0 - weight[cell]) * values[cell];
     let next = |cell: usize| weight[cell] * values[cell];
     own + (next(cell - stride) + next(cell + stride))
@@ -75,7 +75,7 @@ fn restrict_single(weight: &[f64], values: &[f64], cell: usize, stride: usize) -
 
 /// What pairs along x receive; the slices start one cell below the first pair.
 #[inline(always)]
-fn restrict_along_x(weight: &[f64], values: &[f64], sums: &mut [f64]) {
+fn restrict_along_x(weight: &[f32], values: &[f32], sums: &mut [f32]) {
     let cells = 2 * sums.len() + 2;
     let (weight, values) = (&weight[..cells], &values[..cells]);
     for (m, sum) in sums.iter_mut().enumerate() {
@@ -88,12 +88,12 @@ fn restrict_along_x(weight: &[f64], values: &[f64], sums: &mut [f64]) {
 
 /// What pairs across x receive from four rows, each of weights and values: the row below, their own two, the row above.
 #[inline(always)]
-fn restrict_across_x(rows: [[&[f64]; 2]; 4], sums: &mut [f64]) {
+fn restrict_across_x(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
     let length = sums.len();
     let [below, first, second, above] = rows.map(|row| row.map(|values| &values[..length]));
     for (i, sum) in sums.iter_mut().enumerate() {
-        let own = |[weight, values]: [&[f64]; 2]| (1.0 - weight[i]) * values[i];
-        let next = |[weight, values]: [&[f64]; 2]| weight[i] * values[i];
+        let own = |[weight, values]: [&[f32]; 2]| (1.0 - weight[i]) * values[i];
+        let next = |[weight, values]: [&[f32]; 2]| weight[i] * values[i];
         *sum = (own(first) + own(second)) + (next(below) + next(above));
     }
 }
@@ -101,8 +101,8 @@ fn restrict_across_x(rows: [[&[f64]; 2]; 4], sums: &mut [f64]) {
 /// Sets the values of cells, or adds to them if `CORRECT`.
 struct Prolong<'a, const CORRECT: bool> {
     interpolation: &'a Interpolation,
-    coarse: &'a Field,
-    fine: &'a mut Field,
+    coarse: &'a Field<f32>,
+    fine: &'a mut Field<f32>,
 }
 
 impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
@@ -137,7 +137,7 @@ impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
 }
 
 #[inline(always)]
-fn put<const CORRECT: bool>(value: &mut f64, weight: f64, own: f64, next: f64) {
+fn put<const CORRECT: bool>(value: &mut f32, weight: f32, own: f32, next: f32) {
     let interpolated = (1.0 - weight) * own + weight * next;
     *value = if CORRECT { *value + interpolated } else { interpolated };
 }
@@ -146,10 +146,10 @@ fn put<const CORRECT: bool>(value: &mut f64, weight: f64, own: f64, next: f64) {
 /// even index, since an odd one takes from no pair below its own.
 #[inline(always)]
 fn prolong_along_x<const CORRECT: bool>(
-    weight: &[f64],
-    pairs: &[f64],
+    weight: &[f32],
+    pairs: &[f32],
     global_index: usize,
-    values: &mut [f64],
+    values: &mut [f32],
 ) {
     let odd = global_index % 2;
     let (single, doubles) = values.split_at_mut(odd.min(values.len()));
@@ -172,7 +172,7 @@ fn prolong_along_x<const CORRECT: bool>(
 
 /// Cells of a row, from the rows of their own pairs and of the next ones.
 #[inline(always)]
-fn prolong_across_x<const CORRECT: bool>(weight: &[f64], pairs: [&[f64]; 2], values: &mut [f64]) {
+fn prolong_across_x<const CORRECT: bool>(weight: &[f32], pairs: [&[f32]; 2], values: &mut [f32]) {
     let [own, next] = pairs.map(|pairs| &pairs[..values.len()]);
     for (i, value) in values.iter_mut().enumerate() {
         put::<CORRECT>(value, weight[i], own[i], next[i]);

@@ -18,7 +18,12 @@ impl Replication {
     }
 
     /// Gathers the owned cells of all ranks in the owned cells of `replica`. This call is collective.
-    pub(super) fn gather(&mut self, field: &Field, replica: &mut Field, ranks: &dyn Communicator) {
+    pub(super) fn gather(
+        &mut self,
+        field: &Field<f32>,
+        replica: &mut Field<f32>,
+        ranks: &dyn Communicator,
+    ) {
         self.buffer.fill(0.0);
         let [along_x, rows, _] = self.cells.count;
         for (number, row) in field.rows().enumerate() {
@@ -26,19 +31,20 @@ impl Replication {
             let (j, k) = (y + number % rows, z + number / rows);
             let [_, along_y, along_z] = self.strides();
             let start = x + j * along_y + k * along_z;
-            self.buffer[start..start + along_x]
-                .copy_from_slice(&field.values()[row..row + along_x]);
+            let values = &field.values()[row..row + along_x];
+            let gathered = self.buffer[start..start + along_x].iter_mut();
+            gathered.zip(values).for_each(|(gathered, &value)| *gathered = f64::from(value));
         }
         // Each cell has one owner: only one addend of each sum is not zero.
         ranks.sum_exact(&mut self.buffer);
-        replica.set_owned(self.buffer.iter().copied());
+        replica.set_owned(self.buffer.iter().map(|&value| value as f32));
     }
 
     /// Gathers coefficients; the halo of `replica` is not filled. This call is collective.
     pub(super) fn gather_coefficients(
         &mut self,
-        coefficients: &Coefficients,
-        replica: &mut Coefficients,
+        coefficients: &Coefficients<f32>,
+        replica: &mut Coefficients<f32>,
         ranks: &dyn Communicator,
     ) {
         for axis in 0..3 {
@@ -48,7 +54,7 @@ impl Replication {
     }
 
     /// Copies a rank's own cells and their halo from the replica.
-    pub(super) fn take_local(&self, replica: &Field, field: &mut Field) {
+    pub(super) fn take_local(&self, replica: &Field<f32>, field: &mut Field<f32>) {
         let halo = field.halo() as isize;
         let range = |axis: usize| -halo..self.cells.count[axis] as isize + halo;
         for k in range(2) {

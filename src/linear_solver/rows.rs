@@ -1,6 +1,7 @@
 //! Rows of owned cells along x in several fields at once.
 
 use crate::grid::Field;
+use bytemuck::Pod;
 
 /// Iterates over the rows: for each field the index at which the row starts.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +18,7 @@ pub(super) struct Rows<const N: usize> {
 /// The rows of fields on the same cells, whose halos may differ in width. The order is that of [`Field::rows`], but
 /// without its nested iterators, which take as long as the work on a short row.
 #[inline(always)]
-pub(super) fn rows<const N: usize>(fields: [&Field; N]) -> Rows<N> {
+pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<N> {
     let first = fields.map(|field| field.index([0; 3]));
     let [_, rows, layers] = fields[0].count();
     Rows {
@@ -64,7 +65,7 @@ mod tests {
     #[test]
     fn rows_have_the_order_of_field_rows_for_halos_of_any_width() {
         let cells = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] };
-        let [narrow, wide] = [1, 2].map(|halo| Field::new(&cells, halo));
+        let [narrow, wide] = [1, 2].map(|halo| Field::<f64>::new(&cells, halo));
         let expected: Vec<_> = narrow.rows().zip(wide.rows()).map(|(a, b)| [a, b]).collect();
         assert_eq!(rows([&narrow, &wide]).collect::<Vec<_>>(), expected);
     }

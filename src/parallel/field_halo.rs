@@ -6,6 +6,7 @@
 use super::{AxisNeighbours, Communicator};
 use crate::domain::Subdomain;
 use crate::grid::Field;
+use bytemuck::Pod;
 use std::ops::Range;
 
 /// The neighbours of a rank, and the buffers of the exchange.
@@ -24,7 +25,7 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn of(field: &Field, axis: usize) -> Self {
+    fn of<T: Pod>(field: &Field<T>, axis: usize) -> Self {
         let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
         Self { inner: [0..halo, count - halo..count], halo: [-halo..0, count..count + halo] }
     }
@@ -48,14 +49,18 @@ impl FieldHalo {
     ///
     /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
     /// After: halo cells equal those of their owners.
-    pub(crate) fn refresh(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+    pub(crate) fn refresh<T: Pod>(
+        &mut self,
+        fields: &mut [&mut Field<T>],
+        ranks: &dyn Communicator,
+    ) {
         for axis in 0..3 {
             if self.neighbours[axis] == [Some(self.rank); 2] {
                 fields.iter_mut().for_each(|field| copy_images(field, axis));
                 continue;
             }
             let rows = |layers: fn(Slabs) -> [Range<isize>; 2]| {
-                move |field: &Field, side: usize| {
+                move |field: &Field<T>, side: usize| {
                     field.layers(axis, layers(Slabs::of(field, axis))[side].clone())
                 }
             };
@@ -91,12 +96,12 @@ impl FieldHalo {
     }
 
     /// Sends rows of all fields to the neighbours below and above.
-    fn send<R: Iterator<Item = Range<usize>>>(
+    fn send<T: Pod, R: Iterator<Item = Range<usize>>>(
         &mut self,
         axis: usize,
-        fields: &[&mut Field],
+        fields: &[&mut Field<T>],
         ranks: &dyn Communicator,
-        rows: impl Fn(&Field, usize) -> R,
+        rows: impl Fn(&Field<T>, usize) -> R,
     ) {
         let neighbours = self.neighbours[axis];
         if neighbours == [None, None] {
@@ -115,17 +120,17 @@ impl FieldHalo {
     }
 
     /// Combines what was received from below and above with rows of the fields.
-    fn receive<R: Iterator<Item = Range<usize>>>(
+    fn receive<T: Pod, R: Iterator<Item = Range<usize>>>(
         &self,
         axis: usize,
-        fields: &mut [&mut Field],
-        rows: impl Fn(&Field, usize) -> R,
-        combine: impl Fn(&mut f64, f64),
+        fields: &mut [&mut Field<T>],
+        rows: impl Fn(&Field<T>, usize) -> R,
+        combine: impl Fn(&mut T, T),
     ) {
         for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
             let mut numbers = self.incoming[side]
-                .chunks_exact(size_of::<f64>())
-                .map(bytemuck::pod_read_unaligned::<f64>);
+                .chunks_exact(size_of::<T>())
+                .map(bytemuck::pod_read_unaligned::<T>);
             for field in fields.iter_mut() {
                 for row in rows(field, side) {
                     let row = field.values_mut()[row].iter_mut();
@@ -138,29 +143,45 @@ impl FieldHalo {
 
 /// Appends the values of a row. Rows of a halo along x are as short as it is wide: a call that copies each takes longer than the copy.
 #[inline(always)]
-fn append(buffer: &mut Vec<u8>, row: &[f64]) {
+fn append<T: Pod>(buffer: &mut Vec<u8>, row: &[T]) {
     match row {
-        [one] => buffer.extend_from_slice(&one.to_ne_bytes()),
+        [one] => buffer.extend_from_slice(bytemuck::bytes_of(one)),
         [one, two] => {
-            buffer.extend_from_slice(&one.to_ne_bytes());
-            buffer.extend_from_slice(&two.to_ne_bytes());
+            buffer.extend_from_slice(bytemuck::bytes_of(one));
+            buffer.extend_from_slice(bytemuck::bytes_of(two));
         }
         row => buffer.extend_from_slice(bytemuck::cast_slice(row)),
     }
 }
 
 /// Pairs (halo layer, owned layer) along a periodic axis that is not divided. It may be narrower than the halo.
-fn image_layers(field: &Field, axis: usize) -> impl Iterator<Item = (isize, isize)> + use<> {
+fn image_layers<T: Pod>(
+    field: &Field<T>,
+    axis: usize,
+) -> impl Iterator<Item = (isize, isize)> + use<T> {
     let (count, halo) = (field.count()[axis] as isize, field.halo() as isize);
     (-halo..0).chain(count..count + halo).map(move |layer| (layer, layer.rem_euclid(count)))
 }
 
-fn copy_images(field: &mut Field, axis: usize) {
+fn copy_images<T: Pod>(field: &mut Field<T>, axis: usize) {
+    if axis == 0 {
+        return copy_images_along_x(field);
+    }
     for (image, original) in image_layers(field, axis) {
         let sources = field.layers(axis, original..original + 1);
         for (source, target) in sources.zip(field.layers(axis, image..image + 1)) {
             field.values_mut().copy_within(source, target.start);
         }
+    }
+}
+
+/// A row holds its own images along x. They are so few that a call that copies them takes longer than the copy. The
+/// nearest ones come first: those further out may be images of images.
+fn copy_images_along_x<T: Pod>(field: &mut Field<T>) {
+    let (count, halo) = (field.count()[0], field.halo());
+    for row in field.values_mut().chunks_exact_mut(count + 2 * halo) {
+        (0..halo).rev().for_each(|below| row[below] = row[below + count]);
+        (halo..2 * halo).for_each(|original| row[original + count] = row[original]);
     }
 }
 

@@ -164,3 +164,42 @@ fn a_converged_start_value_needs_no_iteration_and_zero_sources_give_zero_pressur
     let rest = equation.solve_from(&solved.solution, &decomposition, TIGHT);
     assert_eq!((rest.iterations(), rest.solution), (0, vec![0.0; equation.cells()]));
 }
+
+/// The preconditioner works in single precision, whose numbers lie between 1e-38 and 3e38.
+#[test]
+fn powers_of_two_in_coefficients_and_sources_are_powers_of_two_in_the_solution() {
+    let equation = Equation::new([12, 9, 14], [false; 3]);
+    let decomposition = equation.even_decomposition([1; 3]);
+    let expected = equation.solve_on(&decomposition, TIGHT);
+    for [coefficients, sources] in [[-400, -300], [-200, 150], [300, 400]] {
+        let mut scaled = equation.clone();
+        let by = |values: &mut [f64], exponent: i32| {
+            values.iter_mut().for_each(|value| *value *= 2.0_f64.powi(exponent));
+        };
+        scaled.faces.iter_mut().for_each(|faces| by(faces, coefficients));
+        by(&mut scaled.diagonal, coefficients);
+        by(&mut scaled.right, sources);
+        let mut outcome = scaled.solve_on(&decomposition, TIGHT);
+        by(&mut outcome.solution, coefficients - sources);
+        assert_eq!(outcome.iterations(), expected.iterations());
+        assert_eq!(outcome.bits(), expected.bits(), "2^{coefficients}, 2^{sources}");
+    }
+}
+
+#[test]
+fn coefficients_too_small_for_single_precision_are_no_harm() {
+    // A layer that lets almost nothing through, and a cell behind such faces; what flows into that cell must be as small.
+    let mut equation = Equation::new([12, 9, 14], [false; 3]);
+    let layer = 12 * 9;
+    equation.faces[2][5 * layer..6 * layer].fill(1.0e-45);
+    equation.right[..5 * layer].fill(0.0);
+    let cell = 9 * layer + 50;
+    for (axis, stride) in [1, 12, layer].into_iter().enumerate() {
+        equation.faces[axis][cell] = 1.0e-40;
+        equation.faces[axis][cell + stride] = 1.0e-40;
+    }
+    equation.right[cell] = 1.0e-40;
+    let outcome = equation.solve_on(&equation.even_decomposition([1, 1, 2]), TIGHT);
+    equation.check(&outcome, TIGHT.relative);
+    assert!(outcome.iterations() <= 14, "{}", outcome.iterations());
+}
