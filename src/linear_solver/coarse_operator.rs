@@ -8,8 +8,9 @@
 //! ```
 //!
 //! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is 1 - t
-//! in its own pair and t in the next, and w_f the mean weight of the two cells of a face. The sum in the first row accounts for the flow between cells side by side with different weights. Without it the coarse-grid
-//! correction would be too large where coefficients jump.
+//! in its own pair and t in the next, and w_f the mean weight of the two cells of a face. The sum in the first row
+//! accounts for the flow between cells side by side with different weights. Without it the coarse-grid correction would
+//! be too large where coefficients jump.
 
 use super::interpolation::Interpolation;
 use super::operator::Coefficients;

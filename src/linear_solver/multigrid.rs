@@ -1,5 +1,5 @@
-//! The hierarchy of levels, and the V- and W-cycle over them, in single precision (Trottenberg, Oosterlee and Schüller, "Multigrid", 2001,
-//! section 2.4).
+//! The hierarchy of levels, and the V- and W-cycle over them, in single precision (Trottenberg, Oosterlee and Schüller,
+//! "Multigrid", 2001, section 2.4).
 //!
 //! The cycle is a symmetric operator M: it starts from zero, the smoother before the coarse-grid correction is the same
 //! as the one after it, and restriction is the transpose of prolongation.
