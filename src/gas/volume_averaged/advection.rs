@@ -23,6 +23,7 @@ use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Volume fluxes eps u through all faces whose two cells are known.
 pub(super) fn set_fluxes(
@@ -76,14 +77,15 @@ fn fluxes_of_rows(
     }
 }
 
-/// Adds the momentum that each free face of component `axis` gains per volume and time. Part of work in wide vectors.
+/// Adds the momentum that each free face of component `axis` gains per volume and time, in these layers along z. Part of
+/// work in wide vectors.
 #[inline(always)]
 pub(super) fn add_advection(
     rate: &mut Field,
     axis: usize,
     velocity: &Field,
     flux: &[Field; 3],
-    LocalGas { part, gas }: LocalGas,
+    (LocalGas { part, gas }, layers): (LocalGas, &Range<isize>),
     spacing: Vector3<f64>,
 ) {
     for direction in 0..3 {
@@ -95,7 +97,7 @@ pub(super) fn add_advection(
         let strides = rate.strides();
         let along =
             Along { across: strides[axis] as isize, step: strides[direction] as isize, factor };
-        for row in region.rows(velocity) {
+        for row in region.in_layers(layers).rows(velocity) {
             along.add_row(rate.values_mut(), velocity.values(), flux[direction].values(), row);
         }
     }
@@ -104,7 +106,7 @@ pub(super) fn add_advection(
         if let Some(outside) = outside {
             let through =
                 ThroughFace { face, outside: outside[axis], factor: gas.density / spacing[axis] };
-            through.add(rate, velocity, &flux[axis], part);
+            through.add(rate, velocity, &flux[axis], (part, layers));
         }
     }
 }
@@ -121,7 +123,7 @@ struct Along {
 
 impl Along {
     #[inline(always)]
-    fn add_row(&self, rate: &mut [f64], u: &[f64], flux: &[f64], row: std::ops::Range<usize>) {
+    fn add_row(&self, rate: &mut [f64], u: &[f64], flux: &[f64], row: Range<usize>) {
         let (across, step) = (self.across, self.step);
         let [far_below, below, here, above, far_above] =
             [-2, -1, 0, 1, 2].map(|cells| moved(u, &row, cells * step));
@@ -164,7 +166,13 @@ struct ThroughFace {
 }
 
 impl ThroughFace {
-    fn add(&self, rate: &mut Field, velocity: &Field, flux: &Field, part: &LocalCells) {
+    fn add(
+        &self,
+        rate: &mut Field,
+        velocity: &Field,
+        flux: &Field,
+        (part, layers): (&LocalCells, &Range<isize>),
+    ) {
         let BoxFace { axis, side } = self.face;
         let (place, inwards) = [(0, 1), (part.count[axis] as isize, -1)][side];
         let step = velocity.strides()[axis] as isize * inwards;
@@ -172,7 +180,7 @@ impl ThroughFace {
             values[index.wrapping_add_signed(step * steps)]
         };
         let layer = Region::owned(part).layer(axis, place);
-        for cell in layer.cells() {
+        for cell in layer.in_layers(layers).cells() {
             let index = velocity.index(cell);
             let (u, q) = (velocity.values(), flux.values());
             let outwards = -inwards as f64;

@@ -52,6 +52,13 @@ impl Region {
         self
     }
 
+    /// The part of this region in these layers along z.
+    pub(super) fn in_layers(mut self, layers: &Range<isize>) -> Self {
+        self.from[2] = self.from[2].max(layers.start);
+        self.to[2] = self.to[2].min(layers.end);
+        self
+    }
+
     /// The cells of this region.
     pub(super) fn cells(self) -> impl Iterator<Item = [isize; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.from[axis]..self.to[axis]);

@@ -151,7 +151,8 @@ impl RoundWall {
         spacing: Vector3<f64>,
     ) {
         force.values_mut().fill(0.0);
-        add_viscous_force(force, axis, fields, local, spacing);
+        let all = 0..local.part.count[2] as isize + 1;
+        add_viscous_force(force, axis, fields, (local, &all), spacing);
         for neighbour in &self.closed_neighbours[axis] {
             neighbour.take_out(force, axis, fields, (local, spacing));
         }

@@ -9,6 +9,7 @@ use super::model::LocalGas;
 use crate::grid::{Field, LocalCells};
 use crate::rules::viscous_rate;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// div u in owned cells and one cell around. Part of work in wide vectors.
 #[inline(always)]
@@ -38,20 +39,21 @@ pub(super) struct ViscousFields<'a> {
     pub(super) voidage: &'a Field,
 }
 
-/// Adds the viscous force per volume on each free face of component `axis`. Part of work in wide vectors.
+/// Adds the viscous force per volume on each free face of component `axis`, in these layers along z. Part of work in wide
+/// vectors.
 #[inline(always)]
 pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
     fields: ViscousFields,
-    local: LocalGas,
+    (local, layers): (LocalGas, &Range<isize>),
     spacing: Vector3<f64>,
 ) {
     let LocalGas { part, gas } = local;
     if gas.viscosity == 0.0 {
         return;
     }
-    add_normal_stress(rate, axis, fields, local, spacing[axis]);
+    add_normal_stress(rate, axis, fields, (local, layers), spacing[axis]);
     for direction in (0..3).filter(|&direction| direction != axis) {
         let strides = rate.strides();
         let shear = Shear {
@@ -60,7 +62,7 @@ pub(super) fn add_viscous_force(
             inverse: [1.0 / spacing[axis], 1.0 / spacing[direction]],
             factor: gas.viscosity / spacing[direction],
         };
-        for row in Region::free_faces(part, axis, gas).rows(rate) {
+        for row in Region::free_faces(part, axis, gas).in_layers(layers).rows(rate) {
             let other = fields.velocity[direction].values();
             let own = fields.velocity[axis].values();
             shear.add_row(rate.values_mut(), [own, other], fields.voidage.values(), row);
@@ -74,12 +76,12 @@ fn add_normal_stress(
     rate: &mut Field,
     axis: usize,
     fields: ViscousFields,
-    LocalGas { part, gas }: LocalGas,
+    (LocalGas { part, gas }, layers): (LocalGas, &Range<isize>),
     spacing: f64,
 ) {
     let step = rate.strides()[axis] as isize;
     let factor = 2.0 * gas.viscosity / spacing;
-    for row in Region::inner_faces(part, axis, gas).rows(rate) {
+    for row in Region::inner_faces(part, axis, gas).in_layers(layers).rows(rate) {
         let [below, here, above] =
             [-1, 0, 1].map(|cells| moved(fields.velocity[axis].values(), &row, cells * step));
         let [eps_below, eps] =
@@ -110,13 +112,7 @@ struct Shear {
 
 impl Shear {
     #[inline(always)]
-    fn add_row(
-        &self,
-        rate: &mut [f64],
-        [u, v]: [&[f64]; 2],
-        voidage: &[f64],
-        row: std::ops::Range<usize>,
-    ) {
+    fn add_row(&self, rate: &mut [f64], [u, v]: [&[f64]; 2], voidage: &[f64], row: Range<usize>) {
         let (own, step) = (self.own, self.step);
         let [below, here, above] = [-1, 0, 1].map(|cells| moved(u, &row, cells * step));
         let [v_lower_left, v_lower] = [-own, 0].map(|steps| moved(v, &row, steps));
