@@ -4,10 +4,11 @@ use super::corners::{Corners, deposit};
 use super::filter::Filter;
 use crate::domain::{Bounds, Subdomain};
 use crate::grid::{BoxGrid, CellLocator, ColumnOnCells, Field, LocalCells, RoundColumn};
-use crate::numbers::Quantum;
+use crate::numbers::{Quantum, VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
-use crate::particles::Particles;
+use crate::particles::{Body, Particles, sphere_volume};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Transfers between the particles and the cells of one rank: hats around cell centres, then the filter if there is
 /// one. Disposable.
@@ -25,6 +26,32 @@ pub(crate) struct CellTransfer {
     filter: Option<Filter>,
     /// Where each owned particle was at the last deposition of volume.
     corners: Vec<Corners>,
+    /// The least range that holds all of their places.
+    places: Range<usize>,
+}
+
+/// Finds the cells around each particle and gives them their shares of its volume.
+struct DepositVolume<'a> {
+    transfer: &'a CellTransfer,
+    bodies: &'a [Body],
+    quantum: Quantum,
+    solids_fraction: &'a mut Field,
+    corners: &'a mut Vec<Corners>,
+}
+
+impl VectorWork for DepositVolume<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { transfer, bodies, quantum, solids_fraction, corners } = self;
+        for body in bodies {
+            let around = transfer.corners_at(&body.position, solids_fraction);
+            let volume = sphere_volume(body.radius);
+            deposit([&mut *solids_fraction], [quantum], &around, [volume]);
+            corners.push(around);
+        }
+    }
 }
 
 impl CellTransfer {
@@ -47,6 +74,7 @@ impl CellTransfer {
             filter: Filter::new(grid, filter_width, column.as_ref(), field),
             column,
             corners: Vec::new(),
+            places: 0..0,
         }
     }
 
@@ -75,6 +103,11 @@ impl CellTransfer {
         &self.corners
     }
 
+    /// The range of their places in the memory of fields.
+    pub(crate) fn places(&self) -> Range<usize> {
+        self.places.clone()
+    }
+
     /// The cells around a point, for fields that are like `field`.
     #[inline(always)]
     pub(crate) fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
@@ -100,12 +133,18 @@ impl CellTransfer {
         ranks: &dyn Communicator,
     ) {
         solids_fraction.values_mut().fill(0.0);
-        self.corners.clear();
-        for i in 0..particles.owned_count() {
-            let corners = self.corners_at(&particles.body[i].position, solids_fraction);
-            self.corners.push(corners);
-            deposit([&mut *solids_fraction], [quantum], &corners, [particles.volume(i)]);
-        }
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        let bodies = &particles.body[..particles.owned_count()];
+        in_wide_vectors(DepositVolume {
+            transfer: self,
+            bodies,
+            quantum,
+            solids_fraction,
+            corners: &mut corners,
+        });
+        self.corners = corners;
+        self.places = Corners::places_of(&self.corners);
         self.sum_per_volume(&mut [solids_fraction], ranks);
     }
 

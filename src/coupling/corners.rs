@@ -2,8 +2,9 @@
 
 use crate::grid::{CellWeights, ColumnOnCells, Field};
 use crate::numbers::Quantum;
+use std::ops::Range;
 
-/// The eight cells around a point: places in the memory of fields of one shape, and weights.
+/// The eight cells around a point, x fastest: places in the memory of fields of one shape, and weights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Corners {
     places: [u32; 8],
@@ -12,12 +13,27 @@ pub(crate) struct Corners {
 
 impl Corners {
     /// For fields that are like `field`.
+    #[inline(always)]
     pub(crate) fn of(weights: &CellWeights, field: &Field) -> Self {
         let corners = weights.corners();
         Self {
             places: corners.map(|(cell, _)| field.index(cell) as u32),
             weights: corners.map(|(_, weight)| weight),
         }
+    }
+
+    /// The least range that holds the places of all of these.
+    pub(crate) fn places_of(all: &[Self]) -> Range<usize> {
+        let ends = all.iter().map(|corners| [corners.places[0], corners.places[7] + 1]);
+        let around =
+            |[start, end]: [u32; 2], [first, last]: [u32; 2]| [start.min(first), end.max(last)];
+        ends.reduce(around).map_or(0..0, |[start, end]| start as usize..end as usize)
+    }
+
+    /// Place and weight of each.
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.places.iter().map(|&place| place as usize).zip(self.weights)
     }
 
     /// The sum of the squares of the weights: what a point sees of what it gives, 8/27 in the mean over a cell.
@@ -48,8 +64,8 @@ pub(crate) fn deposit<const N: usize>(
 ) {
     for ((field, quantum), amount) in fields.into_iter().zip(quanta).zip(amounts) {
         let values = field.values_mut();
-        for (place, weight) in corners.places.into_iter().zip(corners.weights) {
-            values[place as usize] += quantum.round(amount * weight);
+        for (place, weight) in corners.iter() {
+            values[place] += quantum.round(amount * weight);
         }
     }
 }
@@ -59,8 +75,8 @@ pub(crate) fn deposit<const N: usize>(
 pub(crate) fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners) -> [f64; N] {
     fields.map(|field| {
         let mut sum = 0.0;
-        for (place, weight) in corners.places.into_iter().zip(corners.weights) {
-            sum += weight * field.values()[place as usize];
+        for (place, weight) in corners.iter() {
+            sum += weight * field.values()[place];
         }
         sum
     })

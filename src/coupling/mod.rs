@@ -8,6 +8,7 @@ mod column_deposition;
 mod corners;
 mod drag_share;
 mod filter;
+mod four_fields;
 
 pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
@@ -16,3 +17,4 @@ pub(crate) use corners::{
     Corners, deposit, interpolate, mean_gradient, mean_of_faces, mend_gradient_at_wall,
 };
 pub use drag_share::DragShare;
+pub(crate) use four_fields::FourFields;

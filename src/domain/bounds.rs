@@ -90,6 +90,7 @@ impl Bounds {
     }
 
     /// A position with every periodic coordinate brought into the box, exactly.
+    #[inline(always)]
     pub fn wrap(&self, mut position: Vector3<f64>) -> Vector3<f64> {
         for axis in 0..3 {
             position[axis] = self.wrap_coordinate(axis, position[axis]);

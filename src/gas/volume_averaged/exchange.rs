@@ -5,27 +5,30 @@
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
 mod drag_at_place;
+mod drag_deposition;
+mod forces;
 mod local_voidage;
 mod mean_diameter;
 mod own_disturbance;
 
 use self::drag_at_place::DragAtPlace;
+use self::drag_deposition::{DepositDrag, DragBounds};
+use self::forces::SetForces;
 use self::local_voidage::LocalVoidage;
 use self::mean_diameter::MeanDiameter;
 use self::own_disturbance::OwnDisturbance;
 use super::momentum_balance::{CellVolumes, Exchanged, force_lost};
 use super::{BedOnGrid, CouplingModel, GAS_HALO, GasFields};
 use crate::coupling::{
-    CellTransfer, DragShare, deposit, interpolate, mean_gradient, mean_of_faces,
+    CellTransfer, DragShare, FourFields, deposit, mean_gradient, mean_of_faces,
     mend_gradient_at_wall,
 };
 use crate::domain::Subdomain;
-use crate::gas::{AgglomerateBall, GasForceOutOfRange, ParticleDrag, ParticleLimits};
+use crate::gas::{GasForceOutOfRange, ParticleLimits};
 use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
-use crate::numbers::{Quantum, within};
+use crate::numbers::{Quantum, with_simd};
 use crate::parallel::Communicator;
-use crate::particles::{Membership, Particles};
-use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
+use crate::particles::Particles;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -49,6 +52,8 @@ pub struct ParticleExchange {
     drag: Vec<f64>,
     /// The gas in cell centres: velocity, then pressure gradient.
     in_cells: [Field; 6],
+    /// What particles are given, or give, as it is in the cells around them.
+    at_places: [FourFields; 2],
     raised_cells: u64,
     exchanged: Exchanged,
 }
@@ -117,6 +122,7 @@ impl ParticleExchange {
             bed: BedOnGrid::empty(&part),
             drag: Vec::new(),
             in_cells: std::array::from_fn(|_| zero.clone()),
+            at_places: Default::default(),
             raised_cells: 0,
             exchanged: Exchanged::default(),
         })
@@ -198,37 +204,31 @@ impl ParticleExchange {
         particles: &mut Particles,
         dt: f64,
     ) -> Result<(), GasForceOutOfRange> {
-        self.drag.clear();
-        let mut result = Ok(());
         let BedOnGrid { voidage, momentum_transfer, transferred_velocity: [x, y, z] } =
             &mut self.bed;
-        let mut fields = [momentum_transfer, x, y, z];
-        fields.iter_mut().for_each(|field| field.values_mut().fill(0.0));
-        let quanta =
-            [self.quanta.drag, self.quanta.drag_flux, self.quanta.drag_flux, self.quanta.drag_flux];
+        let [gas, shares] = &mut self.at_places;
         let [gas_x, gas_y, gas_z, _, _, _] = &self.in_cells;
-        let law = DragAtPlace {
-            law: &self.model.drag,
-            mean_diameter: self.mean_diameter.as_ref(),
-            local_voidage: self.local_voidage.as_ref(),
-            own_disturbance: self.own_disturbance.as_ref(),
-        };
-        for (i, corners) in self.transfer.corners().iter().enumerate() {
-            let [u, v, w, eps] = interpolate([gas_x, gas_y, gas_z, &*voidage], corners);
-            let velocity = particles.body[i].velocity;
-            let slip = Vector3::new(u, v, w) - velocity;
-            let mut drag = law.coefficient((particles, i), corners, slip, eps);
-            if self.model.agglomerates.is_some() {
-                let diameter = 2.0 * particles.body[i].radius;
-                let of = &mut particles.membership.hold()[i];
-                drag *= in_agglomerate(of, law.law, diameter, 1.0 - eps, eps * slip.norm());
-            }
-            let check = ResponseCheck { particles, dt, largest_drag: self.largest_drag };
-            result = result.and(check.of(i, drag, eps));
-            self.drag.push(drag);
-            let amounts = [drag, drag * velocity.x, drag * velocity.y, drag * velocity.z];
-            deposit(fields.each_mut().map(|field| &mut **field), quanta, corners, amounts);
-        }
+        gas.copy_from([gas_x, gas_y, gas_z, voidage], self.transfer.places());
+        shares.clear(self.transfer.places());
+        let Quanta { drag: of_drag, drag_flux, .. } = self.quanta;
+        self.drag.clear();
+        let result = with_simd(DepositDrag {
+            corners: self.transfer.corners(),
+            gas,
+            law: DragAtPlace {
+                law: &self.model.drag,
+                mean_diameter: self.mean_diameter.as_ref(),
+                local_voidage: self.local_voidage.as_ref(),
+                own_disturbance: self.own_disturbance.as_ref(),
+            },
+            by_agglomerate: self.model.agglomerates.is_some(),
+            bounds: DragBounds { dt, largest_drag: self.largest_drag },
+            particles,
+            drag: &mut self.drag,
+            shares,
+            quanta: [drag_flux, drag_flux, drag_flux, of_drag],
+        });
+        shares.copy_to([x, y, z, momentum_transfer]);
         result
     }
 
@@ -248,31 +248,21 @@ impl ParticleExchange {
         gravity: f64,
         ranks: &dyn Communicator,
     ) -> Result<(), GasForceOutOfRange> {
-        let quantum = self.limits.force_quantum;
         let buoyancy = self.model.drag.density * gravity;
         self.interpolate_gas(gas, buoyancy, ranks);
-        let mut total = [0; 3];
-        let mut result = Ok(());
-        for (i, corners) in self.transfer.corners().iter().enumerate() {
-            let [u, v, w, gx, gy, gz] = interpolate(self.in_cells.each_ref(), corners);
-            let slip = Vector3::new(u, v, w) - particles.body[i].velocity;
-            let gradient = Vector3::new(gx, gy, gz - buoyancy);
-            let force = self.drag[i] * slip - particles.volume(i) * gradient;
-            let force = quantum.round_vector(force);
-            if !within(&force, self.limits.force) {
-                let [eps] = interpolate([&self.bed.voidage], corners);
-                result = result.and(Err(GasForceOutOfRange::Particle {
-                    particle: particles.id[i],
-                    force: force.amax(),
-                    limit: self.limits.force,
-                    solids_fraction: 1.0 - eps,
-                }));
-            }
-            particles.gas_force.hold()[i] = force;
-            for axis in 0..3 {
-                total[axis] += quantum.count(force[axis]);
-            }
-        }
+        let [velocity, gradient] = &mut self.at_places;
+        let ([u, v, w, gx, gy, gz], eps) = (&self.in_cells, &self.bed.voidage);
+        velocity.copy_from([u, v, w, eps], self.transfer.places());
+        gradient.copy_from([gx, gy, gz, eps], self.transfer.places());
+        let (total, result) = with_simd(SetForces {
+            corners: self.transfer.corners(),
+            velocity,
+            gradient,
+            buoyancy,
+            drag: &self.drag,
+            limits: self.limits,
+            particles,
+        });
         self.exchanged.gained = total;
         result
     }
@@ -330,25 +320,6 @@ impl ParticleExchange {
     }
 }
 
-/// xi of a particle by its agglomerate, which is kept with it.
-#[inline(always)]
-fn in_agglomerate(
-    of: &mut Membership,
-    law: &ParticleDrag,
-    diameter: f64,
-    solids_fraction: f64,
-    slip: f64,
-) -> f64 {
-    of.drag_factor = match of.diameter > 0.0 {
-        true => {
-            let ball = AgglomerateBall { diameter: of.diameter, packing: of.packing };
-            law.factor_in_agglomerate(diameter, &ball, solids_fraction, slip)
-        }
-        false => 1.0,
-    };
-    of.drag_factor
-}
-
 /// The largest drag coefficient that a particle within these limits can have.
 fn largest_drag(model: &CouplingModel, limits: &ParticleLimits, shares_surface: bool) -> f64 {
     let ([smallest, largest], slip) = (limits.diameters, 2.0 * limits.speed);
@@ -361,32 +332,6 @@ fn largest_drag(model: &CouplingModel, limits: &ParticleLimits, shares_surface: 
     let of_local = model.local_voidage.map_or(1.0, |_| LocalVoidage::factor(1.0, dense));
     let of_own = if model.undisturbed { OwnDisturbance::LARGEST_FACTOR } else { 1.0 };
     of_law * of_local * of_own
-}
-
-/// What bounds the drag of particles in a gas step of length `dt`.
-#[derive(Clone, Copy)]
-struct ResponseCheck<'a> {
-    particles: &'a Particles,
-    dt: f64,
-    largest_drag: f64,
-}
-
-impl ResponseCheck<'_> {
-    /// Whether the drag on a particle in this voidage has a meaning, and takes no more of its velocity relative to
-    /// the gas than is allowed.
-    #[inline(always)]
-    fn of(&self, index: usize, drag: f64, voidage: f64) -> Result<(), GasForceOutOfRange> {
-        let response = drag_response(drag, self.dt, self.particles.body[index].mass, voidage);
-        let (particle, limit) = (self.particles.id[index], self.largest_drag);
-        if drag.is_nan() || drag > limit {
-            return Err(GasForceOutOfRange::Drag { particle, drag, limit });
-        }
-        if response.is_nan() || response > LARGEST_DRAG_RESPONSE {
-            let limit = LARGEST_DRAG_RESPONSE;
-            return Err(GasForceOutOfRange::Response { particle, response, limit });
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

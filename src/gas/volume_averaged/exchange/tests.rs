@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::domain::{Bounds, Decomposition, Face, RankGrid};
-use crate::gas::{AgglomerateDrag, Beetstra, DragLaw};
+use crate::gas::{AgglomerateDrag, Beetstra, DragLaw, ParticleDrag};
 use crate::numbers::{ExactSum, random_of, uniform};
 use crate::parallel::{CollectiveError, FieldHalo, agree, run_on_threads};
 use std::sync::Mutex;

@@ -1,0 +1,110 @@
+//! The drag coefficients of particles, and their shares to the cells around them.
+
+use super::drag_at_place::{DragAtPlace, GasAtParticles};
+use crate::coupling::{Corners, FourFields};
+use crate::gas::{AgglomerateBall, GasForceOutOfRange, ParticleDrag};
+use crate::numbers::{F64x4, Quantum, SimdKernel};
+use crate::particles::{LANES, Membership, Particles};
+use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
+
+/// Finds the drag coefficient b of each owned particle, and gives b v and b to the cells around it.
+pub(super) struct DepositDrag<'a> {
+    pub(super) corners: &'a [Corners],
+    /// Velocity and voidage in cells.
+    pub(super) gas: &'a FourFields,
+    pub(super) law: DragAtPlace<'a>,
+    /// Whether the drag on members of agglomerates is that of the agglomerate.
+    pub(super) by_agglomerate: bool,
+    pub(super) bounds: DragBounds,
+    pub(super) particles: &'a mut Particles,
+    /// Empty at first, then b of each particle.
+    pub(super) drag: &'a mut Vec<f64>,
+    /// Sums of b v and b in cells.
+    pub(super) shares: &'a mut FourFields,
+    pub(super) quanta: [Quantum; 4],
+}
+
+impl SimdKernel for DepositDrag<'_> {
+    /// The first error.
+    type Output = Result<(), GasForceOutOfRange>;
+
+    #[inline(always)]
+    fn run<Q: F64x4>(self) -> Self::Output {
+        let shifts = Q::load(&self.quanta.map(Quantum::shift));
+        let mut result = Ok(());
+        let mut gas = GasAtParticles::default();
+        for (block, corners) in self.corners.chunks(LANES).enumerate() {
+            let first = block * LANES;
+            gas.gather::<Q>(self.gas, corners, &self.particles.body[first..]);
+            let mut drag = self.law.coefficients((self.particles, first), corners, &gas);
+            for (lane, corners) in corners.iter().enumerate() {
+                let (i, eps) = (first + lane, gas.voidage[lane]);
+                let body = self.particles.body[i];
+                if self.by_agglomerate {
+                    let of = &mut self.particles.membership.hold()[i];
+                    let superficial = eps * gas.slip(lane).norm();
+                    let diameter = 2.0 * body.radius;
+                    drag[lane] *=
+                        in_agglomerate(of, self.law.law, diameter, 1.0 - eps, superficial);
+                }
+                if !self.bounds.hold(drag[lane], body.mass, eps) && result.is_ok() {
+                    result =
+                        Err(self.bounds.excess(self.particles.id[i], drag[lane], body.mass, eps));
+                }
+                let velocity = body.velocity;
+                let factors = [velocity.x, velocity.y, velocity.z, 1.0];
+                let amounts = Q::splat(drag[lane]).times(Q::load(&factors));
+                self.shares.deposit(corners, amounts, shifts);
+            }
+            self.drag.extend_from_slice(&drag[..corners.len()]);
+        }
+        result
+    }
+}
+
+/// xi of a particle by its agglomerate, which is kept with it.
+#[inline(always)]
+fn in_agglomerate(
+    of: &mut Membership,
+    law: &ParticleDrag,
+    diameter: f64,
+    solids_fraction: f64,
+    slip: f64,
+) -> f64 {
+    of.drag_factor = match of.diameter > 0.0 {
+        true => {
+            let ball = AgglomerateBall { diameter: of.diameter, packing: of.packing };
+            law.factor_in_agglomerate(diameter, &ball, solids_fraction, slip)
+        }
+        false => 1.0,
+    };
+    of.drag_factor
+}
+
+/// What bounds the drag of particles in a gas step of length `dt`.
+#[derive(Clone, Copy)]
+pub(super) struct DragBounds {
+    pub(super) dt: f64,
+    pub(super) largest_drag: f64,
+}
+
+impl DragBounds {
+    /// Whether the drag on a particle of this mass in this voidage has a meaning, and takes no more of its velocity
+    /// relative to the gas than is allowed.
+    #[inline(always)]
+    fn hold(&self, drag: f64, mass: f64, voidage: f64) -> bool {
+        drag <= self.largest_drag
+            && drag_response(drag, self.dt, mass, voidage) <= LARGEST_DRAG_RESPONSE
+    }
+
+    /// The error where they do not hold.
+    #[cold]
+    fn excess(&self, particle: u64, drag: f64, mass: f64, voidage: f64) -> GasForceOutOfRange {
+        let limit = self.largest_drag;
+        if drag.is_nan() || drag > limit {
+            return GasForceOutOfRange::Drag { particle, drag, limit };
+        }
+        let response = drag_response(drag, self.dt, mass, voidage);
+        GasForceOutOfRange::Response { particle, response, limit: LARGEST_DRAG_RESPONSE }
+    }
+}

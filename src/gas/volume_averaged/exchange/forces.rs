@@ -1,0 +1,73 @@
+//! The force of the gas on particles.
+
+use crate::coupling::{Corners, FourFields};
+use crate::gas::{GasForceOutOfRange, ParticleLimits};
+use crate::numbers::{F64x4, SimdKernel, within};
+use crate::particles::{Particles, sphere_volume};
+use nalgebra::Vector3;
+
+/// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i.
+pub(super) struct SetForces<'a> {
+    pub(super) corners: &'a [Corners],
+    /// Velocity of the gas and voidage in cells.
+    pub(super) velocity: &'a FourFields,
+    /// Gradient of the pressure, less its hydrostatic head, and voidage in cells.
+    pub(super) gradient: &'a FourFields,
+    /// What the head adds to -dp/dz.
+    pub(super) buoyancy: f64,
+    /// b of each particle.
+    pub(super) drag: &'a [f64],
+    pub(super) limits: ParticleLimits,
+    pub(super) particles: &'a mut Particles,
+}
+
+impl SimdKernel for SetForces<'_> {
+    /// The sum of all forces, as counts of the force quantum, and the first error.
+    type Output = ([i64; 3], Result<(), GasForceOutOfRange>);
+
+    #[inline(always)]
+    fn run<Q: F64x4>(self) -> Self::Output {
+        let Self { corners, velocity, gradient, buoyancy, drag, limits, particles } = self;
+        let quantum = limits.force_quantum;
+        let head = Q::load(&[0.0, 0.0, buoyancy, 0.0]);
+        let Particles { body, gas_force, id, .. } = particles;
+        let forces = gas_force.hold();
+        let (mut total, mut result) = ([0; 3], Ok(()));
+        for (i, corners) in corners.iter().enumerate() {
+            let gas: Q = velocity.interpolate(corners);
+            let slip = gas.minus(Q::load(&body[i].vectors()[1]));
+            let gradient = gradient.interpolate::<Q>(corners).minus(head);
+            let of_drag = Q::splat(drag[i]).times(slip);
+            let of_pressure = Q::splat(sphere_volume(body[i].radius)).times(gradient);
+            let mut force = [0.0; 4];
+            quantum.round_four(of_drag.minus(of_pressure)).store(&mut force);
+            let force = Vector3::new(force[0], force[1], force[2]);
+            if !within(&force, limits.force) && result.is_ok() {
+                let mut at_place = [0.0; 4];
+                gas.store(&mut at_place);
+                result = Err(excess(&force, id[i], at_place[3], &limits));
+            }
+            forces[i] = force;
+            for axis in 0..3 {
+                total[axis] += quantum.count(force[axis]);
+            }
+        }
+        (total, result)
+    }
+}
+
+/// The error of a particle whose force exceeds the limit or is undefined.
+#[cold]
+fn excess(
+    force: &Vector3<f64>,
+    particle: u64,
+    voidage: f64,
+    limits: &ParticleLimits,
+) -> GasForceOutOfRange {
+    GasForceOutOfRange::Particle {
+        particle,
+        force: force.amax(),
+        limit: limits.force,
+        solids_fraction: 1.0 - voidage,
+    }
+}
