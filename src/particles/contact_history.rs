@@ -13,6 +13,14 @@ pub struct ContactHistory {
     pub largest_overlap: f64,
 }
 
+impl ContactHistory {
+    /// The spring, then the largest overlap.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> &[f64; 4] {
+        bytemuck::cast_ref(self)
+    }
+}
+
 /// History of the touching pair of particles `lower` < `higher`, seen from the lower id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairHistory {

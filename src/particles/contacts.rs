@@ -22,11 +22,26 @@ use thiserror::Error;
 #[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
 pub struct LostContact(u64, String);
 
-/// A pair of an owned particle and a wall near it.
-#[derive(Clone, Copy, Debug)]
+/// A pair of an owned particle and a wall near it. They are in the order of the fields, so that those for which the same law
+/// holds follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct WallPair {
-    pub(crate) particle: u32,
     pub(crate) wall: u32,
+    /// Of the particle.
+    pub(crate) species: u32,
+    pub(crate) particle: u32,
+}
+
+impl WallPair {
+    fn of(particles: &Particles, wall: u32, particle: u32) -> Self {
+        let species = particles.body[particle as usize].species() as u32;
+        Self { wall, species, particle }
+    }
+
+    /// Whether the same law holds for both.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        (self.wall, self.species) == (other.wall, other.species)
+    }
 }
 
 /// The pairs of the neighbour list, of particles and of particles with walls, and their contact histories.
@@ -210,7 +225,7 @@ impl Contacts {
         (0..self.wall_pairs.len())
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
-                let WallPair { particle, wall } = self.wall_pairs[slot];
+                let WallPair { particle, wall, .. } = self.wall_pairs[slot];
                 let particle = particles.id[particle as usize];
                 let (history, rolling_angle) =
                     (self.wall_history[slot], self.wall_rolling_angle[slot]);
@@ -228,16 +243,15 @@ impl Contacts {
         range: ListRange,
     ) {
         self.wall_pairs.clear();
-        for particle in 0..particles.owned_count() {
-            for (number, (wall, pose)) in walls.iter().enumerate() {
-                let gap = wall.height_at(&particles.body[particle].position, pose)
-                    - particles.body[particle].radius;
+        for (number, (wall, pose)) in walls.iter().enumerate() {
+            for (particle, body) in particles.body[..particles.owned_count()].iter().enumerate() {
+                let gap = wall.height_at(&body.position, pose) - body.radius;
                 if gap < range.interaction + range.skin {
-                    self.wall_pairs
-                        .push(WallPair { particle: particle as u32, wall: number as u32 });
+                    self.wall_pairs.push(WallPair::of(particles, number as u32, particle as u32));
                 }
             }
         }
+        self.wall_pairs.sort_unstable(); // in a bed of one species they are sorted already
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
         self.wall_history.clear();
@@ -287,18 +301,21 @@ impl Contacts {
             let here = particles.id[row as usize];
             self.inner.restore(particles, pair, pairs[number as usize].seen_from(here));
         }
-        self.restore_walls(&index_of, walls);
+        self.restore_walls(particles, &index_of, walls);
         Ok(())
     }
 
     /// The same with walls: a particle that has no pair with the wall is away from it.
-    fn restore_walls(&mut self, index_of: &FxHashMap<u64, usize>, walls: &[WallHistory]) {
+    fn restore_walls(
+        &mut self,
+        particles: &Particles,
+        index_of: &FxHashMap<u64, usize>,
+        walls: &[WallHistory],
+    ) {
         for contact in walls {
             let Some(&index) = index_of.get(&contact.particle) else { continue };
-            let key = (index as u32, contact.wall);
-            let found =
-                self.wall_pairs.binary_search_by_key(&key, |pair| (pair.particle, pair.wall));
-            let Ok(slot) = found else { continue };
+            let pair = WallPair::of(particles, contact.wall, index as u32);
+            let Ok(slot) = self.wall_pairs.binary_search(&pair) else { continue };
             self.wall_history[slot] = contact.history;
             self.wall_rolling_angle[slot] = contact.rolling_angle;
             self.wall_twisting_angle[slot] = contact.twisting_angle;

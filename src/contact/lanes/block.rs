@@ -1,7 +1,9 @@
 //! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
 
-use super::{Lanes, Sizes, load_vectors, store_vectors};
-use crate::numbers::F64x4;
+use super::{Lanes, Sizes, load_vectors, store_vectors, vector};
+use crate::contact::force_laws::PairLaws;
+use crate::contact::rolling::Rolling;
+use crate::numbers::{F64x4, within};
 use crate::particles::{Body, ForceTorque, LANES};
 
 /// The pairs of a block, component by component: particles i and j in each lane.
@@ -67,6 +69,32 @@ impl ContactBlock {
             if with_relative_spin {
                 store_vectors(&mut self.relative_spin, from, relative_spin);
             }
+        }
+    }
+
+    /// Sets the forces and torques of all pairs, rounded to multiples of their quanta.
+    #[inline(always)]
+    pub(crate) fn round_forces<R: Rolling, S: Sizes>(&mut self, sizes: &S, laws: &PairLaws) {
+        for lane in 0..LANES {
+            let [radius_i, radius_j] = sizes.radii(lane);
+            let normal = vector(&self.normal, lane);
+            let tangential = vector(&self.tangential_force, lane);
+            let along = self.normal_force[lane] - self.cohesion[lane];
+            let force_on_j = laws.force_quantum.round_vector(normal * along + tangential);
+            let twist = normal.cross(&tangential);
+            let mut twists = [twist * radius_i, twist * radius_j];
+            if R::ACTS {
+                let torque = vector(&self.rolling_torque, lane);
+                twists = [twists[0] + torque, twists[1] - torque];
+            }
+            for axis in 0..3 {
+                self.force_on_j[axis][lane] = force_on_j[axis];
+                self.negative_torque_i[axis][lane] = laws.torque_quantum.round(twists[0][axis]);
+                if !S::EQUAL {
+                    self.negative_torque_j[axis][lane] = laws.torque_quantum.round(twists[1][axis]);
+                }
+            }
+            self.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
         }
     }
 

@@ -4,13 +4,14 @@
 //! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit, nor
 //! does how the law is called.
 
-use super::{AnySizes, ContactBlock, Lanes, Sizes, vector};
+use super::{AnySizes, ContactBlock, Lanes, ReducedSizes, Sizes, vector};
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{Contact, ContactForceLaw, RollingFriction, TwistingFriction};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::{F64x4, VectorWork, in_wide_vectors};
 use crate::particles::{AngleLanes, ContactHistory, LANES, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
+use std::marker::PhantomData;
 
 /// The histories of the pairs of a block.
 pub(crate) struct BlockHistories<'a> {
@@ -43,6 +44,37 @@ pub(crate) trait WithBlockLaw {
 
     /// Does the work.
     fn with<L: LawOnBlock>(self, law: L) -> Self::Output;
+}
+
+/// A loop over blocks, which chooses the law once, for all of them.
+pub(crate) trait LoopOverBlocks {
+    /// What it returns.
+    type Output;
+
+    /// Does the work, with registers of one kind.
+    fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output;
+}
+
+/// A loop with registers of one kind.
+pub(crate) struct WithRegisters<W, Q> {
+    work: W,
+    registers: PhantomData<Q>,
+}
+
+impl<W, Q> WithRegisters<W, Q> {
+    #[inline(always)]
+    pub(crate) fn new(work: W) -> Self {
+        Self { work, registers: PhantomData }
+    }
+}
+
+impl<W: LoopOverBlocks, Q: F64x4> WithBlockLaw for WithRegisters<W, Q> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
+        self.work.run::<Q, L>(&law)
+    }
 }
 
 /// A law that is compiled into the loop.
@@ -120,6 +152,9 @@ impl<L: ContactForceLaw> EvaluateBlock<'_, L> {
                 evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
             }
             AnySizes::Many(sizes) => {
+                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
+            }
+            AnySizes::AtWall(sizes) => {
                 evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
             }
         }
@@ -201,23 +236,15 @@ fn spin_torque<L: ContactForceLaw, R: Rolling>(
 /// The contact in a lane.
 #[inline(always)]
 fn contact_of<S: Sizes>(block: &ContactBlock, sizes: &S, lane: usize) -> Contact {
-    let ([radius_i, radius_j], [mass_i, mass_j]) = (sizes.radii(lane), sizes.masses(lane));
+    let ReducedSizes { mass, radius, inertia } = sizes.reduced(lane);
     Contact {
         overlap: block.overlap[lane],
         normal: vector(&block.normal, lane),
         relative_velocity: vector(&block.relative_velocity, lane),
         relative_spin: vector(&block.relative_spin, lane),
-        reduced_mass: mass_i * mass_j / (mass_i + mass_j),
-        reduced_radius: radius_i * radius_j / (radius_i + radius_j),
-        reduced_inertia: reduced_inertia([radius_i, radius_j], [mass_i, mass_j]),
+        reduced_mass: mass,
+        reduced_radius: radius,
+        reduced_inertia: inertia,
         cohesion: block.cohesion[lane],
     }
-}
-
-/// Reduced moment of inertia I* of two solid spheres.
-#[inline(always)]
-fn reduced_inertia(radius: [f64; 2], mass: [f64; 2]) -> f64 {
-    let one = 0.4 * mass[0] * radius[0] * radius[0];
-    let other = 0.4 * mass[1] * radius[1] * radius[1];
-    one * other / (one + other)
 }

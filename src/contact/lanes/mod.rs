@@ -9,8 +9,11 @@ use crate::particles::LANES;
 
 pub(crate) use block::ContactBlock;
 pub use law::BlockLaw;
-pub(crate) use law::{BlockHistories, Inlined, LawOnBlock, PairsOfBlock, Virtual, WithBlockLaw};
-pub(crate) use sizes::{AnySizes, ManySizes, OneSize, Sizes};
+pub(crate) use law::{
+    BlockHistories, Inlined, LawOnBlock, LoopOverBlocks, PairsOfBlock, Virtual, WithBlockLaw,
+    WithRegisters,
+};
+pub(crate) use sizes::{AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall};
 pub(crate) use vectors::{load_vectors, overlap_and_normal, store_vectors, vector};
 
 /// A number for each pair of a block.

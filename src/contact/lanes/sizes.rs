@@ -14,18 +14,41 @@ pub(crate) trait Sizes: Copy {
     /// Radii of the two bodies of a pair.
     fn radii(&self, lane: usize) -> [f64; 2];
 
-    /// Masses of the two bodies of a pair.
-    fn masses(&self, lane: usize) -> [f64; 2];
+    /// What the law needs of a pair.
+    fn reduced(&self, lane: usize) -> ReducedSizes;
 
     /// The same as a value, for laws that are called through a table of functions.
     fn as_any_sizes(&self) -> AnySizes<'_>;
 }
 
-/// Sizes of either kind.
+/// Reduced mass, radius and moment of inertia of two bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct ReducedSizes {
+    pub(crate) mass: f64,
+    pub(crate) radius: f64,
+    pub(crate) inertia: f64,
+}
+
+impl ReducedSizes {
+    /// Those of two solid spheres.
+    #[inline(always)]
+    fn of_spheres([radius_i, radius_j]: [f64; 2], [mass_i, mass_j]: [f64; 2]) -> Self {
+        let inertia_i = 0.4 * mass_i * radius_i * radius_i;
+        let inertia_j = 0.4 * mass_j * radius_j * radius_j;
+        Self {
+            mass: mass_i * mass_j / (mass_i + mass_j),
+            radius: radius_i * radius_j / (radius_i + radius_j),
+            inertia: inertia_i * inertia_j / (inertia_i + inertia_j),
+        }
+    }
+}
+
+/// Sizes of any kind.
 #[derive(Clone, Copy)]
 pub(crate) enum AnySizes<'a> {
     One(OneSize),
     Many(&'a ManySizes),
+    AtWall(&'a SizesAtWall),
 }
 
 /// All particles have one size: what follows from it is computed once, before the loop.
@@ -47,8 +70,8 @@ impl Sizes for OneSize {
     }
 
     #[inline(always)]
-    fn masses(&self, _lane: usize) -> [f64; 2] {
-        [self.mass; 2]
+    fn reduced(&self, _lane: usize) -> ReducedSizes {
+        ReducedSizes::of_spheres([self.radius; 2], [self.mass; 2])
     }
 
     #[inline(always)]
@@ -81,12 +104,46 @@ impl Sizes for ManySizes {
     }
 
     #[inline(always)]
-    fn masses(&self, lane: usize) -> [f64; 2] {
-        [self.masses[0][lane], self.masses[1][lane]]
+    fn reduced(&self, lane: usize) -> ReducedSizes {
+        let masses = [self.masses[0][lane], self.masses[1][lane]];
+        ReducedSizes::of_spheres(self.radii(lane), masses)
     }
 
     #[inline(always)]
     fn as_any_sizes(&self) -> AnySizes<'_> {
         AnySizes::Many(self)
+    }
+}
+
+/// Particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct SizesAtWall {
+    pub(crate) radius: Lanes,
+    pub(crate) mass: Lanes,
+}
+
+impl Sizes for SizesAtWall {
+    const EQUAL: bool = false;
+
+    #[inline(always)]
+    fn gather(&mut self, lane: usize, [body, _]: [&Body; 2]) {
+        (self.radius[lane], self.mass[lane]) = (body.radius, body.mass);
+    }
+
+    /// That of the particle twice: the second would be infinite.
+    #[inline(always)]
+    fn radii(&self, lane: usize) -> [f64; 2] {
+        [self.radius[lane]; 2]
+    }
+
+    #[inline(always)]
+    fn reduced(&self, lane: usize) -> ReducedSizes {
+        let (mass, radius) = (self.mass[lane], self.radius[lane]);
+        ReducedSizes { mass, radius, inertia: 0.4 * mass * radius * radius }
+    }
+
+    #[inline(always)]
+    fn as_any_sizes(&self) -> AnySizes<'_> {
+        AnySizes::AtWall(self)
     }
 }

@@ -4,13 +4,12 @@ use super::attraction::attract;
 use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, LawOnBlock, ManySizes, OneSize, PairsOfBlock, Sizes,
-    WithBlockLaw, overlap_and_normal, vector,
+    BlockHistories, ContactBlock, LawOnBlock, LoopOverBlocks, ManySizes, OneSize, PairsOfBlock,
+    Sizes, WithRegisters, overlap_and_normal, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
-use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
+use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged};
 use crate::particles::{LANES, PairBlock, PairBlocks, Particles};
-use std::marker::PhantomData;
 
 /// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
 const CACHED: usize = 1 << 22;
@@ -32,34 +31,27 @@ impl<const EXTRAS: bool> SimdKernel for ContactLoop<'_, EXTRAS> {
     #[inline(always)]
     fn run<Q: F64x4>(self) -> Self::Output {
         let law = &self.laws.contact.law;
-        law.dispatch(WithRegisters::<Q, EXTRAS> { work: self, registers: PhantomData })
+        law.dispatch(WithRegisters::<_, Q>::new(self))
     }
 }
 
-/// The loop with registers of one kind.
-struct WithRegisters<'a, Q, const EXTRAS: bool> {
-    work: ContactLoop<'a, EXTRAS>,
-    registers: PhantomData<Q>,
-}
-
-impl<Q: F64x4, const EXTRAS: bool> WithBlockLaw for WithRegisters<'_, Q, EXTRAS> {
+impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
     type Output = Result<(), ForceOutOfRange>;
 
     /// Chooses rolling and, without it, whether all particles have one size.
     #[inline(always)]
-    fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
-        let work = self.work;
-        let ContactModel { rolling, twisting, .. } = work.laws.contact;
+    fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output {
+        let ContactModel { rolling, twisting, .. } = self.laws.contact;
         let (rolling, twisting) = (*rolling, twisting.filter(|_| EXTRAS));
         if let Some(twisting) = twisting {
             let resistance = RollingAndTwisting { rolling, twisting };
-            return work.evaluate::<Q, _, _, _>(&law, resistance, ManySizes::default());
+            return self.evaluate::<Q, _, _, _>(law, resistance, ManySizes::default());
         }
-        match (rolling, work.one_size.filter(|_| !EXTRAS)) {
-            (Some(rolling), _) => work.evaluate::<Q, _, _, _>(&law, rolling, ManySizes::default()),
-            (None, None) => work.evaluate::<Q, _, _, _>(&law, NoRolling, ManySizes::default()),
+        match (rolling, self.one_size.filter(|_| !EXTRAS)) {
+            (Some(rolling), _) => self.evaluate::<Q, _, _, _>(law, rolling, ManySizes::default()),
+            (None, None) => self.evaluate::<Q, _, _, _>(law, NoRolling, ManySizes::default()),
             (None, Some([radius, mass])) => {
-                work.evaluate::<Q, _, _, _>(&law, NoRolling, OneSize { radius, mass })
+                self.evaluate::<Q, _, _, _>(law, NoRolling, OneSize { radius, mass })
             }
         }
     }
@@ -111,7 +103,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
                 std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
             }
-            round_forces::<R, S>(&mut block, &sizes, &laws);
+            block.round_forces::<R, S>(&sizes, &laws);
             block.copy_touching(&mut pairs.touching);
             if let Some(lane) = first_flagged(&block.out_of_range) {
                 let ids = ends.map(|end| particles.id[end[lane] as usize]);
@@ -167,31 +159,5 @@ fn set_geometry<S: Sizes>(block: &mut ContactBlock, sizes: &S) {
             block.normal[axis][lane] = normal[axis];
             block.relative_velocity[axis][lane] = velocity[axis];
         }
-    }
-}
-
-/// Sets the forces and torques of all pairs, rounded to multiples of their quanta.
-#[inline(always)]
-fn round_forces<R: Rolling, S: Sizes>(block: &mut ContactBlock, sizes: &S, laws: &PairLaws) {
-    for lane in 0..LANES {
-        let [radius_i, radius_j] = sizes.radii(lane);
-        let normal = vector(&block.normal, lane);
-        let tangential = vector(&block.tangential_force, lane);
-        let along = block.normal_force[lane] - block.cohesion[lane];
-        let force_on_j = laws.force_quantum.round_vector(normal * along + tangential);
-        let twist = normal.cross(&tangential);
-        let mut twists = [twist * radius_i, twist * radius_j];
-        if R::ACTS {
-            let torque = vector(&block.rolling_torque, lane);
-            twists = [twists[0] + torque, twists[1] - torque];
-        }
-        for axis in 0..3 {
-            block.force_on_j[axis][lane] = force_on_j[axis];
-            block.negative_torque_i[axis][lane] = laws.torque_quantum.round(twists[0][axis]);
-            if !S::EQUAL {
-                block.negative_torque_j[axis][lane] = laws.torque_quantum.round(twists[1][axis]);
-            }
-        }
-        block.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
     }
 }

@@ -1,0 +1,234 @@
+//! Particles at one wall: those that may touch it are gathered into lanes, as pairs of particles are, and evaluated.
+
+use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
+use crate::contact::lanes::{
+    BlockHistories, ContactBlock, Lanes, LawOnBlock, LoopOverBlocks, PairsOfBlock, Sizes,
+    SizesAtWall, WithRegisters, load_vectors, store_vectors, vector,
+};
+use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
+use crate::contact::{ContactModel, WallTallies};
+use crate::domain::{Wall, WallPose};
+use crate::numbers::{F64x4, SimdKernel, first_flagged, four_mut};
+use crate::particles::{AngleLanes, ContactHistory, Contacts, LANES, Particles, SpringLanes};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Adds the forces and torques of one wall on particles for which one law holds.
+pub(super) struct WallLoop<'a> {
+    pub(super) particles: &'a mut Particles,
+    pub(super) contacts: &'a mut Contacts,
+    /// Slots of these particles among those near walls.
+    pub(super) slots: Range<usize>,
+    pub(super) wall: WallNow<'a>,
+    pub(super) laws: PairLaws<'a>,
+    /// Separation up to which any force acts.
+    pub(super) range: f64,
+    pub(super) on_walls: &'a mut WallTallies,
+}
+
+/// A wall at one instant.
+#[derive(Clone, Copy)]
+pub(super) struct WallNow<'a> {
+    pub(super) number: usize,
+    pub(super) wall: &'a Wall,
+    pub(super) pose: &'a WallPose,
+}
+
+impl SimdKernel for WallLoop<'_> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    #[inline(always)]
+    fn run<Q: F64x4>(self) -> Self::Output {
+        let law = &self.laws.contact.law;
+        law.dispatch(WithRegisters::<_, Q>::new(self))
+    }
+}
+
+impl LoopOverBlocks for WallLoop<'_> {
+    type Output = Result<(), ForceOutOfRange>;
+
+    #[inline(always)]
+    fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output {
+        let ContactModel { rolling, twisting, .. } = *self.laws.contact;
+        match (rolling, twisting) {
+            (None, None) => self.evaluate::<Q, _, _>(law, NoRolling),
+            (Some(rolling), None) => self.evaluate::<Q, _, _>(law, rolling),
+            (rolling, Some(twisting)) => {
+                self.evaluate::<Q, _, _>(law, RollingAndTwisting { rolling, twisting })
+            }
+        }
+    }
+}
+
+impl WallLoop<'_> {
+    #[inline(always)]
+    fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling>(
+        mut self,
+        law: &L,
+        rolling: R,
+    ) -> Result<(), ForceOutOfRange> {
+        let mut block = WallBlock::default();
+        let (mut near, mut count) = ([0; LANES], 0);
+        for slot in self.slots.clone() {
+            if self.may_act(slot) {
+                near[count] = slot;
+                count += 1;
+            }
+            if count == LANES || (count > 0 && slot + 1 == self.slots.end) {
+                self.add::<Q, _, _>(&mut block, &near[..count], law, rolling)?;
+                count = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a force may act between the wall and the particle of a slot, or their contact still has to end.
+    #[inline(always)]
+    fn may_act(&self, slot: usize) -> bool {
+        let particle = self.contacts.wall_pairs[slot].particle as usize;
+        let body = &self.particles.body[particle];
+        let separation = self.wall.wall.height_at(&body.position, self.wall.pose) - body.radius;
+        separation <= self.range || self.contacts.wall_touching[slot]
+    }
+
+    /// Adds the forces of a block.
+    #[inline(always)]
+    fn add<Q: F64x4, L: LawOnBlock, R: Rolling>(
+        &mut self,
+        block: &mut WallBlock,
+        slots: &[usize],
+        law: &L,
+        rolling: R,
+    ) -> Result<(), ForceOutOfRange> {
+        let Self { particles, contacts, wall, laws, on_walls, .. } = self;
+        block.gather::<Q>(particles, contacts, slots);
+        block.set_geometry(*wall, laws);
+        let histories = BlockHistories {
+            tangential_springs: &mut block.springs,
+            largest_overlaps: &mut block.largest_overlaps,
+            rolling_angles: &mut block.rolling_angles,
+            twisting_angles: &mut block.twisting_angles,
+        };
+        let (sizes, dt) = (&block.sizes, laws.dt);
+        law.evaluate(PairsOfBlock { rolling, sizes, dt, block: &mut block.contacts, histories });
+        block.contacts.round_forces::<R, _>(&block.sizes, laws);
+        if let Some(lane) = first_flagged(&block.contacts.out_of_range) {
+            let id = particles.id[block.particle[lane] as usize];
+            let force = vector(&block.contacts.force_on_j, lane);
+            let overlap = block.contacts.overlap[lane];
+            let other = format!("wall \"{}\"", wall.wall.name);
+            return Err(out_of_range(id, other, force, overlap, laws.limit));
+        }
+        block.scatter::<Q>(particles, slots.len());
+        block.keep_histories(contacts, slots, laws.contact);
+        for lane in 0..slots.len() {
+            let force = vector(&block.contacts.force_on_j, lane);
+            let counts = [0, 1, 2].map(|axis| laws.force_quantum.count(force[axis]));
+            on_walls.add(wall.number, block.sizes.radius[lane], counts);
+        }
+        Ok(())
+    }
+}
+
+/// Particles near one wall, component by component: the wall is the second body of each contact. Lanes beyond the last
+/// particle repeat it.
+#[derive(Default)]
+struct WallBlock {
+    particle: [u32; LANES],
+    position: [Lanes; 3],
+    sizes: SizesAtWall,
+    contacts: ContactBlock,
+    springs: SpringLanes,
+    largest_overlaps: Lanes,
+    rolling_angles: AngleLanes,
+    twisting_angles: Lanes,
+}
+
+impl WallBlock {
+    /// Gathers particles and histories of slots.
+    #[inline(always)]
+    fn gather<Q: F64x4>(&mut self, particles: &Particles, contacts: &Contacts, slots: &[usize]) {
+        let last = slots.len() - 1;
+        let zero = [Q::splat(0.0); 4];
+        for from in (0..LANES).step_by(4) {
+            let (mut positions, mut velocities, mut spins, mut histories) =
+                (zero, zero, zero, zero);
+            for row in 0..4 {
+                let (lane, slot) = (from + row, slots[last.min(from + row)]);
+                self.particle[lane] = contacts.wall_pairs[slot].particle;
+                let body = &particles.body[self.particle[lane] as usize];
+                let [position, velocity, spin] = body.vectors();
+                self.sizes.gather(lane, [body; 2]);
+                (positions[row], velocities[row]) = (Q::load(position), Q::load(velocity));
+                spins[row] = Q::load(spin);
+                histories[row] = Q::load(contacts.wall_history[slot].numbers());
+                for axis in 0..3 {
+                    self.rolling_angles[axis][lane] = contacts.wall_rolling_angle[slot][axis];
+                }
+                self.twisting_angles[lane] = contacts.wall_twisting_angle[slot];
+            }
+            store_vectors(&mut self.position, from, positions);
+            store_vectors(&mut self.contacts.relative_velocity, from, velocities);
+            store_vectors(&mut self.contacts.relative_spin, from, spins);
+            store_vectors(&mut self.springs, from, histories);
+            let [_, _, _, largest_overlaps] = Q::transposed(histories);
+            largest_overlaps.store(four_mut(&mut self.largest_overlaps, from));
+        }
+    }
+
+    /// Sets overlap, normal, motion of the wall's surface relative to the particle's, and attraction.
+    #[inline(always)]
+    fn set_geometry(&mut self, WallNow { wall, pose, .. }: WallNow, laws: &PairLaws) {
+        let Self { position, sizes, contacts, .. } = self;
+        for lane in 0..LANES {
+            let (position, radius) = (vector(position, lane), sizes.radius[lane]);
+            let spin = vector(&contacts.relative_spin, lane);
+            let normal = -wall.normal_at(&position, pose);
+            let velocity = pose.velocity
+                - vector(&contacts.relative_velocity, lane)
+                - (spin * radius).cross(&normal);
+            contacts.overlap[lane] = radius - wall.height_at(&position, pose);
+            for axis in 0..3 {
+                contacts.normal[axis][lane] = normal[axis];
+                contacts.relative_velocity[axis][lane] = velocity[axis];
+                contacts.relative_spin[axis][lane] = -spin[axis];
+            }
+        }
+        let Some(cohesion) = laws.cohesion else { return };
+        for lane in 0..LANES {
+            contacts.cohesion[lane] = cohesion.to_wall(sizes.radius[lane], -contacts.overlap[lane]);
+        }
+    }
+
+    /// Adds forces and torques to those of the first `used` particles.
+    #[inline(always)]
+    fn scatter<Q: F64x4>(&self, particles: &mut Particles, used: usize) {
+        for from in (0..used).step_by(4) {
+            let force = load_vectors::<Q>(&self.contacts.force_on_j, from);
+            let torque = load_vectors::<Q>(&self.contacts.negative_torque_i, from);
+            for row in 0..4.min(used - from) {
+                let particle = self.particle[from + row] as usize;
+                let [of_force, of_torque] = particles.forces[particle].vectors_mut();
+                Q::load(of_force).minus(force[row]).store(of_force);
+                Q::load(of_torque).minus(torque[row]).store(of_torque);
+            }
+        }
+    }
+
+    /// Keeps the histories of the contacts; springs that the model does not have are not deflected.
+    #[inline(always)]
+    fn keep_histories(&self, contacts: &mut Contacts, slots: &[usize], model: &ContactModel) {
+        let (rolls, twists) = (model.rolling.is_some(), model.twisting.is_some());
+        for (lane, &slot) in slots.iter().enumerate() {
+            contacts.wall_touching[slot] = self.contacts.touching[lane] != 0;
+            contacts.wall_history[slot] = ContactHistory {
+                tangential_spring: vector(&self.springs, lane),
+                largest_overlap: self.largest_overlaps[lane],
+            };
+            contacts.wall_rolling_angle[slot] =
+                if rolls { vector(&self.rolling_angles, lane) } else { Vector3::zeros() };
+            contacts.wall_twisting_angle[slot] =
+                if twists { self.twisting_angles[lane] } else { 0.0 };
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The loop over particles at walls.
+
+mod block;
+
+use self::block::{WallLoop, WallNow};
+use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
+use super::{Contact, VanDerWaalsNow, WallTallies};
+use crate::domain::{PosedWalls, Wall, WallPose};
+use crate::numbers::with_simd;
+use crate::particles::{Contacts, Particles};
+use nalgebra::Vector3;
+
+/// Adds the forces and torques of walls on particles; tallies the force on each wall.
+///
+/// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with its own law, attraction and
+/// velocity. Beyond the range of any force the law is not asked, unless a contact still has to end.
+///
+/// # Errors
+/// If a force exceeds the limit or is undefined.
+pub(crate) fn add_wall_forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws,
+    on_walls: &mut WallTallies,
+) -> Result<(), ForceOutOfRange> {
+    on_walls.clear();
+    let mut start = 0;
+    while let Some(&first) = contacts.wall_pairs.get(start) {
+        let number = first.wall as usize;
+        let alike = contacts.wall_pairs[start..].partition_point(|pair| pair.is_like(&first));
+        let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
+        let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
+        with_simd(WallLoop {
+            particles,
+            contacts,
+            slots: start..start + alike,
+            wall: WallNow { number, wall: &walls.walls[number], pose: &walls.poses[number] },
+            laws: PairLaws { contact, cohesion, dt, limit, force_quantum, torque_quantum },
+            range: laws.ranges.any,
+            on_walls,
+        })?;
+        start += alike;
+    }
+    Ok(())
+}
+
+/// The contact of a particle and a wall.
+pub(super) fn contact_with(
+    wall: &Wall,
+    pose: &WallPose,
+    particles: &Particles,
+    i: usize,
+    cohesion: Option<VanDerWaalsNow>,
+) -> Contact {
+    let radius = particles.body[i].radius;
+    let position = &particles.body[i].position;
+    let overlap = radius - wall.height_at(position, pose);
+    let spin = particles.body[i].angular_velocity;
+    let normal = -wall.normal_at(position, pose);
+    Contact {
+        overlap,
+        normal,
+        relative_velocity: pose.velocity
+            - particles.body[i].velocity
+            - (spin * radius).cross(&normal),
+        relative_spin: -spin,
+        reduced_mass: particles.body[i].mass,
+        reduced_radius: radius,
+        reduced_inertia: particles.inertia(i),
+        cohesion: cohesion.map_or(0.0, |cohesion| cohesion.to_wall(radius, -overlap)),
+    }
+}
+
+/// Force of contact and attraction on the wall.
+#[inline(always)]
+pub(super) fn total_force(
+    contact: &Contact,
+    normal: f64,
+    tangential: Vector3<f64>,
+) -> Vector3<f64> {
+    contact.normal * (normal - contact.cohesion) + tangential
+}
+
+#[cfg(test)]
+mod tests;

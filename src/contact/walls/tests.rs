@@ -1,0 +1,161 @@
+//! Contacts with walls side by side have the bits of contacts one by one.
+
+use super::*;
+use crate::contact::rolling::Rolling;
+use crate::contact::{
+    ByPair, ContactForceLaw, ContactLaw, ContactModel, ExampleScales, RollingFriction, RollingKind,
+    TwistingFriction, VanDerWaals,
+};
+use crate::numbers::{Quantum, Schedule, random_of, uniform};
+use crate::particles::{ContactHistory, InteractionRanges, LANES, ListRange};
+
+const SCALES: ExampleScales = ExampleScales { stiffness: 1.0e4, overlap: 0.01, restitution: 0.8 };
+const DT: f64 = 1.0e-3;
+const RADIUS: f64 = 0.5;
+
+/// A plate that moves, and a cylinder.
+fn walls() -> ([Wall; 2], [WallPose; 2]) {
+    let plate = Wall::plane("plate", Vector3::zeros(), Vector3::z());
+    let cylinder = Wall::cylinder("cylinder", Vector3::zeros(), 6.0);
+    let displacement = Vector3::new(0.0, 0.0, 0.002);
+    ([plate, cylinder], [WallPose { displacement, velocity: displacement }, WallPose::REST])
+}
+
+/// Particles of two sizes and species in a layer: most of them at a wall, some at both.
+fn particles(count: usize) -> Particles {
+    let mut random = random_of(1, 0, "walls");
+    let mut number = |from: f64, to: f64| from + (to - from) * uniform(&mut random);
+    let mut particles = Particles::default();
+    for id in 0..count as u64 {
+        let radius = RADIUS * if id % 3 == 0 { 1.0 } else { 0.8 };
+        let (out, angle) = (6.0 - radius - number(-0.02, 0.01), number(0.0, 6.0));
+        let z = radius - number(-0.02, 0.01);
+        let position = Vector3::new(out * angle.cos(), out * angle.sin(), z);
+        let velocity = Vector3::from_fn(|_, _| number(-0.3, 0.3));
+        particles.push(id, position, velocity, radius, radius.powi(3));
+        let body = &mut particles.body[id as usize];
+        body.angular_velocity = Vector3::from_fn(|_, _| number(-0.3, 0.3));
+        *body = body.of_species(id as usize % 2);
+    }
+    particles
+}
+
+/// Force and torque on each particle, and what its contacts remember, one contact at a time.
+fn one_by_one(
+    particles: &Particles,
+    contacts: &mut Contacts,
+    walls: PosedWalls<'_>,
+    laws: &ForceLaws,
+) -> Vec<[Vector3<f64>; 2]> {
+    let mut loads = vec![[Vector3::zeros(); 2]; particles.owned_count()];
+    for slot in 0..contacts.wall_pairs.len() {
+        let pair = contacts.wall_pairs[slot];
+        let (i, number) = (pair.particle as usize, pair.wall as usize);
+        let at_wall = laws.at_wall(number, particles.body[i].species());
+        let (wall, pose) = (&walls.walls[number], &walls.poses[number]);
+        let contact = contact_with(wall, pose, particles, i, at_wall.cohesion);
+        let ContactModel { law, rolling, twisting, .. } = at_wall.contact;
+        let history = &mut contacts.wall_history[slot];
+        let touches = law.touches(&contact, history);
+        contacts.wall_touching[slot] = touches;
+        let (mut force, mut torque) = (contact.normal * -contact.cohesion, Vector3::zeros());
+        if touches {
+            let of_law = law.force(&contact, history, DT);
+            force = contact.normal * (of_law.normal - contact.cohesion) + of_law.tangential;
+            torque = contact.normal.cross(&of_law.tangential) * contact.reduced_radius;
+            let (limit, stiffness) = (of_law.friction_normal, law.stiffness_over(&contact, DT));
+            let angle = &mut contacts.wall_rolling_angle[slot];
+            let mut of_spin = Vector3::zeros();
+            if let Some(rolling) = rolling {
+                of_spin += rolling.torque(&contact, limit, stiffness, angle, DT);
+            }
+            let angle = &mut contacts.wall_twisting_angle[slot];
+            if let Some(twisting) = twisting {
+                let along = twisting.torque(&contact, limit, stiffness, angle, DT);
+                of_spin += contact.normal * along;
+            }
+            torque += of_spin;
+        } else {
+            *history = ContactHistory::default();
+            contacts.wall_rolling_angle[slot] = Vector3::zeros();
+            contacts.wall_twisting_angle[slot] = 0.0;
+        }
+        loads[i][0] -= laws.force_quantum.round_vector(force);
+        loads[i][1] -= laws.torque_quantum.round_vector(torque);
+    }
+    loads
+}
+
+/// Two steps by both ways.
+fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDerWaalsNow>) {
+    let mut particles = particles(count);
+    let (walls, poses) = walls();
+    let walls = PosedWalls { walls: &walls, poses: &poses };
+    let other = ContactModel { rolling: None, ..model.clone() };
+    let of_kind = |one, other_species| match one + other_species {
+        0 => model.clone(),
+        _ => other.clone(),
+    };
+    let contact = ByPair::of_species(2, of_kind);
+    let cohesion = cohesion.map(ByPair::of_all);
+    let range = cohesion.as_ref().map_or(0.0, |cohesion| cohesion.first().range());
+    let laws = ForceLaws {
+        contact: &contact,
+        at_walls: &[],
+        cohesion: cohesion.as_ref(),
+        ranges: InteractionRanges { contact: 0.0, any: range, diameter: 2.0 * RADIUS },
+        dt: DT,
+        limit: 1.0e6,
+        force_quantum: Quantum::spanning(1.0e6),
+        torque_quantum: Quantum::spanning(1.0e6),
+    };
+    let mut contacts = Contacts::default();
+    let list = ListRange { interaction: range, skin: 0.05 };
+    contacts.find_wall_pairs(&particles, walls, list);
+    let mut reference = contacts.clone();
+    let mut tallies = WallTallies::default();
+    tallies.reset(2);
+    for step in 0..2 {
+        particles.forces.iter_mut().for_each(|load| *load = Default::default());
+        add_wall_forces(&mut particles, &mut contacts, walls, &laws, &mut tallies).unwrap();
+        let expected = one_by_one(&particles, &mut reference, walls, &laws);
+        let found: Vec<[Vector3<f64>; 2]> =
+            particles.forces.iter().map(|load| [load.force, load.torque]).collect();
+        assert_eq!(found, expected, "step {step} of {model:?}");
+        assert_eq!(contacts.wall_touching, reference.wall_touching);
+        assert_eq!(contacts.wall_history, reference.wall_history);
+        assert_eq!(contacts.wall_rolling_angle, reference.wall_rolling_angle);
+        assert_eq!(contacts.wall_twisting_angle, reference.wall_twisting_angle);
+        let on_walls: [i64; 3] =
+            [0, 1, 2].map(|axis| (0..2).map(|wall| tallies.on_wall(wall)[axis]).sum());
+        let sum = found.iter().fold(Vector3::zeros(), |sum, [force, _]| sum + force);
+        assert_eq!(on_walls, [0, 1, 2].map(|axis| -laws.force_quantum.count(sum[axis])));
+        particles.body.iter_mut().for_each(|body| body.position += body.velocity * DT);
+    }
+    let moved = contacts.wall_history.iter().any(|of| of.tangential_spring.norm() > 0.0);
+    assert!(moved || count < 5, "a control: springs are deflected");
+}
+
+#[test]
+fn contacts_in_lanes_have_the_bits_of_contacts_one_by_one() {
+    let [force, at_wall] = [10.0, 20.0].map(Schedule::Constant);
+    let attraction = VanDerWaals::square(&force, &at_wall, RADIUS, 0.01).at(0.0);
+    let kind = RollingKind::ElasticPlastic { damping: 0.3 };
+    let rolling = RollingFriction::new(kind, 0.1).unwrap();
+    let twisting = TwistingFriction::new(0.1, 0.5, 0.3).unwrap();
+    for law in ContactLaw::examples(SCALES) {
+        for (rolling, twisting) in [
+            (None, None),
+            (Some(rolling), None),
+            (None, Some(twisting)),
+            (Some(rolling), Some(twisting)),
+        ] {
+            let model = ContactModel { rolling, twisting, ..ContactModel::from(law.clone()) };
+            // Less than a block, a whole one, and more.
+            for count in [1, LANES, 2 * LANES + 7] {
+                assert_equal_bits(count, &model, None);
+            }
+            assert_equal_bits(100, &model, Some(attraction));
+        }
+    }
+}
