@@ -1,12 +1,14 @@
 //! The neighbour list: how far it looks, when it is outdated, and how it is built.
 
+use super::cell_grid::Neighbourhood;
 use super::contact_history::ContactHistories;
 use super::contacts::LostContact;
-use super::proximity::{SetBits, close_partners};
+use super::proximity::{SetBits, close_bodies, close_partners};
 use super::range::ListRange;
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
+use std::ops::Range;
 
 /// What is needed to build the list, and to see when it is outdated. Disposable: a list that is built at another step
 /// gives the same bits, because the pairs that act on each other are the same and force sums are exact.
@@ -70,7 +72,8 @@ impl NeighbourList {
 
     /// Finds all pairs within the range of the list and gives them their contact histories back.
     ///
-    /// Before: ghosts are those of the owned particles' current positions.
+    /// Before: the owned particles are where they were when they were last sorted by cells at least as wide as the range of
+    /// the list; ghosts are those of these positions.
     ///
     /// # Errors
     /// If the history of a touching pair has no slot in the new list: a fault of the program.
@@ -85,8 +88,7 @@ impl NeighbourList {
         (self.displacement, self.age) = (0.0, 0);
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.poses);
-        let largest = particles.body.iter().map(|body| body.radius).fold(0.0, f64::max);
-        self.cells.fill(&particles.body, range.ghost_width(2.0 * largest));
+        self.cells.add_ghosts(&particles.body[particles.owned_count()..]);
         self.find_pairs(particles, contacts, range);
         contacts.find_wall_pairs(particles, walls, range);
         contacts.restore(particles, range.interaction, histories)
@@ -98,7 +100,8 @@ impl NeighbourList {
     }
 }
 
-/// Searches the pairs of each owned particle among the particles in the cells around its own.
+/// Searches the pairs of each owned particle among the particles in the cells around its own. A pair of two owned particles is in
+/// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind.
 struct PairSearch<'a> {
     cells: &'a CellGrid,
     particles: &'a Particles,
@@ -113,22 +116,58 @@ impl SimdKernel for PairSearch<'_> {
     fn run<Q: F64x4>(self) {
         let Self { cells, particles, range, contacts } = self;
         let separation = Q::splat(range.interaction + range.skin);
-        let bodies = &particles.body[..];
-        for i in 0..particles.owned_count() {
-            // A pair of two owned particles, perhaps through an image, is in the row of the lower index only.
-            let is_elsewhere = |partner: usize| {
-                particles.owned_original(partner).is_some_and(|original| original <= i)
-            };
-            for members in cells.neighbourhood(i) {
-                for partners in members.chunks(4) {
-                    for k in SetBits(close_partners(&bodies[i], partners, bodies, separation)) {
-                        if !is_elsewhere(partners[k] as usize) {
-                            contacts.partner.push(partners[k]);
-                        }
-                    }
+        for Neighbourhood { own, own_end, behind, ghosts } in cells.neighbourhoods() {
+            for i in own {
+                let mut row = Row { particles, i, separation, partners: &mut contacts.partner };
+                row.add_owned(i + 1..own_end);
+                for others in &behind {
+                    row.add_owned(others.clone());
+                }
+                for others in ghosts {
+                    row.add_ghosts(others);
+                }
+                contacts.row_start.push(contacts.partner.len() as u32);
+            }
+        }
+    }
+}
+
+/// The partners of one particle.
+struct Row<'a, Q> {
+    particles: &'a Particles,
+    i: usize,
+    separation: Q,
+    partners: &'a mut Vec<u32>,
+}
+
+impl<Q: F64x4> Row<'_, Q> {
+    /// Adds those of these owned particles that are near.
+    #[inline(always)]
+    fn add_owned(&mut self, others: Range<usize>) {
+        let Self { particles, i, separation, .. } = *self;
+        for from in others.clone().step_by(4) {
+            let four = &particles.body[from..others.end.min(from + 4)];
+            for k in SetBits(close_bodies(&particles.body[i], four, separation)) {
+                self.partners.push((from + k) as u32);
+            }
+        }
+    }
+
+    /// Adds those of these ghosts that are near; of images only those of owned particles of a higher index.
+    #[inline(always)]
+    fn add_ghosts(&mut self, others: &[u32]) {
+        let Self { particles, i, separation, .. } = *self;
+        let owned = particles.owned_count();
+        let ghosts = &particles.body[owned..];
+        let is_elsewhere =
+            |ghost: usize| particles.owned_original(ghost).is_some_and(|original| original <= i);
+        for four in others.chunks(4) {
+            for k in SetBits(close_partners(&particles.body[i], four, ghosts, separation)) {
+                let ghost = owned + four[k] as usize;
+                if !is_elsewhere(ghost) {
+                    self.partners.push(ghost as u32);
                 }
             }
-            contacts.row_start.push(contacts.partner.len() as u32);
         }
     }
 }

@@ -36,6 +36,16 @@ pub(super) fn close_partners<Q: F64x4>(
     close_pairs(branch_vectors, separation) & ((1 << partners.len()) - 1)
 }
 
+/// The same of one to four other bodies.
+#[inline(always)]
+pub(super) fn close_bodies<Q: F64x4>(body: &Body, others: &[Body], separation: Q) -> u32 {
+    let mut branch_vectors = [Q::splat(0.0); 4];
+    for (k, to_other) in branch_vectors.iter_mut().enumerate() {
+        *to_other = branch_vector(body, &others[k.min(others.len() - 1)]);
+    }
+    close_pairs(branch_vectors, separation) & ((1 << others.len()) - 1)
+}
+
 /// Whether the surfaces of two bodies are closer than `separation`.
 #[inline(always)]
 pub(super) fn is_close([one, other]: [&Body; 2], separation: f64) -> bool {
@@ -76,6 +86,8 @@ mod tests {
             let all: Vec<u32> = (0..self.0.len() as u32).collect();
             for (four, partners) in all.chunks(4).enumerate() {
                 let close = close_partners(&self.0[0], partners, self.0, Q::splat(0.2));
+                let bodies = &self.0[4 * four..][..partners.len()];
+                assert_eq!(close_bodies(&self.0[0], bodies, Q::splat(0.2)), close);
                 found.extend(SetBits(close).map(|bit| 4 * four + bit));
             }
             found
