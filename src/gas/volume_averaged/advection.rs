@@ -77,36 +77,78 @@ fn fluxes_of_rows(
     }
 }
 
-/// Adds the momentum that each free face of component `axis` gains per volume and time, in these layers along z. Part of
-/// work in wide vectors.
-#[inline(always)]
-pub(super) fn add_advection(
-    rate: &mut Field,
-    axis: usize,
-    velocity: &Field,
-    flux: &[Field; 3],
-    (LocalGas { part, gas }, layers): (LocalGas, &Range<isize>),
+/// Advection by these fluxes. Part of work in wide vectors.
+pub(super) struct Advection<'a> {
+    flux: &'a [Field; 3],
+    local: LocalGas<'a>,
     spacing: Vector3<f64>,
-) {
-    for direction in 0..3 {
-        let factor = gas.density / spacing[direction];
-        let region = match direction == axis {
-            true => Region::inner_faces(part, axis, gas),
-            false => Region::free_faces(part, axis, gas),
-        };
-        let strides = rate.strides();
-        let along =
-            Along { across: strides[axis] as isize, step: strides[direction] as isize, factor };
-        for row in region.in_layers(layers).rows(velocity) {
-            along.add_row(rate.values_mut(), velocity.values(), flux[direction].values(), row);
+    between: FacesBetween,
+}
+
+/// Faces of a row of the cells around faces: each is passed on from the row before it to the one behind.
+#[derive(Default)]
+struct FacesBetween {
+    flux: Vec<f64>,
+    /// The velocity that the flux carries.
+    carried: Vec<f64>,
+}
+
+impl<'a> Advection<'a> {
+    pub(super) fn new(flux: &'a [Field; 3], local: LocalGas<'a>, spacing: Vector3<f64>) -> Self {
+        Self { flux, local, spacing, between: FacesBetween::default() }
+    }
+
+    /// Adds the momentum that each free face of component `axis` gains per volume and time, in these layers along z.
+    #[inline(always)]
+    pub(super) fn add(
+        &mut self,
+        rate: &mut Field,
+        axis: usize,
+        velocity: &Field,
+        layers: &Range<isize>,
+    ) {
+        let LocalGas { part, gas } = self.local;
+        for direction in 0..3 {
+            let region = match direction == axis {
+                true => Region::inner_faces(part, axis, gas),
+                false => Region::free_faces(part, axis, gas),
+            };
+            self.add_along(direction, rate, (axis, velocity), region.in_layers(layers));
+        }
+        for face in [0, 1].map(|side| BoxFace { axis, side }) {
+            let outside = gas.velocity_outside(face).filter(|_| part.at_ends(axis)[face.side]);
+            if let Some(outside) = outside {
+                let factor = gas.density / self.spacing[axis];
+                let through = ThroughFace { face, outside: outside[axis], factor };
+                through.add(rate, velocity, &self.flux[axis], (part, layers));
+            }
         }
     }
-    for face in [0, 1].map(|side| BoxFace { axis, side }) {
-        let outside = gas.velocity_outside(face).filter(|_| part.at_ends(axis)[face.side]);
-        if let Some(outside) = outside {
-            let through =
-                ThroughFace { face, outside: outside[axis], factor: gas.density / spacing[axis] };
-            through.add(rate, velocity, &flux[axis], (part, layers));
+
+    #[inline(always)]
+    fn add_along(
+        &mut self,
+        direction: usize,
+        rate: &mut Field,
+        (axis, velocity): (usize, &Field),
+        region: Region,
+    ) {
+        let strides = rate.strides();
+        let along = Along {
+            across: strides[axis] as isize,
+            step: strides[direction] as isize,
+            factor: self.local.gas.density / self.spacing[direction],
+        };
+        let (rate, u) = (rate.values_mut(), velocity.values());
+        let (flux, between) = (self.flux[direction].values(), &mut self.between);
+        if direction == 0 {
+            for row in region.rows(velocity) {
+                along.add_row(rate, u, flux, row, between);
+            }
+        } else if let Some((first_rows, count)) = region.lines(direction) {
+            for row in first_rows.rows(velocity) {
+                along.add_rows(rate, u, flux, (row, count), between);
+            }
         }
     }
 }
@@ -122,29 +164,80 @@ struct Along {
 }
 
 impl Along {
+    /// Finds the faces below the places of a row.
     #[inline(always)]
-    fn add_row(&self, rate: &mut [f64], u: &[f64], flux: &[f64], row: Range<usize>) {
-        let (across, step) = (self.across, self.step);
-        let [far_below, below, here, above, far_above] =
-            [-2, -1, 0, 1, 2].map(|cells| moved(u, &row, cells * step));
-        let (lower_first, lower_second) = (moved(flux, &row, -across), moved(flux, &row, 0));
-        let (upper_first, upper_second) =
-            (moved(flux, &row, step - across), moved(flux, &row, step));
+    fn set_lower(&self, u: &[f64], flux: &[f64], row: &Range<usize>, between: &mut FacesBetween) {
+        let [far_below, below, here, above] = [-2, -1, 0, 1].map(|n| moved(u, row, n * self.step));
+        let (first, second) = (moved(flux, row, -self.across), moved(flux, row, 0));
+        between.flux.resize(row.len(), 0.0);
+        between.carried.resize(row.len(), 0.0);
+        let (through, carried) =
+            (&mut between.flux[..row.len()], &mut between.carried[..row.len()]);
+        for i in 0..through.len() {
+            through[i] = 0.5 * (first[i] + second[i]);
+            carried[i] = value_between([far_below[i], below[i], here[i], above[i]], through[i]);
+        }
+    }
+
+    /// Along x: a row by itself.
+    #[inline(always)]
+    fn add_row(
+        &self,
+        rate: &mut [f64],
+        u: &[f64],
+        flux: &[f64],
+        row: Range<usize>,
+        between: &mut FacesBetween,
+    ) {
+        self.set_lower(u, flux, &(row.start..row.end + 1), between);
+        let (lower, upper) = (&between.flux[..row.len()], &between.flux[1..=row.len()]);
+        let (in_lower, in_upper) = (&between.carried[..row.len()], &between.carried[1..=row.len()]);
+        let here = moved(u, &row, 0);
         let target = &mut rate[row];
         for i in 0..target.len() {
-            let lower = 0.5 * (lower_first[i] + lower_second[i]);
-            let upper = 0.5 * (upper_first[i] + upper_second[i]);
-            let in_lower = between([far_below[i], below[i], here[i], above[i]], lower);
-            let in_upper = between([below[i], here[i], above[i], far_above[i]], upper);
-            target[i] -=
-                self.factor * (upper * (in_upper - here[i]) - lower * (in_lower - here[i]));
+            target[i] -= self.change(here[i], [lower[i], upper[i]], [in_lower[i], in_upper[i]]);
         }
+    }
+
+    /// Along y or z: so many rows, one behind the other.
+    #[inline(always)]
+    fn add_rows(
+        &self,
+        rate: &mut [f64],
+        u: &[f64],
+        flux: &[f64],
+        (mut row, count): (Range<usize>, usize),
+        between: &mut FacesBetween,
+    ) {
+        let step = self.step;
+        self.set_lower(u, flux, &row, between);
+        let (through, carried) =
+            (&mut between.flux[..row.len()], &mut between.carried[..row.len()]);
+        for _ in 0..count {
+            let [below, here, above, far_above] =
+                [-1, 0, 1, 2].map(|cells| moved(u, &row, cells * step));
+            let (first, second) = (moved(flux, &row, step - self.across), moved(flux, &row, step));
+            let target = &mut rate[row.clone()];
+            for i in 0..target.len() {
+                let upper = 0.5 * (first[i] + second[i]);
+                let in_upper = value_between([below[i], here[i], above[i], far_above[i]], upper);
+                target[i] -= self.change(here[i], [through[i], upper], [carried[i], in_upper]);
+                (through[i], carried[i]) = (upper, in_upper);
+            }
+            row = row.start + step as usize..row.end + step as usize;
+        }
+    }
+
+    /// What goes out of a cell around a face, by the fluxes through its lower and its upper face.
+    #[inline(always)]
+    fn change(&self, here: f64, [lower, upper]: [f64; 2], [in_lower, in_upper]: [f64; 2]) -> f64 {
+        self.factor * (upper * (in_upper - here) - lower * (in_lower - here))
     }
 }
 
 /// The value between the second and the third of four in a row, seen from where the flux comes from.
 #[inline(always)]
-fn between(values: [f64; 4], flux: f64) -> f64 {
+fn value_between(values: [f64; 4], flux: f64) -> f64 {
     let [a, b, c, d] = values;
     let forwards = flux >= 0.0;
     let (before, from, to) = if forwards { (a, b, c) } else { (d, c, b) };
@@ -191,7 +284,7 @@ impl ThroughFace {
             let beyond = if out >= 0.0 { here } else { self.outside };
             // Values in a row from inside to outside; the flux is positive outwards.
             let row = [at(u, index, 2), at(u, index, 1), here, beyond];
-            let inside = between(row, -inner);
+            let inside = value_between(row, -inner);
             let change = out * (beyond - here) + inner * (inside - here);
             rate.values_mut()[index] -= self.factor * change;
         }
@@ -235,15 +328,15 @@ pub(super) fn larger(new: f64, largest: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::between;
+    use super::value_between;
 
     #[test]
     fn straight_lines_are_exact_and_parabolas_too_where_they_are_monotonic() {
-        assert_eq!(between([1.0, 2.0, 3.0, 4.0], 1.0), 2.5);
-        assert_eq!(between([1.0, 2.0, 3.0, 4.0], -1.0), 2.5);
+        assert_eq!(value_between([1.0, 2.0, 3.0, 4.0], 1.0), 2.5);
+        assert_eq!(value_between([1.0, 2.0, 3.0, 4.0], -1.0), 2.5);
         // Means of x^2 over cells of width 1 around 3, 4, 5: the value in the face at 4.5 is 4.5^2.
         let mean = |x: f64| x * x + 1.0 / 12.0;
-        let value = between([mean(3.0), mean(4.0), mean(5.0), 0.0], 1.0);
+        let value = value_between([mean(3.0), mean(4.0), mean(5.0), 0.0], 1.0);
         assert!((value - 4.5 * 4.5).abs() < 1.0e-14);
     }
 
@@ -251,7 +344,7 @@ mod tests {
     fn values_stay_between_their_neighbours() {
         for row in [[0.0, 0.0, 1.0, 1.0], [1.0, 0.0, 1.0, 0.0], [5.0, 1.0, 0.9, -3.0]] {
             for flux in [1.0, -1.0] {
-                let value = between(row, flux);
+                let value = value_between(row, flux);
                 assert!(row[1].min(row[2]) <= value && value <= row[1].max(row[2]));
             }
         }

@@ -52,6 +52,17 @@ impl Region {
         self
     }
 
+    /// The first rows of the lines of rows along y or z, and the number of rows in a line; nothing if that is none.
+    pub(super) fn lines(self, direction: usize) -> Option<(Self, usize)> {
+        let count = self.to[direction] - self.from[direction];
+        (count > 0).then(|| (self.layer(direction, self.from[direction]), count as usize))
+    }
+
+    /// All layers of faces along z, those of the upper end included.
+    pub(super) fn all_layers(part: &LocalCells) -> Range<isize> {
+        0..part.count[2] as isize + 1
+    }
+
     /// The part of this region in these layers along z.
     pub(super) fn in_layers(mut self, layers: &Range<isize>) -> Self {
         self.from[2] = self.from[2].max(layers.start);

@@ -1,13 +1,16 @@
 //! One step of the equations of the gas.
 
-use super::advection::{add_advection, courant_rate, larger, set_fluxes};
+use super::advection::{Advection, courant_rate, larger, set_fluxes};
 use super::boundaries::{
     continue_correction, continue_pressure, continue_velocity, mirror, set_boundary_faces,
 };
+use super::faces::Region;
 use super::model::LocalGas;
 use super::momentum::{Forces, Momentum};
 use super::round_wall::RoundWall;
-use super::viscosity::{ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation};
+use super::viscosity::{
+    StressRows, ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation,
+};
 use super::{BedOnGrid, GAS_HALO, GasFields, VolumeAveragedGas};
 use crate::domain::Subdomain;
 use crate::gas::NavierStokesError;
@@ -101,12 +104,14 @@ impl VectorWork for AddForces<'_> {
         let ExplicitForces { flux, dilatation, rate, viscous } = explicit;
         set_dilatation(dilatation, velocity, local.part, spacing);
         let fields = ViscousFields { velocity, dilatation, voidage };
+        let mut advection = Advection::new(flux, local, spacing);
+        let mut stresses = StressRows::default();
         for layers in blocks_of_layers(local.part) {
             let at = (local, &layers);
             for (axis, rate) in rate.iter_mut().enumerate() {
-                add_advection(rate, axis, &velocity[axis], flux, at, spacing);
+                advection.add(rate, axis, &velocity[axis], &layers);
                 if wall.is_none() {
-                    add_viscous_force(rate, axis, fields, at, spacing);
+                    add_viscous_force(rate, axis, fields, at, (spacing, &mut stresses));
                 }
             }
         }
@@ -118,13 +123,13 @@ impl VectorWork for AddForces<'_> {
     }
 }
 
-/// All layers of faces along z, those of the upper end included, in blocks: so that the forces on a block, one after the
+/// All layers of faces along z in blocks: so that the forces on a block, one after the
 /// other, find its velocities in a cache.
 fn blocks_of_layers(part: &LocalCells) -> impl Iterator<Item = Range<isize>> {
-    let [nx, ny, nz] = part.count;
+    let [nx, ny, _] = part.count;
     let thickness = (CELLS_IN_BLOCK / (nx * ny)).max(1);
-    let starts = (0..=nz).step_by(thickness);
-    starts.map(move |first| first as isize..(first + thickness) as isize)
+    let starts = Region::all_layers(part).step_by(thickness);
+    starts.map(move |first| first..first + thickness as isize)
 }
 
 /// A step and what acts in it, besides pressure and particles.

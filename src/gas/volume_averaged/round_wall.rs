@@ -19,7 +19,7 @@
 
 use super::faces::{Region, moved};
 use super::model::LocalGas;
-use super::viscosity::{ViscousFields, add_viscous_force};
+use super::viscosity::{StressRows, ViscousFields, add_viscous_force};
 use super::{BedOnGrid, GAS_HALO};
 use crate::grid::{BoxGrid, ColumnOnCells, Field, LocalCells, RoundColumn};
 use nalgebra::Vector3;
@@ -151,8 +151,9 @@ impl RoundWall {
         spacing: Vector3<f64>,
     ) {
         force.values_mut().fill(0.0);
-        let all = 0..local.part.count[2] as isize + 1;
-        add_viscous_force(force, axis, fields, (local, &all), spacing);
+        let all = Region::all_layers(local.part);
+        let mut stresses = StressRows::default();
+        add_viscous_force(force, axis, fields, (local, &all), (spacing, &mut stresses));
         for neighbour in &self.closed_neighbours[axis] {
             neighbour.take_out(force, axis, fields, (local, spacing));
         }

@@ -39,6 +39,13 @@ pub(super) struct ViscousFields<'a> {
     pub(super) voidage: &'a Field,
 }
 
+/// The stresses on both sides of a row of faces. Those above it are the next row's below.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StressRows {
+    below: Vec<f64>,
+    above: Vec<f64>,
+}
+
 /// Adds the viscous force per volume on each free face of component `axis`, in these layers along z. Part of work in wide
 /// vectors.
 #[inline(always)]
@@ -47,89 +54,142 @@ pub(super) fn add_viscous_force(
     axis: usize,
     fields: ViscousFields,
     (local, layers): (LocalGas, &Range<isize>),
-    spacing: Vector3<f64>,
+    (spacing, stresses): (Vector3<f64>, &mut StressRows),
 ) {
     let LocalGas { part, gas } = local;
     if gas.viscosity == 0.0 {
         return;
     }
-    add_normal_stress(rate, axis, fields, (local, layers), spacing[axis]);
+    let strides = rate.strides();
+    let normal = NormalStress {
+        velocity: fields.velocity[axis].values(),
+        dilatation: fields.dilatation.values(),
+        voidage: fields.voidage.values(),
+        step: strides[axis] as isize,
+        spacing: spacing[axis],
+    };
+    // In an outlet it does not change.
+    let region = Region::inner_faces(part, axis, gas).in_layers(layers);
+    let factor = 2.0 * gas.viscosity / spacing[axis];
+    stresses.add_differences(rate, (region, axis), factor, &normal);
     for direction in (0..3).filter(|&direction| direction != axis) {
-        let strides = rate.strides();
-        let shear = Shear {
+        let shear = ShearStress {
+            along: fields.velocity[axis].values(),
+            across: fields.velocity[direction].values(),
+            voidage: fields.voidage.values(),
             own: strides[axis] as isize,
             step: strides[direction] as isize,
             inverse: [1.0 / spacing[axis], 1.0 / spacing[direction]],
-            factor: gas.viscosity / spacing[direction],
         };
-        for row in Region::free_faces(part, axis, gas).in_layers(layers).rows(rate) {
-            let other = fields.velocity[direction].values();
-            let own = fields.velocity[axis].values();
-            shear.add_row(rate.values_mut(), [own, other], fields.voidage.values(), row);
+        let region = Region::free_faces(part, axis, gas).in_layers(layers);
+        let factor = gas.viscosity / spacing[direction] * 0.25;
+        stresses.add_differences(rate, (region, direction), factor, &shear);
+    }
+}
+
+impl StressRows {
+    /// Adds a factor times the stress above less that below, in a region, along a direction.
+    #[inline(always)]
+    fn add_differences(
+        &mut self,
+        rate: &mut Field,
+        (region, direction): (Region, usize),
+        factor: f64,
+        stress: &impl Stress,
+    ) {
+        if direction == 0 {
+            for row in region.rows(rate) {
+                stress.set_below(&(row.start..row.end + 1), &mut self.below);
+                let (below, above) = (&self.below[..row.len()], &self.below[1..=row.len()]);
+                add_difference(&mut rate.values_mut()[row], factor, below, above);
+            }
+            return;
+        }
+        let step = rate.strides()[direction];
+        let Some((first_rows, count)) = region.lines(direction) else { return };
+        for mut row in first_rows.rows(rate) {
+            stress.set_below(&row, &mut self.below);
+            for _ in 0..count {
+                let next = row.start + step..row.end + step;
+                stress.set_below(&next, &mut self.above);
+                add_difference(&mut rate.values_mut()[row], factor, &self.below, &self.above);
+                std::mem::swap(&mut self.below, &mut self.above);
+                row = next;
+            }
         }
     }
 }
 
-/// The difference of eps tau_aa between the two cells of a face. In an outlet it is zero.
 #[inline(always)]
-fn add_normal_stress(
-    rate: &mut Field,
-    axis: usize,
-    fields: ViscousFields,
-    (LocalGas { part, gas }, layers): (LocalGas, &Range<isize>),
+fn add_difference(rate: &mut [f64], factor: f64, below: &[f64], above: &[f64]) {
+    let (below, above) = (&below[..rate.len()], &above[..rate.len()]);
+    for i in 0..rate.len() {
+        rate[i] += factor * (above[i] - below[i]);
+    }
+}
+
+/// A stress that acts on both sides of faces along a direction.
+trait Stress {
+    /// Sets the stress on the lower sides of a row of faces.
+    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>);
+}
+
+/// eps tau_aa / 2 mu in cells.
+struct NormalStress<'a> {
+    velocity: &'a [f64],
+    dilatation: &'a [f64],
+    voidage: &'a [f64],
+    /// Step in memory along the component's axis.
+    step: isize,
+    /// Along this axis.
     spacing: f64,
-) {
-    let step = rate.strides()[axis] as isize;
-    let factor = 2.0 * gas.viscosity / spacing;
-    for row in Region::inner_faces(part, axis, gas).in_layers(layers).rows(rate) {
-        let [below, here, above] =
-            [-1, 0, 1].map(|cells| moved(fields.velocity[axis].values(), &row, cells * step));
-        let [eps_below, eps] =
-            [-1, 0].map(|cells| moved(fields.voidage.values(), &row, cells * step));
-        let [div_below, div] =
-            [-1, 0].map(|cells| moved(fields.dilatation.values(), &row, cells * step));
-        let target = &mut rate.values_mut()[row];
-        for i in 0..target.len() {
-            let upper = eps[i] * ((above[i] - here[i]) / spacing - div[i] * (1.0 / 3.0));
-            let lower =
-                eps_below[i] * ((here[i] - below[i]) / spacing - div_below[i] * (1.0 / 3.0));
-            target[i] += factor * (upper - lower);
+}
+
+impl Stress for NormalStress<'_> {
+    #[inline(always)]
+    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>) {
+        let [velocity_below, velocity] =
+            [-1, 0].map(|cells| moved(self.velocity, row, cells * self.step));
+        let voidage = moved(self.voidage, row, -self.step);
+        let dilatation = moved(self.dilatation, row, -self.step);
+        stress.resize(row.len(), 0.0);
+        let stress = &mut stress[..row.len()];
+        for i in 0..stress.len() {
+            let gradient = (velocity[i] - velocity_below[i]) / self.spacing;
+            stress[i] = voidage[i] * (gradient - dilatation[i] * (1.0 / 3.0));
         }
     }
 }
 
-/// Shear stress on the edges below and above a face along one direction.
-struct Shear {
+/// 4 eps tau_ab / mu on edges.
+struct ShearStress<'a> {
+    /// Velocity of the component.
+    along: &'a [f64],
+    /// Velocity along the direction.
+    across: &'a [f64],
+    voidage: &'a [f64],
     /// Step in memory along the component's axis.
     own: isize,
     /// Step in memory along the direction.
     step: isize,
     /// 1 / spacing along the component's axis, and along the direction.
     inverse: [f64; 2],
-    /// mu / spacing along the direction.
-    factor: f64,
 }
 
-impl Shear {
+impl Stress for ShearStress<'_> {
     #[inline(always)]
-    fn add_row(&self, rate: &mut [f64], [u, v]: [&[f64]; 2], voidage: &[f64], row: Range<usize>) {
+    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>) {
         let (own, step) = (self.own, self.step);
-        let [below, here, above] = [-1, 0, 1].map(|cells| moved(u, &row, cells * step));
-        let [v_lower_left, v_lower] = [-own, 0].map(|steps| moved(v, &row, steps));
-        let [v_upper_left, v_upper] = [step - own, step].map(|steps| moved(v, &row, steps));
-        let eps = [-1, 0, 1].map(|cells| {
-            [moved(voidage, &row, cells * step - own), moved(voidage, &row, cells * step)]
-        });
+        let [u_below, u] = [-1, 0].map(|cells| moved(self.along, row, cells * step));
+        let [v_before, v] = [-own, 0].map(|steps| moved(self.across, row, steps));
+        let eps = [-step - own, -step, -own, 0].map(|steps| moved(self.voidage, row, steps));
         let [along_own, along_step] = self.inverse;
-        let target = &mut rate[row];
-        for i in 0..target.len() {
-            let [first, second, third] =
-                [0, 1, 2].map(|layer: usize| eps[layer][0][i] + eps[layer][1][i]);
-            let upper =
-                (above[i] - here[i]) * along_step + (v_upper[i] - v_upper_left[i]) * along_own;
-            let lower =
-                (here[i] - below[i]) * along_step + (v_lower[i] - v_lower_left[i]) * along_own;
-            target[i] += self.factor * 0.25 * ((second + third) * upper - (first + second) * lower);
+        stress.resize(row.len(), 0.0);
+        let stress = &mut stress[..row.len()];
+        for i in 0..stress.len() {
+            let voidage = (eps[0][i] + eps[1][i]) + (eps[2][i] + eps[3][i]);
+            let shear = (u[i] - u_below[i]) * along_step + (v[i] - v_before[i]) * along_own;
+            stress[i] = voidage * shear;
         }
     }
 }
