@@ -50,6 +50,26 @@ impl<'a> LocalFace<'a> {
     }
 }
 
+impl LocalFace<'_> {
+    /// Places in memory of the cells at `place` along the axis, with halos across it, and the step from each to the next cell
+    /// inwards.
+    fn places(
+        self,
+        field: &Field,
+        part: &LocalCells,
+        place: isize,
+    ) -> (impl Iterator<Item = usize> + use<>, isize) {
+        let rows = Region::widened(part, field.halo() as isize).layer(self.axis, place).rows(field);
+        (rows.flatten(), -self.outwards * field.strides()[self.axis] as isize)
+    }
+}
+
+/// A place in memory moved by so many steps.
+#[inline(always)]
+fn stepped(place: usize, steps: isize, step: isize) -> usize {
+    place.wrapping_add_signed(steps * step)
+}
+
 /// A cell moved to `place` along an axis.
 fn placed(mut cell: [isize; 3], axis: usize, place: isize) -> [isize; 3] {
     cell[axis] = place;
@@ -62,11 +82,7 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeA
         for field in fields.iter_mut() {
             let halo = field.halo() as isize;
             for depth in 0..halo {
-                let outside = face.inside + face.outwards * (depth + 1);
-                for cell in face.layer(part, halo, outside) {
-                    let inside = placed(cell, face.axis, face.inside - face.outwards * depth);
-                    *field.at_mut(cell) = field.at(inside);
-                }
+                continue_tangential(field, (part, face, depth), |inside| inside);
             }
         }
     }
@@ -77,10 +93,11 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeA
 pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in LocalFace::of(part, gas) {
         let given = face.conditions.pressure.given();
-        for cell in face.layer(part, pressure.halo() as isize, face.inside + face.outwards) {
-            let first = pressure.at(placed(cell, face.axis, face.inside));
-            let second = pressure.at(placed(cell, face.axis, face.inside - face.outwards));
-            *pressure.at_mut(cell) = match given {
+        let (places, inwards) = face.places(pressure, part, face.inside + face.outwards);
+        let values = pressure.values_mut();
+        for place in places {
+            let [first, second] = [1, 2].map(|steps| values[stepped(place, steps, inwards)]);
+            values[place] = match given {
                 Some(given) => 2.0 * given - first,
                 None => 2.0 * first - second,
             };
@@ -92,8 +109,10 @@ pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &V
 pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     let is_given = |face: &LocalFace| face.conditions.pressure.given().is_some();
     for face in LocalFace::of(part, gas).into_iter().filter(is_given) {
-        for cell in face.layer(part, change.halo() as isize, face.inside + face.outwards) {
-            *change.at_mut(cell) = -change.at(placed(cell, face.axis, face.inside));
+        let (places, inwards) = face.places(change, part, face.inside + face.outwards);
+        let values = change.values_mut();
+        for place in places {
+            values[place] = -values[stepped(place, 1, inwards)];
         }
     }
 }
@@ -134,19 +153,20 @@ pub(super) fn continue_velocity(
         continue_normal(&mut velocity[face.axis], part, face);
         let [normal, first, second] = disjoint(velocity, face.axis);
         for (component, axis) in [first, second].into_iter().zip(across(face.axis)) {
-            match face.conditions.tangential {
-                TangentialVelocity::Value(motion) => {
-                    let wall = motion.velocity_at(time)[axis];
-                    continue_tangential(component, part, face, |inside, _| 2.0 * wall - inside);
-                }
-                TangentialVelocity::NoGradient => {
-                    let outside = face.conditions.normal.outside().map(|outside| outside[axis]);
-                    continue_tangential(component, part, face, |inside, cell| match outside {
-                        Some(outside) if comes_in(normal, face, cell, axis) => {
-                            2.0 * outside - inside
-                        }
-                        Some(_) | None => inside,
-                    });
+            for depth in 0..component.halo() as isize {
+                let at = (part, face, depth);
+                let outside = face.conditions.normal.outside().map(|outside| outside[axis]);
+                match (face.conditions.tangential, outside) {
+                    (TangentialVelocity::Value(motion), _) => {
+                        let wall = motion.velocity_at(time)[axis];
+                        continue_tangential(component, at, |inside| 2.0 * wall - inside);
+                    }
+                    (TangentialVelocity::NoGradient, None) => {
+                        continue_tangential(component, at, |inside| inside);
+                    }
+                    (TangentialVelocity::NoGradient, Some(outside)) => {
+                        continue_through_opening(component, at, (normal, axis), outside);
+                    }
                 }
             }
         }
@@ -173,27 +193,43 @@ fn continue_normal(component: &mut Field, part: &LocalCells, face: LocalFace) {
     let from_momentum = face.conditions.normal.outside().is_some();
     // Lower faces: the halo holds one more below the box than above it.
     for depth in 1..=halo - face.side as isize {
-        for cell in face.layer(part, halo, face.face + face.outwards * depth) {
-            let in_face = component.at(placed(cell, face.axis, face.face));
-            let inside = component.at(placed(cell, face.axis, face.face - face.outwards * depth));
-            *component.at_mut(cell) = if from_momentum { in_face } else { 2.0 * in_face - inside };
+        let (places, inwards) = face.places(component, part, face.face + face.outwards * depth);
+        let values = component.values_mut();
+        for place in places {
+            let [in_face, inside] =
+                [depth, 2 * depth].map(|steps| values[stepped(place, steps, inwards)]);
+            values[place] = if from_momentum { in_face } else { 2.0 * in_face - inside };
         }
     }
 }
 
-/// Sets a component beyond a face by its value inside, as far from the face, and by the cell outside.
+/// Sets a component beyond a face by its value inside, as far from the face.
+#[inline(always)]
 fn continue_tangential(
     component: &mut Field,
-    part: &LocalCells,
-    face: LocalFace,
-    beyond: impl Fn(f64, [isize; 3]) -> f64,
+    (part, face, depth): (&LocalCells, LocalFace, isize),
+    beyond: impl Fn(f64) -> f64,
+) {
+    let outside = face.inside + face.outwards * (depth + 1);
+    let (places, inwards) = face.places(component, part, outside);
+    let values = component.values_mut();
+    for place in places {
+        values[place] = beyond(values[stepped(place, 2 * depth + 1, inwards)]);
+    }
+}
+
+/// The same where gas may come in: it then brings the velocity of the gas outside.
+fn continue_through_opening(
+    component: &mut Field,
+    (part, face, depth): (&LocalCells, LocalFace, isize),
+    (normal, axis): (&Field, usize),
+    outside: f64,
 ) {
     let halo = component.halo() as isize;
-    for depth in 0..halo {
-        for cell in face.layer(part, halo, face.inside + face.outwards * (depth + 1)) {
-            let inside = component.at(placed(cell, face.axis, face.inside - face.outwards * depth));
-            *component.at_mut(cell) = beyond(inside, cell);
-        }
+    for cell in face.layer(part, halo, face.inside + face.outwards * (depth + 1)) {
+        let inside = component.at(placed(cell, face.axis, face.inside - face.outwards * depth));
+        let comes_in = comes_in(normal, face, cell, axis);
+        *component.at_mut(cell) = if comes_in { 2.0 * outside - inside } else { inside };
     }
 }
 
