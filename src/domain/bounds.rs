@@ -98,13 +98,12 @@ impl Bounds {
         position
     }
 
-    /// Smallest distance to an open face or one that stops the run; negative beyond such a face.
-    #[inline]
-    pub fn clearance(&self, position: &Vector3<f64>) -> f64 {
+    /// Smallest distance from what lies between two corners to an open face or one that stops the run; negative beyond such a
+    /// face.
+    pub fn clearance(&self, [lower, upper]: &[Vector3<f64>; 2]) -> f64 {
         let passable = |face: Face| matches!(face, Face::Open | Face::Stop);
         let to_faces = (0..3).flat_map(|axis| {
-            let x = position[axis];
-            self.faces[axis].into_iter().zip([x, self.lengths[axis] - x])
+            self.faces[axis].into_iter().zip([lower[axis], self.lengths[axis] - upper[axis]])
         });
         let distances = to_faces.filter(|&(face, _)| passable(face)).map(|(_, distance)| distance);
         distances.fold(f64::INFINITY, f64::min)
@@ -151,14 +150,16 @@ mod tests {
 
     #[test]
     fn the_clearance_is_the_distance_to_open_and_stop_faces() {
-        let clearance = |bounds: &Bounds, z| bounds.clearance(&Vector3::new(0.1, 9.0, z));
+        let clearance = |bounds: &Bounds, z| bounds.clearance(&[Vector3::new(0.1, 9.0, z); 2]);
         assert_eq!(clearance(&column(), 30.0), 70.0);
         assert_eq!(clearance(&column(), 100.5), -0.5);
         let stop = Bounds::new(
             column().lengths(),
             [[Face::Periodic; 2], [Face::Stop; 2], [Face::Wall; 2]],
         );
-        assert!((stop.clearance(&Vector3::new(1.0, 0.3, 0.1)) - 0.3).abs() < 1.0e-12);
+        assert!((stop.clearance(&[Vector3::new(1.0, 0.3, 0.1); 2]) - 0.3).abs() < 1.0e-12);
+        let corners = [Vector3::new(1.0, 2.0, 0.1), Vector3::new(1.5, stop.lengths().y - 0.2, 0.1)];
+        assert!((stop.clearance(&corners) - 0.2).abs() < 1.0e-12);
         let closed = Bounds::new(column().lengths(), [[Face::Wall; 2]; 3]);
         assert_eq!(clearance(&closed, 0.1), f64::INFINITY);
     }

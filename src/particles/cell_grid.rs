@@ -10,7 +10,8 @@ use std::ops::Range;
 /// The choice of cells changes the order of work, never a result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellGrid {
-    origin: Vector3<f64>,
+    /// Of the bounding box; far inside out if there are no particles.
+    corners: [Vector3<f64>; 2],
     inverse_width: Vector3<f64>,
     /// Cells along each axis, those for ghosts included.
     counts: [usize; 3],
@@ -57,6 +58,11 @@ impl CellGrid {
         self.ghosts.sort(cells, ghosts.iter().map(|body| place.of_ghost(&body.position)));
     }
 
+    /// The lower and the upper corner of the box around the owned particles.
+    pub(crate) fn corners(&self) -> &[Vector3<f64>; 2] {
+        &self.corners
+    }
+
     /// The indices of the owned particles, cell by cell.
     pub(crate) fn order(&self) -> &[u32] {
         &self.owned.order
@@ -99,10 +105,12 @@ impl CellGrid {
 
     fn lay_out(&mut self, bodies: &[Body], width: f64) {
         let infinite = Vector3::repeat(f64::INFINITY);
-        let lower = bodies.iter().fold(infinite, |lower, body| lower.inf(&body.position));
-        let upper = bodies.iter().fold(-infinite, |upper, body| upper.sup(&body.position));
+        let around = |[lower, upper]: [Vector3<f64>; 2], body: &Body| {
+            [lower.inf(&body.position), upper.sup(&body.position)]
+        };
+        self.corners = bodies.iter().fold([infinite, -infinite], around);
+        let [lower, upper] = self.corners;
         let extent = if bodies.is_empty() { Vector3::zeros() } else { upper - lower };
-        self.origin = if bodies.is_empty() { Vector3::zeros() } else { lower };
         let mut width = width;
         let most = CELLS_PER_PARTICLE * bodies.len() as f64 + 27.0;
         let cells = |width: f64| extent.map(|length| (length / width).floor().max(1.0));
@@ -116,7 +124,8 @@ impl CellGrid {
     }
 
     fn place(&self) -> Place {
-        Place { origin: self.origin, inverse_width: self.inverse_width, counts: self.counts }
+        let [origin, _] = self.corners;
+        Place { origin, inverse_width: self.inverse_width, counts: self.counts }
     }
 }
 

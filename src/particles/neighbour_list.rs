@@ -41,11 +41,9 @@ impl NeighbourList {
         self.displacement >= 0.499 * range.skin
     }
 
-    /// Measures how near the owned particles are to faces that they may pass.
-    pub fn measure_clearance(&mut self, particles: &Particles, bounds: &Bounds) {
-        let positions = particles.body.iter().map(|body| &body.position);
-        let clearances = positions.map(|position| bounds.clearance(position));
-        self.clearance = clearances.fold(f64::INFINITY, f64::min);
+    /// Measures how near the owned particles are to faces that they may pass. Before: they have been sorted by cells.
+    pub fn measure_clearance(&mut self, bounds: &Bounds) {
+        self.clearance = bounds.clearance(self.cells.corners());
     }
 
     /// Whether an owned particle may have passed such a face, if none has moved farther than `displacement` since

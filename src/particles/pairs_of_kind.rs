@@ -3,7 +3,7 @@
 use super::pair_blocks::{OrientedHistory, Pair, PairBlocks};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
-use super::proximity::{SetBits, branch_vector, close_pairs};
+use super::proximity::{SetBits, branch_vector, close_pairs, four_of};
 use super::{Body, Particles};
 
 /// The pairs of one kind.
@@ -104,8 +104,7 @@ impl SimdKernel for PromotionSearch<'_> {
         let contact_range = Q::splat(contact_range);
         for (four, pairs) in pairs.chunks(4).enumerate() {
             let mut branch_vectors = [Q::splat(0.0); 4];
-            for (k, of_pair) in branch_vectors.iter_mut().enumerate() {
-                let [one, other, _] = pairs[k.min(pairs.len() - 1)];
+            for (of_pair, &[one, other, _]) in branch_vectors.iter_mut().zip(four_of(pairs)) {
                 *of_pair = branch_vector(&bodies[one as usize], &bodies[other as usize]);
             }
             let close = close_pairs(branch_vectors, contact_range) & ((1 << pairs.len()) - 1);

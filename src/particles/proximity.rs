@@ -19,6 +19,15 @@ pub(super) fn close_pairs<Q: F64x4>(branch_vectors: [Q; 4], separation: Q) -> u3
     squared.below(distance.times(distance))
 }
 
+/// One to four items as four: the last one is repeated if there are fewer, since loops of a known length stay in registers.
+#[inline(always)]
+pub(super) fn four_of<T>(items: &[T]) -> [&T; 4] {
+    match items.first_chunk::<4>() {
+        Some(four) => four.each_ref(),
+        None => std::array::from_fn(|k| &items[k.min(items.len() - 1)]),
+    }
+}
+
 /// Bit k is set if the surface of partner k, of one to four, is closer than `separation` to that of the body.
 #[inline(always)]
 pub(super) fn close_partners<Q: F64x4>(
@@ -28,9 +37,7 @@ pub(super) fn close_partners<Q: F64x4>(
     separation: Q,
 ) -> u32 {
     let mut branch_vectors = [Q::splat(0.0); 4];
-    for (k, to_partner) in branch_vectors.iter_mut().enumerate() {
-        // The last one is repeated if there are fewer: loops of a known length stay in registers.
-        let partner = partners[k.min(partners.len() - 1)];
+    for (to_partner, &partner) in branch_vectors.iter_mut().zip(four_of(partners)) {
         *to_partner = branch_vector(body, &bodies[partner as usize]);
     }
     close_pairs(branch_vectors, separation) & ((1 << partners.len()) - 1)
@@ -40,8 +47,8 @@ pub(super) fn close_partners<Q: F64x4>(
 #[inline(always)]
 pub(super) fn close_bodies<Q: F64x4>(body: &Body, others: &[Body], separation: Q) -> u32 {
     let mut branch_vectors = [Q::splat(0.0); 4];
-    for (k, to_other) in branch_vectors.iter_mut().enumerate() {
-        *to_other = branch_vector(body, &others[k.min(others.len() - 1)]);
+    for (to_other, other) in branch_vectors.iter_mut().zip(four_of(others)) {
+        *to_other = branch_vector(body, other);
     }
     close_pairs(branch_vectors, separation) & ((1 << others.len()) - 1)
 }

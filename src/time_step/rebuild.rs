@@ -90,7 +90,7 @@ fn rebuild_lists(
     let (bounds, width) = (&domain.bounds, work.list_range.ghost_width(sizes.largest_diameter));
     work.on_particles(|work| {
         work.neighbours.sort_by_cells(particles, width);
-        work.neighbours.measure_clearance(particles, bounds);
+        work.neighbours.measure_clearance(bounds);
     });
     let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
     work.halo.rebuild(particles, subdomain, width, ranks);
