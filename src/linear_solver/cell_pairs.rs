@@ -32,6 +32,16 @@ impl CellRun {
     }
 }
 
+/// A row of pairs along x.
+pub(super) enum PairRow {
+    /// The pairs follow each other along their axis; the last may be a single cell.
+    Along { last_is_single: bool },
+    /// They lie side by side.
+    Across,
+    /// They lie side by side, and each is a single cell.
+    Single,
+}
+
 impl CellPairs {
     /// All owned fine cells.
     pub(super) fn runs(&self) -> impl Iterator<Item = CellRun> + use<> {
@@ -66,8 +76,20 @@ impl CellPairs {
         cell
     }
 
+    /// How a row of `length` pairs along x, which begins with this pair, lies to the axis.
+    pub(super) fn row(&self, first: [isize; 3], length: usize) -> PairRow {
+        let first = self.coarse.start[self.axis] as isize + first[self.axis];
+        match self.axis {
+            0 => PairRow::Along {
+                last_is_single: self.is_single_before_wrap(first + length as isize - 1),
+            },
+            _ if self.is_single_before_wrap(first) => PairRow::Single,
+            _ => PairRow::Across,
+        }
+    }
+
     /// Whether the pair of a global index is a single cell, above which the grid repeats.
-    pub(super) fn is_single_before_wrap(&self, pair: isize) -> bool {
+    fn is_single_before_wrap(&self, pair: isize) -> bool {
         let (cells, pairs) = (self.fine.counts[self.axis], self.coarse.counts[self.axis]);
         self.periodic && cells % 2 == 1 && pair + 1 == pairs as isize
     }

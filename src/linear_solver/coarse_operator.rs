@@ -12,6 +12,7 @@
 //! accounts for the flow between cells side by side with different weights. Without it the coarse-grid correction would
 //! be too large where coefficients jump.
 
+use super::cell_pairs::PairRow;
 use super::interpolation::Interpolation;
 use super::operator::Coefficients;
 use super::rows::rows;
@@ -42,17 +43,16 @@ impl VectorWork for Coarsen<'_> {
         let length = pairs.coarse.count[0];
         for ([target], pair) in rows([&self.coarse.diagonal]).zip(pairs.coarse_rows()) {
             let first = self.fine.diagonal.index(pairs.first_of(pair));
-            let global = pairs.coarse.start[pairs.axis] as isize + pair[pairs.axis];
-            if pairs.axis == 0 {
-                self.set_row::<2, false>(first, target, length);
-                let last = length - 1;
-                if pairs.is_single_before_wrap(global + last as isize) {
-                    self.set_row::<2, true>(first + 2 * last, target + last, 1);
+            match pairs.row(pair, length) {
+                PairRow::Along { last_is_single } => {
+                    self.set_row::<2, false>(first, target, length);
+                    let last = length - 1;
+                    if last_is_single {
+                        self.set_row::<2, true>(first + 2 * last, target + last, 1);
+                    }
                 }
-            } else if pairs.is_single_before_wrap(global) {
-                self.set_row::<1, true>(first, target, length);
-            } else {
-                self.set_row::<1, false>(first, target, length);
+                PairRow::Single => self.set_row::<1, true>(first, target, length),
+                PairRow::Across => self.set_row::<1, false>(first, target, length),
             }
         }
     }

@@ -100,9 +100,9 @@ impl PressureSolver {
             None => self.coefficients.diagonal.values_mut().fill(0.0),
         }
         let Coefficients { faces, diagonal } = &self.coefficients;
-        let mut largest = [largest(faces), largest([diagonal])];
-        ranks.maximum(&mut largest);
-        let [of_faces, of_diagonal] = largest;
+        let mut coefficients = [largest(faces), largest([diagonal])];
+        ranks.maximum(&mut coefficients);
+        let [of_faces, of_diagonal] = coefficients;
         if of_faces.max(of_diagonal) == f64::INFINITY {
             let wrong: usize =
                 self.coefficients.fields().iter().map(|field| not_allowed(field)).sum();

@@ -3,7 +3,7 @@
 //! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c)
 //! r_c from its own cells and t_c r_c from the cells beside it.
 
-use super::cell_pairs::row_starts;
+use super::cell_pairs::{PairRow, row_starts};
 use super::interpolation::Interpolation;
 use crate::grid::Field;
 use crate::numbers::{VectorWork, in_wide_vectors};
@@ -46,20 +46,23 @@ impl VectorWork for Restrict<'_> {
             let first = fine.index(pairs.first_of(pair));
             let to = coarse.index(pair);
             let sums = &mut coarse.values_mut()[to..][..length];
-            let global = pairs.coarse.start[pairs.axis] as isize + pair[pairs.axis];
-            if pairs.axis == 0 {
-                restrict_along_x(&weight[first - 1..], &values[first - 1..], sums);
-                let last = length - 1;
-                if pairs.is_single_before_wrap(global + last as isize) {
-                    sums[last] = restrict_single(weight, values, first + 2 * last, 1);
+            match pairs.row(pair, length) {
+                PairRow::Along { last_is_single } => {
+                    restrict_along_x(&weight[first - 1..], &values[first - 1..], sums);
+                    let last = length - 1;
+                    if last_is_single {
+                        sums[last] = restrict_single(weight, values, first + 2 * last, 1);
+                    }
                 }
-            } else if pairs.is_single_before_wrap(global) {
-                for (i, sum) in sums.iter_mut().enumerate() {
-                    *sum = restrict_single(weight, values, first + i, stride);
+                PairRow::Single => {
+                    for (i, sum) in sums.iter_mut().enumerate() {
+                        *sum = restrict_single(weight, values, first + i, stride);
+                    }
                 }
-            } else {
-                let rows = [first - stride, first, first + stride, first + 2 * stride];
-                restrict_across_x(rows.map(|row| [&weight[row..], &values[row..]]), sums);
+                PairRow::Across => {
+                    let rows = [first - stride, first, first + stride, first + 2 * stride];
+                    restrict_across_x(rows.map(|row| [&weight[row..], &values[row..]]), sums);
+                }
             }
         }
     }
