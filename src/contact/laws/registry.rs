@@ -143,7 +143,7 @@ macro_rules! contact_laws {
         }
 
         impl $crate::contact::ContactForceLaw for ContactLaw {
-            // By type: contacts with walls are evaluated one by one, at every step.
+            // By type: measures and the ledger of energies evaluate all contacts, one by one.
             #[inline(always)]
             fn force(
                 &self,
