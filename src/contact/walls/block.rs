@@ -88,7 +88,8 @@ impl WallLoop<'_> {
         let particle = self.contacts.wall_pairs[slot].particle as usize;
         let body = &self.particles.body[particle];
         let separation = self.wall.wall.height_at(&body.position, self.wall.pose) - body.radius;
-        separation <= self.range || self.contacts.wall_touching[slot]
+        let is_beyond = separation > self.range; // not so if it is undefined: the force then ends the run
+        !is_beyond || self.contacts.wall_touching[slot]
     }
 
     /// Adds the forces of a block.
