@@ -129,20 +129,15 @@ impl GasSolver {
         }
     }
 
-    /// Adds the force of the gas to each owned particle.
+    /// Adds the force of a column gas to each owned particle; that of a gas in three dimensions, which is constant between its
+    /// steps, has been added already.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     pub fn add_forces(&self, particles: &mut Particles) -> Result<(), GasForceOutOfRange> {
         match self {
-            Self::None => Ok(()),
+            Self::None | Self::VolumeAveraged(_) => Ok(()),
             Self::Column(solver) => solver.add_forces(particles),
-            Self::VolumeAveraged(_) => {
-                let Particles { forces, gas_force, .. } = particles;
-                let gas_force = gas_force.hold();
-                forces.iter_mut().zip(gas_force).for_each(|(load, force)| load.force += *force);
-                Ok(())
-            }
         }
     }
 

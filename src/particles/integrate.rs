@@ -3,6 +3,7 @@
 use super::{Body, ForceTorque, Particles};
 use crate::numbers::{F64x4, Quantum, SimdKernel, with_simd};
 use bytemuck::Zeroable;
+use nalgebra::Vector3;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
 pub(crate) fn kick(particles: &mut Particles, dt: f64) {
@@ -10,7 +11,8 @@ pub(crate) fn kick(particles: &mut Particles, dt: f64) {
 }
 
 /// Half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then those of
-/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight: all others are still to be added.
+/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a gas in three dimensions, as of its last step: all others
+/// are still to be added.
 /// The second half of the previous step's kick, of length `pending`, is done first if it has not been done yet: one pass
 /// through memory does it all. Returns a bound of the displacements of all particles; infinite if a velocity is undefined.
 ///
@@ -24,11 +26,14 @@ pub(crate) fn kick_and_drift(
     integrate(particles, KickDrift { pending, dt: step.dt, drift: Some(step) })
 }
 
-/// Sets the force on each owned particle to its weight.
-pub(crate) fn set_forces_to_weight(particles: &mut Particles, weight: Weight) {
+/// Sets the force on each owned particle as [`kick_and_drift`] does.
+pub(crate) fn set_first_forces(particles: &mut Particles, weight: Weight) {
     let owned = particles.owned_count();
     for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
         *load = weight.force(body.mass);
+    }
+    for (load, force) in particles.forces.iter_mut().zip(particles.gas_force.held()) {
+        load.force += force;
     }
 }
 
@@ -76,7 +81,10 @@ impl Weight {
 fn integrate(particles: &mut Particles, step: KickDrift) -> f64 {
     let owned = particles.owned_count();
     let (bodies, forces) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
-    with_simd(IntegrateAll { bodies, forces, step })
+    match particles.gas_force.held() {
+        [] => with_simd(IntegrateAll::<false> { bodies, forces, gas_force: &[], step }),
+        gas_force => with_simd(IntegrateAll::<true> { bodies, forces, gas_force, step }),
+    }
 }
 
 /// The second half of the previous kick, if it is pending; half of the next kick; and a drift, if there is one.
@@ -87,9 +95,11 @@ struct KickDrift {
     drift: Option<DriftStep>,
 }
 
-struct IntegrateAll<'a> {
+/// With `GAS`, there is a gas in three dimensions.
+struct IntegrateAll<'a, const GAS: bool> {
     bodies: &'a mut [Body],
     forces: &'a mut [ForceTorque],
+    gas_force: &'a [Vector3<f64>],
     step: KickDrift,
 }
 
@@ -120,21 +130,37 @@ impl HalfKick {
     }
 }
 
-impl SimdKernel for IntegrateAll<'_> {
+impl<const GAS: bool> SimdKernel for IntegrateAll<'_, GAS> {
     /// A bound of the displacements.
     type Output = f64;
 
     #[inline(always)]
     fn run<Q: F64x4>(self) -> f64 {
-        let Self { bodies, forces, step } = self;
+        let Self { bodies, forces, gas_force, step } = self;
+        let has_drift = step.drift.is_some();
         let mut integrator = Integrator::<Q>::new(step);
         let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
         let (fours_of_forces, other_forces) = forces.as_chunks_mut::<4>();
+        let mut gas_force = gas_force.iter();
         for (bodies, forces) in fours_of_bodies.iter_mut().zip(fours_of_forces) {
             integrator.advance_up_to_four(bodies, forces);
+            if GAS && has_drift {
+                add_gas(forces, &mut gas_force);
+            }
         }
         integrator.advance_up_to_four(other_bodies, other_forces);
+        if GAS && has_drift {
+            add_gas(other_forces, &mut gas_force);
+        }
         integrator.largest_displacement.length()
+    }
+}
+
+/// Adds the next forces of the gas.
+#[inline(always)]
+fn add_gas<'a>(forces: &mut [ForceTorque], gas_force: &mut impl Iterator<Item = &'a Vector3<f64>>) {
+    for (load, force) in forces.iter_mut().zip(gas_force) {
+        load.force += force;
     }
 }
 
@@ -240,7 +266,6 @@ impl<Q: F64x4> MaxDisplacement<Q> {
 mod tests {
     use super::*;
     use crate::numbers::{random_of, uniform};
-    use nalgebra::Vector3;
 
     fn step(dt: f64, quantum: Quantum) -> DriftStep {
         DriftStep { dt, quantum, weight: Weight { gravity: 0.0, quantum } }
@@ -267,6 +292,31 @@ mod tests {
         copies.iter_mut().for_each(|body| body.velocity.x *= 1.0 + 1.0e-9);
         copies.iter_mut().for_each(|body| drift(body, step));
         assert!(copies.iter().zip(&particles.body).all(|(a, b)| a.position != b.position));
+    }
+
+    #[test]
+    fn forces_are_those_of_weight_and_gas_after_a_drift() {
+        let quantum = Quantum::spanning(100.0);
+        let weight = Weight { gravity: 2.0, quantum };
+        let mut particles = Particles::default();
+        for number in 0..7 {
+            particles.push(number, Vector3::zeros(), Vector3::zeros(), 0.5, 1.0);
+        }
+        let forces = |particles: &Particles| -> Vec<[f64; 3]> {
+            particles.forces.iter().map(|load| load.force.into()).collect()
+        };
+        kick_and_drift(&mut particles, None, DriftStep { weight, ..step(0.013, quantum) });
+        assert_eq!(forces(&particles), [[0.0, 0.0, -2.0]; 7]);
+        for (number, force) in particles.gas_force.hold().iter_mut().enumerate() {
+            *force = Vector3::new(number as f64, 0.5, 3.0);
+        }
+        let expected = [0, 1, 2, 3, 4, 5, 6].map(|number| [f64::from(number), 0.5, 1.0]);
+        kick_and_drift(&mut particles, None, DriftStep { weight, ..step(0.013, quantum) });
+        assert_eq!(forces(&particles), expected);
+        set_first_forces(&mut particles, weight);
+        assert_eq!(forces(&particles), expected);
+        kick(&mut particles, 0.013); // without a drift they stay
+        assert_eq!(forces(&particles), expected);
     }
 
     #[test]

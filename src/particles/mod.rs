@@ -22,7 +22,7 @@ pub(crate) use cell_grid::CellGrid;
 pub use contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
 pub use contacts::{Contacts, LostContact};
 pub(crate) use inner_list::{InnerList, InteractionRanges, PairCounts, PairGroup};
-pub(crate) use integrate::{DriftStep, Weight, drift, kick, kick_and_drift, set_forces_to_weight};
+pub(crate) use integrate::{DriftStep, Weight, drift, kick, kick_and_drift, set_first_forces};
 pub use membership::Membership;
 pub use neighbour_list::NeighbourList;
 pub use optional_column::OptionalColumn;

@@ -33,6 +33,11 @@ impl<T: Pod> OptionalColumn<T> {
         &mut self.held
     }
 
+    /// The values of all particles, or nothing while all are zero.
+    pub fn held(&self) -> &[T] {
+        &self.held
+    }
+
     /// The values of all particles.
     pub fn iter(&self) -> impl Iterator<Item = T> + '_ {
         (0..self.count).map(|index| self.get(index))

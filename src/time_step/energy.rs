@@ -62,9 +62,13 @@ pub(super) fn before_forces(
     }
 }
 
-/// The forces on owned particles before the gas acts.
-pub(super) fn forces_so_far(particles: &Particles) -> Vec<Vector3<f64>> {
-    particles.forces[..particles.owned_count()].iter().map(|load| load.force).collect()
+/// The forces on owned particles without the gas, before that of a column gas is added.
+pub(super) fn forces_before_gas(particles: &Particles) -> Vec<Vector3<f64>> {
+    let mut forces: Vec<Vector3<f64>> =
+        particles.forces[..particles.owned_count()].iter().map(|load| load.force).collect();
+    // Multiples of a quantum: exact.
+    forces.iter_mut().zip(particles.gas_force.held()).for_each(|(force, of_gas)| *force -= of_gas);
+    forces
 }
 
 /// Ends an evaluation of forces: power of the gas and of the weight. `before_gas` are the forces without the gas; velocities

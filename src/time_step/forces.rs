@@ -32,7 +32,7 @@ impl PairsDue {
 /// contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a step of the gas.
 /// Returns what is left to [`add_forces`].
 ///
-/// Before: forces are those of the weight.
+/// Before: forces are those that [`kick_and_drift`](crate::particles::kick_and_drift) leaves.
 pub(super) fn add_own_pairs(
     state: &mut State,
     models: &Models,
@@ -61,7 +61,7 @@ pub(super) fn add_own_pairs(
 /// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
 /// contacts are advanced by `dt`.
 ///
-/// Before: forces are those of the weight, and of the pairs that are not due. The order changes nothing, since every
+/// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions. The order changes nothing, since every
 /// contribution is rounded to the quantum of force. A force without meaning is kept as this rank's fault until the ranks
 /// agree at the next step.
 pub(super) fn add_forces(
@@ -82,7 +82,7 @@ pub(super) fn add_forces(
         let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
         add_pair_forces(pairs, state, &laws, work, of_contacts);
         add_forces_of_walls(state, domain, &laws, work);
-        let before_gas = ledger.as_ref().map(|_| energy::forces_so_far(&state.particles));
+        let before_gas = ledger.as_ref().map(|_| energy::forces_before_gas(&state.particles));
         add_gas_forces(state, work);
         if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
             energy::after_forces(ledger, state, models, &before_gas, dt);

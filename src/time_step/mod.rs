@@ -13,7 +13,7 @@ pub use staggered::Staggered;
 
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
-use crate::particles::{self, Body, ContactHistories, DriftStep, set_forces_to_weight};
+use crate::particles::{self, Body, ContactHistories, DriftStep, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
@@ -119,7 +119,7 @@ pub fn find_first_forces(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) {
-    set_forces_to_weight(&mut state.particles, models.weight_at(state.clock.time()));
+    set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
     advance_gas(state, domain, models, work, ranks);
     add_forces(PairsDue::All, state, domain, models, work, 0.0);
 }
@@ -164,7 +164,7 @@ fn drift_step(state: &State, domain: &Domain, models: &Models) -> DriftStep {
 }
 
 /// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
-/// the weight. Returns how far particles have moved.
+/// the weight, and of a gas in three dimensions as of its last step. Returns how far particles have moved.
 fn kick_and_drift(
     state: &mut State,
     kick_due: Option<f64>,

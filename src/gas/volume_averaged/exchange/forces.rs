@@ -6,7 +6,8 @@ use crate::numbers::{F64x4, SimdKernel, within};
 use crate::particles::{Particles, sphere_volume};
 use nalgebra::Vector3;
 
-/// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i.
+/// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It takes the place of the former one in the
+/// total, which is exact.
 pub(super) struct SetForces<'a> {
     pub(super) corners: &'a [Corners],
     /// Velocity of the gas and voidage in cells.
@@ -30,7 +31,7 @@ impl SimdKernel for SetForces<'_> {
         let Self { corners, velocity, gradient, buoyancy, drag, limits, particles } = self;
         let quantum = limits.force_quantum;
         let head = Q::load(&[0.0, 0.0, buoyancy, 0.0]);
-        let Particles { body, gas_force, id, .. } = particles;
+        let Particles { body, gas_force, forces: loads, id, .. } = particles;
         let forces = gas_force.hold();
         let (mut total, mut result) = ([0; 3], Ok(()));
         for (i, corners) in corners.iter().enumerate() {
@@ -47,6 +48,7 @@ impl SimdKernel for SetForces<'_> {
                 gas.store(&mut at_place);
                 result = Err(excess(&force, id[i], at_place[3], &limits));
             }
+            loads[i].force += force - forces[i];
             forces[i] = force;
             for axis in 0..3 {
                 total[axis] += quantum.count(force[axis]);
