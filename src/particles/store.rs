@@ -17,8 +17,8 @@ pub struct Particles {
     pub body: Vec<Body>,
     /// Force and torque on each; on ghosts, without meaning.
     pub forces: Vec<ForceTorque>,
-    /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum. It is that of the last gas
-    /// step, and constant until the next; zero without such a gas.
+    /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum, which the total force contains.
+    /// It is that of the last gas step, and constant until the next; zero without such a gas.
     pub gas_force: OptionalColumn<Vector3<f64>>,
     /// The agglomerates of owned particles, where drag follows from them.
     pub membership: OptionalColumn<Membership>,

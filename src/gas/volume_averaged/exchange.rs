@@ -233,7 +233,8 @@ impl ParticleExchange {
     }
 
     /// Sets the force of the gas on each owned particle,
-    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the quantum of force. Collective.
+    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the quantum of force; it takes the place of the former one in the
+    /// total force. Collective.
     ///
     /// `gravity` is the downward acceleration: the pressure of the gas is less its hydrostatic head, which acts
     /// on particles as buoyancy rho_g V g. Before: the bed is that of [`ParticleExchange::deposit`] at the same
