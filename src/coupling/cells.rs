@@ -192,10 +192,8 @@ impl CellTransfer {
 
 /// Closed cells were given nothing.
 fn divide_by_open_fractions(field: &mut Field, column: &ColumnOnCells) {
-    let fractions = column.layer();
-    for layer in field.values_mut().chunks_exact_mut(fractions.len()) {
-        for (value, &open) in layer.iter_mut().zip(fractions).filter(|(_, open)| **open > 0.0) {
-            *value /= open;
-        }
+    let values = field.values_mut().iter_mut().zip(column.values());
+    for (value, &open) in values.filter(|(_, open)| **open > 0.0) {
+        *value /= open;
     }
 }

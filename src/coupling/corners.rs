@@ -1,4 +1,4 @@
-//! Deposition and interpolation at one point, and means between cells and their faces.
+//! Deposition and interpolation at one point.
 
 use crate::grid::{CellWeights, ColumnOnCells, Field};
 use crate::numbers::Quantum;
@@ -80,59 +80,4 @@ pub(crate) fn interpolate<const N: usize>(fields: [&Field; N], corners: &Corners
         }
         sum
     })
-}
-
-/// Sets each owned cell to the mean of a face field's values at its two faces along `axis`.
-///
-/// The gas averages two cells to a face, so that this is the adjoint.
-pub(crate) fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
-    let (above, along_x) = (faces.strides()[axis], faces.count()[0]);
-    for (from, to) in faces.rows().zip(cells.rows()) {
-        for i in 0..along_x {
-            let sum = faces.values()[from + i] + faces.values()[from + i + above];
-            cells.values_mut()[to + i] = 0.5 * sum;
-        }
-    }
-}
-
-/// Sets each owned cell to the mean of a field's gradients at its two faces along `axis`: half the difference
-/// of the cells above and below over the distance of cells. Halos must be current.
-pub(crate) fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &mut Field) {
-    let (stride, along_x) = (field.strides()[axis], field.count()[0]);
-    let values = field.values();
-    for (from, to) in field.rows().zip(cells.rows()) {
-        for i in 0..along_x {
-            let place = from + i;
-            let above = (values[place + stride] - values[place]) / distance;
-            let below = (values[place] - values[place - stride]) / distance;
-            cells.values_mut()[to + i] = 0.5 * (above + below);
-        }
-    }
-}
-
-/// Replaces the gradient across a round column, as [`mean_gradient`] left it, in cells beside closed ones: there it is that
-/// of the open side alone, as if the field went on linearly beyond the wall.
-pub(crate) fn mend_gradient_at_wall(
-    field: &Field,
-    (axis, distance): (usize, f64),
-    column: &ColumnOnCells,
-    cells: &mut Field,
-) {
-    let (stride, along_x) = (field.strides()[axis], field.count()[0]);
-    for row in field.rows() {
-        for place in row..row + along_x {
-            let is_open = |place: usize| column.at(place) > 0.0;
-            let sides = [place - stride, place + stride].map(is_open);
-            if !is_open(place) || sides == [true, true] {
-                continue;
-            }
-            let values = field.values();
-            let difference = match sides {
-                [true, _] => values[place] - values[place - stride],
-                [_, true] => values[place + stride] - values[place],
-                _ => 0.0,
-            };
-            cells.values_mut()[place] = difference / distance;
-        }
-    }
 }

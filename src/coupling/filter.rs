@@ -25,7 +25,7 @@ pub(crate) struct Filter {
     scratch: Vec<f64>,
 }
 
-/// What the differences to the cells below and above along x and y count in a round column, for a layer across it.
+/// What the differences to the cells below and above along x and y count in a round column, for each cell.
 #[derive(Clone, Debug, PartialEq)]
 struct ColumnShares {
     sides: [[Vec<f64>; 2]; 2],
@@ -79,13 +79,13 @@ impl Filter {
         }
         self.scratch.clear();
         self.scratch.extend_from_slice(field.values());
-        let (old, strides, along_x) = (&self.scratch, field.strides(), field.count()[0]);
+        let (old, strides, length) = (&self.scratch, field.strides(), field.row_length());
         if let Some(column) = &self.column {
             column.step(field, old, self.strength);
             return;
         }
         for row in field.rows() {
-            for (place, value) in (row..).zip(&mut field.values_mut()[row..row + along_x]) {
+            for (place, value) in (row..).zip(&mut field.values_mut()[row..row + length]) {
                 let mut change = 0.0;
                 for (strength, stride) in self.strength.iter().zip(strides) {
                     let around = old[place + stride] + old[place - stride];
@@ -99,31 +99,31 @@ impl Filter {
 
 impl ColumnShares {
     fn new(column: &ColumnOnCells, field: &Field) -> Self {
-        let (layer, strides) = (column.layer(), field.strides());
-        let open = |place: Option<usize>| place.and_then(|place| layer.get(place)).copied();
-        let share = |place: usize, other: Option<usize>| match layer[place] {
+        let (values, strides) = (column.values(), field.strides());
+        let open = |place: Option<usize>| place.and_then(|place| values.get(place)).copied();
+        let share = |place: usize, other: Option<usize>| match values[place] {
             0.0 => 0.0,
             own => open(other).unwrap_or(0.0).min(own) / own,
         };
         let along = |axis: usize| {
             let below = |place: usize| share(place, place.checked_sub(strides[axis]));
             let above = |place: usize| share(place, Some(place + strides[axis]));
-            [(0..layer.len()).map(below).collect(), (0..layer.len()).map(above).collect()]
+            [(0..values.len()).map(below).collect(), (0..values.len()).map(above).collect()]
         };
         Self { sides: [along(0), along(1)] }
     }
 
     /// One step of the filter, from `old`.
     fn step(&self, field: &mut Field, old: &[f64], strength: [f64; 3]) {
-        let ([along_x, along_y, along_z], length) = (field.strides(), field.count()[0]);
+        let ([along_x, along_y, along_z], length) = (field.strides(), field.row_length());
         let [[left, right], [front, back]] = &self.sides;
         for row in field.rows() {
             for (place, value) in (row..).zip(&mut field.values_mut()[row..row + length]) {
-                let (here, at) = (old[place], place % along_z);
-                let across_x = left[at] * (old[place - along_x] - here)
-                    + right[at] * (old[place + along_x] - here);
-                let across_y = front[at] * (old[place - along_y] - here)
-                    + back[at] * (old[place + along_y] - here);
+                let here = old[place];
+                let across_x = left[place] * (old[place - along_x] - here)
+                    + right[place] * (old[place + along_x] - here);
+                let across_y = front[place] * (old[place - along_y] - here)
+                    + back[place] * (old[place + along_y] - here);
                 let vertical = old[place + along_z] + old[place - along_z] - 2.0 * here;
                 *value += strength[0] * across_x + strength[1] * across_y + strength[2] * vertical;
             }

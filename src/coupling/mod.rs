@@ -9,12 +9,12 @@ mod corners;
 mod drag_share;
 mod filter;
 mod four_fields;
+mod means;
 
 pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
 pub use column_deposition::{Bed, ColumnDeposition};
-pub(crate) use corners::{
-    Corners, deposit, interpolate, mean_gradient, mean_of_faces, mend_gradient_at_wall,
-};
+pub(crate) use corners::{Corners, deposit, interpolate};
 pub use drag_share::DragShare;
 pub(crate) use four_fields::FourFields;
+pub(crate) use means::{mean_gradient, mean_of_faces, mend_gradient_at_wall};

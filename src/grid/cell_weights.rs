@@ -117,7 +117,7 @@ mod tests {
             // Local cells in or near which the point lies, along x.
             let cell = ((x / 0.55) as usize).min(5);
             let start = cell.saturating_sub(start);
-            let local = LocalCells { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9] };
+            let local = LocalCells { counts: COUNTS, start: [start, 0, 0], count: [cell + 1 - start, 1, 9], order: [0, 1, 2] };
             let weights = CellLocator::new(&grid, local).weights(&position);
             let mut sum = 0.0;
             let mut mean = Vector3::zeros();
@@ -159,6 +159,7 @@ mod tests {
             counts: COUNTS,
             start: [start, 0, 0],
             count: [count, 1, 9],
+            order: [0, 1, 2],
         };
         let at =
             |local, x| CellLocator::new(&grid, local).weights(&Vector3::new(x, 0.3, 4.0)).lower[0];

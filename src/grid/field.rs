@@ -5,8 +5,8 @@ use bytemuck::Pod;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// One value for each cell that a rank owns, and for each cell of a halo around them; x varies fastest. Values are in
-/// double precision unless another type of number is named.
+/// One value for each cell that a rank owns, and for each cell of a halo around them, in memory in the order of the cells
+/// ([`LocalCells::order`]). Values are in double precision unless another type of number is named.
 ///
 /// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from
 /// count to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
@@ -14,14 +14,21 @@ use std::ops::Range;
 pub struct Field<T = f64> {
     count: [usize; 3],
     halo: usize,
+    order: [usize; 3],
+    strides: [usize; 3],
     values: Vec<T>,
 }
 
 impl<T: Pod> Field<T> {
     /// Zero everywhere.
     pub fn new(cells: &LocalCells, halo: usize) -> Self {
-        let size = cells.count.iter().map(|count| count + 2 * halo).product();
-        Self { count: cells.count, halo, values: vec![T::zeroed(); size] }
+        let LocalCells { count, order, .. } = *cells;
+        let with_halo = count.map(|count| count + 2 * halo);
+        let mut strides = [1; 3];
+        strides[order[1]] = with_halo[order[0]];
+        strides[order[2]] = with_halo[order[0]] * with_halo[order[1]];
+        let size = with_halo.iter().product();
+        Self { count, halo, order, strides, values: vec![T::zeroed(); size] }
     }
 
     /// Owned cells along each axis.
@@ -34,11 +41,22 @@ impl<T: Pod> Field<T> {
         self.halo
     }
 
+    /// How the cells lie in memory: see [`LocalCells::order`].
+    #[inline(always)]
+    pub fn order(&self) -> [usize; 3] {
+        self.order
+    }
+
+    /// Owned cells in a row.
+    #[inline(always)]
+    pub fn row_length(&self) -> usize {
+        self.count[self.order[0]]
+    }
+
     /// Differences of the indices of two cells that are neighbours along x, y and z.
     #[inline(always)]
     pub fn strides(&self) -> [usize; 3] {
-        let along_x = self.count[0] + 2 * self.halo;
-        [1, along_x, along_x * (self.count[1] + 2 * self.halo)]
+        self.strides
     }
 
     /// Index into [`Field::values`] of a cell, given by its local indices.
@@ -46,8 +64,7 @@ impl<T: Pod> Field<T> {
     pub fn index(&self, cell: [isize; 3]) -> usize {
         let halo = self.halo as isize;
         debug_assert!((0..3).all(|a| -halo <= cell[a] && cell[a] < self.count[a] as isize + halo));
-        let strides = self.strides();
-        (0..3).map(|axis| (cell[axis] + halo) as usize * strides[axis]).sum()
+        (0..3).map(|axis| (cell[axis] + halo) as usize * self.strides[axis]).sum()
     }
 
     /// The value of a cell.
@@ -75,28 +92,30 @@ impl<T: Pod> Field<T> {
         &mut self.values
     }
 
-    /// Indices at which the rows of owned cells along x start; each row is `count()[0]` long.
+    /// Indices at which the rows of owned cells start; each is [`Field::row_length`] long.
     pub fn rows(&self) -> impl Iterator<Item = usize> + use<T> {
-        let [_, along_y, along_z] = self.strides();
-        let first = self.index([0; 3]);
-        let [_, rows, layers] = self.count;
-        (0..layers).flat_map(move |k| (0..rows).map(move |j| first + j * along_y + k * along_z))
+        self.rows_within(self.count.map(|count| (0, count as isize))).map(|row| row.start)
     }
 
-    /// The values of owned cells, x fastest, then y, then z.
+    /// The values of owned cells, x fastest, then y, then z, however they lie in memory.
     pub fn owned(&self) -> impl Iterator<Item = T> + '_ {
-        let along_x = self.count[0];
-        self.rows().flat_map(move |row| self.values[row..row + along_x].iter().copied())
+        self.owned_indices().map(|index| self.values[index])
     }
 
     /// Sets the values of owned cells, in the order of [`Field::owned`]. The halo is not changed.
-    pub fn set_owned(&mut self, mut values: impl Iterator<Item = T>) {
-        let along_x = self.count[0];
-        for row in self.rows() {
-            for (own, value) in self.values[row..row + along_x].iter_mut().zip(&mut values) {
-                *own = value;
-            }
+    pub fn set_owned(&mut self, values: impl Iterator<Item = T>) {
+        for (index, value) in self.owned_indices().zip(values) {
+            self.values[index] = value;
         }
+    }
+
+    fn owned_indices(&self) -> impl Iterator<Item = usize> + use<T> {
+        let ([nx, ny, nz], [along_x, along_y, along_z]) = (self.count, self.strides);
+        let first = self.index([0; 3]);
+        (0..nz).flat_map(move |k| {
+            let layer = first + k * along_z;
+            (0..ny).flat_map(move |j| (0..nx).map(move |i| layer + j * along_y + i * along_x))
+        })
     }
 
     /// Ranges of indices of the rows in `layers` along `axis`. They include the halo along the axes before
@@ -133,13 +152,15 @@ impl<T: Pod> Field<T> {
     /// Rows of the cells within ranges along x, y and z.
     fn rows_within(
         &self,
-        [x, y, z]: [(isize, isize); 3],
+        ranges: [(isize, isize); 3],
     ) -> impl Iterator<Item = Range<usize>> + use<T> {
-        let [_, along_y, along_z] = self.strides();
-        let first = self.index([x.0, y.0, z.0]);
-        let (length, rows, layers) = ((x.1 - x.0) as usize, y.1 - y.0, z.1 - z.0);
-        let starts = (0..layers as usize)
-            .flat_map(move |k| (0..rows as usize).map(move |j| first + j * along_y + k * along_z));
+        let first = self.index(ranges.map(|(from, _)| from));
+        let [length, rows, layers] =
+            self.order.map(|axis| (ranges[axis].1 - ranges[axis].0) as usize);
+        let [_, to_next_row, to_next_layer] = self.order.map(|axis| self.strides[axis]);
+        let starts = (0..layers).flat_map(move |layer| {
+            (0..rows).map(move |row| first + row * to_next_row + layer * to_next_layer)
+        });
         starts.map(move |start| start..start + length)
     }
 }
@@ -148,27 +169,46 @@ impl<T: Pod> Field<T> {
 mod tests {
     use super::*;
 
-    fn local_cells() -> LocalCells {
-        LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] }
+    const ORDERS: [[usize; 3]; 3] = [[0, 1, 2], [1, 0, 2], [2, 0, 1]];
+
+    fn local_cells(order: [usize; 3]) -> LocalCells {
+        LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2], order }
     }
 
     #[test]
     fn setting_owned_cells_does_not_change_the_halo() {
-        let mut field = Field::new(&local_cells(), 2);
-        field.set_owned((1..=24).map(f64::from));
-        assert_eq!(field.owned().collect::<Vec<_>>(), (1..=24).map(f64::from).collect::<Vec<_>>());
-        assert_eq!((field.at([0, 0, 0]), field.at([1, 0, 0])), (1.0, 2.0));
-        assert_eq!((field.at([0, 1, 0]), field.at([3, 2, 1])), (5.0, 24.0));
-        assert_eq!(field.values().iter().sum::<f64>(), 300.0);
-        assert_eq!(field.at([-2, -2, -2]), 0.0);
+        for order in ORDERS {
+            let mut field = Field::new(&local_cells(order), 2);
+            field.set_owned((1..=24).map(f64::from));
+            assert!(field.owned().eq((1..=24).map(f64::from)));
+            assert_eq!((field.at([0, 0, 0]), field.at([1, 0, 0])), (1.0, 2.0));
+            assert_eq!((field.at([0, 1, 0]), field.at([3, 2, 1])), (5.0, 24.0));
+            assert_eq!(field.values().iter().sum::<f64>(), 300.0);
+            assert_eq!(field.at([-2, -2, -2]), 0.0);
+        }
+    }
+
+    #[test]
+    fn cells_lie_in_memory_in_the_order_of_the_axes() {
+        for order in ORDERS {
+            let field = Field::<f64>::new(&local_cells(order), 1);
+            assert_eq!(field.strides()[order[0]], 1);
+            assert!(field.strides()[order[1]] < field.strides()[order[2]]);
+            let mut owned: Vec<usize> = field.owned_indices().collect();
+            owned.sort_unstable();
+            let rows = field.rows().flat_map(|row| row..row + field.row_length());
+            assert!(rows.eq(owned));
+        }
     }
 
     #[test]
     fn slabs_include_the_halo_of_the_axes_before_their_own() {
-        let field = Field::<f64>::new(&local_cells(), 1);
-        let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
-        assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
-        let cells = |axis| -> usize { field.layers(axis, 0..1).map(|row| row.len()).sum() };
-        assert_eq!([0, 1, 2].map(cells), [5 * 4, 6 * 4, 6 * 5]);
+        for order in ORDERS {
+            let field = Field::<f64>::new(&local_cells(order), 1);
+            let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
+            assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
+            let cells = |axis| -> usize { field.layers(axis, 0..1).map(|row| row.len()).sum() };
+            assert_eq!([0, 1, 2].map(cells), [5 * 4, 6 * 4, 6 * 5]);
+        }
     }
 }

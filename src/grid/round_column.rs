@@ -253,29 +253,32 @@ fn length_of([x, y]: [f64; 2]) -> f64 {
 pub(crate) struct ColumnOnCells {
     /// The whole column.
     pub(crate) column: RoundColumn,
-    /// Of one layer of a field across the column, as it lies in memory.
-    open_fractions: Vec<f64>,
+    /// Of the cells of a field, as they lie in memory.
+    open_fractions: Field,
 }
 
 impl ColumnOnCells {
     /// For fields like `field` on the cells of a part.
     pub(crate) fn new(column: &RoundColumn, part: &LocalCells, field: &Field) -> Self {
-        let [nx, ny] = [0, 1].map(|axis| part.count[axis] as isize);
+        let mut open_fractions = Field::new(part, field.halo());
         let halo = field.halo() as isize;
-        let places = (-halo..ny + halo).flat_map(|j| (-halo..nx + halo).map(move |i| [i, j]));
-        let open_fractions = places.map(|place| column.open_fraction_in(part, place)).collect();
+        let [x, y, z] = part.count.map(|count| -halo..count as isize + halo);
+        for (i, j) in y.flat_map(|j| x.clone().map(move |i| (i, j))) {
+            let open = column.open_fraction_in(part, [i, j]);
+            z.clone().for_each(|k| *open_fractions.at_mut([i, j, k]) = open);
+        }
         Self { column: column.clone(), open_fractions }
     }
 
-    /// Open fractions of a layer of a field across the column, as it lies in memory; 0 where it is closed.
-    pub(crate) fn layer(&self) -> &[f64] {
-        &self.open_fractions
+    /// Open fractions of the cells of a field, as they lie in memory; 0 where they are closed.
+    pub(crate) fn values(&self) -> &[f64] {
+        self.open_fractions.values()
     }
 
     /// Open fraction of the cell at an index into a field.
     #[inline(always)]
     pub(crate) fn at(&self, index: usize) -> f64 {
-        self.open_fractions[index % self.open_fractions.len()]
+        self.open_fractions.values()[index]
     }
 }
 

@@ -12,14 +12,14 @@ pub(super) struct CellPairs {
     pub(super) periodic: bool,
 }
 
-/// Fine cells in a row along x whose indices along the axis of the pairs are all even or all odd.
+/// Fine cells in a row whose indices along the axis of the pairs are all even or all odd.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellRun {
     /// The first cell.
     pub(super) first: [isize; 3],
     /// Its index along the axis of the pairs, in the whole grid.
     pub(super) global_index: usize,
-    /// From one cell to the next along x: 1 or 2.
+    /// From one cell to the next in the row: 1 or 2.
     stride: usize,
     length: usize,
 }
@@ -32,7 +32,7 @@ impl CellRun {
     }
 }
 
-/// A row of pairs along x.
+/// A row of pairs.
 pub(super) enum PairRow {
     /// The pairs follow each other along their axis; the last may be a single cell.
     Along { last_is_single: bool },
@@ -46,12 +46,15 @@ impl CellPairs {
     /// All owned fine cells.
     pub(super) fn runs(&self) -> impl Iterator<Item = CellRun> + use<> {
         let pairs = *self;
-        let [nx, ny, nz] = self.fine.count.map(|count| count as isize);
-        let (parities, stride) = if self.axis == 0 { (nx.min(2), 2) } else { (1, 1) };
-        row_starts([0..1, 0..ny, 0..nz]).flat_map(move |[_, j, k]| {
-            (0..parities).map(move |i| {
-                let first = [i, j, k];
-                let length = ((nx - i) as usize).div_ceil(stride);
+        let row = self.fine.order[0];
+        let length = self.fine.count[row];
+        let (parities, stride) = if self.axis == row { (length.min(2), 2) } else { (1, 1) };
+        let all = self.fine.count.map(|count| 0..count as isize);
+        row_starts(all, self.fine.order).flat_map(move |first| {
+            (0..parities).map(move |parity| {
+                let mut first = first;
+                first[row] += parity as isize;
+                let length = (length - parity).div_ceil(stride);
                 CellRun { first, global_index: pairs.global_index(first), stride, length }
             })
         })
@@ -59,8 +62,7 @@ impl CellPairs {
 
     /// The first cells of the rows of owned pairs, in the order of `Field::rows`.
     pub(super) fn coarse_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
-        let [_, ny, nz] = self.coarse.count.map(|count| count as isize);
-        row_starts([0..1, 0..ny, 0..nz])
+        row_starts(self.coarse.count.map(|count| 0..count as isize), self.coarse.order)
     }
 
     /// The index of a fine cell along the axis, in the whole grid.
@@ -76,16 +78,14 @@ impl CellPairs {
         cell
     }
 
-    /// How a row of `length` pairs along x, which begins with this pair, lies to the axis.
+    /// How a row of `length` pairs, which begins with this pair, lies to the axis.
     pub(super) fn row(&self, first: [isize; 3], length: usize) -> PairRow {
         let first = self.coarse.start[self.axis] as isize + first[self.axis];
-        match self.axis {
-            0 => PairRow::Along {
-                last_is_single: self.is_single_before_wrap(first + length as isize - 1),
-            },
-            _ if self.is_single_before_wrap(first) => PairRow::Single,
-            _ => PairRow::Across,
+        if self.axis == self.fine.order[0] {
+            let last_is_single = self.is_single_before_wrap(first + length as isize - 1);
+            return PairRow::Along { last_is_single };
         }
+        if self.is_single_before_wrap(first) { PairRow::Single } else { PairRow::Across }
     }
 
     /// Whether the pair of a global index is a single cell, above which the grid repeats.
@@ -113,9 +113,19 @@ impl CellPairs {
     }
 }
 
-/// The first cells of rows along x.
+/// The first cells of the rows of a block, in the order in which they lie in memory.
 #[inline(always)]
-pub(super) fn row_starts([x, y, z]: [Range<isize>; 3]) -> impl Iterator<Item = [isize; 3]> {
-    let start = x.start;
-    z.flat_map(move |k| y.clone().map(move |j| [start, j, k]))
+pub(super) fn row_starts(
+    ranges: [Range<isize>; 3],
+    [_, inner, outer]: [usize; 3],
+) -> impl Iterator<Item = [isize; 3]> {
+    let first = ranges.each_ref().map(|range| range.start);
+    let [rows, layers] = [inner, outer].map(|axis| ranges[axis].clone());
+    layers.flat_map(move |layer| {
+        rows.clone().map(move |row| {
+            let mut start = first;
+            (start[inner], start[outer]) = (row, layer);
+            start
+        })
+    })
 }

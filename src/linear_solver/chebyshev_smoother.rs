@@ -98,7 +98,7 @@ impl VectorWork for FirstFromZero<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let length = self.next.count()[0];
+        let length = self.next.row_length();
         for [row, right] in rows([&*self.next, self.system.right_hand_side]) {
             let right = &self.system.right_hand_side.values()[right..][..length];
             let inverse = &self.system.inverse_diagonal.values()[row..][..length];
@@ -122,7 +122,7 @@ impl VectorWork for First<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { system, solution, next } = self;
-        let length = next.count()[0];
+        let length = next.row_length();
         for [row, first, right] in
             rows([&*next, &system.coefficients.diagonal, system.right_hand_side])
         {
@@ -151,7 +151,7 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
     #[inline(always)]
     fn run(self) {
         let Self { system, recurrence: Recurrence { momentum, step }, present, last } = self;
-        let length = last.count()[0];
+        let length = last.row_length();
         for [row, first, right] in
             rows([&*last, &system.coefficients.diagonal, system.right_hand_side])
         {

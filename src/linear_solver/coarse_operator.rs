@@ -40,7 +40,7 @@ impl VectorWork for Coarsen<'_> {
     #[inline(always)]
     fn run(mut self) {
         let pairs = self.interpolation.pairs;
-        let length = pairs.coarse.count[0];
+        let length = self.coarse.diagonal.row_length();
         for ([target], pair) in rows([&self.coarse.diagonal]).zip(pairs.coarse_rows()) {
             let first = self.fine.diagonal.index(pairs.first_of(pair));
             match pairs.row(pair, length) {
@@ -63,7 +63,7 @@ impl VectorWork for Coarsen<'_> {
 type FourCells<'a> = [&'a [f32]; 4];
 
 impl Coarsen<'_> {
-    /// Sets the coefficients of pairs in a row along x, from their index `target` on. Their first cells are `SPACING`
+    /// Sets the coefficients of pairs in a row, from their index `target` on. Their first cells are `SPACING`
     /// apart, from the index `first` on; a pair may be a `SINGLE` cell.
     #[inline(always)]
     fn set_row<const SPACING: usize, const SINGLE: bool>(
@@ -124,7 +124,7 @@ impl Coarsen<'_> {
     }
 }
 
-/// The values of some cells along x.
+/// The values of some cells of a row.
 #[inline(always)]
 fn row(field: &Field<f32>, first: usize, cells: usize) -> &[f32] {
     &field.values()[first..][..cells]

@@ -215,7 +215,7 @@ impl VectorWork for UpdateDirection<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let length = self.direction.count()[0];
+        let length = self.direction.row_length();
         for [row] in rows([self.direction]) {
             let preconditioned = &self.preconditioned.values()[row..][..length];
             let direction = &mut self.direction.values_mut()[row..][..length];
@@ -241,7 +241,7 @@ impl VectorWork for UpdateSolution<'_> {
 
     #[inline(always)]
     fn run(mut self) -> RunningDot {
-        let length = self.direction.count()[0];
+        let length = self.direction.row_length();
         for [row] in rows([self.direction]) {
             let p = &self.direction.values()[row..][..length];
             for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {

@@ -206,9 +206,9 @@ impl VectorWork for AddRows<'_> {
 
     #[inline(always)]
     fn run(mut self) -> RunningDot {
-        let along_x = self.a.count()[0];
+        let length = self.a.row_length();
         for [a, b] in rows([self.a, self.b]) {
-            let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
+            let (a, b) = (&self.a.values()[a..a + length], &self.b.values()[b..b + length]);
             self.running.add_row(a, b);
         }
         self.running
@@ -225,10 +225,10 @@ impl VectorWork for LargestTerm<'_> {
 
     #[inline(always)]
     fn run(self) -> f64 {
-        let along_x = self.a.count()[0];
+        let length = self.a.row_length();
         let mut largest = 0_u64;
         for [a, b] in rows([self.a, self.b]) {
-            let (a, b) = (&self.a.values()[a..a + along_x], &self.b.values()[b..b + along_x]);
+            let (a, b) = (&self.a.values()[a..a + length], &self.b.values()[b..b + length]);
             for (a, b) in a.iter().zip(b) {
                 // The bit patterns of magnitudes have the order of the magnitudes, with NaN as the largest.
                 largest = largest.max((a * b).abs().to_bits());

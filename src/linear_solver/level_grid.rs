@@ -21,6 +21,8 @@ pub(super) struct LevelGrid {
     counts: [usize; 3],
     spacing: [f64; 3],
     periodic: [bool; 3],
+    /// How the cells lie in memory: see [`LocalCells::order`].
+    order: [usize; 3],
     /// Every rank holds all cells, whatever their number.
     replicated: bool,
     /// First cells of the subdomains along each axis, and the number of cells.
@@ -38,7 +40,8 @@ impl LevelGrid {
                 .collect()
         });
         let periodic = [0, 1, 2].map(|axis| grid.is_periodic(axis));
-        Self { counts, spacing: grid.spacing().into(), periodic, replicated: false, starts }
+        let (spacing, order) = (grid.spacing().into(), grid.memory_order(decomposition));
+        Self { counts, spacing, periodic, order, replicated: false, starts }
     }
 
     pub(super) fn cells(&self) -> usize {
@@ -90,7 +93,7 @@ impl LevelGrid {
         let at = [0, 1, 2].map(|axis| coordinates[axis].min(self.starts[axis].len() - 2));
         let start = [0, 1, 2].map(|axis| self.starts[axis][at[axis]]);
         let count = [0, 1, 2].map(|axis| self.starts[axis][at[axis] + 1] - start[axis]);
-        LocalCells { counts: self.counts, start, count }
+        LocalCells { counts: self.counts, start, count, order: self.order }
     }
 }
 

@@ -55,7 +55,7 @@ impl<T: Number> Coefficients<T> {
 impl Coefficients<f32> {
     /// The inverse of the diagonal of A; zero for a cell without any coupling.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field<f32>) {
-        let length = inverse.count()[0];
+        let length = inverse.row_length();
         for [from, to] in rows([&self.diagonal, inverse]) {
             for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
                 let sum = self.sum(from + i);
@@ -68,7 +68,7 @@ impl Coefficients<f32> {
 impl Coefficients<f64> {
     /// 1 in cells that are coupled to others or to zero, 0 in the rest.
     pub(super) fn mark_coupled(&self, marks: &mut Field) {
-        let length = marks.count()[0];
+        let length = marks.row_length();
         for [from, to] in rows([&self.diagonal, marks]) {
             for (i, mark) in marks.values_mut()[to..][..length].iter_mut().enumerate() {
                 *mark = if self.sum(from + i) > 0.0 { 1.0 } else { 0.0 };
@@ -78,7 +78,7 @@ impl Coefficients<f64> {
 
     /// D p, D being the diagonal of A.
     pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
-        let length = p.count()[0];
+        let length = p.row_length();
         for [from, to] in rows([&self.diagonal, p]) {
             for i in 0..length {
                 scaled.values_mut()[to + i] = self.sum(from + i) * p.values()[to + i];
@@ -97,7 +97,7 @@ pub(super) struct Equation<'a, T = f64> {
     pub(super) solution: &'a mut Field<T>,
 }
 
-/// A row of cells along x with its coefficients, and the values in the cells and in their neighbours.
+/// A row of cells with its coefficients, and the values in the cells and in their neighbours.
 #[derive(Clone, Copy)]
 pub(super) struct StencilRow<'a, T> {
     lower_faces: [&'a [T]; 3],
@@ -176,7 +176,7 @@ impl VectorWork for Apply<'_> {
     #[inline(always)]
     fn run(self) -> RunningDot {
         let Self { coefficients, p, q, mut dot } = self;
-        let length = p.count()[0];
+        let length = p.row_length();
         for [first, row] in rows([&coefficients.diagonal, p]) {
             let stencil = StencilRow::new(coefficients, first, p, row, length);
             let result = &mut q.values_mut()[row..][..length];
@@ -208,7 +208,7 @@ impl<T: Number> VectorWork for Residual<'_, T> {
     #[inline(always)]
     fn run(self) {
         let Self { coefficients, x, b, r } = self;
-        let length = x.count()[0];
+        let length = x.row_length();
         for [first, row, row_of_b, row_of_r] in rows([&coefficients.diagonal, x, b, r]) {
             let stencil = StencilRow::new(coefficients, first, x, row, length);
             let b = &b.values()[row_of_b..][..length];

@@ -189,7 +189,7 @@ fn remove_mean(
         cells = DotProduct::default().of(marks, marks, ranks);
     }
     let mean = DotProduct::default().of(field, marks, ranks) / cells;
-    let length = field.count()[0];
+    let length = field.row_length();
     for [row, mark] in rows([&*field, &*marks]) {
         let marks = &marks.values()[mark..][..length];
         let values = &mut field.values_mut()[row..][..length];
@@ -201,7 +201,7 @@ fn remove_mean(
 
 /// Copies the owned values of another field, whose halo may have another width.
 fn copy_owned(from: &Field, to: &mut Field) {
-    let length = from.count()[0];
+    let length = from.row_length();
     for [source, target] in rows([from, &*to]) {
         to.values_mut()[target..][..length].copy_from_slice(&from.values()[source..][..length]);
     }
@@ -227,7 +227,7 @@ impl VectorWork for LargestBits<'_> {
 
     #[inline(always)]
     fn run(self) -> u64 {
-        let length = self.field.count()[0];
+        let length = self.field.row_length();
         let mut largest = 0;
         for [row] in rows([self.field]) {
             for value in &self.field.values()[row..][..length] {
@@ -240,7 +240,7 @@ impl VectorWork for LargestBits<'_> {
 
 /// How many owned values are negative, infinite or undefined (NaN).
 fn not_allowed(field: &Field) -> usize {
-    let length = field.count()[0];
+    let length = field.row_length();
     let row = |[row]: [usize; 1]| &field.values()[row..][..length];
     let is_wrong = |value: &&f64| !(0.0..=f64::MAX).contains(*value);
     rows([field]).map(|at| row(at).iter().filter(is_wrong).count()).sum()

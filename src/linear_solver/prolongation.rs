@@ -39,16 +39,17 @@ impl VectorWork for Restrict<'_> {
     fn run(self) {
         let Self { interpolation: Interpolation { pairs, weight, .. }, fine, coarse } = self;
         let ranges = pairs.restricted();
-        let length = ranges[0].len();
+        let order = fine.order();
+        let length = ranges[order[0]].len();
         let stride = fine.strides()[pairs.axis];
         let (weight, values) = (weight.values(), fine.values());
-        for pair in row_starts(ranges) {
+        for pair in row_starts(ranges, order) {
             let first = fine.index(pairs.first_of(pair));
             let to = coarse.index(pair);
             let sums = &mut coarse.values_mut()[to..][..length];
             match pairs.row(pair, length) {
                 PairRow::Along { last_is_single } => {
-                    restrict_along_x(&weight[first - 1..], &values[first - 1..], sums);
+                    restrict_along(&weight[first - 1..], &values[first - 1..], sums);
                     let last = length - 1;
                     if last_is_single {
                         sums[last] = restrict_single(weight, values, first + 2 * last, 1);
@@ -61,7 +62,7 @@ impl VectorWork for Restrict<'_> {
                 }
                 PairRow::Across => {
                     let rows = [first - stride, first, first + stride, first + 2 * stride];
-                    restrict_across_x(rows.map(|row| [&weight[row..], &values[row..]]), sums);
+                    restrict_across(rows.map(|row| [&weight[row..], &values[row..]]), sums);
                 }
             }
         }
@@ -76,9 +77,9 @@ fn restrict_single(weight: &[f32], values: &[f32], cell: usize, stride: usize) -
     own + (next(cell - stride) + next(cell + stride))
 }
 
-/// What pairs along x receive; the slices start one cell below the first pair.
+/// What pairs along a row receive; the slices start one cell below the first pair.
 #[inline(always)]
-fn restrict_along_x(weight: &[f32], values: &[f32], sums: &mut [f32]) {
+fn restrict_along(weight: &[f32], values: &[f32], sums: &mut [f32]) {
     let cells = 2 * sums.len() + 2;
     let (weight, values) = (&weight[..cells], &values[..cells]);
     for (m, sum) in sums.iter_mut().enumerate() {
@@ -89,9 +90,9 @@ fn restrict_along_x(weight: &[f32], values: &[f32], sums: &mut [f32]) {
     }
 }
 
-/// What pairs across x receive from four rows, each of weights and values: the row below, their own two, the row above.
+/// What a row of pairs that lie across it receives from four rows, each of weights and values: the row below, their own two, the row above.
 #[inline(always)]
-fn restrict_across_x(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
+fn restrict_across(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
     let length = sums.len();
     let [below, first, second, above] = rows.map(|row| row.map(|values| &values[..length]));
     for (i, sum) in sums.iter_mut().enumerate() {
@@ -116,9 +117,10 @@ impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
         let Self { interpolation: Interpolation { pairs, weight, .. }, coarse, fine } = self;
         let axis = pairs.axis;
         let ranges = pairs.prolonged(CORRECT);
-        let length = ranges[0].len();
+        let order = fine.order();
+        let length = ranges[order[0]].len();
         let stride = coarse.strides()[axis];
-        for cell in row_starts(ranges) {
+        for cell in row_starts(ranges, order) {
             let global = pairs.global_index(cell);
             let mut own = cell;
             own[axis] = (global / 2) as isize - pairs.coarse.start[axis] as isize;
@@ -127,13 +129,13 @@ impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
             let to = fine.index(cell);
             let weight = &weight.values()[weight.index(cell)..][..length];
             let values = &mut fine.values_mut()[to..][..length];
-            if axis == 0 {
+            if axis == order[0] {
                 let below_first_even = own + global % 2 - 1;
-                prolong_along_x::<CORRECT>(weight, &coarse[below_first_even..], global, values);
+                prolong_along::<CORRECT>(weight, &coarse[below_first_even..], global, values);
             } else {
                 let next = if global % 2 == 1 { own + stride } else { own - stride };
                 let pairs = [&coarse[own..], &coarse[next..]];
-                prolong_across_x::<CORRECT>(weight, pairs, values);
+                prolong_across::<CORRECT>(weight, pairs, values);
             }
         }
     }
@@ -145,10 +147,10 @@ fn put<const CORRECT: bool>(value: &mut f32, weight: f32, own: f32, next: f32) {
     *value = if CORRECT { *value + interpolated } else { interpolated };
 }
 
-/// Cells along x, the first of which has this global index. The slice of pairs starts one below the pair of the first cell of
+/// Cells of a row along the axis, the first of which has this global index. The slice of pairs starts one below the pair of the first cell of
 /// even index, since an odd one takes from no pair below its own.
 #[inline(always)]
-fn prolong_along_x<const CORRECT: bool>(
+fn prolong_along<const CORRECT: bool>(
     weight: &[f32],
     pairs: &[f32],
     global_index: usize,
@@ -175,7 +177,7 @@ fn prolong_along_x<const CORRECT: bool>(
 
 /// Cells of a row, from the rows of their own pairs and of the next ones.
 #[inline(always)]
-fn prolong_across_x<const CORRECT: bool>(weight: &[f32], pairs: [&[f32]; 2], values: &mut [f32]) {
+fn prolong_across<const CORRECT: bool>(weight: &[f32], pairs: [&[f32]; 2], values: &mut [f32]) {
     let [own, next] = pairs.map(|pairs| &pairs[..values.len()]);
     for (i, value) in values.iter_mut().enumerate() {
         put::<CORRECT>(value, weight[i], own[i], next[i]);

@@ -1,5 +1,6 @@
 //! Levels that every rank holds as a whole: gathering the cells of all ranks, and taking a rank's own back.
 
+use super::cell_pairs::row_starts;
 use super::operator::Coefficients;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
@@ -25,19 +26,21 @@ impl Replication {
         ranks: &dyn Communicator,
     ) {
         self.buffer.fill(0.0);
-        let [along_x, rows, _] = self.cells.count;
-        for (number, row) in field.rows().enumerate() {
-            let [x, y, z] = self.cells.start;
-            let (j, k) = (y + number % rows, z + number / rows);
-            let [_, along_y, along_z] = self.strides();
-            let start = x + j * along_y + k * along_z;
-            let values = &field.values()[row..row + along_x];
-            let gathered = self.buffer[start..start + along_x].iter_mut();
+        let LocalCells { count, order, .. } = self.cells;
+        let owned = row_starts(count.map(|count| 0..count as isize), order);
+        for (row, first) in field.rows().zip(owned) {
+            let values = &field.values()[row..][..field.row_length()];
+            let start = self.place_of(first);
+            let gathered = self.buffer[start..].iter_mut();
             gathered.zip(values).for_each(|(gathered, &value)| *gathered = f64::from(value));
         }
         // Each cell has one owner: only one addend of each sum is not zero.
         ranks.sum_exact(&mut self.buffer);
-        replica.set_owned(self.buffer.iter().map(|&value| value as f32));
+        let length = replica.row_length();
+        for (row, gathered) in replica.rows().zip(self.buffer.chunks_exact(length)) {
+            let values = replica.values_mut()[row..][..length].iter_mut();
+            values.zip(gathered).for_each(|(value, &gathered)| *value = gathered as f32);
+        }
     }
 
     /// Gathers coefficients; the halo of `replica` is not filled. This call is collective.
@@ -82,8 +85,10 @@ impl Replication {
         Some(global)
     }
 
-    fn strides(&self) -> [usize; 3] {
-        let [nx, ny, _] = self.cells.counts;
-        [1, nx, nx * ny]
+    /// The place of an owned cell in the buffer, which has the order of the whole grid in memory, without a halo.
+    fn place_of(&self, cell: [isize; 3]) -> usize {
+        let LocalCells { counts, start, order: [row, inner, outer], .. } = self.cells;
+        let at = |axis: usize| start[axis] + cell[axis] as usize;
+        at(row) + counts[row] * (at(inner) + counts[inner] * at(outer))
     }
 }

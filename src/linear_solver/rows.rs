@@ -1,4 +1,4 @@
-//! Rows of owned cells along x in several fields at once.
+//! Rows of owned cells in several fields at once.
 
 use crate::grid::Field;
 use bytemuck::Pod;
@@ -8,7 +8,7 @@ use bytemuck::Pod;
 pub(super) struct Rows<const N: usize> {
     row: [usize; N],
     layer: [usize; N],
-    /// Strides along y and z.
+    /// From a row to the next, and from a layer to the next.
     strides: [[usize; N]; 2],
     rows_in_layer: usize,
     rows_left: usize,
@@ -20,11 +20,11 @@ pub(super) struct Rows<const N: usize> {
 #[inline(always)]
 pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<N> {
     let first = fields.map(|field| field.index([0; 3]));
-    let [_, rows, layers] = fields[0].count();
+    let [_, rows, layers] = fields[0].order().map(|axis| fields[0].count()[axis]);
     Rows {
         row: first,
         layer: first,
-        strides: [1, 2].map(|axis| fields.map(|field| field.strides()[axis])),
+        strides: [1, 2].map(|place| fields.map(|field| field.strides()[field.order()[place]])),
         rows_in_layer: rows,
         rows_left: rows,
         layers_left: layers,
@@ -64,9 +64,11 @@ mod tests {
 
     #[test]
     fn rows_have_the_order_of_field_rows_for_halos_of_any_width() {
-        let cells = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] };
-        let [narrow, wide] = [1, 2].map(|halo| Field::<f64>::new(&cells, halo));
-        let expected: Vec<_> = narrow.rows().zip(wide.rows()).map(|(a, b)| [a, b]).collect();
-        assert_eq!(rows([&narrow, &wide]).collect::<Vec<_>>(), expected);
+        for order in [[0, 1, 2], [1, 0, 2], [2, 0, 1]] {
+            let cells = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2], order };
+            let [narrow, wide] = [1, 2].map(|halo| Field::<f64>::new(&cells, halo));
+            let expected: Vec<_> = narrow.rows().zip(wide.rows()).map(|(a, b)| [a, b]).collect();
+            assert_eq!(rows([&narrow, &wide]).collect::<Vec<_>>(), expected);
+        }
     }
 }

@@ -141,7 +141,7 @@ impl FieldHalo {
     }
 }
 
-/// Appends the values of a row. Rows of a halo along x are as short as it is wide: a call that copies each takes longer than the copy.
+/// Appends the values of a row. Rows of a halo along their own axis are as short as it is wide: a call that copies each takes longer than the copy.
 #[inline(always)]
 fn append<T: Pod>(buffer: &mut Vec<u8>, row: &[T]) {
     match row {
@@ -164,8 +164,8 @@ fn image_layers<T: Pod>(
 }
 
 fn copy_images<T: Pod>(field: &mut Field<T>, axis: usize) {
-    if axis == 0 {
-        return copy_images_along_x(field);
+    if axis == field.order()[0] {
+        return copy_images_along_rows(field);
     }
     for (image, original) in image_layers(field, axis) {
         let sources = field.layers(axis, original..original + 1);
@@ -175,10 +175,10 @@ fn copy_images<T: Pod>(field: &mut Field<T>, axis: usize) {
     }
 }
 
-/// A row holds its own images along x. They are so few that a call that copies them takes longer than the copy. The
+/// A row holds its own images along it. They are so few that a call that copies them takes longer than the copy. The
 /// nearest ones come first: those further out may be images of images.
-fn copy_images_along_x<T: Pod>(field: &mut Field<T>) {
-    let (count, halo) = (field.count()[0], field.halo());
+fn copy_images_along_rows<T: Pod>(field: &mut Field<T>) {
+    let (count, halo) = (field.row_length(), field.halo());
     for row in field.values_mut().chunks_exact_mut(count + 2 * halo) {
         (0..halo).rev().for_each(|below| row[below] = row[below + count]);
         (halo..2 * halo).for_each(|original| row[original + count] = row[original]);

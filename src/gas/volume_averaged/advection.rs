@@ -17,7 +17,7 @@
 //! Koren, "A robust upwind discretization method for advection, diffusion and source terms", in Vreugdenhil &
 //! Koren (eds), Numerical Methods for Advection-Diffusion Problems, Vieweg (1993) 117-138.
 
-use super::faces::{Region, moved};
+use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
@@ -98,15 +98,9 @@ impl<'a> Advection<'a> {
         Self { flux, local, spacing, between: FacesBetween::default() }
     }
 
-    /// Adds the momentum that each free face of component `axis` gains per volume and time, in these layers along z.
+    /// Adds the momentum that each free face of component `axis` gains per volume and time, in these layers.
     #[inline(always)]
-    pub(super) fn add(
-        &mut self,
-        rate: &mut Field,
-        axis: usize,
-        velocity: &Field,
-        layers: &Range<isize>,
-    ) {
+    pub(super) fn add(&mut self, rate: &mut Field, axis: usize, velocity: &Field, layers: &Layers) {
         let LocalGas { part, gas } = self.local;
         for direction in 0..3 {
             let region = match direction == axis {
@@ -141,7 +135,7 @@ impl<'a> Advection<'a> {
         };
         let (rate, u) = (rate.values_mut(), velocity.values());
         let (flux, between) = (self.flux[direction].values(), &mut self.between);
-        if direction == 0 {
+        if direction == velocity.order()[0] {
             for row in region.rows(velocity) {
                 along.add_row(rate, u, flux, row, between);
             }
@@ -179,7 +173,7 @@ impl Along {
         }
     }
 
-    /// Along x: a row by itself.
+    /// Along a row, by itself.
     #[inline(always)]
     fn add_row(
         &self,
@@ -199,7 +193,7 @@ impl Along {
         }
     }
 
-    /// Along y or z: so many rows, one behind the other.
+    /// Across rows: so many, one behind the other.
     #[inline(always)]
     fn add_rows(
         &self,
@@ -264,7 +258,7 @@ impl ThroughFace {
         rate: &mut Field,
         velocity: &Field,
         flux: &Field,
-        (part, layers): (&LocalCells, &Range<isize>),
+        (part, layers): (&LocalCells, &Layers),
     ) {
         let BoxFace { axis, side } = self.face;
         let (place, inwards) = [(0, 1), (part.count[axis] as isize, -1)][side];

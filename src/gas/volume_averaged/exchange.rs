@@ -187,9 +187,9 @@ impl ParticleExchange {
         let voidage = &mut self.bed.voidage;
         self.transfer.deposit_volume(particles, self.quanta.volume, voidage, ranks);
         self.raised_cells = 0;
-        let along_x = voidage.count()[0];
+        let length = voidage.row_length();
         for row in voidage.rows() {
-            for value in &mut voidage.values_mut()[row..row + along_x] {
+            for value in &mut voidage.values_mut()[row..row + length] {
                 let eps = (1.0 - *value).min(1.0); // the filter rounds
                 self.raised_cells += u64::from(eps < self.model.least_voidage);
                 *value = eps.max(self.model.least_voidage);

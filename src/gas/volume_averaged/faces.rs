@@ -5,6 +5,29 @@ use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use std::ops::Range;
 
+/// Layers of cells or of their lower faces, as they lie in memory.
+#[derive(Clone, Debug)]
+pub(super) struct Layers {
+    axis: usize,
+    pub(super) places: Range<isize>,
+}
+
+impl Layers {
+    /// All layers of faces of a part, those of the upper end included.
+    pub(super) fn all(part: &LocalCells) -> Self {
+        let axis = part.order[2];
+        Self { axis, places: 0..part.count[axis] as isize + 1 }
+    }
+
+    /// The same in blocks of so many layers; the last may have fewer.
+    pub(super) fn in_blocks(self, thickness: usize) -> impl Iterator<Item = Self> {
+        let Self { axis, places } = self;
+        let last = places.end;
+        let starts = places.step_by(thickness);
+        starts.map(move |first| Self { axis, places: first..last.min(first + thickness as isize) })
+    }
+}
+
 /// A block of cells (or of their lower faces), counted from the part's first one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
@@ -52,21 +75,16 @@ impl Region {
         self
     }
 
-    /// The first rows of the lines of rows along y or z, and the number of rows in a line; nothing if that is none.
+    /// The first rows of the lines of rows along a direction across them, and the number of rows in a line; nothing if that is none.
     pub(super) fn lines(self, direction: usize) -> Option<(Self, usize)> {
         let count = self.to[direction] - self.from[direction];
         (count > 0).then(|| (self.layer(direction, self.from[direction]), count as usize))
     }
 
-    /// All layers of faces along z, those of the upper end included.
-    pub(super) fn all_layers(part: &LocalCells) -> Range<isize> {
-        0..part.count[2] as isize + 1
-    }
-
-    /// The part of this region in these layers along z.
-    pub(super) fn in_layers(mut self, layers: &Range<isize>) -> Self {
-        self.from[2] = self.from[2].max(layers.start);
-        self.to[2] = self.to[2].min(layers.end);
+    /// The part of this region in these layers.
+    pub(super) fn in_layers(mut self, Layers { axis, places }: &Layers) -> Self {
+        self.from[*axis] = self.from[*axis].max(places.start);
+        self.to[*axis] = self.to[*axis].min(places.end);
         self
     }
 
@@ -79,18 +97,18 @@ impl Region {
         })
     }
 
-    /// Places in memory of the rows along x.
+    /// Places in memory of the rows.
     #[inline(always)]
     pub(super) fn rows(self, field: &Field) -> Rows {
-        let [_, along_y, along_z] = field.strides();
         let first = field.index(self.from);
         let [length, rows, layers] =
-            [0, 1, 2].map(|axis| (self.to[axis] - self.from[axis]).max(0) as usize);
+            field.order().map(|axis| (self.to[axis] - self.from[axis]).max(0) as usize);
+        let [_, to_next_row, to_next_layer] = field.order().map(|axis| field.strides()[axis]);
         Rows {
             row: first,
             layer: first,
             length,
-            strides: [along_y, along_z],
+            strides: [to_next_row, to_next_layer],
             rows,
             rows_left: rows,
             layers_left: if rows > 0 { layers } else { 0 },
@@ -98,7 +116,7 @@ impl Region {
     }
 }
 
-/// Rows along x of a region: for each the places in memory of its cells. Nested iterators take as long as the work on a short
+/// Rows of a region: for each the places in memory of its cells. Nested iterators take as long as the work on a short
 /// row.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
@@ -106,7 +124,7 @@ pub(super) struct Rows {
     row: usize,
     layer: usize,
     length: usize,
-    /// Along y and z.
+    /// From a row to the next, and from a layer to the next.
     strides: [usize; 2],
     /// In a layer.
     rows: usize,
@@ -148,17 +166,36 @@ mod tests {
 
     #[test]
     fn rows_are_those_of_the_cells() {
-        let part = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2] };
-        let field = Field::new(&part, 2);
-        let owned = Region::owned(&part);
-        for region in [owned, Region::widened(&part, 1), owned.layer(2, 1), owned.layer(1, -1)] {
-            let cells = region.cells().map(|cell| field.index(cell));
-            assert!(region.rows(&field).flatten().eq(cells), "{region:?}");
+        for order in [[0, 1, 2], [1, 0, 2], [2, 0, 1]] {
+            let part = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2], order };
+            let field = Field::new(&part, 2);
+            let owned = Region::owned(&part);
+            for region in [owned, Region::widened(&part, 1), owned.layer(2, 1), owned.layer(1, -1)]
+            {
+                let mut cells: Vec<usize> = region.cells().map(|cell| field.index(cell)).collect();
+                cells.sort_unstable();
+                assert!(region.rows(&field).flatten().eq(cells), "{region:?}");
+            }
+            for axis in 0..3 {
+                let mut empty = owned;
+                empty.to[axis] = empty.from[axis];
+                assert_eq!(empty.rows(&field).flatten().count(), 0);
+            }
         }
-        for axis in 0..3 {
-            let mut empty = owned;
-            empty.to[axis] = empty.from[axis];
-            assert_eq!(empty.rows(&field).flatten().count(), 0);
+    }
+
+    #[test]
+    fn blocks_have_each_layer_once() {
+        for order in [[0, 1, 2], [2, 0, 1]] {
+            let part = LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2], order };
+            let faces = part.count[order[2]] as isize + 1;
+            // One layer, two, and all layers in a block.
+            for thickness in [1, 2, 5] {
+                let blocks: Vec<_> = Layers::all(&part).in_blocks(thickness).collect();
+                assert!(blocks.iter().all(|block| block.axis == order[2]));
+                let places = blocks.into_iter().flat_map(|block| block.places);
+                assert!(places.eq(0..faces), "{thickness} of {order:?}");
+            }
         }
     }
 }

@@ -64,17 +64,15 @@ pub(super) fn force_lost(
     let mut sum = ExactSum::default();
     let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
     let fields = [&in_cells[axis], &in_cells[3 + axis], beta, beta_v, &bed.voidage];
-    let [length, rows, layers] = bed.voidage.count();
-    for (j, k) in (0..layers).flat_map(|k| (0..rows).map(move |j| (j as isize, k as isize))) {
-        let row = |field: &Field| field.index([0, j, k]);
-        let [u, gradient, beta, beta_v, eps] =
-            fields.map(|field| &field.values()[row(field)..][..length]);
+    let length = bed.voidage.row_length();
+    for row in bed.voidage.rows() {
+        let [u, gradient, beta, beta_v, eps] = fields.map(|field| &field.values()[row..][..length]);
         for i in 0..length {
             let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
             let lost = beta[i] * u[i] - beta_v[i] - by_pressure;
             // Where there are no particles nothing is lost, and an exact sum costs more than this question.
             if lost != 0.0 {
-                sum.add(volumes.at(row(&bed.voidage) + i) * lost);
+                sum.add(volumes.at(row + i) * lost);
             }
         }
     }

@@ -17,7 +17,7 @@
 //! (2002) 205-227). It is implicit in time, as drag is, so that a small h needs no small step. For the component along that axis
 //! both are twice as large, as everywhere.
 
-use super::faces::{Region, moved};
+use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use super::viscosity::{StressRows, ViscousFields, add_viscous_force};
 use super::{BedOnGrid, GAS_HALO};
@@ -151,7 +151,7 @@ impl RoundWall {
         spacing: Vector3<f64>,
     ) {
         force.values_mut().fill(0.0);
-        let all = Region::all_layers(local.part);
+        let all = Layers::all(local.part);
         let mut stresses = StressRows::default();
         add_viscous_force(force, axis, fields, (local, &all), (spacing, &mut stresses));
         for neighbour in &self.closed_neighbours[axis] {
@@ -200,12 +200,8 @@ impl ClosedNeighbour {
 
 /// theta times a field, and another value in closed cells.
 fn scale(cells: &ColumnOnCells, (from, closed): (&Field, f64), to: &mut Field) {
-    let layer = cells.layer();
-    let layers = from.values().chunks_exact(layer.len());
-    for (from, to) in layers.zip(to.values_mut().chunks_exact_mut(layer.len())) {
-        for ((value, open), to) in from.iter().zip(layer).zip(to) {
-            *to = if *open > 0.0 { open * value } else { closed };
-        }
+    for ((value, open), to) in from.values().iter().zip(cells.values()).zip(to.values_mut()) {
+        *to = if *open > 0.0 { open * value } else { closed };
     }
 }
 

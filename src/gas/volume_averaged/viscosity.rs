@@ -4,7 +4,7 @@
 //! four cells around.
 
 use super::advection::larger;
-use super::faces::{Region, moved};
+use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use crate::grid::{Field, LocalCells};
 use crate::rules::viscous_rate;
@@ -46,14 +46,14 @@ pub(super) struct StressRows {
     above: Vec<f64>,
 }
 
-/// Adds the viscous force per volume on each free face of component `axis`, in these layers along z. Part of work in wide
+/// Adds the viscous force per volume on each free face of component `axis`, in these layers. Part of work in wide
 /// vectors.
 #[inline(always)]
 pub(super) fn add_viscous_force(
     rate: &mut Field,
     axis: usize,
     fields: ViscousFields,
-    (local, layers): (LocalGas, &Range<isize>),
+    (local, layers): (LocalGas, &Layers),
     (spacing, stresses): (Vector3<f64>, &mut StressRows),
 ) {
     let LocalGas { part, gas } = local;
@@ -97,7 +97,7 @@ impl StressRows {
         factor: f64,
         stress: &impl Stress,
     ) {
-        if direction == 0 {
+        if direction == rate.order()[0] {
             for row in region.rows(rate) {
                 stress.set_below(&(row.start..row.end + 1), &mut self.below);
                 let (below, above) = (&self.below[..row.len()], &self.below[1..=row.len()]);
