@@ -167,9 +167,8 @@ impl<T: Pod> Field<T> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::MEMORY_ORDERS;
     use super::*;
-
-    const ORDERS: [[usize; 3]; 3] = [[0, 1, 2], [1, 0, 2], [2, 0, 1]];
 
     fn local_cells(order: [usize; 3]) -> LocalCells {
         LocalCells { counts: [9, 9, 9], start: [2, 0, 3], count: [4, 3, 2], order }
@@ -177,7 +176,7 @@ mod tests {
 
     #[test]
     fn setting_owned_cells_does_not_change_the_halo() {
-        for order in ORDERS {
+        for order in MEMORY_ORDERS {
             let mut field = Field::new(&local_cells(order), 2);
             field.set_owned((1..=24).map(f64::from));
             assert!(field.owned().eq((1..=24).map(f64::from)));
@@ -190,7 +189,7 @@ mod tests {
 
     #[test]
     fn cells_lie_in_memory_in_the_order_of_the_axes() {
-        for order in ORDERS {
+        for order in MEMORY_ORDERS {
             let field = Field::<f64>::new(&local_cells(order), 1);
             assert_eq!(field.strides()[order[0]], 1);
             assert!(field.strides()[order[1]] < field.strides()[order[2]]);
@@ -203,7 +202,7 @@ mod tests {
 
     #[test]
     fn slabs_include_the_halo_of_the_axes_before_their_own() {
-        for order in ORDERS {
+        for order in MEMORY_ORDERS {
             let field = Field::<f64>::new(&local_cells(order), 1);
             let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
             assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);

@@ -6,6 +6,8 @@ mod column_grid;
 mod field;
 mod round_column;
 
+#[cfg(test)]
+pub(crate) use box_grid::MEMORY_ORDERS;
 pub use box_grid::{BoxGrid, LocalCells};
 pub(crate) use cell_weights::{CellLocator, CellWeights};
 pub use column_grid::{ColumnGrid, NodeWeights};

@@ -141,7 +141,7 @@ impl FieldHalo {
     }
 }
 
-/// Appends the values of a row. Rows of a halo along their own axis are as short as it is wide: a call that copies each takes longer than the copy.
+/// Appends the values of a row. In a halo at the ends of rows they are as short as it is wide: a call that copies each takes longer than the copy.
 #[inline(always)]
 fn append<T: Pod>(buffer: &mut Vec<u8>, row: &[T]) {
     match row {

@@ -42,9 +42,6 @@ pub struct NavierStokesSolver {
     change: Field,
 }
 
-/// Cells of a block of layers. The ten fields that forces follow from take 320 KB of it, less than caches of second level.
-const CELLS_IN_BLOCK: usize = 4096;
-
 /// Roundings in the sum of a cell's flows: six products and their additions.
 const ROUNDINGS: f64 = 8.0;
 
@@ -105,7 +102,7 @@ impl VectorWork for AddForces<'_> {
         let fields = ViscousFields { velocity, dilatation, voidage };
         let mut advection = Advection::new(flux, local, spacing);
         let mut stresses = StressRows::default();
-        for layers in blocks_of_layers(local.part) {
+        for layers in Layers::blocks(local.part) {
             let at = (local, &layers);
             for (axis, rate) in rate.iter_mut().enumerate() {
                 advection.add(rate, axis, &velocity[axis], &layers);
@@ -120,13 +117,6 @@ impl VectorWork for AddForces<'_> {
             }
         }
     }
-}
-
-/// All layers of faces in blocks: so that the forces on a block, one after the
-/// other, find its velocities in a cache.
-fn blocks_of_layers(part: &LocalCells) -> impl Iterator<Item = Layers> {
-    let [row, rows, _] = part.order.map(|axis| part.count[axis]);
-    Layers::all(part).in_blocks((CELLS_IN_BLOCK / (row * rows)).max(1))
 }
 
 /// A step and what acts in it, besides pressure and particles.
