@@ -100,3 +100,6 @@ fn needs_extras(laws: &PairLaws) -> bool {
     };
     laws.contact.twisting.is_some() || laws.cohesion.is_some_and(is_rough)
 }
+
+#[cfg(test)]
+mod tests;

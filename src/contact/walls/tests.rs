@@ -86,11 +86,10 @@ fn one_by_one(
     loads
 }
 
-/// Two steps by both ways.
+/// Some steps by both ways, in which walls and particles move: contacts begin and end.
 fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDerWaalsNow>) {
     let mut particles = particles(count);
-    let (walls, poses) = walls();
-    let walls = PosedWalls { walls: &walls, poses: &poses };
+    let (walls, mut poses) = walls();
     let other = ContactModel { rolling: None, ..model.clone() };
     let of_kind = |one, other_species| match one + other_species {
         0 => model.clone(),
@@ -111,11 +110,14 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     };
     let mut contacts = Contacts::default();
     let list = ListRange { interaction: range, skin: 0.05 };
-    contacts.find_wall_pairs(&particles, walls, list);
+    contacts.find_wall_pairs(&particles, PosedWalls { walls: &walls, poses: &poses }, list);
     let mut reference = contacts.clone();
     let mut tallies = WallTallies::default();
     tallies.reset(2);
-    for step in 0..2 {
+    let (mut begun, mut ended) = (0, 0);
+    for step in 0..30 {
+        let walls = PosedWalls { walls: &walls, poses: &poses };
+        let before = contacts.wall_touching.clone();
         particles.forces.iter_mut().for_each(|load| *load = Default::default());
         add_wall_forces(&mut particles, &mut contacts, walls, &laws, &mut tallies).unwrap();
         let expected = one_by_one(&particles, &mut reference, walls, &laws);
@@ -130,10 +132,16 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
             [0, 1, 2].map(|axis| (0..2).map(|wall| tallies.on_wall(wall)[axis]).sum());
         let sum = found.iter().fold(Vector3::zeros(), |sum, [force, _]| sum + force);
         assert_eq!(on_walls, [0, 1, 2].map(|axis| -laws.force_quantum.count(sum[axis])));
+        for (before, now) in before.into_iter().zip(&contacts.wall_touching) {
+            begun += usize::from(step > 0 && !before && *now);
+            ended += usize::from(before && !now);
+        }
         particles.body.iter_mut().for_each(|body| body.position += body.velocity * DT);
+        poses.iter_mut().for_each(|pose| pose.displacement += Vector3::new(2.0e-4, 0.0, 3.0e-4));
     }
     let moved = contacts.wall_history.iter().any(|of| of.tangential_spring.norm() > 0.0);
     assert!(moved || count < 5, "a control: springs are deflected");
+    assert!((begun > 0 && ended > 0) || count < 50, "a control: {begun} begin, {ended} end");
 }
 
 #[test]

@@ -1,0 +1,79 @@
+//! A list that lives for many steps gives the forces of one that is made at each.
+
+use super::*;
+use crate::contact::force_laws::ForceLaws;
+use crate::contact::{ByPair, ContactLaw, ContactModel, ExampleScales, VanDerWaals};
+use crate::numbers::{Quantum, Schedule, random_of, uniform};
+use crate::particles::{ForceTorque, InteractionRanges, PairCounts};
+use nalgebra::Vector3;
+
+const COUNT: u32 = 40;
+const SCALES: ExampleScales = ExampleScales { stiffness: 100.0, overlap: 0.1, restitution: 0.8 };
+
+/// Spheres of radius 0.3 in a cube of side 3.5, with velocities.
+fn particles() -> Particles {
+    let mut random = random_of(1, 0, "attraction");
+    let mut number = |width: f64| width * (uniform(&mut random) - 0.5);
+    let mut particles = Particles::default();
+    for id in 0..u64::from(COUNT) {
+        let position = Vector3::from_fn(|_, _| 1.75 + number(3.5));
+        let velocity = Vector3::from_fn(|_, _| number(0.004));
+        particles.push(id, position, velocity, 0.3, 1.0);
+    }
+    particles
+}
+
+/// All pairs, without histories.
+fn all_pairs() -> Contacts {
+    let row_start = (0..=COUNT).map(|i| i * (COUNT - 1) - i * i.saturating_sub(1) / 2).collect();
+    let partner = (0..COUNT).flat_map(|i| i + 1..COUNT).collect();
+    Contacts { row_start, partner, ..Contacts::default() }
+}
+
+fn forces(
+    particles: &mut Particles,
+    contacts: &mut Contacts,
+    laws: &ForceLaws,
+) -> Vec<ForceTorque> {
+    particles.forces.iter_mut().for_each(|load| *load = ForceTorque::default());
+    prepare_pairs(particles, contacts, laws);
+    find_contacts(particles, contacts, laws, PairGroup::Own).unwrap();
+    add_contact_forces(particles, contacts, laws, PairGroup::Own).unwrap();
+    particles.forces.clone()
+}
+
+/// The first step of 400 at which a list that lives for long, and is told this share of the displacements, gives other
+/// forces than one that is made anew; none if it never does.
+fn first_difference(share: f64) -> Option<usize> {
+    let attraction =
+        VanDerWaals::square(&Schedule::Constant(10.0), &Schedule::Constant(0.0), 0.3, 0.02);
+    let cohesion = ByPair::of_all(attraction.at(0.0));
+    let range = cohesion.first().range();
+    let mut laws = ContactLaw::examples(SCALES).into_iter();
+    let law = laws.find(|law| matches!(law, ContactLaw::LinearSpringDashpot(_))).unwrap();
+    let contact = ByPair::of_all(ContactModel::from(law));
+    let laws = ForceLaws {
+        contact: &contact,
+        at_walls: &[],
+        cohesion: Some(&cohesion),
+        ranges: InteractionRanges { contact: 0.0, any: range, diameter: 0.6 },
+        dt: 0.0, // no history
+        limit: 1.0e6,
+        force_quantum: Quantum::spanning(1.0e6),
+        torque_quantum: Quantum::spanning(1.0e6),
+    };
+    let (mut particles, mut contacts) = (particles(), all_pairs());
+    (0..400).find(|_| {
+        particles.body.iter_mut().for_each(|body| body.position += body.velocity);
+        let largest = particles.body.iter().map(|body| body.velocity.norm()).fold(0.0, f64::max);
+        contacts.moved(share * largest, PairCounts::default());
+        let found = forces(&mut particles, &mut contacts, &laws);
+        found != forces(&mut particles, &mut all_pairs(), &laws)
+    })
+}
+
+#[test]
+fn pairs_that_are_not_looked_at_do_not_act() {
+    assert_eq!(first_difference(1.0), None);
+    assert!(first_difference(0.0).is_some(), "a control: what has moved must be told");
+}
