@@ -1,7 +1,6 @@
 //! A list that lives for many steps gives the forces of one that is made at each.
 
 use super::*;
-use crate::contact::force_laws::ForceLaws;
 use crate::contact::{ByPair, ContactLaw, ContactModel, ExampleScales, VanDerWaals};
 use crate::numbers::{Quantum, Schedule, random_of, uniform};
 use crate::particles::{ForceTorque, InteractionRanges, PairCounts};
