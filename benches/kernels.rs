@@ -284,7 +284,8 @@ fn between_ranks(criterion: &mut Criterion) {
                     let mut halo = ParticleHalo::default();
                     let bounds = &run.domain.bounds;
                     let subdomain = run.work.decomposition.subdomain(bounds, ranks.rank());
-                    halo.rebuild(particles, subdomain, width, ranks);
+                    halo.make_ghosts(particles, subdomain, width, ranks);
+                    halo.follow(particles, |_| true, ranks);
                 })
             });
         });

@@ -29,9 +29,6 @@ pub(crate) fn work_of_pairs(
     mut sink: impl FnMut(ContactWork),
 ) {
     for (kind, pair, before) in contacts.inner.active_pairs() {
-        if !counts_here(particles, pair) {
-            continue;
-        }
         let laws = laws.of_kind(kind);
         let contact = contact_of_pair(particles, pair, laws.cohesion);
         if let Some((work, _)) = work_over_step(laws.contact, &contact, &before, laws.dt) {
@@ -188,7 +185,7 @@ pub(crate) fn elastic_energy(
         springs.normal + springs.tangential + spin
     };
     for (kind, pair, before) in contacts.inner.active_pairs() {
-        if before.touching && counts_here(particles, pair) {
+        if before.touching {
             let PairLaws { contact, cohesion, .. } = laws.of_kind(kind);
             sink(stored(contact, &contact_of_pair(particles, pair, cohesion), &before));
         }
@@ -210,13 +207,11 @@ pub(crate) fn attraction_energy(
 ) {
     let Some(cohesion) = laws.cohesion else { return };
     for [i, j] in contacts.listed_pairs() {
-        if counts_here(particles, [i, j]) {
-            let [one, other] = [i, j].map(|index| &particles.body[index as usize]);
-            let (overlap, _) =
-                overlap_and_normal(other.position - one.position, [one.radius, other.radius]);
-            let cohesion = cohesion.of([one.species(), other.species()]);
-            sink(cohesion.energy_of_particles(one.radius, other.radius, -overlap));
-        }
+        let [one, other] = [i, j].map(|index| &particles.body[index as usize]);
+        let (overlap, _) =
+            overlap_and_normal(other.position - one.position, [one.radius, other.radius]);
+        let cohesion = cohesion.of([one.species(), other.species()]);
+        sink(cohesion.energy_of_particles(one.radius, other.radius, -overlap));
     }
     for pair in &contacts.wall_pairs {
         let (wall, body) = (pair.wall as usize, &particles.body[pair.particle as usize]);
@@ -224,12 +219,6 @@ pub(crate) fn attraction_energy(
         let cohesion = cohesion.of([body.species(); 2]);
         sink(cohesion.energy_at_wall(body.radius, height - body.radius));
     }
-}
-
-/// Whether a pair counts on this rank: that of two ranks' particles is left to the owner of the lower id.
-fn counts_here(particles: &Particles, [first, second]: [u32; 2]) -> bool {
-    let [here, there] = [first, second].map(|index| particles.id[index as usize]);
-    here < there || particles.owned_original(second as usize).is_some()
 }
 
 /// The contact of two particles.

@@ -61,8 +61,7 @@ impl PairForce {
     }
 }
 
-/// Passes on the forces of all pairs that touch or attract each other, each on one rank: that of two ranks' particles on
-/// the rank that owns the lower id.
+/// Passes on the forces of all pairs of this rank that touch or attract each other.
 ///
 /// Before: ghosts have the velocities of their originals.
 #[inline]
@@ -83,7 +82,7 @@ pub(crate) fn for_each_pair_force(
         if history.is_none() && cohesion.is_none() {
             continue;
         }
-        let Some(Ordered { pair, history }) = ordered(particles, pair, history) else { continue };
+        let Ordered { pair, history } = ordered(particles, pair, history);
         let (one, two) = (&particles.body[pair[0]], &particles.body[pair[1]]);
         let (radii, position, other) = ([one.radius, two.radius], one.position, two.position);
         let (overlap, normal) = overlap_and_normal(other - position, radii);
@@ -116,23 +115,22 @@ struct Ordered {
     history: Option<ContactHistory>,
 }
 
-/// A pair by ascending ids; `None` if it is left to the rank that owns the lower id.
+/// A pair by ascending ids.
 #[inline(always)]
 fn ordered(
     particles: &Particles,
     [first, second]: [u32; 2],
     history: Option<ContactHistory>,
-) -> Option<Ordered> {
+) -> Ordered {
     let pair = [first as usize, second as usize];
     if particles.id[pair[0]] < particles.id[pair[1]] {
-        return Some(Ordered { pair, history });
+        return Ordered { pair, history };
     }
-    particles.owned_original(pair[1])?;
     let reversed = |history: ContactHistory| ContactHistory {
         tangential_spring: -history.tangential_spring,
         ..history
     };
-    Some(Ordered { pair: [pair[1], pair[0]], history: history.map(reversed) })
+    Ordered { pair: [pair[1], pair[0]], history: history.map(reversed) }
 }
 
 /// The contact of two particles, the second body being the one of the higher id.

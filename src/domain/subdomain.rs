@@ -20,6 +20,22 @@ impl Subdomain<'_> {
         self.decomposition.subdomain_corners(self.rank)
     }
 
+    /// Whether a place outside of the subdomain is ahead of it: above it along the last axis along which it is outside. Of two
+    /// particles in different subdomains, or in different images of one, each sees the other outside, and one of them sees it
+    /// ahead. Beyond a face without a neighbour nothing is outside.
+    pub fn is_ahead(self) -> impl Fn(&Vector3<f64>) -> bool {
+        let [mut lower, mut upper] = self.corners();
+        for axis in 0..3 {
+            let [below, above] = self.neighbours(axis);
+            lower[axis] = below.map_or(f64::NEG_INFINITY, |_| lower[axis]);
+            upper[axis] = above.map_or(f64::INFINITY, |_| upper[axis]);
+        }
+        move |place| {
+            let side = |&axis: &usize| place[axis] < lower[axis] || place[axis] >= upper[axis];
+            [2, 1, 0].iter().find(|axis| side(axis)).is_some_and(|&axis| place[axis] >= upper[axis])
+        }
+    }
+
     /// The ranks below and above along an axis; at a periodic face, the one at the opposite face.
     pub fn neighbours(self, axis: usize) -> [Option<usize>; 2] {
         self.decomposition.neighbours(self.rank, axis, self.bounds)

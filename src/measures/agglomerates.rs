@@ -154,15 +154,15 @@ impl Measure for Followed {
 
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         let Some(reference) = &mut self.reference else {
-            self.begin_window(view);
+            self.begin_window(view, ranks);
             return Findings::default();
         };
-        let bonds = reference.contacts.look(view.touching(), view.ownership(), ranks);
+        let bonds = reference.contacts.look(view.touching(ranks), view.ownership(), ranks);
         let lag = view.time() - reference.time;
         let search = Search {
             particles: view.samples(),
             bonds: &bonds,
-            touching: view.touching(),
+            touching: view.touching(ranks),
             periodicity: view.periodicity(),
             smallest: self.settings.smallest,
         };
@@ -173,7 +173,7 @@ impl Measure for Followed {
         let mut findings = Findings { rows, ..Findings::default() };
         if reference.at_lags.len() as u64 >= self.settings.looks_per_window {
             findings.rows.extend(self.end_window(&found, &search, ranks));
-            self.begin_window(view);
+            self.begin_window(view, ranks);
         }
         findings
     }
@@ -235,9 +235,9 @@ impl Measure for Followed {
 }
 
 impl Followed {
-    /// Takes the contacts of now as those of t_0.
-    fn begin_window(&mut self, view: &View<'_>) {
-        let contacts = PersistentContacts::begin(self.settings.persistence, view.touching());
+    /// Takes the contacts of now as those of t_0. Collective.
+    fn begin_window(&mut self, view: &View<'_>, ranks: &dyn Communicator) {
+        let contacts = PersistentContacts::begin(self.settings.persistence, view.touching(ranks));
         self.reference = Some(Reference { time: view.time(), contacts, at_lags: Vec::new() });
     }
 

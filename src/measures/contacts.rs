@@ -101,12 +101,12 @@ impl Measure for Followed {
         self.looks += 1;
         view.ownership().align(&mut self.births, Birth::ids, ranks);
         if self.looks < self.settings.looks_per_write {
-            let pairs = view.touching().iter().map(Pair::ends);
+            let pairs = view.touching(ranks).iter().map(Pair::ends);
             self.births = self.followed(pairs, view.time());
             return Findings::default();
         }
         self.looks = 0;
-        let mut lines = lines_of(view);
+        let mut lines = lines_of(view, ranks);
         self.births =
             self.followed(lines.iter().map(|line| [line.lower, line.higher]), view.time());
         for (line, birth) in lines.iter_mut().zip(&self.births) {
@@ -143,9 +143,9 @@ impl Followed {
     }
 }
 
-/// The lines of this rank's touching pairs, ascending.
-fn lines_of(view: &View<'_>) -> Vec<ContactLine> {
-    let mut lines = Vec::with_capacity(view.touching().len());
+/// The lines of the touching pairs, each on the rank that owns the lower id, ascending. Collective.
+fn lines_of(view: &View<'_>, ranks: &dyn Communicator) -> Vec<ContactLine> {
+    let mut lines = Vec::with_capacity(3 * view.samples().len());
     view.for_each_pair_force(|pair| {
         if pair.touching {
             lines.push(line_of(&pair, view));
@@ -155,7 +155,10 @@ fn lines_of(view: &View<'_>) -> Vec<ContactLine> {
     let places =
         lines.iter().enumerate().map(|(place, line)| [line.lower, line.higher, place as u64]);
     let places = ascending(places.collect(), |&[lower, higher, _]| [lower, higher]);
-    places.into_iter().map(|[_, _, place]| lines[place as usize]).collect()
+    let mut lines: Vec<ContactLine> =
+        places.into_iter().map(|[_, _, place]| lines[place as usize]).collect();
+    view.ownership().align(&mut lines, |line| [line.lower, line.higher], ranks);
+    lines
 }
 
 fn line_of(pair: &PairForce, view: &View<'_>) -> ContactLine {

@@ -104,10 +104,9 @@ impl Measure for Looks {
 impl Looks {
     /// Mean, number of contacts, and parts of the particles with 0, 1, 2 ... neighbours. Collective.
     fn distribution(&self, view: &View<'_>, ranks: &dyn Communicator) -> Vec<f64> {
-        let state = view.run().state;
         let most = self.settings.most;
         let mut counts = vec![0_i64; most + 3];
-        for number in state.contacts.coordination_numbers(&state.particles) {
+        for number in view.run().coordination_numbers(ranks) {
             counts[(number as usize).min(most)] += 1;
             counts[most + 1] += i64::from(number);
             counts[most + 2] += 1;

@@ -196,10 +196,8 @@ struct Adhesion {
 /// Collective.
 fn rumpf(view: &View<'_>, ranks: &dyn Communicator) -> Adhesion {
     let run = view.run();
-    let mut counts = [
-        run.state.particles.owned_count() as i64,
-        run.state.contacts.touching_neighbours(&run.state.particles) as i64,
-    ];
+    let mut counts =
+        [run.state.particles.owned_count() as i64, 2 * run.state.contacts.touching_count() as i64];
     ranks.sum_integers(&mut counts);
     let diameter = run.state.sizes.largest_diameter;
     let radius = 0.5 * diameter;

@@ -4,7 +4,7 @@ use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
 use crate::analysis::{BedProfile, Measures, RunView};
 use crate::contact::{PairForce, WallForce, WallLaws, for_each_pair_force, wall_forces};
 use crate::domain::{Bounds, PosedWalls};
-use crate::parallel::CellSample;
+use crate::parallel::{CellSample, Communicator};
 use crate::particle_sets::agglomerates::ParticleSample;
 use crate::particle_sets::{Ownership, Pair, Periodicity, samples, touching_pairs};
 use crate::particles::sphere_volume;
@@ -83,10 +83,11 @@ impl<'a> View<'a> {
     }
 
     /// The touching pairs of different particles, each once, on the rank that owns the lower id, in ascending order.
-    pub fn touching(&self) -> &[Pair] {
+    /// Collective.
+    pub fn touching(&self, ranks: &dyn Communicator) -> &[Pair] {
         self.touching.get_or_init(|| {
             let state = self.run.state;
-            touching_pairs(&state.contacts, &state.particles)
+            touching_pairs(&state.contacts, &state.particles, self.ownership(), ranks)
         })
     }
 

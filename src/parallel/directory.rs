@@ -42,6 +42,7 @@ pub fn send_histories_to_owners(
     ContactHistories {
         pairs: contacts.into_iter().map(PairHistory::from).collect(),
         walls: wall_contacts.into_iter().map(WallHistory::from).collect(),
+        partners: Vec::new(),
     }
 }
 
@@ -128,7 +129,7 @@ mod tests {
                     wall: 2,
                     ..Zeroable::zeroed()
                 });
-                let ContactHistories { pairs: found, walls: at_walls } =
+                let ContactHistories { pairs: found, walls: at_walls, .. } =
                     send_histories_to_owners(contacts.collect(), walls.collect(), &owned, ranks);
 
                 let mut found: Vec<[u64; 2]> =

@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 /// Sends every owned particle with its contact histories to the rank whose subdomain holds its position. This call is
 /// collective.
 ///
-/// Before: there are no ghosts; positions are wrapped; `histories` are those of all contacts of owned particles. After:
-/// every rank owns exactly the particles in its subdomain and holds the histories of all their contacts, and no others.
-/// A pair may be listed twice, with the same contents.
+/// Before: there are no ghosts; positions are wrapped; the history of two ranks' particles is on both, or on one that knows
+/// where the other's particle is. After: every rank owns exactly the particles in its subdomain and holds the histories of all
+/// their contacts, and no others. A pair may be listed twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
     histories: &mut ContactHistories,
@@ -28,9 +28,13 @@ pub fn migrate(
     let owner: Vec<usize> =
         particles.body.iter().map(|body| decomposition.owner_of(&body.position)).collect();
     let mut messages = OutgoingMessages::new();
-    if owner.iter().any(|&rank| rank != here) {
-        let owner_of: FxHashMap<u64, usize> =
+    let partners = std::mem::take(&mut histories.partners);
+    if owner.iter().any(|&rank| rank != here) || !partners.is_empty() {
+        let of_partner =
+            |(id, position): (u64, Vector3<f64>)| (id, decomposition.owner_of(&position));
+        let mut owner_of: FxHashMap<u64, usize> =
             particles.id.iter().copied().zip(owner.iter().copied()).collect();
+        owner_of.extend(partners.into_iter().map(of_partner));
         pack_histories(&mut messages, histories, &owner_of, here);
         pack_particles(&mut messages, particles, &owner, here);
     }
@@ -89,7 +93,7 @@ type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 /// A history is sent to all owners of its particles, and kept where one of them stays.
 fn pack_histories(
     messages: &mut OutgoingMessages,
-    ContactHistories { pairs, walls }: &mut ContactHistories,
+    ContactHistories { pairs, walls, .. }: &mut ContactHistories,
     owner_of: &FxHashMap<u64, usize>,
     here: usize,
 ) {

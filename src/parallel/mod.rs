@@ -9,7 +9,8 @@
 //!
 //! | what | record | bytes | to whom | how |
 //! | --- | --- | --- | --- | --- |
-//! | velocities of ghosts ([`ParticleHalo::exchange`]) | `GhostVelocities` | 48 per particle | ranks with copies of it | [`exchange_during`] |
+//! | velocities of ghosts ([`ParticleHalo::exchange`]) | `GhostVelocities` | 48 per particle | ranks with copies of it in a pair | [`exchange_during`] |
+//! | forces on ghosts ([`ParticleHalo::exchange_return`]) | `GhostForces` | 48 per particle | owners of the originals | [`exchange_during`] |
 //! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
 //! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact`] |
 //! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
@@ -22,9 +23,9 @@
 //! | --- | --- | --- | --- | --- |
 //! | load of each rank, costs along each divided axis ([`RankLoad`]) | integers | 8192 per axis | all | [`sum_integers`] |
 //! | particles that change owner ([`migrate`]) | [`ParticleRecord`] | 200 per particle | new owner | [`sparse_exchange`] |
-//! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owner | [`sparse_exchange`] |
-//! | new ghosts ([`ParticleHalo::rebuild`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
-//! | which particles ghosts are copies of | indices | 4 per particle | their owner | [`sparse_exchange`] |
+//! | their contact histories, in the same message | [`ContactRecord`], [`WallContactRecord`] | 80 per contact | new owners of both particles | [`sparse_exchange`] |
+//! | new ghosts ([`ParticleHalo::make_ghosts`]) | `NewGhost` | 112 per ghost | neighbours, axis by axis | [`exchange`] |
+//! | which particles ghosts are copies of ([`ParticleHalo::follow`]) | indices | 4 per particle | their owner | [`sparse_exchange`] |
 //! | cells that change owner (`send_cells_to_owners`) | [`CellRecord`] | 72 per cell | new owner | [`sparse_exchange`] |
 //!
 //! At the start of a run, the same records go to their owners ([`send_to_owners`], `send_cells_to_owners`), those of

@@ -1,27 +1,33 @@
 //! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
+//! A rank has those of them that are [ahead](Subdomain::is_ahead) of its subdomain: the others are in pairs that other ranks
+//! evaluate, or that are met with another particle's image.
+//!
 //! When lists are made, ghosts are sent axis by axis: those received along one axis are sent on along the next, so that
 //! edges and corners need no messages of their own. Each says where its original is, and each rank then tells the owners
-//! of its ghosts which particles they are copies of. At a step an owner sends the velocities of such a particle once,
-//! whatever the number of its copies; these move by them as the original did, to the bit.
+//! of those ghosts that are in a pair of its list which particles they are copies of. At a step an owner sends the
+//! velocities of such a particle once, whatever the number of its copies; these move by them as the original did, to the
+//! bit. The forces on copies then go back the other way.
 
-use super::records::{GhostVelocities, NewGhost, Origin};
+use super::records::{GhostForces, GhostVelocities, NewGhost, Origin};
 use super::{AxisNeighbours, Communicator, Message, records_of_bytes};
 use crate::domain::Subdomain;
-use crate::particles::{Body, Particles};
+use crate::particles::{Body, ForceTorque, Particles};
 use nalgebra::Vector3;
 
 /// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
 #[derive(Debug, Default)]
 pub struct ParticleHalo {
+    /// Where the originals of the ghosts are.
+    origins: Vec<Origin>,
     images: Vec<Images>,
     copies: Vec<Copies>,
     /// For each rank that has copies of this rank's particles, which particles these are.
     lent: Vec<Vec<u32>>,
-    /// To those ranks.
-    outgoing: Vec<Message>,
-    /// From the owners of the copies, in their order.
-    incoming: Vec<Message>,
+    /// Between this rank and those: velocities go out, forces come back.
+    with_borrowers: Vec<Message>,
+    /// Between this rank and the owners of the copies, in their order: velocities come in, forces go back.
+    with_owners: Vec<Message>,
     buffers: [Vec<u8>; 2],
 }
 
@@ -44,11 +50,12 @@ struct SendList {
 }
 
 impl ParticleHalo {
-    /// Chooses the ghosts: every particle within `width` of this rank's subdomain. This call is collective.
+    /// Makes ghosts of all particles within `width` of this rank's subdomain that are ahead of it. This call is collective.
     ///
     /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts
-    /// follow the owned particles, with current position (of the image), velocity, angular velocity, radius and mass.
-    pub fn rebuild(
+    /// follow the owned particles, with current position (of the image), velocity, angular velocity, radius and mass; none
+    /// is brought up to date before [`ParticleHalo::follow`].
+    pub fn make_ghosts(
         &mut self,
         particles: &mut Particles,
         subdomain: Subdomain,
@@ -57,22 +64,43 @@ impl ParticleHalo {
     ) {
         let here = ranks.rank() as u32;
         let owned = 0..particles.owned_count() as u32;
-        let mut origins: Vec<Origin> = owned.map(|index| Origin { rank: here, index }).collect();
-        for axis in 0..3 {
-            let neighbours = subdomain.neighbours(axis);
-            if neighbours != [None, None] {
-                let lists = [0, 1].map(|side| send_list(particles, subdomain, width, axis, side));
-                self.send_new_ghosts((axis, neighbours), &lists, (particles, &mut origins), ranks);
-            }
+        self.origins.clear();
+        self.origins.extend(owned.map(|index| Origin { rank: here, index }));
+        let axes = (0..3).filter(|&axis| subdomain.neighbours(axis) != [None, None]);
+        let last = axes.clone().next_back();
+        for axis in axes {
+            let list = |side| match side == 1 && last == Some(axis) {
+                // What went up would be behind the rank above, and is sent on no more.
+                true => SendList { indices: Vec::new(), shift: 0.0 },
+                false => send_list(particles, subdomain, width, axis, side),
+            };
+            let (lists, neighbours) = ([0, 1].map(list), subdomain.neighbours(axis));
+            self.send_new_ghosts((axis, neighbours), &lists, particles, ranks);
         }
-        self.divide(particles, &origins, here);
+        let is_ahead = subdomain.is_ahead();
+        let ghosts = particles.owned_count() as u32..particles.count() as u32;
+        let ahead: Vec<u32> =
+            ghosts.filter(|&ghost| is_ahead(&particles.body[ghost as usize].position)).collect();
+        particles.keep_ghosts(&ahead);
+        self.origins = ahead.iter().map(|&ghost| self.origins[ghost as usize]).collect();
+    }
+
+    /// From now on the ghosts for which `is_followed` holds, given their index, are brought up to date. This call is
+    /// collective.
+    pub fn follow(
+        &mut self,
+        particles: &Particles,
+        is_followed: impl Fn(usize) -> bool,
+        ranks: &dyn Communicator,
+    ) {
+        self.divide(particles, is_followed, ranks.rank() as u32);
         if ranks.size() > 1 {
             self.ask_owners(ranks);
         }
     }
 
-    /// Brings velocity and angular velocity of all ghosts up to date, and the position of images. This call is
-    /// collective.
+    /// Brings velocity and angular velocity of the ghosts that are followed up to date, and the position of images. This
+    /// call is collective.
     ///
     /// Before: owned particles are current, the ghosts are those of the last rebuild, and copies are where their
     /// originals are.
@@ -92,7 +120,7 @@ impl ParticleHalo {
                 *particles.body[ghost as usize].vectors_mut() = [position, velocity, spin];
             }
         }
-        for (message, lent) in self.outgoing.iter_mut().zip(&self.lent) {
+        for (message, lent) in self.with_borrowers.iter_mut().zip(&self.lent) {
             message.bytes.clear();
             for &index in lent {
                 let velocities = GhostVelocities::of(&particles.body[index as usize]);
@@ -103,12 +131,12 @@ impl ParticleHalo {
 
     /// Sends it, and does other work until all has come. This call is collective.
     pub fn exchange(&mut self, ranks: &dyn Communicator, meanwhile: &mut dyn FnMut()) {
-        ranks.exchange_during(&self.outgoing, &mut self.incoming, meanwhile);
+        ranks.exchange_during(&self.with_borrowers, &mut self.with_owners, meanwhile);
     }
 
     /// Gives the copies the velocities that have come; `drift` then moves each as its original was moved.
     pub fn finish(&self, particles: &mut Particles, drift: impl Fn(&mut Body)) {
-        for (message, copies) in self.incoming.iter().zip(&self.copies) {
+        for (message, copies) in self.with_owners.iter().zip(&self.copies) {
             for &[place, ghost] in copies {
                 let from = place as usize * size_of::<GhostVelocities>();
                 let record = &message.bytes[from..][..size_of::<GhostVelocities>()];
@@ -120,19 +148,71 @@ impl ParticleHalo {
         }
     }
 
+    /// Takes the forces off the copies, to be sent to their owners.
+    pub fn begin_return(&mut self, particles: &mut Particles) {
+        for (message, copies) in self.with_owners.iter_mut().zip(&self.copies) {
+            message.bytes.clear();
+            // Copies are in the order of their places; those of one particle follow each other.
+            for of_particle in copies.chunk_by(|[one, _], [other, _]| one == other) {
+                let mut sum = ForceTorque::default();
+                for &[_, ghost] in of_particle {
+                    sum += std::mem::take(&mut particles.forces[ghost as usize]);
+                }
+                message.bytes.extend_from_slice(bytemuck::bytes_of(&GhostForces::of(&sum)));
+            }
+        }
+    }
+
+    /// Sends them, and does other work until all have come. This call is collective.
+    pub fn exchange_return(&mut self, ranks: &dyn Communicator, meanwhile: &mut dyn FnMut()) {
+        ranks.exchange_during(&self.with_owners, &mut self.with_borrowers, meanwhile);
+    }
+
+    /// Adds the forces that have come to the owned particles. Sums are exact: the order of the ranks changes no bit.
+    pub fn finish_return(&self, particles: &mut Particles) {
+        for (message, lent) in self.with_borrowers.iter().zip(&self.lent) {
+            for (forces, &index) in records_of_bytes::<GhostForces>(&message.bytes).zip(lent) {
+                particles.forces[index as usize] += forces.force_and_torque();
+            }
+        }
+    }
+
+    /// Adds the counts of copies to those of their originals, on the ranks that own these: of counts for all particles of a
+    /// rank, owned ones and ghosts. This call is collective.
+    pub fn return_counts(&self, counts: &mut [u32], ranks: &dyn Communicator) {
+        let to_owner = |(message, copies): (&Message, &Copies)| {
+            let of_particle = |same: &[[u32; 2]]| -> u32 {
+                same.iter().map(|&[_, ghost]| counts[ghost as usize]).sum()
+            };
+            let sums = copies.chunk_by(|[one, _], [other, _]| one == other).map(of_particle);
+            Message::of(message.rank, &sums.collect::<Vec<u32>>())
+        };
+        let outgoing = self.with_owners.iter().zip(&self.copies).map(to_owner);
+        let outgoing: Vec<Message> = outgoing.collect();
+        let room = |(message, lent): (&Message, &Vec<u32>)| Message::of(message.rank, lent);
+        let incoming = self.with_borrowers.iter().zip(&self.lent).map(room);
+        let mut incoming: Vec<Message> = incoming.collect();
+        ranks.exchange_during(&outgoing, &mut incoming, &mut || ());
+        for (message, lent) in incoming.iter().zip(&self.lent) {
+            for (count, &index) in records_of_bytes::<u32>(&message.bytes).zip(lent) {
+                counts[index as usize] += count;
+            }
+        }
+    }
+
     /// Sends the particles of both lists to the neighbours along an axis, and adds what they send as ghosts.
     fn send_new_ghosts(
         &mut self,
         (axis, neighbours): (usize, AxisNeighbours),
         lists: &[SendList; 2],
-        (particles, origins): (&mut Particles, &mut Vec<Origin>),
+        particles: &mut Particles,
         ranks: &dyn Communicator,
     ) {
         let outgoing = lists.each_ref().map(|list| {
             let mut bytes = Vec::with_capacity(list.indices.len() * size_of::<NewGhost>());
             for &index in &list.indices {
                 let index = index as usize;
-                let mut ghost = NewGhost::of(particles, index, origins[index]);
+                let mut ghost = NewGhost::of(particles, index, self.origins[index]);
                 ghost.position[axis] += list.shift; // exact, as above
                 bytes.extend_from_slice(bytemuck::bytes_of(&ghost));
             }
@@ -144,15 +224,18 @@ impl ParticleHalo {
             let is_image = ghost.origin.rank == ranks.rank() as u32;
             let image_of = is_image.then_some(ghost.origin.index as usize);
             particles.push_ghost(ghost.id, ghost.body(), image_of);
-            origins.push(ghost.origin);
+            self.origins.push(ghost.origin);
         }
     }
 
-    /// Divides the ghosts into images of owned particles and copies of other ranks'.
-    fn divide(&mut self, particles: &Particles, origins: &[Origin], here: u32) {
+    /// Divides the ghosts that are followed into images of owned particles and copies of other ranks'.
+    fn divide(&mut self, particles: &Particles, is_followed: impl Fn(usize) -> bool, here: u32) {
         self.images.clear();
         let mut copies = Vec::new();
-        for (ghost, &origin) in origins.iter().enumerate().skip(particles.owned_count()) {
+        for ghost in
+            (particles.owned_count()..particles.count()).filter(|&ghost| is_followed(ghost))
+        {
+            let origin = self.origins[ghost - particles.owned_count()];
             if origin.rank == here {
                 let [image, original] =
                     [ghost, origin.index as usize].map(|index| particles.body[index].position);
@@ -163,7 +246,7 @@ impl ParticleHalo {
         }
         copies.sort_unstable();
         self.copies.clear();
-        self.incoming.clear();
+        self.with_owners.clear();
         for of_rank in copies.chunk_by(|(one, _), (other, _)| one.rank == other.rank) {
             let mut asked: Vec<u32> = of_rank.iter().map(|(origin, _)| origin.index).collect();
             asked.dedup();
@@ -175,7 +258,7 @@ impl ParticleHalo {
                 [place as u32, ghost]
             };
             self.copies.push(of_rank.iter().map(place_of).collect());
-            self.incoming.push(Message::of(of_rank[0].0.rank as usize, &asked));
+            self.with_owners.push(Message::of(of_rank[0].0.rank as usize, &asked));
         }
     }
 
@@ -191,16 +274,20 @@ impl ParticleHalo {
 
     /// Tells the owners of copies which of their particles these are. This call is collective.
     fn ask_owners(&mut self, ranks: &dyn Communicator) {
-        let asked = ranks.sparse_exchange(&self.incoming);
+        let asked = ranks.sparse_exchange(&self.with_owners);
         let indices = |message: &Message| records_of_bytes(&message.bytes).collect();
         self.lent = asked.iter().map(indices).collect();
-        self.outgoing =
-            asked.iter().map(|message| Message { rank: message.rank, bytes: Vec::new() }).collect();
-        for message in &mut self.incoming {
-            let particles = message.bytes.len() / size_of::<u32>();
-            message.bytes.resize(particles * size_of::<GhostVelocities>(), 0);
-        }
+        let room =
+            |message: &Message| room_for(message.rank, message.bytes.len() / size_of::<u32>());
+        self.with_borrowers = asked.iter().map(room).collect();
+        self.with_owners.iter_mut().for_each(|message| *message = room(message));
     }
+}
+
+/// A message of velocities or of forces, which take the same bytes, of so many particles.
+fn room_for(rank: usize, particles: usize) -> Message {
+    const { assert!(size_of::<GhostVelocities>() == size_of::<GhostForces>()) };
+    Message { rank, bytes: vec![0; particles * size_of::<GhostForces>()] }
 }
 
 /// The particles that become ghosts of the neighbour on one side along an axis; none if there is no neighbour.
@@ -282,7 +369,8 @@ mod tests {
             let subdomain = decomposition.subdomain(&bounds, ranks.rank());
             let (mut particles, mut all) = particles_of(subdomain);
             let mut halo = ParticleHalo::default();
-            halo.rebuild(&mut particles, subdomain, WIDTH, ranks);
+            halo.make_ghosts(&mut particles, subdomain, WIDTH, ranks);
+            halo.follow(&particles, |_| true, ranks);
             let owned = particles.owned_count();
             for body in particles.body[..owned].iter_mut().chain(all.values_mut()) {
                 body.velocity.x += 1.0;
@@ -307,10 +395,51 @@ mod tests {
             let copies: usize = halo.copies.iter().map(Vec::len).sum();
             let images: usize = halo.images.iter().map(|images| images.pairs.len()).sum();
             assert_eq!(copies + images, particles.count() - owned);
-            let bytes: usize = halo.incoming.iter().map(|message| message.bytes.len()).sum();
+            let bytes: usize = halo.with_owners.iter().map(|message| message.bytes.len()).sum();
             let sent = bytes / size_of::<GhostVelocities>();
             [copies, sent, (owned..particles.count()).filter(is_wrong).count()]
         })
+    }
+
+    /// Pairs of an owned particle and a ghost that are nearer than the width of the halo, by their ids, on all ranks of a grid,
+    /// and how many there are of two owned particles.
+    fn pairs_on(grid: [usize; 3]) -> (Vec<[u64; 2]>, usize) {
+        let bounds = bounds();
+        let decomposition = Decomposition::even(RankGrid(grid), &bounds);
+        let found = run_on_threads(grid.iter().product(), |ranks| {
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            let mut particles = particles_of(subdomain).0;
+            ParticleHalo::default().make_ghosts(&mut particles, subdomain, WIDTH, ranks);
+            let (mut with_ghosts, mut owned) = (Vec::new(), 0);
+            for i in 0..particles.owned_count() {
+                for j in i + 1..particles.count() {
+                    let branch = particles.body[j].position - particles.body[i].position;
+                    let ids = [particles.id[i], particles.id[j]];
+                    match branch.norm() < WIDTH {
+                        true if j < particles.owned_count() => owned += 1,
+                        true => with_ghosts.push([ids[0].min(ids[1]), ids[0].max(ids[1])]),
+                        false => (),
+                    }
+                }
+            }
+            (with_ghosts, owned)
+        });
+        let owned = found.iter().map(|(_, owned)| owned).sum();
+        (found.into_iter().flat_map(|(with_ghosts, _)| with_ghosts).collect(), owned)
+    }
+
+    #[test]
+    fn a_pair_with_a_ghost_is_on_one_rank_only() {
+        let (images, alone) = pairs_on([1, 1, 1]);
+        for grid in [[1, 1, 1], [2, 1, 1], [1, 1, 3], [2, 1, 2], [3, 1, 1], [4, 1, 4]] {
+            let (mut pairs, owned) = pairs_on(grid);
+            let count = pairs.len();
+            assert_eq!(count + owned, images.len() + alone, "{grid:?}");
+            pairs.sort_unstable();
+            pairs.dedup();
+            assert_eq!(pairs.len(), count, "{grid:?}");
+            assert!(grid == [1, 1, 1] || count > images.len());
+        }
     }
 
     #[test]
@@ -326,15 +455,69 @@ mod tests {
         }
     }
 
+    /// Puts a force and a torque on each copy, different for each particle, and brings them to the owners on a grid of ranks.
+    /// Returns for each rank how many copies it has, how many forces have come, and how many particles have another force than
+    /// that of their copies.
+    fn returned_on(grid: [usize; 3]) -> Vec<[usize; 3]> {
+        let bounds = bounds();
+        let decomposition = Decomposition::even(RankGrid(grid), &bounds);
+        run_on_threads(grid.iter().product(), |ranks| {
+            let subdomain = decomposition.subdomain(&bounds, ranks.rank());
+            let mut particles = particles_of(subdomain).0;
+            let mut halo = ParticleHalo::default();
+            halo.make_ghosts(&mut particles, subdomain, WIDTH, ranks);
+            halo.follow(&particles, |_| true, ranks);
+            let of_id = |id: u64| {
+                let number = id as f64;
+                ForceTorque::new(Vector3::new(1.0, number, 0.0), Vector3::new(0.0, 0.0, -number))
+            };
+            let mut counts = vec![0; particles.count()];
+            let copies: Vec<u32> = halo.copies.iter().flatten().map(|&[_, ghost]| ghost).collect();
+            for &ghost in &copies {
+                particles.forces[ghost as usize] = of_id(particles.id[ghost as usize]);
+                counts[ghost as usize] = 1;
+            }
+            halo.begin_return(&mut particles);
+            halo.exchange_return(ranks, &mut || ());
+            halo.finish_return(&mut particles);
+            halo.return_counts(&mut counts, ranks);
+            let is_wrong = |&i: &usize| {
+                let (mut expected, count) = (ForceTorque::default(), counts[i]);
+                (0..count).for_each(|_| expected += of_id(particles.id[i]));
+                particles.forces[i] != expected
+            };
+            let owned = 0..particles.owned_count();
+            let came: f64 = particles.forces[owned.clone()].iter().map(|load| load.force.x).sum();
+            assert!(
+                copies
+                    .iter()
+                    .all(|&ghost| particles.forces[ghost as usize] == ForceTorque::default())
+            );
+            [copies.len(), came as usize, owned.filter(is_wrong).count()]
+        })
+    }
+
+    #[test]
+    fn forces_on_copies_come_to_their_owners_on_any_grid() {
+        for grid in [[1, 1, 1], [2, 1, 1], [1, 1, 3], [2, 1, 2], [3, 1, 1]] {
+            let found = returned_on(grid);
+            let [copies, came] =
+                [0, 1].map(|k| found.iter().map(|of_rank| of_rank[k]).sum::<usize>());
+            assert_eq!(copies, came, "{grid:?}");
+            assert_eq!(copies > 0, grid != [1, 1, 1]);
+            assert!(found.iter().all(|of_rank| of_rank[2] == 0), "{grid:?}");
+        }
+    }
+
     #[test]
     fn a_particle_is_sent_once_to_each_rank_with_copies_of_it() {
-        // The box is 2.5 wide along y: nearly each copy has an image there.
-        for [copies, sent, _] in moved_on([1, 1, 2], true) {
-            assert!(10 * copies > 17 * sent, "{copies} copies of {sent} particles");
-        }
+        // The box is 2.5 wide along y: nearly each copy has an image there. None is ahead of the upper rank.
+        let [[copies, sent, _], [none, ..]] = moved_on([1, 1, 2], true)[..] else { unreachable!() };
+        assert!(10 * copies > 17 * sent, "{copies} copies of {sent} particles");
+        assert_eq!(none, 0);
         // On three ranks along x, where nothing but images makes a second copy, the copies are no fewer.
         for [copies, sent, _] in moved_on([3, 1, 1], true) {
-            assert!(copies >= sent);
+            assert!(copies >= sent && sent > 0);
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The records that are sent between ranks and written to checkpoints. In memory, in messages and in files they are
 //! the same bytes; [`super`] lists who sends which of them when.
 
-use crate::particles::{Body, ContactHistory, Membership, PairHistory, Particles, WallHistory};
+use crate::particles::{
+    Body, ContactHistory, ForceTorque, Membership, PairHistory, Particles, WallHistory,
+};
 use bytemuck::{Pod, Zeroable};
 
 /// A sequence of records that are stored, or computed when they are asked for and so take no memory.
@@ -203,6 +205,26 @@ impl GhostVelocities {
     pub(super) fn give_to(&self, body: &mut Body) {
         body.velocity = self.velocity.into();
         body.angular_velocity = self.angular_velocity.into();
+    }
+}
+
+/// What goes back at every step: the sum of what other ranks' pairs put on a particle.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GhostForces {
+    force: [f64; 3],
+    torque: [f64; 3],
+}
+
+impl GhostForces {
+    #[inline(always)]
+    pub(super) fn of(forces: &ForceTorque) -> Self {
+        Self { force: forces.force.into(), torque: forces.torque.into() }
+    }
+
+    #[inline(always)]
+    pub(super) fn force_and_torque(&self) -> ForceTorque {
+        ForceTorque::new(self.force.into(), self.torque.into())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
+use std::ops::AddAssign;
 
 /// Size, position and velocities of a particle: three times four numbers, each aligned for vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -81,7 +82,21 @@ impl Body {
     }
 }
 
+impl AddAssign for ForceTorque {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+}
+
 impl ForceTorque {
+    /// A force and a torque.
+    #[inline(always)]
+    pub fn new(force: Vector3<f64>, torque: Vector3<f64>) -> Self {
+        Self { force, torque, ..Self::zeroed() }
+    }
+
     /// A force without torque.
     #[inline(always)]
     pub fn of(force: Vector3<f64>) -> Self {

@@ -60,6 +60,8 @@ pub struct ContactHistories {
     pub pairs: Vec<PairHistory>,
     /// Particles that touch a wall, in no particular order.
     pub walls: Vec<WallHistory>,
+    /// Ids and positions of the particles of other ranks that are in one of the pairs, as far as they are known.
+    pub partners: Vec<(u64, Vector3<f64>)>,
 }
 
 impl ContactHistories {

@@ -1,10 +1,11 @@
 //! The pairs of the neighbour list, and the contact histories of those that touch.
 //!
-//! Every pair of particles closer than the range of the list, with at least one of them owned, has a slot. Pairs are
-//! stored in rows: the row of an owned particle lists its partners, each pair of two owned particles once, also if they
-//! meet through a periodic face. The pairs that may act on each other within the next steps, and the histories of those
-//! that touch, are in the [`InnerList`]. [`Contacts::histories`] takes the histories out of it, and
-//! `Contacts::restore` puts them back, over a rebuild, on another rank, and through a checkpoint.
+//! Every pair of particles closer than the range of the list has a slot, on one rank: that of two ranks' particles on the
+//! rank for which the other's is [ahead](crate::domain::Subdomain::is_ahead). Pairs are stored in rows: the row of an owned
+//! particle lists its partners, each pair of two owned particles once, also if they meet through a periodic face. The pairs
+//! that may act on each other within the next steps, and the histories of those that touch, are in the [`InnerList`].
+//! [`Contacts::histories`] takes the histories out of it, and `Contacts::restore` puts them back, over a rebuild, on another
+//! rank, and through a checkpoint.
 
 use super::contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
 use super::inner_list::{Rows, pair_of};
@@ -103,6 +104,13 @@ impl Contacts {
         self.partner.len()
     }
 
+    /// Which particles, owned ones and ghosts, are the second of a listed pair.
+    pub(crate) fn are_partners(&self, particles: &Particles) -> Vec<bool> {
+        let mut are_partners = vec![false; particles.count()];
+        self.partner.iter().for_each(|&partner| are_partners[partner as usize] = true);
+        are_partners
+    }
+
     /// The pairs of the neighbour list: all that are within the range of any force, and more.
     pub(crate) fn listed_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let rows = self.row_start.windows(2).enumerate();
@@ -112,34 +120,30 @@ impl Contacts {
         })
     }
 
-    /// Sum over owned particles of their touching neighbours: twice the contacts between owned
-    /// particles (images included), once those with other ranks' particles.
-    pub fn touching_neighbours(&self, particles: &Particles) -> usize {
-        let partners = self.inner.touching_indices().map(|[_, partner]| partner as usize);
-        partners.map(|partner| 1 + usize::from(particles.owned_original(partner).is_some())).sum()
+    /// Number of touching pairs.
+    pub fn touching_count(&self) -> usize {
+        self.inner.touching_indices().count()
     }
 
-    /// The touching pairs by ascending ids, each on one rank: that of two ranks' particles is left to the owner of the
-    /// lower id.
+    /// The touching pairs by ascending ids.
     pub fn touching_pairs<'a>(
         &'a self,
         particles: &'a Particles,
     ) -> impl Iterator<Item = [u64; 2]> + 'a {
-        self.inner.touching_indices().filter_map(|[first, second]| {
-            let [here, there] = [first, second].map(|index| particles.id[index as usize]);
-            let is_left = here > there && particles.owned_original(second as usize).is_none();
-            (!is_left).then(|| [here.min(there), here.max(there)])
+        self.inner.touching_indices().map(|pair| {
+            let [here, there] = pair.map(|index| particles.id[index as usize]);
+            [here.min(there), here.max(there)]
         })
     }
 
-    /// Number of touching neighbours of each owned particle.
-    pub fn coordination_numbers(&self, particles: &Particles) -> Vec<u32> {
-        let mut numbers = vec![0; particles.owned_count()];
+    /// Number of the touching pairs of this rank in which each particle is, owned ones and ghosts: an image's are counted with
+    /// its original.
+    pub fn touching_by_particle(&self, particles: &Particles) -> Vec<u32> {
+        let mut numbers = vec![0; particles.count()];
         for [first, second] in self.inner.touching_indices() {
             numbers[first as usize] += 1;
-            if let Some(original) = particles.owned_original(second as usize) {
-                numbers[original] += 1;
-            }
+            let second = second as usize;
+            numbers[particles.owned_original(second).unwrap_or(second)] += 1;
         }
         numbers
     }
@@ -192,33 +196,21 @@ impl Contacts {
         self.inner.update(particles, rows, ranges);
     }
 
-    /// The histories of all contacts of owned particles, pairs of two ranks' particles included: these are known to
-    /// both ranks, with the same contents.
+    /// The histories of all contacts of this rank.
     pub fn histories(&self, particles: &Particles) -> ContactHistories {
-        ContactHistories {
-            pairs: self.pair_histories(particles, false),
+        let mut histories = ContactHistories {
             walls: self.wall_histories(particles),
+            ..ContactHistories::default()
+        };
+        for (pair, oriented) in self.inner.touching() {
+            let [first, second] = pair.map(|index| index as usize);
+            let ids = [particles.id[first], particles.id[second]];
+            histories.pairs.push(PairHistory::of(ids, oriented));
+            if particles.owned_original(second).is_none() {
+                histories.partners.push((ids[1], particles.body[second].position));
+            }
         }
-    }
-
-    /// The same, but each pair on one rank only: that of two ranks' particles is left to the owner of the lower id.
-    pub fn histories_once(&self, particles: &Particles) -> ContactHistories {
-        ContactHistories {
-            pairs: self.pair_histories(particles, true),
-            walls: self.wall_histories(particles),
-        }
-    }
-
-    fn pair_histories(&self, particles: &Particles, once: bool) -> Vec<PairHistory> {
-        let touching = self.inner.touching();
-        touching
-            .filter_map(|(pair, oriented)| {
-                let [here, there] = pair.map(|index| particles.id[index as usize]);
-                let left_to_other = || particles.owned_original(pair[1] as usize).is_none();
-                let leave = once && here > there && left_to_other();
-                (!leave).then(|| PairHistory::of([here, there], oriented))
-            })
-            .collect()
+        histories
     }
 
     fn wall_histories(&self, particles: &Particles) -> Vec<WallHistory> {
@@ -273,7 +265,7 @@ impl Contacts {
         interaction_range: f64,
         histories: &ContactHistories,
     ) -> Result<(), LostContact> {
-        let ContactHistories { pairs, walls } = histories;
+        let ContactHistories { pairs, walls, .. } = histories;
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
             particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();

@@ -99,7 +99,8 @@ impl NeighbourList {
 }
 
 /// Searches the pairs of each owned particle among the particles in the cells around its own. A pair of two owned particles is in
-/// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind.
+/// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind. Ghosts
+/// are ahead of this rank's subdomain, so that a pair with one of them is in no other row, of this rank or another.
 struct PairSearch<'a> {
     cells: &'a CellGrid,
     particles: &'a Particles,
@@ -151,20 +152,15 @@ impl<Q: F64x4> Row<'_, Q> {
         }
     }
 
-    /// Adds those of these ghosts that are near; of images only those of owned particles of a higher index.
+    /// Adds those of these ghosts that are near.
     #[inline(always)]
     fn add_ghosts(&mut self, others: &[u32]) {
         let Self { particles, i, separation, .. } = *self;
         let owned = particles.owned_count();
         let ghosts = &particles.body[owned..];
-        let is_elsewhere =
-            |ghost: usize| particles.owned_original(ghost).is_some_and(|original| original <= i);
         for four in others.chunks(4) {
             for k in SetBits(close_partners(&particles.body[i], four, ghosts, separation)) {
-                let ghost = owned + four[k] as usize;
-                if !is_elsewhere(ghost) {
-                    self.partners.push(ghost as u32);
-                }
+                self.partners.push(owned as u32 + four[k]);
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::contact_history::ContactHistory;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
 /// it into vector instructions.
@@ -12,6 +13,28 @@ pub(crate) type SpringLanes = [[f64; LANES]; 3];
 
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [[f64; LANES]; 3];
+
+/// Half of the blocks: forces travel between ranks while the second half is evaluated, velocities before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Half {
+    /// The first.
+    First,
+    /// The others, one more if their number is odd.
+    Second,
+}
+
+impl Half {
+    /// Both halves.
+    pub(crate) const BOTH: [Self; 2] = [Self::First, Self::Second];
+
+    /// Of so many blocks.
+    pub(crate) fn of(self, blocks: usize) -> Range<usize> {
+        match self {
+            Self::First => 0..blocks / 2,
+            Self::Second => blocks / 2..blocks,
+        }
+    }
+}
 
 /// A block of pairs, contiguous in memory.
 #[derive(Clone, Debug)]

@@ -105,6 +105,21 @@ impl Particles {
         self.push_body(id, body);
     }
 
+    /// Keeps these ghosts, by their ascending indices.
+    pub(crate) fn keep_ghosts(&mut self, kept: &[u32]) {
+        for (place, &ghost) in kept.iter().enumerate() {
+            let (to, from) = (self.owned + place, ghost as usize);
+            self.image_of[place] = self.image_of[from - self.owned];
+            self.id[to] = self.id[from];
+            self.body[to] = self.body[from];
+        }
+        self.image_of.truncate(kept.len());
+        let count = self.owned + kept.len();
+        self.id.truncate(count);
+        self.body.truncate(count);
+        self.forces.truncate(count);
+    }
+
     fn push_body(&mut self, id: u64, body: Body) {
         self.id.push(id);
         self.body.push(body);

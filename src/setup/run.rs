@@ -153,7 +153,7 @@ impl Run<'_> {
     fn part(&mut self) -> Result<Snapshot, StepError> {
         confirm(&self.state, &mut self.work, self.ranks)?;
         let State { particles, contacts, clock, departed, sizes, gas, looked_at, .. } = &self.state;
-        let ContactHistories { pairs, walls } = contacts.histories_once(particles);
+        let ContactHistories { pairs, walls, .. } = contacts.histories(particles);
         Ok(Snapshot {
             clock: *clock,
             departed: *departed,

@@ -7,11 +7,12 @@
 //! g = \frac{1}{2} \sum_{a:\, N_a > 1} \frac{n_a h N_a}{L_a}
 //! ```
 //!
-//! which is the time of a step of the gas over that of one particle in one of its steps: n particles that make s steps in it, N = N_x N_y
-//! N_z ranks, pairs across cuts that both ranks evaluate (n_a faces of a block, 1 between walls if N_a = 2, else 2; h width of ghosts, L_a
-//! length along which particles lie), m cells, of which the rank with most cells has the part f, and c particles that take as long as
-//! one cell. A wide bed is thus cut across its width, where cuts are short, and so is a bed below a gas on cells: cut planes follow the
-//! particles, so that of slabs along z the highest one would own nearly all cells, and the others would wait for it at each step of the gas.
+//! which is the time of a step of the gas over that of one particle in one of its steps: n particles that make s steps in it, N = N_x
+//! N_y N_z ranks, g ghosts for each particle (n_a faces of a block, 1 between walls if N_a = 2, else 2; h width of ghosts, L_a length
+//! along which particles lie), each of which is taken to cost as much as a particle (velocities come, forces go), m cells, of which the
+//! rank with most cells has the part f, and c particles that take as long as one cell. A wide bed is thus cut across its width, where
+//! cuts are short, and so is a bed below a gas on cells: cut planes follow the particles, so that of slabs along z the highest one would
+//! own nearly all cells, and the others would wait for it at each step of the gas.
 
 use super::layout::{divide, layout_of};
 use crate::case::{Case, RankLayout};
@@ -88,11 +89,11 @@ impl Work {
         let Layout { bounds, ghost_width, .. } = *layout;
         let grid = divided.grid();
         let across = |axis: usize| faces(axis, grid, bounds) * ghost_width * grid.0[axis] as f64;
-        let twice: f64 =
+        let ghosts: f64 =
             (0..3).map(|axis| 0.5 * across(axis) / self.extents[axis].max(ghost_width)).sum();
         let most_cells: f64 =
             (0..3).map(|axis| divided.widest(axis) / bounds.lengths()[axis]).product();
-        self.of_particles * (1.0 + twice) / grid.size() as f64 + self.of_cells * most_cells
+        self.of_particles * (1.0 + ghosts) / grid.size() as f64 + self.of_cells * most_cells
     }
 }
 

@@ -30,7 +30,8 @@ pub(super) fn values(
     ranks: &dyn Communicator,
 ) -> Vec<Vec<f64>> {
     let fields = case.output.particle_fields.iter();
-    let mut columns: Vec<Vec<f64>> = fields.map(|&field| numbers_of(field, case, run)).collect();
+    let mut columns: Vec<Vec<f64>> =
+        fields.map(|&field| numbers_of(field, case, run, ranks)).collect();
     if let Some(measure) = &case.output.agglomerates {
         let particles = &run.state.particles;
         let ids = &particles.id[..particles.owned_count()];
@@ -64,8 +65,14 @@ fn whole(name: &'static str, description: &'static str) -> PointColumn {
     PointColumn { name, width: 1, is_whole: true, unit: "1", description }
 }
 
-fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
-    let (particles, contacts) = (&run.state.particles, &run.state.contacts);
+/// Collective.
+fn numbers_of(
+    field: ParticleField,
+    case: &Case,
+    run: RunView<'_>,
+    ranks: &dyn Communicator,
+) -> Vec<f64> {
+    let particles = &run.state.particles;
     let owned = particles.owned_count();
     let bodies = || particles.body[..owned].iter();
     match field {
@@ -86,7 +93,7 @@ fn numbers_of(field: ParticleField, case: &Case, run: RunView<'_>) -> Vec<f64> {
         }
         ParticleField::DragFactor => particles.membership.iter().map(|of| of.drag_factor).collect(),
         ParticleField::Coordination => {
-            contacts.coordination_numbers(particles).into_iter().map(f64::from).collect()
+            run.coordination_numbers(ranks).into_iter().map(f64::from).collect()
         }
     }
 }

@@ -299,7 +299,7 @@ impl<'a> Simulation<'a> {
         self.outputs.commit(*ranks)?;
         self.measuring.commit(*ranks)?;
         let measures = self.measuring.kept(*ranks);
-        let ContactHistories { pairs, walls } = state.contacts.histories_once(&state.particles);
+        let ContactHistories { pairs, walls, .. } = state.contacts.histories(&state.particles);
         let checkpoint = Checkpoint {
             clock: state.clock,
             departed: state.departed,

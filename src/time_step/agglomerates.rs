@@ -34,9 +34,9 @@ pub(super) fn look_if_due(
 /// Finds the agglomerate of each particle: the connected sets of pairs that touch now and touched at the look before, or touch now
 /// if there was none. Collective.
 fn look(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn Communicator) {
-    let touching = touching_pairs(&state.contacts, &state.particles);
     let (samples, indices) = samples(&state.particles, &domain.bounds);
     let owned = Ownership::of(samples.iter().map(|particle| particle.id).collect());
+    let touching = touching_pairs(&state.contacts, &state.particles, &owned, ranks);
     let kept: Option<Vec<Pair>> = state.looked_at.take().map(|before| {
         PersistentContacts::begin(Persistence::AtBothTimes, &before).look(&touching, &owned, ranks)
     });

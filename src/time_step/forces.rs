@@ -3,34 +3,45 @@
 use super::energy;
 use super::laws::force_laws;
 use crate::contact::{
-    ForceLaws, add_contact_forces, add_wall_forces, find_contacts, prepare_pairs, work_of_pairs,
+    ForceLaws, ForceOutOfRange, add_contact_forces, add_wall_forces, find_contacts, prepare_pairs,
+    work_of_pairs,
 };
 use crate::domain::PosedWalls;
-use crate::particles::PairGroup;
+use crate::parallel::Communicator;
+use crate::particles::{Half, PairGroup};
 use crate::state::{Domain, EnergyLedger, Models, State, Workspace};
 use crate::timers::Phase;
+use std::time::{Duration, Instant};
 
 /// Pairs whose forces have not been added at a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PairsDue {
     /// All.
     All,
-    /// Those with a particle of another rank.
-    Shared,
+    /// Those with a particle of another rank, and the second half of the others.
+    SharedAndSecondHalf,
 }
 
 impl PairsDue {
-    fn groups(self) -> &'static [PairGroup] {
+    /// Groups in which it is not known which pairs are in contact.
+    fn groups_to_search(self) -> &'static [PairGroup] {
         match self {
             Self::All => &PairGroup::ALL,
-            Self::Shared => &[PairGroup::Shared],
+            Self::SharedAndSecondHalf => &[PairGroup::Shared],
+        }
+    }
+
+    fn halves_of_own(self) -> &'static [Half] {
+        match self {
+            Self::All => &Half::BOTH,
+            Self::SharedAndSecondHalf => &[Half::Second],
         }
     }
 }
 
-/// Adds the forces of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody needs
-/// contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a step of the gas.
-/// Returns what is left to [`add_forces`].
+/// Adds the forces of the first half of the pairs of this rank's own particles if these are known without a look at ghosts,
+/// and nobody needs contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a
+/// step of the gas. Returns what is left to [`add_forces`].
 ///
 /// Before: forces are those that [`kick_and_drift`](crate::particles::kick_and_drift) leaves.
 pub(super) fn add_own_pairs(
@@ -51,25 +62,26 @@ pub(super) fn add_own_pairs(
         let added = work.timers.time(Phase::Contacts, || {
             prepare_pairs(particles, contacts, &laws);
             find_contacts(particles, contacts, &laws, PairGroup::Own)?;
-            add_contact_forces(particles, contacts, &laws, PairGroup::Own)
+            add_contact_forces(particles, contacts, &laws, (PairGroup::Own, Half::First))
         });
         work.note_fault(added);
     });
-    PairsDue::Shared
+    PairsDue::SharedAndSecondHalf
 }
 
 /// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
-/// contacts are advanced by `dt`.
+/// contacts are advanced by `dt`. Those on particles of other ranks travel to their owners while this rank's own pairs are
+/// evaluated. Collective.
 ///
-/// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions. The order changes nothing, since every
-/// contribution is rounded to the quantum of force. A force without meaning is kept as this rank's fault until the ranks
-/// agree at the next step.
+/// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions; they are zero on
+/// copies. The order changes nothing, since every contribution is rounded to the quantum of force. A force without meaning is
+/// kept as this rank's fault until the ranks agree at the next step.
 pub(super) fn add_forces(
     pairs: PairsDue,
     state: &mut State,
     domain: &Domain,
     models: &Models,
-    work: &mut Workspace,
+    (work, ranks): (&mut Workspace, &dyn Communicator),
     dt: f64,
 ) {
     let cohesion = models.physics.cohesion_at(state.clock.time());
@@ -80,8 +92,16 @@ pub(super) fn add_forces(
     }
     work.on_particles(|work| {
         let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
-        add_pair_forces(pairs, state, &laws, work, of_contacts);
-        add_forces_of_walls(state, domain, &laws, work);
+        add_shared_pairs(pairs, state, &laws, work, of_contacts);
+    });
+    while_forces_return(state, work, ranks, |state, work| {
+        work.on_particles(|work| {
+            let halves = pairs.halves_of_own().iter().map(|&half| (PairGroup::Own, half));
+            add_forces_of_pairs(halves, state, &laws, work);
+            add_forces_of_walls(state, domain, &laws, work);
+        });
+    });
+    work.on_particles(|work| {
         let before_gas = ledger.as_ref().map(|_| energy::forces_before_gas(&state.particles));
         add_gas_forces(state, work);
         if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
@@ -91,7 +111,8 @@ pub(super) fn add_forces(
     state.energy = ledger;
 }
 
-fn add_pair_forces(
+/// Finds the pairs in contact that are due, and adds the forces of those with a particle of another rank.
+fn add_shared_pairs(
     pairs: PairsDue,
     state: &mut State,
     laws: &ForceLaws,
@@ -99,21 +120,56 @@ fn add_pair_forces(
     ledger: Option<&mut EnergyLedger>,
 ) {
     let State { particles, contacts, .. } = state;
-    let added = work.timers.time(Phase::Contacts, || {
+    let found = work.timers.time(Phase::Contacts, || {
         if pairs == PairsDue::All {
             prepare_pairs(particles, contacts, laws);
         }
-        for &group in pairs.groups() {
-            find_contacts(particles, contacts, laws, group)?;
-        }
+        let mut groups = pairs.groups_to_search().iter();
+        groups.try_for_each(|&group| find_contacts(particles, contacts, laws, group))?;
         if let Some(ledger) = ledger {
             let account = |work| energy::add_contact_work(ledger, work);
             work_of_pairs(particles, contacts, laws, account);
         }
-        let mut groups = pairs.groups().iter();
-        groups.try_for_each(|&group| add_contact_forces(particles, contacts, laws, group))
+        Ok::<(), ForceOutOfRange>(())
+    });
+    work.note_fault(found);
+    let halves = Half::BOTH.into_iter().map(|half| (PairGroup::Shared, half));
+    add_forces_of_pairs(halves, state, laws, work);
+}
+
+fn add_forces_of_pairs(
+    mut parts: impl Iterator<Item = (PairGroup, Half)>,
+    state: &mut State,
+    laws: &ForceLaws,
+    work: &mut Workspace,
+) {
+    let State { particles, contacts, .. } = state;
+    let added = work.timers.time(Phase::Contacts, || {
+        parts.try_for_each(|part| add_contact_forces(particles, contacts, laws, part))
     });
     work.note_fault(added);
+}
+
+/// Takes the forces on particles of other ranks to their owners, and does other work until those on this rank's particles
+/// have come. Collective.
+fn while_forces_return(
+    state: &mut State,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+    meanwhile: impl FnOnce(&mut State, &mut Workspace),
+) {
+    let begin = Instant::now();
+    let mut halo = std::mem::take(&mut work.halo);
+    work.on_particles(|_| halo.begin_return(&mut state.particles));
+    let (mut meanwhile, mut took) = (Some(meanwhile), Duration::ZERO);
+    halo.exchange_return(ranks, &mut || {
+        let begin = Instant::now();
+        meanwhile.take().into_iter().for_each(|meanwhile| meanwhile(state, work));
+        took = begin.elapsed();
+    });
+    work.on_particles(|_| halo.finish_return(&mut state.particles));
+    work.halo = halo;
+    work.timers.add(Phase::Halo, begin.elapsed() - took);
 }
 
 fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, work: &mut Workspace) {

@@ -79,15 +79,14 @@ pub fn advance(
         };
         Ok((decision, pairs))
     })?;
+    move_ghosts(state, work, drift);
     if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
-    } else {
-        move_ghosts(state, work, drift);
     }
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
         advance_gas(state, domain, models, work, ranks);
     }
-    add_forces(pairs, state, domain, models, work, dt);
+    add_forces(pairs, state, domain, models, (work, ranks), dt);
     staggered.leave_kick(dt);
     // [/step]
     Ok(decision.requests)
@@ -121,7 +120,7 @@ pub fn find_first_forces(
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
     advance_gas(state, domain, models, work, ranks);
-    add_forces(PairsDue::All, state, domain, models, work, 0.0);
+    add_forces(PairsDue::All, state, domain, models, (work, ranks), 0.0);
 }
 
 /// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.

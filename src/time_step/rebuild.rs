@@ -43,7 +43,7 @@ pub(super) fn arrange(
 ) -> Result<(), CollectiveError> {
     let before = work.decomposition.clone();
     remove_departed(state, domain, &mut histories, ranks);
-    wrap_positions(&mut state.particles, &domain.bounds);
+    wrap_positions(&mut state.particles, &mut histories, &domain.bounds);
     balance(state, &domain.bounds, work, ranks);
     work.decomposition = models.physics.gas.align(&work.decomposition, work.least_width)?;
     choose_skin(state, domain, models, work);
@@ -71,9 +71,11 @@ fn room_for_ghosts(decomposition: &Decomposition, bounds: &Bounds) -> f64 {
 }
 
 /// Brings positions back into the box along periodic axes.
-fn wrap_positions(particles: &mut Particles, bounds: &Bounds) {
-    for body in &mut particles.body {
-        body.position = bounds.wrap(body.position);
+fn wrap_positions(particles: &mut Particles, histories: &mut ContactHistories, bounds: &Bounds) {
+    let of_particles = particles.body.iter_mut().map(|body| &mut body.position);
+    let of_partners = histories.partners.iter_mut().map(|(_, position)| position);
+    for position in of_particles.chain(of_partners) {
+        *position = bounds.wrap(*position);
     }
 }
 
@@ -93,12 +95,15 @@ fn rebuild_lists(
         work.neighbours.measure_clearance(bounds);
     });
     let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
-    work.halo.rebuild(particles, subdomain, width, ranks);
+    work.halo.make_ghosts(particles, subdomain, width, ranks);
     let rebuilt = work.on_particles(|work| {
         let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
         work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories)
     });
-    agree(rebuilt, ranks)
+    agree(rebuilt, ranks)?;
+    let are_partners = contacts.are_partners(particles);
+    work.halo.follow(particles, |ghost| are_partners[ghost], ranks);
+    Ok(())
 }
 
 /// Takes particles beyond open faces out of the run, with the histories of their contacts. Collective.

@@ -4,8 +4,9 @@
 use crate::beds::{Bench, OPEN, PERIODIC, Run, Snapshot, attraction, branch, law};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
-use talcum::domain::Bounds;
-use talcum::parallel::share_with_all;
+use talcum::analysis::RunView;
+use talcum::domain::{Bounds, RankGrid};
+use talcum::parallel::{run_on_threads, share_with_all};
 
 const RANK_GRIDS: [[usize; 3]; 4] = [[1, 1, 1], [1, 1, 2], [1, 1, 3], [2, 2, 1]];
 
@@ -209,4 +210,39 @@ fn a_force_from_outside_is_seen_in_the_sum() {
     bench.gravity.magnitude = 1.0e-6;
     let sum = total_force(bench.alone().steps(10));
     assert!(sum.z < 0.0 && sum.x == 0.0 && sum.y == 0.0, "{sum}");
+}
+
+/// Numbers of touching neighbours by id after 300 steps: as the ranks of a grid count them, without pairs that other ranks
+/// evaluate, and as the recorded pairs say.
+fn coordination_numbers(grid: [usize; 3]) -> [Vec<u32>; 3] {
+    let found = run_on_threads(grid.iter().product(), |ranks| {
+        let mut run = agitated_box(&[1.0]).start(RankGrid(grid), ranks);
+        let pairs = run.steps(300).snapshot().pairs;
+        let (state, work) = (&run.state, &run.work);
+        let view = RunView { state, domain: &run.domain, models: &run.models, work };
+        let counted = view.coordination_numbers(ranks);
+        let alone = state.contacts.touching_by_particle(&state.particles);
+        let ids = state.particles.id.iter().copied();
+        let numbers: Vec<_> = ids.zip(counted.into_iter().zip(alone)).collect();
+        (numbers, pairs)
+    });
+    let mut numbers = [0; 3].map(|_| vec![0; 96]);
+    for &(id, (counted, alone)) in found.iter().flat_map(|(numbers, _)| numbers) {
+        numbers[0][id as usize] += counted;
+        numbers[1][id as usize] += alone;
+    }
+    for id in found[0].1.iter().flat_map(|pair| [pair.lower, pair.higher]) {
+        numbers[2][id as usize] += 1;
+    }
+    numbers
+}
+
+#[test]
+fn neighbours_in_pairs_of_other_ranks_are_counted() {
+    for grid in RANK_GRIDS {
+        let [counted, alone, recorded] = coordination_numbers(grid);
+        assert_eq!(counted, recorded, "{grid:?}");
+        // The control: on several ranks there are such pairs.
+        assert_eq!(alone == recorded, grid == [1, 1, 1], "{grid:?}");
+    }
 }

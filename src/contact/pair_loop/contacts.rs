@@ -9,7 +9,7 @@ use crate::contact::lanes::{
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged};
-use crate::particles::{LANES, PairBlock, PairBlocks, Particles};
+use crate::particles::{Half, LANES, PairBlock, PairBlocks, Particles};
 
 /// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
 const CACHED: usize = 1 << 22;
@@ -19,6 +19,7 @@ const CACHED: usize = 1 << 22;
 pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
+    pub(super) half: Half,
     /// Radius and mass, if all particles have the same.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) laws: PairLaws<'a>,
@@ -65,14 +66,14 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, pairs, laws, .. } = self;
+        let Self { particles, pairs, half, laws, .. } = self;
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
         let from_memory = size_of_val(&pairs.blocks[..]) > CACHED;
         let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
-        for index in 0..blocks.len() {
+        for index in half.of(blocks.len()) {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
             let ends = [&pairs.first, &pairs.second];

@@ -37,7 +37,9 @@ fn forces(
     particles.forces.iter_mut().for_each(|load| *load = ForceTorque::default());
     prepare_pairs(particles, contacts, laws);
     find_contacts(particles, contacts, laws, PairGroup::Own).unwrap();
-    add_contact_forces(particles, contacts, laws, PairGroup::Own).unwrap();
+    for half in Half::BOTH {
+        add_contact_forces(particles, contacts, laws, (PairGroup::Own, half)).unwrap();
+    }
     particles.forces.clone()
 }
 
