@@ -13,7 +13,7 @@ pub enum Phase {
     Decide,
     /// Migration, new ghosts and new lists.
     Rebuild,
-    /// Ghosts brought up to date.
+    /// Ghosts brought up to date, and forces on them brought back.
     Halo,
     /// Particles to grid, superficial velocity.
     Gas,

@@ -117,7 +117,7 @@ class Load:
 
     @property
     def shared_pairs(self) -> float:
-        """Contacts with particles of other ranks, over all contacts of the block's particles."""
+        """Contacts with particles of other ranks over n z / 2, in which each of them counts half."""
         # Two faces along each cut axis; a contact's branch has the component 1/2 along their normal in the mean.
         return sum(2.0 * 0.5 / side for side in self.sides[: self.cut_axes])
 
@@ -154,7 +154,9 @@ def travel(load: Load, network: Network) -> float:
 
 def halo(load: Load, ranks: int, network: Network) -> float:
     """Seconds that messages of velocities and forces add to a step."""
-    half_of_own = 0.5 * PART_OF_PAIRS * (1.0 - load.shared_pairs) * load.particles * load.particle_step
+    # The rank's own pairs and half of those that it shares are all that it computes.
+    own = 1.0 - 0.5 * load.shared_pairs
+    half_of_own = 0.5 * PART_OF_PAIRS * own * load.particles * load.particle_step
     way = travel(load, network)
     there = max(0.0, way - network.all_reduce(ranks, DECISION_BYTES) - half_of_own)
     back = max(0.0, way - half_of_own)

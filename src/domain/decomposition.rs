@@ -54,7 +54,8 @@ impl Decomposition {
     pub fn even(grid: RankGrid, bounds: &Bounds) -> Self {
         let cut_planes = std::array::from_fn(|axis| {
             let (n, length) = (grid.0[axis], bounds.lengths()[axis]);
-            (0..=n).map(|plane| length * plane as f64 / n as f64).collect()
+            let inner = (0..n).map(|plane| length * plane as f64 / n as f64);
+            inner.chain([length]).collect() // the quotient may miss the face by a rounding
         });
         Self { grid, cut_planes }
     }
@@ -140,6 +141,20 @@ mod tests {
     fn bounds() -> Bounds {
         let periodic = [Face::Periodic; 2];
         Bounds::new(Vector3::new(5.0, 6.0, 7.0), [periodic, periodic, [Face::Wall, Face::Open]])
+    }
+
+    #[test]
+    fn the_last_plane_is_the_face_of_the_box() {
+        let mut missed = 0;
+        for (n, tenths) in (1..40).flat_map(|n| (50..400).map(move |tenths| (n, tenths))) {
+            let lengths = Vector3::new(0.1 * f64::from(tenths), 5.0, 5.0);
+            let bounds = Bounds::new(lengths, [[Face::Periodic; 2]; 3]);
+            let length = bounds.lengths().x;
+            let even = Decomposition::even(RankGrid([n, 1, 1]), &bounds);
+            assert_eq!(even.cut_planes(0).last(), Some(&length));
+            missed += u32::from(length * n as f64 / n as f64 != length);
+        }
+        assert!(missed > 0, "the control: a quotient misses some of them by a rounding");
     }
 
     proptest! {

@@ -48,3 +48,54 @@ impl Decomposition {
         Subdomain { decomposition: self, bounds, rank }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::{Face, RankGrid};
+    use crate::numbers::{random_of, uniform};
+
+    /// Random pairs in different blocks, the second in any image, and how many of them neither rank, and both, see ahead by
+    /// `is_ahead` of a rank and a place.
+    fn neither_and_both(
+        grid: [usize; 3],
+        is_ahead: impl Fn(Subdomain<'_>, &Vector3<f64>) -> bool,
+    ) -> [usize; 2] {
+        let periodic = [Face::Periodic; 2];
+        let bounds =
+            Bounds::new(Vector3::new(5.0, 6.0, 7.0), [periodic, periodic, [Face::Wall; 2]]);
+        let decomposition = Decomposition::even(RankGrid(grid), &bounds);
+        let mut random = random_of(3, 0, "ahead");
+        let mut number = || uniform(&mut random);
+        let mut found = [0; 2];
+        for _ in 0..2000 {
+            // Some are a little beyond a wall.
+            let mut place = || Vector3::new(5.0 * number(), 6.0 * number(), 8.0 * number() - 0.5);
+            let [one, other] = [place(), place()];
+            let shift = Vector3::new(5.0, 6.0, 0.0)
+                .map(|length: f64| length * (3.0 * number() - 1.5).round());
+            let owners = [one, other].map(|place| decomposition.owner_of(&place));
+            if owners[0] == owners[1] && shift == Vector3::zeros() {
+                continue;
+            }
+            let [here, there] = owners.map(|rank| decomposition.subdomain(&bounds, rank));
+            let seen = [is_ahead(here, &(other + shift)), is_ahead(there, &(one - shift))];
+            found[0] += usize::from(seen == [false; 2]);
+            found[1] += usize::from(seen == [true; 2]);
+        }
+        found
+    }
+
+    #[test]
+    fn of_two_places_one_is_ahead_of_the_other() {
+        for grid in [[1, 1, 1], [2, 1, 1], [1, 1, 2], [3, 2, 1], [2, 2, 2], [1, 4, 3]] {
+            assert_eq!(neither_and_both(grid, |here, place| here.is_ahead()(place)), [0, 0]);
+        }
+        // The control: above along any axis.
+        let above = |here: Subdomain<'_>, place: &Vector3<f64>| {
+            let upper = here.corners()[1];
+            (0..3).any(|axis| place[axis] >= upper[axis])
+        };
+        assert!(neither_and_both([3, 2, 1], above)[1] > 0);
+    }
+}

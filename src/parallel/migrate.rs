@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 ///
 /// Before: there are no ghosts; positions are wrapped; the history of two ranks' particles is on both, or on one that knows
 /// where the other's particle is. After: every rank owns exactly the particles in its subdomain and holds the histories of all
-/// their contacts, and no others. A pair may be listed twice, with the same contents.
+/// their contacts. A pair may be listed twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
     histories: &mut ContactHistories,
@@ -27,15 +27,16 @@ pub fn migrate(
     let here = ranks.rank();
     let owner: Vec<usize> =
         particles.body.iter().map(|body| decomposition.owner_of(&body.position)).collect();
+    let of_partner = |(id, position): (u64, Vector3<f64>)| (id, decomposition.owner_of(&position));
+    let partners = std::mem::take(&mut histories.partners).into_iter().map(of_partner);
+    let owned = particles.id.iter().copied().zip(owner.iter().copied());
+    let elsewhere: FxHashMap<u64, usize> =
+        owned.chain(partners).filter(|&(_, rank)| rank != here).collect();
     let mut messages = OutgoingMessages::new();
-    let partners = std::mem::take(&mut histories.partners);
-    if owner.iter().any(|&rank| rank != here) || !partners.is_empty() {
-        let of_partner =
-            |(id, position): (u64, Vector3<f64>)| (id, decomposition.owner_of(&position));
-        let mut owner_of: FxHashMap<u64, usize> =
-            particles.id.iter().copied().zip(owner.iter().copied()).collect();
-        owner_of.extend(partners.into_iter().map(of_partner));
-        pack_histories(&mut messages, histories, &owner_of, here);
+    if !elsewhere.is_empty() {
+        pack_histories(&mut messages, histories, &elsewhere);
+    }
+    if owner.iter().any(|&rank| rank != here) {
         pack_particles(&mut messages, particles, &owner, here);
     }
     let messages: Vec<Message> =
@@ -90,29 +91,27 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
 /// The messages by the rank to which they are sent.
 type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 
-/// A history is sent to all owners of its particles, and kept where one of them stays.
+/// A history is sent to the owners of its particles that are known to be elsewhere, and kept if one of them may be here.
 fn pack_histories(
     messages: &mut OutgoingMessages,
     ContactHistories { pairs, walls, .. }: &mut ContactHistories,
-    owner_of: &FxHashMap<u64, usize>,
-    here: usize,
+    elsewhere: &FxHashMap<u64, usize>,
 ) {
+    let owner = |id: u64| elsewhere.get(&id).copied();
     pairs.retain(|&pair| {
-        let mut owners = [owner_of.get(&pair.lower), owner_of.get(&pair.higher)];
-        if owners[0] == owners[1] {
-            owners[1] = None;
-        }
-        for &&rank in owners.iter().flatten().filter(|&&&rank| rank != here) {
+        let owners = [owner(pair.lower), owner(pair.higher)];
+        let to = if owners[0] == owners[1] { &owners[..1] } else { &owners[..] };
+        for &rank in to.iter().flatten() {
             messages.entry(rank).or_default().pairs.push(pair.into());
         }
-        owners.contains(&Some(&here))
+        owners.contains(&None)
     });
     walls.retain(|&contact| {
-        let rank = owner_of.get(&contact.particle).copied().unwrap_or(here);
-        if rank != here {
+        let to = owner(contact.particle);
+        if let Some(rank) = to {
             messages.entry(rank).or_default().walls.push(contact.into());
         }
-        rank == here
+        to.is_none()
     });
 }
 

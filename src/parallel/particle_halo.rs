@@ -1,7 +1,7 @@
 //! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
 //! A rank has those of them that are [ahead](Subdomain::is_ahead) of its subdomain: the others are in pairs that other ranks
-//! evaluate, or that are met with another particle's image.
+//! evaluate, or that are met through an image of the other particle.
 //!
 //! When lists are made, ghosts are sent axis by axis: those received along one axis are sent on along the next, so that
 //! edges and corners need no messages of their own. Each says where its original is, and each rank then tells the owners
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 /// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
 #[derive(Debug, Default)]
 pub struct ParticleHalo {
-    /// Where the originals of the ghosts are.
+    /// Where the originals of the ghosts are; while these are made, of all particles.
     origins: Vec<Origin>,
     images: Vec<Images>,
     copies: Vec<Copies>,
@@ -152,8 +152,7 @@ impl ParticleHalo {
     pub fn begin_return(&mut self, particles: &mut Particles) {
         for (message, copies) in self.with_owners.iter_mut().zip(&self.copies) {
             message.bytes.clear();
-            // Copies are in the order of their places; those of one particle follow each other.
-            for of_particle in copies.chunk_by(|[one, _], [other, _]| one == other) {
+            for of_particle in by_particle(copies) {
                 let mut sum = ForceTorque::default();
                 for &[_, ghost] in of_particle {
                     sum += std::mem::take(&mut particles.forces[ghost as usize]);
@@ -184,7 +183,7 @@ impl ParticleHalo {
             let of_particle = |same: &[[u32; 2]]| -> u32 {
                 same.iter().map(|&[_, ghost]| counts[ghost as usize]).sum()
             };
-            let sums = copies.chunk_by(|[one, _], [other, _]| one == other).map(of_particle);
+            let sums = by_particle(copies).map(of_particle);
             Message::of(message.rank, &sums.collect::<Vec<u32>>())
         };
         let outgoing = self.with_owners.iter().zip(&self.copies).map(to_owner);
@@ -282,6 +281,11 @@ impl ParticleHalo {
         self.with_borrowers = asked.iter().map(room).collect();
         self.with_owners.iter_mut().for_each(|message| *message = room(message));
     }
+}
+
+/// The copies of each particle: they are in the order of their places, so that those of one particle follow each other.
+fn by_particle(copies: &Copies) -> impl Iterator<Item = &[[u32; 2]]> {
+    copies.chunk_by(|[one, _], [other, _]| one == other)
 }
 
 /// A message of velocities or of forces, which take the same bytes, of so many particles.

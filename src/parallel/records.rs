@@ -208,7 +208,7 @@ impl GhostVelocities {
     }
 }
 
-/// What goes back at every step: the sum of what other ranks' pairs put on a particle.
+/// What goes back at every step: the sum of what a rank's pairs put on another's particle.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GhostForces {

@@ -14,7 +14,7 @@ use super::range::ListRange;
 use super::{InnerList, InteractionRanges, PairCounts, Particles};
 use crate::domain::PosedWalls;
 use nalgebra::Vector3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use thiserror::Error;
 
 /// A pair within the interaction range that the new neighbour list does not hold: a fault of the program, never of the
@@ -254,8 +254,9 @@ impl Contacts {
         self.wall_twisting_angle.resize(self.wall_pairs.len(), 0.0);
     }
 
-    /// Gives the pairs of a new list their histories back. A pair that has parted since the last step, by more than the
-    /// list reaches, has no slot, and no contact any more: its history ends, as it would at the next force.
+    /// Gives the pairs of a new list their histories back; those of pairs that other ranks evaluate are dropped. A pair that
+    /// has parted since the last step, by more than the list reaches, has no slot, and no contact any more: its history ends,
+    /// as it would at the next force.
     ///
     /// # Errors
     /// If a pair within the interaction range has no slot.
@@ -269,6 +270,8 @@ impl Contacts {
         let owned = particles.owned_count();
         let index_of: FxHashMap<u64, usize> =
             particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();
+        let ghosts: FxHashSet<u64> = particles.id[owned..].iter().copied().collect();
+        let is_here = |id: u64| index_of.contains_key(&id) || ghosts.contains(&id);
         // Slot, row, and number of the history.
         let mut found = Vec::with_capacity(pairs.len());
         for (number, pair) in pairs.iter().enumerate() {
@@ -280,9 +283,10 @@ impl Contacts {
                     |&slot: &u32| particles.id[self.partner[slot as usize] as usize] == there;
                 found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, number as u32)));
             }
-            if found.len() == known
-                && is_within(particles, [pair.lower, pair.higher], interaction_range)
-            {
+            // Where another rank evaluates the pair, one of the two is not known here.
+            let ids = [pair.lower, pair.higher];
+            let is_missing = found.len() == known && ids.into_iter().all(is_here);
+            if is_missing && is_within(particles, ids, interaction_range) {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
@@ -317,7 +321,7 @@ impl Contacts {
 }
 
 /// Whether an owned particle of one of two ids is within the interaction range of a particle of the other that is known
-/// here: ghosts lie at least so far beyond the subdomain.
+/// here. Ghosts ahead lie at least so far beyond the subdomain.
 fn is_within(particles: &Particles, [lower, higher]: [u64; 2], interaction_range: f64) -> bool {
     let of_id = |id: u64, count: usize| {
         let bodies = particles.id[..count].iter().zip(&particles.body);

@@ -14,7 +14,7 @@ pub(crate) type SpringLanes = [[f64; LANES]; 3];
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [[f64; LANES]; 3];
 
-/// Half of the blocks: forces travel between ranks while the second half is evaluated, velocities before.
+/// Half of the blocks: velocities travel between ranks while the first half is evaluated, forces while the second is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Half {
     /// The first.

@@ -15,7 +15,8 @@ pub struct Particles {
     pub id: Vec<u64>,
     /// Size, position and velocities of each.
     pub body: Vec<Body>,
-    /// Force and torque on each; on ghosts, without meaning.
+    /// Force and torque on each; on copies of other ranks' particles, what this rank's pairs put on them until it is sent back,
+    /// zero between steps; zero on images.
     pub forces: Vec<ForceTorque>,
     /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum, which the total force contains.
     /// It is that of the last gas step, and constant until the next; zero without such a gas.

@@ -1,6 +1,7 @@
 //! The forces of a step: of pairs of particles, of walls and of the gas.
 
 use super::energy;
+use super::halo::while_forces_return;
 use super::laws::force_laws;
 use crate::contact::{
     ForceLaws, ForceOutOfRange, add_contact_forces, add_wall_forces, find_contacts, prepare_pairs,
@@ -11,7 +12,6 @@ use crate::parallel::Communicator;
 use crate::particles::{Half, PairGroup};
 use crate::state::{Domain, EnergyLedger, Models, State, Workspace};
 use crate::timers::Phase;
-use std::time::{Duration, Instant};
 
 /// Pairs whose forces have not been added at a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ pub(super) fn add_own_pairs(
 }
 
 /// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
-/// contacts are advanced by `dt`. Those on particles of other ranks travel to their owners while this rank's own pairs are
+/// contacts are advanced by `dt`. Forces on particles of other ranks travel to their owners while this rank's own pairs are
 /// evaluated. Collective.
 ///
 /// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions; they are zero on
@@ -81,7 +81,8 @@ pub(super) fn add_forces(
     state: &mut State,
     domain: &Domain,
     models: &Models,
-    (work, ranks): (&mut Workspace, &dyn Communicator),
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
     dt: f64,
 ) {
     let cohesion = models.physics.cohesion_at(state.clock.time());
@@ -92,12 +93,14 @@ pub(super) fn add_forces(
     }
     work.on_particles(|work| {
         let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
-        add_shared_pairs(pairs, state, &laws, work, of_contacts);
+        find_due_contacts(pairs, state, &laws, work, of_contacts);
+        let shared = Half::BOTH.into_iter().map(|half| (PairGroup::Shared, half));
+        add_forces_of_pairs(shared, state, &laws, work);
     });
     while_forces_return(state, work, ranks, |state, work| {
         work.on_particles(|work| {
-            let halves = pairs.halves_of_own().iter().map(|&half| (PairGroup::Own, half));
-            add_forces_of_pairs(halves, state, &laws, work);
+            let own = pairs.halves_of_own().iter().map(|&half| (PairGroup::Own, half));
+            add_forces_of_pairs(own, state, &laws, work);
             add_forces_of_walls(state, domain, &laws, work);
         });
     });
@@ -111,8 +114,8 @@ pub(super) fn add_forces(
     state.energy = ledger;
 }
 
-/// Finds the pairs in contact that are due, and adds the forces of those with a particle of another rank.
-fn add_shared_pairs(
+/// Finds the contacts of the pairs that are due, and accounts for their work if there is a ledger.
+fn find_due_contacts(
     pairs: PairsDue,
     state: &mut State,
     laws: &ForceLaws,
@@ -133,8 +136,6 @@ fn add_shared_pairs(
         Ok::<(), ForceOutOfRange>(())
     });
     work.note_fault(found);
-    let halves = Half::BOTH.into_iter().map(|half| (PairGroup::Shared, half));
-    add_forces_of_pairs(halves, state, laws, work);
 }
 
 fn add_forces_of_pairs(
@@ -148,28 +149,6 @@ fn add_forces_of_pairs(
         parts.try_for_each(|part| add_contact_forces(particles, contacts, laws, part))
     });
     work.note_fault(added);
-}
-
-/// Takes the forces on particles of other ranks to their owners, and does other work until those on this rank's particles
-/// have come. Collective.
-fn while_forces_return(
-    state: &mut State,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace),
-) {
-    let begin = Instant::now();
-    let mut halo = std::mem::take(&mut work.halo);
-    work.on_particles(|_| halo.begin_return(&mut state.particles));
-    let (mut meanwhile, mut took) = (Some(meanwhile), Duration::ZERO);
-    halo.exchange_return(ranks, &mut || {
-        let begin = Instant::now();
-        meanwhile.take().into_iter().for_each(|meanwhile| meanwhile(state, work));
-        took = begin.elapsed();
-    });
-    work.on_particles(|_| halo.finish_return(&mut state.particles));
-    work.halo = halo;
-    work.timers.add(Phase::Halo, begin.elapsed() - took);
 }
 
 fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, work: &mut Workspace) {

@@ -4,22 +4,24 @@ mod agglomerates;
 mod decision;
 mod energy;
 mod forces;
+mod halo;
 mod laws;
 mod rebuild;
 mod staggered;
 
 pub use energy::stored_energy;
+pub use halo::refresh_ghosts;
 pub use staggered::Staggered;
 
 use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
-use crate::particles::{self, Body, ContactHistories, DriftStep, set_first_forces};
+use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
 use forces::{PairsDue, add_forces, add_own_pairs};
+use halo::{move_ghosts, while_ghosts_travel};
 use rebuild::arrange;
-use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Why a run cannot go on. The same on all ranks.
@@ -86,7 +88,7 @@ pub fn advance(
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
         advance_gas(state, domain, models, work, ranks);
     }
-    add_forces(pairs, state, domain, models, (work, ranks), dt);
+    add_forces(pairs, state, domain, models, work, ranks, dt);
     staggered.leave_kick(dt);
     // [/step]
     Ok(decision.requests)
@@ -120,7 +122,7 @@ pub fn find_first_forces(
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
     advance_gas(state, domain, models, work, ranks);
-    add_forces(PairsDue::All, state, domain, models, (work, ranks), 0.0);
+    add_forces(PairsDue::All, state, domain, models, work, ranks, 0.0);
 }
 
 /// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.
@@ -177,42 +179,6 @@ fn kick_and_drift(
         work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step))
     });
     Displacement { largest, allowed: step.dt * models.limits.speed }
-}
-
-/// Images become like their originals, and the velocities of other ranks' particles are sent; meanwhile other work is done,
-/// for which these particles are not yet where they should be. Collective.
-fn while_ghosts_travel<T>(
-    state: &mut State,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace) -> Result<T, StepError>,
-) -> Result<T, StepError> {
-    let begin = Instant::now();
-    let mut halo = std::mem::take(&mut work.halo);
-    work.on_particles(|_| halo.begin(&mut state.particles));
-    let (mut meanwhile, mut result, mut took) = (Some(meanwhile), None, Duration::ZERO);
-    halo.exchange(ranks, &mut || {
-        let begin = Instant::now();
-        result = meanwhile.take().map(|meanwhile| meanwhile(state, work));
-        took = begin.elapsed();
-    });
-    work.halo = halo;
-    work.timers.add(Phase::Halo, begin.elapsed() - took);
-    result.expect("an exchange does the work that is given to it")
-}
-
-/// Moves the ghosts of other ranks' particles by the velocities that have come.
-fn move_ghosts(state: &mut State, work: &mut Workspace, step: DriftStep) {
-    let particles = &mut state.particles;
-    let drift = |body: &mut Body| particles::drift(body, step);
-    work.on_particles(|work| {
-        work.time(Phase::Halo, |work| work.halo.finish(particles, drift));
-    });
-}
-
-/// Brings the velocities of ghosts up to date, between two steps. Collective.
-pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
-    work.timers.time(Phase::Halo, || work.halo.refresh(&mut state.particles, ranks));
 }
 
 /// A step of the gas from the particles as they are now. Collective.
