@@ -5,9 +5,9 @@ layer of width w and a block of sides l:
 
     compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
     halo        velocities: one message from each of the blocks ahead, half of those around, 48 bytes for each particle of the
-                layer w there that is in a pair; what is left of their way after decide and the forces of half of the pairs of the rank's own particles.
-                Forces: as much the other way, while the other half is computed. And what a processor has to do for each message,
-                which cannot be done meanwhile. A pair of two ranks' particles is computed by one of them; these are
+                layer w there that is in a pair; what is left of their way after decide and the forces of half of the pairs
+                of the rank's own particles. Forces: as much the other way, while the other half is computed. And what a
+                processor has to do for each message, which cannot be done meanwhile. A pair of two ranks' particles is computed by one of them; these are
                 c z / 4 for each area of a cut, z the contacts of a particle, since a contact crosses the plane of a cut by half a
                 diameter in the mean
     decide      one all-reduce of eight numbers: log2(P) latencies

@@ -114,11 +114,7 @@ impl Particles {
             self.id[to] = self.id[from];
             self.body[to] = self.body[from];
         }
-        self.image_of.truncate(kept.len());
-        let count = self.owned + kept.len();
-        self.id.truncate(count);
-        self.body.truncate(count);
-        self.forces.truncate(count);
+        self.truncate(self.owned + kept.len());
     }
 
     fn push_body(&mut self, id: u64, body: Body) {
@@ -154,8 +150,9 @@ impl Particles {
         self.owned = order.len();
     }
 
+    /// Keeps so many, all owned ones among them.
     fn truncate(&mut self, count: usize) {
-        self.image_of.clear();
+        self.image_of.truncate(count - self.owned);
         self.id.truncate(count);
         self.body.truncate(count);
         self.forces.truncate(count);
