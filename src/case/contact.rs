@@ -156,7 +156,7 @@ fn read_softening(section: &Section<'_>) -> Option<Option<Softening>> {
     Some(Some(Softening { reduction: section.number("stiffness_reduction")?, keeps_work }))
 }
 
-/// Rolling friction; `Some(None)`: none.
+/// Rolling friction; `Some(None)`: none, as with a coefficient of 0.
 fn read_rolling(section: &Section<'_>) -> Option<Option<RollingFriction>> {
     let kind = match section.word("rolling")? {
         "constant_torque" => RollingKind::ConstantTorque,
@@ -167,6 +167,6 @@ fn read_rolling(section: &Section<'_>) -> Option<Option<RollingFriction>> {
     };
     RollingFriction::new(kind, section.number("rolling_friction")?)
         .map_err(|error| section.fail(error.parameter, error.to_string()))
-        .map(Some)
+        .map(|rolling| Some(rolling).filter(RollingFriction::resists))
         .ok()
 }

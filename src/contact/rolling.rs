@@ -84,6 +84,11 @@ impl RollingFriction {
 }
 
 impl RollingFriction {
+    /// Whether there is any torque: mu_r > 0.
+    pub fn resists(&self) -> bool {
+        self.coefficient > 0.0
+    }
+
     /// Stiffness of the rolling spring, 2.25 k_n (mu_r R*)^2, and coefficient of its dashpot; 0 for a constant torque.
     fn spring(&self, contact: &Contact, normal_stiffness: f64) -> [f64; 2] {
         let RollingKind::ElasticPlastic { damping } = self.kind else { return [0.0; 2] };

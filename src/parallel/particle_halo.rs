@@ -219,6 +219,8 @@ impl ParticleHalo {
         });
         let outgoing = [&outgoing[0][..], &outgoing[1][..]];
         ranks.exchange(neighbours, outgoing, &mut self.buffers);
+        let arrived: usize = self.buffers.iter().map(Vec::len).sum();
+        particles.make_room_for_ghosts(arrived / size_of::<NewGhost>());
         for ghost in self.buffers.iter().flat_map(|buffer| records_of_bytes::<NewGhost>(buffer)) {
             let is_image = ghost.origin.rank == ranks.rank() as u32;
             let image_of = is_image.then_some(ghost.origin.index as usize);

@@ -15,7 +15,7 @@ use super::contact_history::ContactHistory;
 use super::pair_blocks::{OrientedHistory, Pair, Remembered};
 use super::pair_kind::kind_of_bodies;
 use super::pairs_of_kind::PairsOfKind;
-use super::proximity::{SetBits, close_partners, is_close};
+use super::proximity::{FourPairs, SetBits, is_close};
 use super::{Body, Particles};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
@@ -30,7 +30,7 @@ pub(crate) struct InteractionRanges {
     pub(crate) diameter: f64,
 }
 
-/// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`.
+/// Rows of the neighbour list: row i holds the partners `partners[start[i]..start[i + 1]]`, owned particles before ghosts.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) start: &'a [u32],
@@ -263,18 +263,22 @@ impl InnerList {
         let active = self.groups.iter().flatten().flat_map(|pairs| pairs.active.pairs());
         mark(&mut self.active_slots, rows, active);
         let Self { groups, active_slots, validity, .. } = self;
-        let several_species = groups[0].len() > 1;
-        let add = |slot: usize, pair: [u32; 2]| {
-            if active_slots[slot / 64] >> (slot % 64) & 1 == 1 {
+        let (owned, one_species) = (particles.owned_count() as u32, groups[0].len() == 1);
+        let add = |row: u32, partners: &[u32], bits: u32, is_active: bool| {
+            let are_owned = partners.last().is_some_and(|&last| last < owned);
+            if one_species && are_owned && !is_active {
+                groups[PairGroup::Own as usize][0].add_candidates(row, partners, bits);
                 return;
             }
-            let kind = if several_species { kind_of_bodies(bodies_of(pair)) } else { 0 };
-            let group = PairGroup::of(particles, pair[1]);
-            let pairs = &mut groups[group as usize][kind];
-            pairs.add(pair_of(particles, pair), is_within(pair, contact_range));
+            for bit in SetBits(bits) {
+                let pair = [row, partners[bit]];
+                let group = PairGroup::of(particles, pair[1]);
+                let kind = if one_species { 0 } else { kind_of_bodies(bodies_of(pair)) };
+                groups[group as usize][kind].add(pair_of(particles, pair), is_active);
+            }
         };
-        let separation = validity.ranges.any + validity.margin;
-        with_simd(PairSearch { bodies, rows, separation, add });
+        let separations = [validity.ranges.any + validity.margin, contact_range];
+        with_simd(PairSearch { bodies, rows, active_slots, separations, add });
     }
 }
 
@@ -296,36 +300,58 @@ pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair 
     [first, second, original.map_or(second, |index| index as u32)]
 }
 
-/// Calls `add` with the slot and the particles of every pair of the neighbour list closer than a separation.
+/// Calls `add` with each particle, up to four of its partners, bits of those that are to be added, and whether these are
+/// closer than the second separation, or only closer than the first. Active pairs are left out.
 struct PairSearch<'a, F> {
     bodies: &'a [Body],
     rows: Rows<'a>,
-    separation: f64,
+    active_slots: &'a [u64],
+    separations: [f64; 2],
     add: F,
 }
 
-impl<F: FnMut(usize, [u32; 2])> SimdKernel for PairSearch<'_, F> {
+impl<F: FnMut(u32, &[u32], u32, bool)> SimdKernel for PairSearch<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run<Q: F64x4>(mut self) {
-        let separation = Q::splat(self.separation);
+        let separations = self.separations.map(Q::splat);
         for (row, ends) in self.rows.start.windows(2).enumerate() {
             let body = &self.bodies[row];
             let [start, end] = [ends[0] as usize, ends[1] as usize];
             for from in (start..end).step_by(4) {
                 let partners = &self.rows.partners[from..end.min(from + 4)];
-                for k in SetBits(close_partners(body, partners, self.bodies, separation)) {
-                    (self.add)(from + k, [row as u32, partners[k]]);
+                let pairs = FourPairs::of_partners(body, partners, self.bodies);
+                let inactive = !four_bits(self.active_slots, from);
+                let [close, closer] =
+                    separations.map(|separation| pairs.closer_than(separation) & inactive);
+                (self.add)(row as u32, partners, close & !closer, false);
+                if closer != 0 {
+                    (self.add)(row as u32, partners, closer, true);
                 }
             }
         }
     }
 }
 
+/// Four bits, from the one of this number on.
+#[inline(always)]
+fn four_bits(words: &[u64], from: usize) -> u32 {
+    let (word, bit) = (from / 64, from % 64);
+    let next = words.get(word + 1).map_or(0, |next| next << 1 << (63 - bit));
+    (words[word] >> bit | next) as u32 & 15
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn four_bits_are_found_across_words() {
+        let words = [0x8000_0000_0000_0000, 0b101];
+        let found = [0, 60, 61, 63, 64, 66, 100].map(|from| four_bits(&words, from));
+        assert_eq!(found, [0, 8, 12, 11, 5, 1, 0]);
+    }
 
     const RANGES: InteractionRanges = InteractionRanges { contact: 0.0, any: 0.0, diameter: 1.0 };
 

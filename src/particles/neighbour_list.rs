@@ -3,7 +3,7 @@
 use super::cell_grid::Neighbourhood;
 use super::contact_history::ContactHistories;
 use super::contacts::LostContact;
-use super::proximity::{SetBits, close_bodies, close_partners};
+use super::proximity::{FourPairs, push_set_bits};
 use super::range::ListRange;
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
@@ -146,9 +146,8 @@ impl<Q: F64x4> Row<'_, Q> {
         let Self { particles, i, separation, .. } = *self;
         for from in others.clone().step_by(4) {
             let four = &particles.body[from..others.end.min(from + 4)];
-            for k in SetBits(close_bodies(&particles.body[i], four, separation)) {
-                self.partners.push((from + k) as u32);
-            }
+            let close = FourPairs::of_bodies(&particles.body[i], four).closer_than(separation);
+            push_set_bits(self.partners, close, |bit| from as u32 + bit);
         }
     }
 
@@ -159,9 +158,9 @@ impl<Q: F64x4> Row<'_, Q> {
         let owned = particles.owned_count();
         let ghosts = &particles.body[owned..];
         for four in others.chunks(4) {
-            for k in SetBits(close_partners(&particles.body[i], four, ghosts, separation)) {
-                self.partners.push(owned as u32 + four[k]);
-            }
+            let pairs = FourPairs::of_partners(&particles.body[i], four, ghosts);
+            let close = pairs.closer_than(separation);
+            push_set_bits(self.partners, close, |bit| owned as u32 + four[bit as usize]);
         }
     }
 }

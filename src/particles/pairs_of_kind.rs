@@ -3,7 +3,7 @@
 use super::pair_blocks::{OrientedHistory, Pair, PairBlocks};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
-use super::proximity::{SetBits, branch_vector, close_pairs, four_of};
+use super::proximity::{FourPairs, SetBits, branch_vector, four_of, push_set_bits};
 use super::{Body, Particles};
 
 /// The pairs of one kind.
@@ -49,6 +49,15 @@ impl PairsOfKind {
             true => self.active.push(pair, None),
             false => self.candidates.push(pair),
         }
+    }
+
+    /// Adds candidates of two owned particles: the first and those of up to four others whose bits are set.
+    #[inline(always)]
+    pub(super) fn add_candidates(&mut self, first: u32, others: &[u32], bits: u32) {
+        push_set_bits(&mut self.candidates, bits, |bit| {
+            let other = others[bit as usize];
+            [first, other, other]
+        });
     }
 
     /// The candidates, among them all pairs that attract each other without contact.
@@ -107,7 +116,7 @@ impl SimdKernel for PromotionSearch<'_> {
             for (of_pair, &[one, other, _]) in branch_vectors.iter_mut().zip(four_of(pairs)) {
                 *of_pair = branch_vector(&bodies[one as usize], &bodies[other as usize]);
             }
-            let close = close_pairs(branch_vectors, contact_range) & ((1 << pairs.len()) - 1);
+            let close = FourPairs::of(branch_vectors, pairs.len()).closer_than(contact_range);
             to_promote.extend(SetBits(close).map(|bit| (4 * four + bit) as u32));
         }
     }

@@ -10,13 +10,51 @@ pub(super) fn branch_vector<Q: F64x4>(one: &Body, other: &Body) -> Q {
     Q::load(&other.vectors()[0]).minus(Q::load(&one.vectors()[0]).times(but_the_last))
 }
 
-/// Bit k is set if the surfaces of pair k, of this branch vector, are closer than `separation`.
-#[inline(always)]
-pub(super) fn close_pairs<Q: F64x4>(branch_vectors: [Q; 4], separation: Q) -> u32 {
-    let [x, y, z, radii] = Q::transposed(branch_vectors);
-    let distance = radii.plus(separation);
-    let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
-    squared.below(distance.times(distance))
+/// One to four pairs, of which it can be asked which are near each other.
+pub(super) struct FourPairs<Q> {
+    /// Squares of the distances of the centres.
+    squared: Q,
+    /// Sums of the radii.
+    radii: Q,
+    /// A bit for each pair.
+    used: u32,
+}
+
+impl<Q: F64x4> FourPairs<Q> {
+    /// The pairs of these branch vectors, of which the first `count` are meant.
+    #[inline(always)]
+    pub(super) fn of(branch_vectors: [Q; 4], count: usize) -> Self {
+        let [x, y, z, radii] = Q::transposed(branch_vectors);
+        let squared = x.times(x).plus(y.times(y)).plus(z.times(z));
+        Self { squared, radii, used: (1 << count) - 1 }
+    }
+
+    /// A body with one to four others.
+    #[inline(always)]
+    pub(super) fn of_bodies(body: &Body, others: &[Body]) -> Self {
+        let mut branch_vectors = [Q::splat(0.0); 4];
+        for (to_other, other) in branch_vectors.iter_mut().zip(four_of(others)) {
+            *to_other = branch_vector(body, other);
+        }
+        Self::of(branch_vectors, others.len())
+    }
+
+    /// A body with one to four of the bodies.
+    #[inline(always)]
+    pub(super) fn of_partners(body: &Body, partners: &[u32], bodies: &[Body]) -> Self {
+        let mut branch_vectors = [Q::splat(0.0); 4];
+        for (to_partner, &partner) in branch_vectors.iter_mut().zip(four_of(partners)) {
+            *to_partner = branch_vector(body, &bodies[partner as usize]);
+        }
+        Self::of(branch_vectors, partners.len())
+    }
+
+    /// Bit k is set if the surfaces of pair k are closer than `separation`.
+    #[inline(always)]
+    pub(super) fn closer_than(&self, separation: Q) -> u32 {
+        let distance = self.radii.plus(separation);
+        self.squared.below(distance.times(distance)) & self.used
+    }
 }
 
 /// One to four items as four: the last one is repeated if there are fewer, since loops of a known length stay in registers.
@@ -26,31 +64,6 @@ pub(super) fn four_of<T>(items: &[T]) -> [&T; 4] {
         Some(four) => four.each_ref(),
         None => std::array::from_fn(|k| &items[k.min(items.len() - 1)]),
     }
-}
-
-/// Bit k is set if the surface of partner k, of one to four, is closer than `separation` to that of the body.
-#[inline(always)]
-pub(super) fn close_partners<Q: F64x4>(
-    body: &Body,
-    partners: &[u32],
-    bodies: &[Body],
-    separation: Q,
-) -> u32 {
-    let mut branch_vectors = [Q::splat(0.0); 4];
-    for (to_partner, &partner) in branch_vectors.iter_mut().zip(four_of(partners)) {
-        *to_partner = branch_vector(body, &bodies[partner as usize]);
-    }
-    close_pairs(branch_vectors, separation) & ((1 << partners.len()) - 1)
-}
-
-/// The same of one to four other bodies.
-#[inline(always)]
-pub(super) fn close_bodies<Q: F64x4>(body: &Body, others: &[Body], separation: Q) -> u32 {
-    let mut branch_vectors = [Q::splat(0.0); 4];
-    for (to_other, other) in branch_vectors.iter_mut().zip(four_of(others)) {
-        *to_other = branch_vector(body, other);
-    }
-    close_pairs(branch_vectors, separation) & ((1 << others.len()) - 1)
 }
 
 /// Whether the surfaces of two bodies are closer than `separation`.
@@ -76,6 +89,34 @@ impl Iterator for SetBits {
     }
 }
 
+/// The numbers of the bits that are set in 0 to 15, lowest first, then zeros, and how many these are.
+const SET_BITS: [([u32; 4], usize); 16] = {
+    let mut table = [([0; 4], 0); 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut bit = 0;
+        while bit < 4 {
+            if bits >> bit & 1 == 1 {
+                table[bits].0[table[bits].1] = bit;
+                table[bits].1 += 1;
+            }
+            bit += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// Adds `item` of the number of each bit that is set in the lowest four, lowest first. Four items are written at once, whatever
+/// the bits: a loop over so few ends where the processor does not expect it.
+#[inline(always)]
+pub(super) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl Fn(u32) -> T) {
+    let (numbers, count) = SET_BITS[bits as usize & 15];
+    let end = items.len() + count;
+    items.extend_from_slice(&numbers.map(item));
+    items.truncate(end);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,10 +133,17 @@ mod tests {
             let mut found = Vec::new();
             let all: Vec<u32> = (0..self.0.len() as u32).collect();
             for (four, partners) in all.chunks(4).enumerate() {
-                let close = close_partners(&self.0[0], partners, self.0, Q::splat(0.2));
+                let pairs = FourPairs::of_partners(&self.0[0], partners, self.0);
+                let close = pairs.closer_than(Q::splat(0.2));
                 let bodies = &self.0[4 * four..][..partners.len()];
-                assert_eq!(close_bodies(&self.0[0], bodies, Q::splat(0.2)), close);
-                found.extend(SetBits(close).map(|bit| 4 * four + bit));
+                let pairs = FourPairs::of_bodies(&self.0[0], bodies);
+                assert_eq!(pairs.closer_than(Q::splat(0.2)), close);
+                let mut at_once = Vec::new();
+                push_set_bits(&mut at_once, close, |bit| 4 * four as u32 + bit);
+                let one_by_one: Vec<u32> =
+                    SetBits(close).map(|bit| (4 * four + bit) as u32).collect();
+                assert_eq!(at_once, one_by_one);
+                found.extend(one_by_one.iter().map(|&number| number as usize));
             }
             found
         }

@@ -99,6 +99,16 @@ impl Particles {
         self.owned += 1;
     }
 
+    /// Makes room for ghosts, and for some more the next time; not for twice as many particles, as a vector that grows would.
+    pub(crate) fn make_room_for_ghosts(&mut self, count: usize) {
+        let count = count + count / 8;
+        if self.body.len() + count > self.body.capacity() {
+            self.id.reserve_exact(count);
+            self.body.reserve_exact(count);
+            self.forces.reserve_exact(count);
+        }
+    }
+
     /// Adds a ghost: the image of a particle of this rank, or a copy of another rank's.
     pub(crate) fn push_ghost(&mut self, id: u64, body: Body, image_of: Option<usize>) {
         let original = image_of.and_then(|index| self.owned_original(index));
@@ -139,8 +149,11 @@ impl Particles {
     /// Keeps the owned particles `order[0], order[1], ...`, in that order. There must be no ghosts.
     pub fn select(&mut self, order: &[u32]) {
         debug_assert_eq!(self.owned, self.count(), "ghosts are dropped before particles move");
+        // The room for ghosts stays: they are made next.
         fn reorder<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
-            *column = order.iter().map(|&index| column[index as usize]).collect();
+            let mut selected = Vec::with_capacity(column.capacity().max(order.len()));
+            selected.extend(order.iter().map(|&index| column[index as usize]));
+            *column = selected;
         }
         reorder(&mut self.id, order);
         reorder(&mut self.body, order);

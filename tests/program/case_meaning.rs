@@ -87,6 +87,22 @@ fn softened_particles_keep_the_force_or_the_work() {
 }
 
 #[test]
+fn a_rolling_friction_of_0_is_none() {
+    let kinds: [&[&str]; 2] = [
+        &["contact.rolling=constant_torque"],
+        &["contact.rolling=elastic_plastic", "contact.rolling_damping=0.3"],
+    ];
+    for kind in kinds {
+        let rolling = |coefficient: &str| {
+            let case = read("cohesive-column.toml", &[kind, &[coefficient]].concat()).unwrap();
+            case.stages[0].physics.contact.first().rolling
+        };
+        assert_eq!(rolling("contact.rolling_friction=0.0"), None);
+        assert!(rolling("contact.rolling_friction=0.01").is_some()); // a control
+    }
+}
+
+#[test]
 fn groups_become_quantities_in_si_too() {
     let case = read("si.toml", &["cohesion.bond_number=20", "gas.stokes_number=55"]).unwrap();
     let (d, rho, g) = (5.0e-5_f64, 900.0, 9.81);
