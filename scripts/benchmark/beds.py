@@ -82,7 +82,7 @@ BEDS = (
         settings=("gas=on", "cohesion=on"), beside="3,000 settled"),
     Bed("3,000 settled, adhesive elastic-plastic", "adhesive-3000", 3_000, 6_000, 0, beside="3,000 settled"),
     Bed("24,000 settled", "settled-24000", 24_000, 1_000, 500, aim=2.5),
-    Bed("216,000 settled", "settled-216000", 216_000, 150, 50, aim=2.4),
+    Bed("216,000 settled", "settled-216000", 216_000, 400, 50, aim=2.4),
     Bed("3,000 shaken", "settled-3000", 3_000, 25_000, 0, vibration=Vibration(), skins=(0.04, 0.08, 0.15), aim=2.2),
     Bed("24,000 agitated", "agitated-24000", 24_000, 8_000, 0, skins=(0.08, 0.15, 0.25), aim=1.7),
     Bed("24,000 settled, 2 ranks", "settled-24000", 24_000, 1_000, 500, ranks=2, aim=2.4,

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 /// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
 #[derive(Debug, Default)]
 pub struct ParticleHalo {
-    /// Where the originals of the ghosts are; while these are made, of all particles.
+    /// Where the originals of the ghosts are.
     origins: Vec<Origin>,
     images: Vec<Images>,
     copies: Vec<Copies>,
@@ -62,10 +62,7 @@ impl ParticleHalo {
         width: f64,
         ranks: &dyn Communicator,
     ) {
-        let here = ranks.rank() as u32;
-        let owned = 0..particles.owned_count() as u32;
         self.origins.clear();
-        self.origins.extend(owned.map(|index| Origin { rank: here, index }));
         let axes = (0..3).filter(|&axis| subdomain.neighbours(axis) != [None, None]);
         let last = axes.clone().next_back();
         for axis in axes {
@@ -82,7 +79,8 @@ impl ParticleHalo {
         let ahead: Vec<u32> =
             ghosts.filter(|&ghost| is_ahead(&particles.body[ghost as usize].position)).collect();
         particles.keep_ghosts(&ahead);
-        self.origins = ahead.iter().map(|&ghost| self.origins[ghost as usize]).collect();
+        let owned = particles.owned_count();
+        self.origins = ahead.iter().map(|&ghost| self.origins[ghost as usize - owned]).collect();
     }
 
     /// From now on the ghosts for which `is_followed` holds, given their index, are brought up to date. This call is
@@ -207,11 +205,16 @@ impl ParticleHalo {
         particles: &mut Particles,
         ranks: &dyn Communicator,
     ) {
+        let (here, owned) = (ranks.rank() as u32, particles.owned_count());
         let outgoing = lists.each_ref().map(|list| {
             let mut bytes = Vec::with_capacity(list.indices.len() * size_of::<NewGhost>());
             for &index in &list.indices {
                 let index = index as usize;
-                let mut ghost = NewGhost::of(particles, index, self.origins[index]);
+                let origin = match index < owned {
+                    true => Origin { rank: here, index: index as u32 },
+                    false => self.origins[index - owned],
+                };
+                let mut ghost = NewGhost::of(particles, index, origin);
                 ghost.position[axis] += list.shift; // exact, as above
                 bytes.extend_from_slice(bytemuck::bytes_of(&ghost));
             }
@@ -222,7 +225,7 @@ impl ParticleHalo {
         let arrived: usize = self.buffers.iter().map(Vec::len).sum();
         particles.make_room_for_ghosts(arrived / size_of::<NewGhost>());
         for ghost in self.buffers.iter().flat_map(|buffer| records_of_bytes::<NewGhost>(buffer)) {
-            let is_image = ghost.origin.rank == ranks.rank() as u32;
+            let is_image = ghost.origin.rank == here;
             let image_of = is_image.then_some(ghost.origin.index as usize);
             particles.push_ghost(ghost.id, ghost.body(), image_of);
             self.origins.push(ghost.origin);

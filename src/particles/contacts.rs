@@ -10,11 +10,13 @@
 use super::contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
 use super::inner_list::{Rows, pair_of};
 use super::pair_blocks::OrientedHistory;
+use super::places::Places;
 use super::range::ListRange;
 use super::{InnerList, InteractionRanges, PairCounts, Particles};
 use crate::domain::PosedWalls;
 use nalgebra::Vector3;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
+use std::ops::Range;
 use thiserror::Error;
 
 /// A pair within the interaction range that the new neighbour list does not hold: a fault of the program, never of the
@@ -60,6 +62,9 @@ pub struct Contacts {
     pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
     pub(crate) wall_twisting_angle: Vec<f64>,
 }
+
+/// Of a slot whose pair has no history.
+const NO_HISTORY: u32 = u32::MAX;
 
 /// A history seen from the other body.
 fn reversed(history: ContactHistory) -> ContactHistory {
@@ -168,6 +173,8 @@ impl Contacts {
     /// Removes all pairs of particles, for a new list.
     pub(super) fn clear_pairs(&mut self, particles: &Particles) {
         self.row_start.clear();
+        // Did it grow while the partners do, each would leave holes in the memory of the other.
+        self.row_start.reserve_exact(particles.owned_count() + 1);
         self.row_start.push(0);
         self.partner.clear();
         self.inner.clear(particles);
@@ -267,49 +274,69 @@ impl Contacts {
         histories: &ContactHistories,
     ) -> Result<(), LostContact> {
         let ContactHistories { pairs, walls, .. } = histories;
+        let places = Places::of(&particles.id[..particles.owned_count()]);
+        let of_slots = self.histories_of_slots(particles, &places, interaction_range, pairs)?;
+        for row in 0..particles.owned_count() {
+            for slot in self.slots_of(row).filter(|&slot| of_slots[slot] != NO_HISTORY) {
+                let pair = pair_of(particles, [row as u32, self.partner[slot]]);
+                let history = pairs[of_slots[slot] as usize].seen_from(particles.id[row]);
+                self.inner.restore(particles, pair, history);
+            }
+        }
+        self.restore_walls(particles, &places, walls);
+        Ok(())
+    }
+
+    /// The slots of an owned particle.
+    fn slots_of(&self, row: usize) -> Range<usize> {
+        self.row_start[row] as usize..self.row_start[row + 1] as usize
+    }
+
+    /// For each slot the number of the history of its pair, or [`NO_HISTORY`].
+    fn histories_of_slots(
+        &self,
+        particles: &Particles,
+        places: &Places,
+        interaction_range: f64,
+        pairs: &[PairHistory],
+    ) -> Result<Vec<u32>, LostContact> {
         let owned = particles.owned_count();
-        let index_of: FxHashMap<u64, usize> =
-            particles.id[..owned].iter().enumerate().map(|(index, &id)| (id, index)).collect();
         let ghosts: FxHashSet<u64> = particles.id[owned..].iter().copied().collect();
-        let is_here = |id: u64| index_of.contains_key(&id) || ghosts.contains(&id);
-        // Slot, row, and number of the history.
-        let mut found = Vec::with_capacity(pairs.len());
+        let is_here = |id: u64| places.get(id).is_some() || ghosts.contains(&id);
+        let mut of_slots = vec![NO_HISTORY; self.partner.len()];
         for (number, pair) in pairs.iter().enumerate() {
-            let known = found.len();
-            for [here, there] in [[pair.lower, pair.higher], [pair.higher, pair.lower]] {
-                let Some(&row) = index_of.get(&here) else { continue };
-                let slots = self.row_start[row]..self.row_start[row + 1];
-                let is_there =
-                    |&slot: &u32| particles.id[self.partner[slot as usize] as usize] == there;
-                found.extend(slots.filter(is_there).map(|slot| (slot, row as u32, number as u32)));
+            let ids = [pair.lower, pair.higher];
+            let [lower, higher] = ids.map(|id| places.get(id));
+            let mut is_listed = false;
+            for (row, there, id) in [(lower, higher, ids[1]), (higher, lower, ids[0])] {
+                let Some(row) = row else { continue };
+                let slots = self.slots_of(row);
+                let partners = &self.partner[slots.clone()];
+                for (&partner, of_slot) in partners.iter().zip(&mut of_slots[slots]) {
+                    let partner = partner as usize;
+                    let is_there = match partner < owned {
+                        true => there == Some(partner),
+                        false => particles.id[partner] == id,
+                    };
+                    if is_there {
+                        *of_slot = number as u32;
+                        is_listed = true;
+                    }
+                }
             }
             // Where another rank evaluates the pair, one of the two is not known here.
-            let ids = [pair.lower, pair.higher];
-            let is_missing = found.len() == known && ids.into_iter().all(is_here);
+            let is_missing = !is_listed && ids.into_iter().all(is_here);
             if is_missing && is_within(particles, ids, interaction_range) {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
             }
         }
-        found.sort_unstable();
-        found.dedup_by_key(|&mut (slot, ..)| slot); // the same history may be there twice
-        for (slot, row, number) in found {
-            let pair = pair_of(particles, [row, self.partner[slot as usize]]);
-            let here = particles.id[row as usize];
-            self.inner.restore(particles, pair, pairs[number as usize].seen_from(here));
-        }
-        self.restore_walls(particles, &index_of, walls);
-        Ok(())
+        Ok(of_slots)
     }
 
     /// The same with walls: a particle that has no pair with the wall is away from it.
-    fn restore_walls(
-        &mut self,
-        particles: &Particles,
-        index_of: &FxHashMap<u64, usize>,
-        walls: &[WallHistory],
-    ) {
+    fn restore_walls(&mut self, particles: &Particles, places: &Places, walls: &[WallHistory]) {
         for contact in walls {
-            let Some(&index) = index_of.get(&contact.particle) else { continue };
+            let Some(index) = places.get(contact.particle) else { continue };
             let pair = WallPair::of(particles, contact.wall, index as u32);
             let Ok(slot) = self.wall_pairs.binary_search(&pair) else { continue };
             self.wall_history[slot] = contact.history;

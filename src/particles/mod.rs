@@ -12,6 +12,7 @@ mod optional_column;
 mod pair_blocks;
 mod pair_kind;
 mod pairs_of_kind;
+mod places;
 mod proximity;
 mod range;
 mod skin;

@@ -88,6 +88,7 @@ impl NeighbourList {
         self.reference_poses.extend_from_slice(walls.poses);
         self.cells.add_ghosts(&particles.body[particles.owned_count()..]);
         self.find_pairs(particles, contacts, range);
+        self.cells = CellGrid::default(); // its memory is free while the list lives
         contacts.find_wall_pairs(particles, walls, range);
         contacts.restore(particles, range.interaction, histories)
     }
