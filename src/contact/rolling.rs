@@ -85,7 +85,7 @@ impl RollingFriction {
 
 impl RollingFriction {
     /// Whether there is any torque: mu_r > 0.
-    pub fn resists(&self) -> bool {
+    pub(crate) fn resists(&self) -> bool {
         self.coefficient > 0.0
     }
 

@@ -173,7 +173,7 @@ impl Contacts {
     /// Removes all pairs of particles, for a new list.
     pub(super) fn clear_pairs(&mut self, particles: &Particles) {
         self.row_start.clear();
-        // Did it grow while the partners do, each would leave holes in the memory of the other.
+        // If it grew while the partners do, each would leave holes in the memory of the other.
         self.row_start.reserve_exact(particles.owned_count() + 1);
         self.row_start.push(0);
         self.partner.clear();

@@ -334,7 +334,7 @@ impl<F: FnMut(u32, &[u32], u32, bool)> SimdKernel for PairSearch<'_, F> {
     }
 }
 
-/// Four bits, from the one of this number on.
+/// Four consecutive bits, the first of which has this number; those beyond the last word are zero.
 #[inline(always)]
 fn four_bits(words: &[u64], from: usize) -> u32 {
     let (word, bit) = (from / 64, from % 64);

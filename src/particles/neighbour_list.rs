@@ -41,7 +41,8 @@ impl NeighbourList {
         self.displacement >= 0.499 * range.skin
     }
 
-    /// Measures how near the owned particles are to faces that they may pass. Before: they have been sorted by cells.
+    /// Measures how near the owned particles are to faces that they may pass. Before: they have been sorted by cells, and no list has
+    /// been made since.
     pub fn measure_clearance(&mut self, bounds: &Bounds) {
         self.clearance = bounds.clearance(self.cells.corners());
     }
@@ -86,17 +87,23 @@ impl NeighbourList {
         (self.displacement, self.age) = (0.0, 0);
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.poses);
-        self.cells.add_ghosts(&particles.body[particles.owned_count()..]);
-        self.find_pairs(particles, contacts, range);
-        self.cells = CellGrid::default(); // its memory is free while the list lives
+        // Lists live long: the cells give their memory back.
+        find_pairs(std::mem::take(&mut self.cells), particles, contacts, range);
         contacts.find_wall_pairs(particles, walls, range);
         contacts.restore(particles, range.interaction, histories)
     }
+}
 
-    fn find_pairs(&self, particles: &Particles, contacts: &mut Contacts, range: ListRange) {
-        contacts.clear_pairs(particles);
-        with_simd(PairSearch { cells: &self.cells, particles, range, contacts });
-    }
+/// Lists the pairs of particles that have been sorted into these cells.
+fn find_pairs(
+    mut cells: CellGrid,
+    particles: &Particles,
+    contacts: &mut Contacts,
+    range: ListRange,
+) {
+    cells.add_ghosts(&particles.body[particles.owned_count()..]);
+    contacts.clear_pairs(particles);
+    with_simd(PairSearch { cells: &cells, particles, range, contacts });
 }
 
 /// Searches the pairs of each owned particle among the particles in the cells around its own. A pair of two owned particles is in

@@ -4,12 +4,12 @@ use rustc_hash::FxHashMap;
 
 /// The place of each particle of a list of ids.
 pub(super) enum Places {
-    /// By id, where few ids are not there: one look into an array.
+    /// A table by id, unless ids are sparse: one look into an array.
     Dense(Vec<u32>),
     Sparse(FxHashMap<u64, u32>),
 }
 
-/// A table by id has at most so many entries per particle, no more bytes than a hash map would take.
+/// A table by id has at most so many entries per particle: about the bytes of a hash map.
 const ENTRIES_PER_PARTICLE: usize = 8;
 
 const NOWHERE: u32 = u32::MAX;

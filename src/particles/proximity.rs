@@ -10,7 +10,7 @@ pub(super) fn branch_vector<Q: F64x4>(one: &Body, other: &Body) -> Q {
     Q::load(&other.vectors()[0]).minus(Q::load(&one.vectors()[0]).times(but_the_last))
 }
 
-/// One to four pairs, of which it can be asked which are near each other.
+/// One to four pairs, and which of them are near each other.
 pub(super) struct FourPairs<Q> {
     /// Squares of the distances of the centres.
     squared: Q,
@@ -21,7 +21,7 @@ pub(super) struct FourPairs<Q> {
 }
 
 impl<Q: F64x4> FourPairs<Q> {
-    /// The pairs of these branch vectors, of which the first `count` are meant.
+    /// The first `count` of the pairs with these branch vectors.
     #[inline(always)]
     pub(super) fn of(branch_vectors: [Q; 4], count: usize) -> Self {
         let [x, y, z, radii] = Q::transposed(branch_vectors);
@@ -29,7 +29,7 @@ impl<Q: F64x4> FourPairs<Q> {
         Self { squared, radii, used: (1 << count) - 1 }
     }
 
-    /// A body with one to four others.
+    /// Pairs of a body with one to four others.
     #[inline(always)]
     pub(super) fn of_bodies(body: &Body, others: &[Body]) -> Self {
         let mut branch_vectors = [Q::splat(0.0); 4];
@@ -39,7 +39,7 @@ impl<Q: F64x4> FourPairs<Q> {
         Self::of(branch_vectors, others.len())
     }
 
-    /// A body with one to four of the bodies.
+    /// Pairs of a body with one to four of the bodies.
     #[inline(always)]
     pub(super) fn of_partners(body: &Body, partners: &[u32], bodies: &[Body]) -> Self {
         let mut branch_vectors = [Q::splat(0.0); 4];
@@ -90,7 +90,7 @@ impl Iterator for SetBits {
 }
 
 /// The numbers of the bits that are set in 0 to 15, lowest first, then zeros, and how many these are.
-const SET_BITS: [([u32; 4], usize); 16] = {
+static SET_BITS: [([u32; 4], usize); 16] = {
     let mut table = [([0; 4], 0); 16];
     let mut bits = 0;
     while bits < 16 {
@@ -107,8 +107,8 @@ const SET_BITS: [([u32; 4], usize); 16] = {
     table
 };
 
-/// Adds `item` of the number of each bit that is set in the lowest four, lowest first. Four items are written at once, whatever
-/// the bits: a loop over so few ends where the processor does not expect it.
+/// Adds the item of each bit that is set in the lowest four, lowest first. Four items are written at once, whatever the bits: the
+/// processor cannot foresee where a loop over so few ends.
 #[inline(always)]
 pub(super) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl Fn(u32) -> T) {
     let (numbers, count) = SET_BITS[bits as usize & 15];
@@ -138,12 +138,7 @@ mod tests {
                 let bodies = &self.0[4 * four..][..partners.len()];
                 let pairs = FourPairs::of_bodies(&self.0[0], bodies);
                 assert_eq!(pairs.closer_than(Q::splat(0.2)), close);
-                let mut at_once = Vec::new();
-                push_set_bits(&mut at_once, close, |bit| 4 * four as u32 + bit);
-                let one_by_one: Vec<u32> =
-                    SetBits(close).map(|bit| (4 * four + bit) as u32).collect();
-                assert_eq!(at_once, one_by_one);
-                found.extend(one_by_one.iter().map(|&number| number as usize));
+                push_set_bits(&mut found, close, |bit| 4 * four + bit as usize);
             }
             found
         }

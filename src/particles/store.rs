@@ -99,10 +99,11 @@ impl Particles {
         self.owned += 1;
     }
 
-    /// Makes room for ghosts, and for some more the next time; not for twice as many particles, as a vector that grows would.
+    /// Makes room for so many ghosts, and if there is none for an eighth more, so that the next ones need no new memory. A vector
+    /// that grows by itself would double.
     pub(crate) fn make_room_for_ghosts(&mut self, count: usize) {
-        let count = count + count / 8;
         if self.body.len() + count > self.body.capacity() {
+            let count = count + count / 8;
             self.id.reserve_exact(count);
             self.body.reserve_exact(count);
             self.forces.reserve_exact(count);
