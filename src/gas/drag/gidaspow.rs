@@ -44,16 +44,34 @@ const SWITCH: f64 = 0.2;
 impl DragCorrelation for Gidaspow {
     #[inline(always)]
     fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
-        let dense = Ergun.scaled_drag(solids_fraction, reynolds);
-        let dilute = WenYu::USUAL.scaled_drag(solids_fraction, reynolds);
+        let [scaled] = self.scaled_drags(&[solids_fraction], &[reynolds]);
+        scaled
+    }
+
+    #[inline(always)]
+    fn scaled_drags<const N: usize>(
+        &self,
+        solids_fraction: &[f64; N],
+        reynolds: &[f64; N],
+    ) -> [f64; N] {
+        let mut scaled = WenYu::USUAL.scaled_drags(solids_fraction, reynolds);
+        let dense = Ergun.scaled_drags(solids_fraction, reynolds);
         match self.switch {
-            Switch::Sharp if solids_fraction > SWITCH => dense,
-            Switch::Sharp => dilute,
+            Switch::Sharp => {
+                for lane in 0..N {
+                    let is_dense = solids_fraction[lane] > SWITCH;
+                    scaled[lane] = if is_dense { dense[lane] } else { scaled[lane] };
+                }
+            }
             Switch::Smooth => {
-                let part = libm::atan(150.0 * 1.75 * (SWITCH - solids_fraction)) / PI + 0.5;
-                dense + part * (dilute - dense)
+                for lane in 0..N {
+                    let part =
+                        libm::atan(150.0 * 1.75 * (SWITCH - solids_fraction[lane])) / PI + 0.5;
+                    scaled[lane] = dense[lane] + part * (scaled[lane] - dense[lane]);
+                }
             }
         }
+        scaled
     }
 }
 
