@@ -13,7 +13,7 @@ use super::dot_product::{DotProduct, RunningDot};
 use super::multigrid::Cycle;
 use super::operator::{Equation, apply, residual};
 use super::preconditioner::Preconditioner;
-use super::rows::rows;
+use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
@@ -34,6 +34,15 @@ pub(super) struct ConjugateGradients {
     direction: Field,
     /// q = A p
     applied: Field,
+}
+
+/// What is known before the first iteration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    /// |b| and the product that it follows from, if all start values are zero: r is b.
+    pub(super) norm: Option<(f64, DotProduct)>,
+    /// Largest |b - A x| at the end.
+    pub(super) allowed: f64,
 }
 
 /// How far a solve has come.
@@ -60,12 +69,11 @@ struct Restart {
 }
 
 impl Restart {
-    fn new() -> Self {
-        let dot = DotProduct::default();
+    fn new(squared_residual: DotProduct) -> Self {
         Self {
-            squared_residual: dot,
-            residual_dot_preconditioned: dot,
-            curvature: dot,
+            squared_residual,
+            residual_dot_preconditioned: DotProduct::default(),
+            curvature: DotProduct::default(),
             cycle: Cycle::W,
             iterations: 0,
         }
@@ -95,14 +103,13 @@ impl ConjugateGradients {
         &mut self,
         equation: &mut Equation,
         preconditioner: &mut Preconditioner,
-        allowed: f64,
+        start: Start,
         ranks: &dyn Communicator,
     ) -> Result<Solved, LinearSolverError> {
-        let mut restart = Restart::new();
+        let allowed = start.allowed;
+        let (mut norm, squared_residual) = self.first_residual(equation, start, ranks);
+        let mut restart = Restart::new(squared_residual);
         loop {
-            self.halo.refresh(&mut [&mut *equation.solution], ranks);
-            residual(equation, &mut self.residual);
-            let norm = restart.squared_residual.of(&self.residual, &self.residual, ranks).sqrt();
             if !(norm + allowed).is_finite() {
                 return Err(LinearSolverError::NotFinite);
             }
@@ -111,7 +118,35 @@ impl ConjugateGradients {
                 return Ok(Solved { iterations, residual: norm });
             }
             self.iterate(equation, preconditioner, &mut restart, [norm, allowed], ranks)?;
+            norm = self.set_residual(equation, &mut restart.squared_residual, ranks);
         }
+    }
+
+    /// Sets r = b - A x for the start values, and returns |r| and the product that it follows from. This call is collective.
+    fn first_residual(
+        &mut self,
+        equation: &mut Equation,
+        start: Start,
+        ranks: &dyn Communicator,
+    ) -> (f64, DotProduct) {
+        if let Some(known) = start.norm {
+            copy_owned(equation.right_hand_side, &mut self.residual);
+            return known;
+        }
+        let mut squared = DotProduct::default();
+        (self.set_residual(equation, &mut squared, ranks), squared)
+    }
+
+    /// Sets r = b - A x, and returns |r|, the root of this product. This call is collective.
+    fn set_residual(
+        &mut self,
+        equation: &mut Equation,
+        squared: &mut DotProduct,
+        ranks: &dyn Communicator,
+    ) -> f64 {
+        self.halo.refresh(&mut [&mut *equation.solution], ranks);
+        residual(equation, &mut self.residual);
+        squared.of(&self.residual, &self.residual, ranks).sqrt()
     }
 
     /// The rounding error of b - A x: 2^-52 |D x|, D being the diagonal of A. No solution in double precision has a

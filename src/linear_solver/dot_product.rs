@@ -16,6 +16,9 @@ const TERMS_BETWEEN_CARRIES: usize = 1024;
 /// How many times as large as the last value of a dot product a term may be before new quanta are chosen.
 const HEADROOM: f64 = 4_294_967_296.0; // 2^32
 
+/// The largest term that a sum may have.
+const LARGEST_TERM: f64 = f64::MAX / 8.0;
+
 /// The two quanta of the terms of a sum: 2^-51 and 2^-103 times a bound of their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TermQuanta {
@@ -123,55 +126,69 @@ pub(super) struct DotProduct {
 }
 
 impl Default for DotProduct {
-    /// With a bound of zero, so that the first product chooses its quanta.
+    /// Of unknown magnitude: the first product chooses its quanta from its largest term.
     fn default() -> Self {
         Self { quanta: TermQuanta { limit: 0.0 } }
     }
 }
 
 impl DotProduct {
+    /// Of terms that are at most this large.
+    pub(super) fn of_terms_up_to(largest: f64) -> Self {
+        Self { quanta: TermQuanta::spanning(largest.min(LARGEST_TERM)) }
+    }
+
+    fn has_quanta(self) -> bool {
+        self.quanta.limit > 0.0
+    }
+
     /// Starts a sum, to which rows are added with [`RunningDot::add_row`].
     pub(super) fn begin(self) -> RunningDot {
         RunningDot { quanta: self.quanta, sum: FixedPointSum::default() }
     }
 
-    /// The sum over all ranks. If terms lay beyond the bound, it is computed again from `a` and `b`. Undefined (NaN) if
-    /// a term is infinite or undefined. This call is collective.
+    /// The sum over all ranks. If there were no quanta, or terms lay beyond the bound, it is computed from `a` and `b`. Undefined
+    /// (NaN) if a term is infinite or undefined. This call is collective.
     pub(super) fn finish(
         &mut self,
         running: RunningDot,
         [a, b]: [&Field; 2],
         ranks: &dyn Communicator,
     ) -> f64 {
-        let value = match total(running, ranks) {
-            Some(value) => value,
-            None => match self.with_new_quanta(a, b, ranks) {
-                Some(value) => value,
-                None => return f64::NAN,
-            },
+        let value = self.has_quanta().then(|| total(running, ranks)).flatten();
+        let Some(value) = value.or_else(|| self.with_new_quanta(a, b, ranks)) else {
+            return f64::NAN;
         };
         if value != 0.0 {
-            self.quanta = TermQuanta::spanning((HEADROOM * value.abs()).min(f64::MAX / 8.0));
+            *self = Self::of_terms_up_to(HEADROOM * value.abs());
         }
         value
     }
 
     /// The dot product of the owned values of two fields. This call is collective.
     pub(super) fn of(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> f64 {
-        let running = in_wide_vectors(AddRows { running: self.begin(), a, b });
+        let mut running = self.begin();
+        if self.has_quanta() {
+            running = in_wide_vectors(AddRows { running, a, b });
+        }
         self.finish(running, [a, b], ranks)
     }
 
     /// Chooses the quanta from the largest term. `None` if that is infinite or undefined.
     fn with_new_quanta(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> Option<f64> {
-        let mut largest = [in_wide_vectors(LargestTerm { a, b })];
+        let mut largest = [largest_term(a, b)];
         ranks.maximum(&mut largest);
-        if largest[0] > f64::MAX / 8.0 {
+        if largest[0] > LARGEST_TERM {
             return None;
         }
-        self.quanta = TermQuanta::spanning(largest[0]);
+        *self = Self::of_terms_up_to(largest[0]);
         total(in_wide_vectors(AddRows { running: self.begin(), a, b }), ranks)
     }
+}
+
+/// The largest |a_i b_i| of this rank; undefined (NaN) if one is.
+pub(super) fn largest_term(a: &Field, b: &Field) -> f64 {
+    in_wide_vectors(LargestTerm { a, b })
 }
 
 /// The sum over some rows of one rank.

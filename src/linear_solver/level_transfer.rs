@@ -107,7 +107,7 @@ impl LevelTransfer {
             fine = &along_axis.values;
         }
         if let Some(gathered) = &mut self.gathered {
-            gathered.replication.gather(fine, &mut gathered.right_hand_side, ranks);
+            gathered.replication.gather([fine], [&mut gathered.right_hand_side], ranks);
         }
     }
 

@@ -134,7 +134,7 @@ impl Multigrid {
             return cycle.visit(&mut self.levels, equation, true, ranks);
         };
         let ReplicatedFinest { replication, coefficients, right_hand_side, solution } = replicated;
-        replication.gather(equation.right_hand_side, right_hand_side, ranks);
+        replication.gather([equation.right_hand_side], [right_hand_side], ranks);
         let mut gathered = Equation { coefficients, right_hand_side, solution };
         cycle.visit(&mut self.levels, &mut gathered, true, &OneRank);
         replication.take_local(solution, equation.solution);

@@ -1,12 +1,12 @@
 //! The pressure equation as the gas solvers pose it.
 
-use super::conjugate_gradients::ConjugateGradients;
+use super::conjugate_gradients::{ConjugateGradients, Start};
 use super::convergence::{Convergence, LinearSolverError, Tolerance};
-use super::dot_product::DotProduct;
+use super::dot_product::{DotProduct, largest_term};
 use super::level_grid::LevelGrid;
 use super::operator::{Coefficients, Equation};
 use super::preconditioner::Preconditioner;
-use super::rows::rows;
+use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
@@ -148,19 +148,30 @@ impl PressureSolver {
             true => remove_mean(right, coefficients, gradients.scratch(), ranks),
             false => 0.0,
         };
-        let norm = DotProduct::default().of(right, right, ranks).sqrt();
+        let mut largest = [&*right, &self.solution].map(|field| largest_term(field, field));
+        ranks.maximum(&mut largest);
+        let [of_right, of_start] = largest;
+        let mut squared_norm = DotProduct::of_terms_up_to(of_right);
+        let norm = squared_norm.of(right, right, ranks).sqrt();
         if norm == 0.0 {
             self.solution.values_mut().fill(0.0);
             copy_owned(&self.solution, solution);
             return Ok(Convergence { removed_mean, ..Convergence::default() });
         }
-        let allowed = (tolerance.relative * norm).max(tolerance.absolute);
+        let from_zero = of_start == 0.0;
+        if from_zero {
+            self.solution.values_mut().fill(0.0); // values whose squares underflow
+        }
+        let start = Start {
+            norm: from_zero.then_some((norm, squared_norm)),
+            allowed: (tolerance.relative * norm).max(tolerance.absolute),
+        };
         let mut equation = Equation {
             coefficients: &self.coefficients,
             right_hand_side: right,
             solution: &mut self.solution,
         };
-        let solved = gradients.solve(&mut equation, preconditioner, allowed, ranks)?;
+        let solved = gradients.solve(&mut equation, preconditioner, start, ranks)?;
         if *closed {
             remove_mean(&mut self.solution, &self.coefficients, gradients.scratch(), ranks);
         }
@@ -197,14 +208,6 @@ fn remove_mean(
     }
     marks.values_mut().fill(0.0);
     mean
-}
-
-/// Copies the owned values of another field, whose halo may have another width.
-fn copy_owned(from: &Field, to: &mut Field) {
-    let length = from.row_length();
-    for [source, target] in rows([from, &*to]) {
-        to.values_mut()[target..][..length].copy_from_slice(&from.values()[source..][..length]);
-    }
 }
 
 /// The largest of the owned values; infinity if one is negative, infinite or undefined (NaN).

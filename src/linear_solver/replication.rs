@@ -5,7 +5,7 @@ use super::operator::Coefficients;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
 
-/// Gathers a distributed field on every rank, and takes a rank's own cells out of it again.
+/// Gathers distributed fields on every rank, and takes a rank's own cells out of them again.
 #[derive(Clone, Debug)]
 pub(super) struct Replication {
     cells: LocalCells,
@@ -15,45 +15,50 @@ pub(super) struct Replication {
 
 impl Replication {
     pub(super) fn new(cells: LocalCells, periodic: [bool; 3]) -> Self {
-        Self { cells, periodic, buffer: vec![0.0; cells.counts.iter().product()] }
+        Self { cells, periodic, buffer: Vec::new() }
     }
 
-    /// Gathers the owned cells of all ranks in the owned cells of `replica`. This call is collective.
-    pub(super) fn gather(
+    /// Gathers the owned cells of all ranks in the owned cells of `replicas`, whose halos are not filled. This call is
+    /// collective.
+    pub(super) fn gather<const N: usize>(
         &mut self,
-        field: &Field<f32>,
-        replica: &mut Field<f32>,
+        fields: [&Field<f32>; N],
+        replicas: [&mut Field<f32>; N],
         ranks: &dyn Communicator,
     ) {
-        self.buffer.fill(0.0);
-        let LocalCells { count, order, .. } = self.cells;
-        let owned = row_starts(count.map(|count| 0..count as isize), order);
-        for (row, first) in field.rows().zip(owned) {
-            let values = &field.values()[row..][..field.row_length()];
-            let start = self.place_of(first);
-            let gathered = self.buffer[start..].iter_mut();
-            gathered.zip(values).for_each(|(gathered, &value)| *gathered = f64::from(value));
+        let LocalCells { counts, count, order, .. } = self.cells;
+        let cells: usize = counts.iter().product();
+        self.buffer.clear();
+        self.buffer.resize(N * cells, 0.0);
+        for (number, field) in fields.into_iter().enumerate() {
+            let owned = row_starts(count.map(|count| 0..count as isize), order);
+            for (row, first) in field.rows().zip(owned) {
+                let values = &field.values()[row..][..field.row_length()];
+                let start = number * cells + self.place_of(first);
+                let gathered = self.buffer[start..].iter_mut();
+                gathered.zip(values).for_each(|(gathered, &value)| *gathered = f64::from(value));
+            }
         }
         // Each cell has one owner: only one addend of each sum is not zero.
         ranks.sum_exact(&mut self.buffer);
-        let length = replica.row_length();
-        for (row, gathered) in replica.rows().zip(self.buffer.chunks_exact(length)) {
-            let values = replica.values_mut()[row..][..length].iter_mut();
-            values.zip(gathered).for_each(|(value, &gathered)| *value = gathered as f32);
+        for (replica, gathered) in replicas.into_iter().zip(self.buffer.chunks_exact(cells)) {
+            let length = replica.row_length();
+            for (row, gathered) in replica.rows().zip(gathered.chunks_exact(length)) {
+                let values = replica.values_mut()[row..][..length].iter_mut();
+                values.zip(gathered).for_each(|(value, &gathered)| *value = gathered as f32);
+            }
         }
     }
 
-    /// Gathers coefficients; the halo of `replica` is not filled. This call is collective.
+    /// Gathers coefficients. This call is collective.
     pub(super) fn gather_coefficients(
         &mut self,
         coefficients: &Coefficients<f32>,
         replica: &mut Coefficients<f32>,
         ranks: &dyn Communicator,
     ) {
-        for axis in 0..3 {
-            self.gather(&coefficients.faces[axis], &mut replica.faces[axis], ranks);
-        }
-        self.gather(&coefficients.diagonal, &mut replica.diagonal, ranks);
+        let Coefficients { faces: [x, y, z], diagonal } = coefficients;
+        self.gather([x, y, z, diagonal], replica.fields(), ranks);
     }
 
     /// Copies a rank's own cells and their halo from the replica.

@@ -57,6 +57,14 @@ impl<const N: usize> Iterator for Rows<N> {
     }
 }
 
+/// Copies the owned values of another field, whose halo may have another width.
+pub(super) fn copy_owned(from: &Field, to: &mut Field) {
+    let length = from.row_length();
+    for [source, target] in rows([from, &*to]) {
+        to.values_mut()[target..][..length].copy_from_slice(&from.values()[source..][..length]);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

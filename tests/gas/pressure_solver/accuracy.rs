@@ -165,6 +165,18 @@ fn a_converged_start_value_needs_no_iteration_and_zero_sources_give_zero_pressur
     assert_eq!((rest.iterations(), rest.solution), (0, vec![0.0; equation.cells()]));
 }
 
+#[test]
+fn start_values_whose_squares_underflow_count_as_zero() {
+    let equation = Equation::new([16; 3], [false; 3]);
+    let decomposition = equation.even_decomposition([1, 1, 2]);
+    let expected = equation.solve_on(&decomposition, TIGHT);
+    for (value, is_same) in [(1.0e-200, true), (1.0e-3, false)] {
+        let start = vec![value; equation.cells()];
+        let found = equation.solve_from(&start, &decomposition, TIGHT);
+        assert_eq!(found.bits() == expected.bits(), is_same, "{value}");
+    }
+}
+
 /// The preconditioner works in single precision, whose numbers lie between 1e-38 and 3e38.
 #[test]
 fn powers_of_two_in_coefficients_and_sources_are_powers_of_two_in_the_solution() {
