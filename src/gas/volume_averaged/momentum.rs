@@ -10,7 +10,7 @@
 //! beta dt/rho >> 1 this is Darcy's law, whatever u_old was. Beside the wall of a round column eps, beta and (beta v) are
 //! theta times those of the gas, and the denominator has eps mu k more: see [`RoundWall`].
 
-use super::faces::{Region, moved};
+use super::faces::{Layers, Region, moved};
 use super::round_wall::RoundWall;
 use super::{BedOnGrid, VolumeAveragedGas};
 use crate::domain::BoxFace;
@@ -31,13 +31,15 @@ pub(super) struct Momentum<'a> {
     pub(super) dt: f64,
 }
 
-/// Forces on the faces normal to one axis.
+/// Forces on faces, in order of the axis that these are normal to.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<'a> {
-    pub(super) rate: &'a Field,
+    pub(super) rate: &'a [Field; 3],
+    /// The part of the rate that counts.
+    pub(super) of_rate: f64,
     pub(super) pressure: &'a Field,
-    pub(super) driving: f64,
-    pub(super) source: Option<&'a Field>,
+    pub(super) driving: Vector3<f64>,
+    pub(super) source: Option<&'a [Field; 3]>,
 }
 
 /// Voidage and momentum transfer in the faces of a row.
@@ -70,9 +72,10 @@ fn both<'a>(field: &'a Field, row: &Range<usize>, stride: isize) -> [&'a [f64]; 
     [-stride, 0].map(|steps| moved(field.values(), row, steps))
 }
 
+/// What is done on faces goes through the box in blocks of layers, so that all three axes find the cells of a block in a cache.
 impl<'a> Momentum<'a> {
-    fn faces(&self, axis: usize) -> Region {
-        Region::free_faces(self.part, axis, self.gas)
+    fn faces(&self, axis: usize, layers: &Layers) -> Region {
+        Region::free_faces(self.part, axis, self.gas).in_layers(layers)
     }
 
     fn stride(&self, axis: usize) -> isize {
@@ -92,26 +95,35 @@ impl<'a> Momentum<'a> {
     }
 
     /// The velocity at the end of the step, before the pressure has changed.
-    pub(super) fn predict(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
-        in_wide_vectors(Predict { momentum: self, axis, old, forces, new });
+    pub(super) fn predict(&self, old: &[Field; 3], forces: Forces, new: &mut [Field; 3]) {
+        in_wide_vectors(Predict { momentum: self, old, forces, new });
     }
 
     #[inline(always)]
-    fn predict_rows(&self, axis: usize, old: &Field, forces: Forces, new: &mut Field) {
+    fn predict_rows(
+        &self,
+        (axis, layers): (usize, &Layers),
+        old: &Field,
+        forces: Forces,
+        new: &mut Field,
+    ) {
         let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
-        for row in self.faces(axis).rows(old) {
+        let Forces { of_rate, .. } = forces;
+        for row in self.faces(axis, layers).rows(old) {
             let face = self.face_row(&row, axis);
             let solids = both(&self.bed.transferred_velocity[axis], &row, stride);
             let pressure = both(forces.pressure, &row, stride);
-            let (u, rate) = (moved(old.values(), &row, 0), moved(forces.rate.values(), &row, 0));
-            let source = forces.source.map(|source| moved(source.values(), &row, 0));
+            let u = moved(old.values(), &row, 0);
+            let rate = moved(forces.rate[axis].values(), &row, 0);
+            let source = forces.source.map(|source| moved(source[axis].values(), &row, 0));
             let target = &mut new.values_mut()[row];
             for i in 0..target.len() {
                 let (eps, inertia, total) = face.at(i);
                 let gradient = (pressure[1][i] - pressure[0][i]) * inverse;
                 let drag = 0.5 * (solids[0][i] + solids[1][i]);
                 let given = source.map_or(0.0, |source| source[i]);
-                let gained = rate[i] + eps * (forces.driving - gradient) + drag + given;
+                let of_pressure = eps * (forces.driving[axis] - gradient);
+                let gained = of_rate * rate[i] + of_pressure + drag + given;
                 target[i] = (inertia * u[i] + gained) / total;
             }
         }
@@ -121,8 +133,8 @@ impl<'a> Momentum<'a> {
     /// of given pressure, half a cell away, adds to the diagonal.
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
-        for (axis, faces) in faces.iter_mut().enumerate() {
-            in_wide_vectors(SetCoefficients { momentum: self, axis, faces });
+        in_wide_vectors(SetCoefficients { momentum: self, faces });
+        for (axis, faces) in faces.iter().enumerate() {
             for side in 0..2 {
                 self.add_given_pressure(faces, diagonal, BoxFace { axis, side });
             }
@@ -179,15 +191,13 @@ impl<'a> Momentum<'a> {
 
     /// Adds what a change of pressure does to the velocity.
     pub(super) fn correct(&self, velocity: &mut [Field; 3], change: &Field) {
-        for (axis, velocity) in velocity.iter_mut().enumerate() {
-            in_wide_vectors(Correct { momentum: self, axis, velocity, change });
-        }
+        in_wide_vectors(Correct { momentum: self, velocity, change });
     }
 
     #[inline(always)]
-    fn coefficients_of_rows(&self, axis: usize, faces: &mut Field) {
+    fn coefficients_of_rows(&self, (axis, layers): (usize, &Layers), faces: &mut Field) {
         let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
-        for row in self.faces(axis).rows(faces) {
+        for row in self.faces(axis, layers).rows(faces) {
             let face = self.face_row(&row, axis);
             let target = &mut faces.values_mut()[row];
             for (i, coefficient) in target.iter_mut().enumerate() {
@@ -198,9 +208,9 @@ impl<'a> Momentum<'a> {
     }
 
     #[inline(always)]
-    fn correct_rows(&self, axis: usize, velocity: &mut Field, change: &Field) {
+    fn correct_rows(&self, (axis, layers): (usize, &Layers), velocity: &mut Field, change: &Field) {
         let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
-        for row in self.faces(axis).rows(velocity) {
+        for row in self.faces(axis, layers).rows(velocity) {
             let face = self.face_row(&row, axis);
             let change = both(change, &row, stride);
             let target = &mut velocity.values_mut()[row];
@@ -214,10 +224,9 @@ impl<'a> Momentum<'a> {
 
 struct Predict<'a> {
     momentum: &'a Momentum<'a>,
-    axis: usize,
-    old: &'a Field,
+    old: &'a [Field; 3],
     forces: Forces<'a>,
-    new: &'a mut Field,
+    new: &'a mut [Field; 3],
 }
 
 impl VectorWork for Predict<'_> {
@@ -225,14 +234,18 @@ impl VectorWork for Predict<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.momentum.predict_rows(self.axis, self.old, self.forces, self.new);
+        let Self { momentum, old, forces, new } = self;
+        for layers in Layers::blocks(momentum.part) {
+            for (axis, new) in new.iter_mut().enumerate() {
+                momentum.predict_rows((axis, &layers), &old[axis], forces, new);
+            }
+        }
     }
 }
 
 struct SetCoefficients<'a> {
     momentum: &'a Momentum<'a>,
-    axis: usize,
-    faces: &'a mut Field,
+    faces: &'a mut [Field; 3],
 }
 
 impl VectorWork for SetCoefficients<'_> {
@@ -240,7 +253,12 @@ impl VectorWork for SetCoefficients<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.momentum.coefficients_of_rows(self.axis, self.faces);
+        let Self { momentum, faces } = self;
+        for layers in Layers::blocks(momentum.part) {
+            for (axis, faces) in faces.iter_mut().enumerate() {
+                momentum.coefficients_of_rows((axis, &layers), faces);
+            }
+        }
     }
 }
 
@@ -262,8 +280,7 @@ impl VectorWork for SetResidual<'_> {
 
 struct Correct<'a> {
     momentum: &'a Momentum<'a>,
-    axis: usize,
-    velocity: &'a mut Field,
+    velocity: &'a mut [Field; 3],
     change: &'a Field,
 }
 
@@ -272,6 +289,11 @@ impl VectorWork for Correct<'_> {
 
     #[inline(always)]
     fn run(self) {
-        self.momentum.correct_rows(self.axis, self.velocity, self.change);
+        let Self { momentum, velocity, change } = self;
+        for layers in Layers::blocks(momentum.part) {
+            for (axis, velocity) in velocity.iter_mut().enumerate() {
+                momentum.correct_rows((axis, &layers), velocity, change);
+            }
+        }
     }
 }

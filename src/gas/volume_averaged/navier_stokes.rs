@@ -73,13 +73,6 @@ impl ExplicitForces {
     ) {
         in_wide_vectors(AddForces { explicit: self, velocity, voidage, local, wall, spacing });
     }
-
-    /// The mean, where the forces of two velocities were added.
-    fn halve(&mut self) {
-        for rate in self.rate.iter_mut().flat_map(|rate| rate.values_mut()) {
-            *rate *= 0.5;
-        }
-    }
 }
 
 struct AddForces<'a> {
@@ -263,11 +256,10 @@ impl NavierStokesSolver {
         let (courant, viscous) = self.limits(&momentum, &bed.voidage, ranks)?;
         self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
         self.explicit.add(&state.velocity, &state.voidage, (local, wall), spacing);
-        self.predict(&momentum, (state, &bed.voidage), step, ranks);
+        self.predict(&momentum, (state, &bed.voidage), (step, 1.0), ranks);
         self.explicit.set_fluxes(&self.predicted, &in_cells.voidage, part);
         self.explicit.add(&self.predicted, &bed.voidage, (local, wall), spacing);
-        self.explicit.halve();
-        self.predict(&momentum, (state, &bed.voidage), step, ranks);
+        self.predict(&momentum, (state, &bed.voidage), (step, 0.5), ranks);
         let rounding = self.rounding_of_continuity(courant / dt);
         let convergence = self.solve_pressure(&momentum, before, rounding, ranks)?;
         self.finish(&momentum, (state, &bed.voidage), ranks);
@@ -345,23 +337,23 @@ impl NavierStokesSolver {
         }
     }
 
-    /// The velocity at the end of the step, as advection and viscosity, drag and the old pressure make it.
+    /// The velocity at the end of the step, as a part of the explicit forces that were added, drag and the old pressure make it: half
+    /// of them if they are those of two velocities.
     fn predict(
         &mut self,
         momentum: &Momentum,
         (state, voidage): (&GasFields, &Field),
-        step: &NavierStokesStep,
+        (step, of_rate): (&NavierStokesStep, f64),
         ranks: &dyn Communicator,
     ) {
-        for axis in 0..3 {
-            let forces = Forces {
-                rate: &self.explicit.rate[axis],
-                pressure: &state.pressure,
-                driving: step.driving[axis],
-                source: step.source.map(|source| &source[axis]),
-            };
-            momentum.predict(axis, &state.velocity[axis], forces, &mut self.predicted[axis]);
-        }
+        let forces = Forces {
+            rate: &self.explicit.rate,
+            of_rate,
+            pressure: &state.pressure,
+            driving: step.driving,
+            source: step.source,
+        };
+        momentum.predict(&state.velocity, forces, &mut self.predicted);
         let local = LocalGas { part: &self.part, gas: momentum.gas };
         let end = step.time + step.dt;
         set_boundary_faces(&mut self.predicted, (voidage, momentum.wall), local, end);
