@@ -110,8 +110,9 @@ class TestGas(unittest.TestCase):
     def test_a_row_compares_runs_of_the_same_round(self) -> None:
         alone = [runs.Measured(20.0), runs.Measured(10.0), runs.Measured(16.0)]
         two = [runs.Measured(30.0, stages={"contact forces": 0.4}), runs.Measured(18.0), runs.Measured(24.0)]
-        row = coupled.line(coupled.COUPLED[0], 2, two, alone)
-        self.assertEqual(row[1:5], ["2", "24.00", "12.00", "0.75"])
+        row = coupled.line(coupled.COUPLED[0], 2, two, alone, [0.9 * run.rate for run in alone])
+        self.assertEqual(row[1:6], ["2", "24.00", "12.00", "0.75", "0.90"])
+        self.assertEqual(coupled.line(coupled.COUPLED[0], 1, alone, alone, [])[4:6], ["1.00", "-"])
 
 
 class TestRanks(unittest.TestCase):
@@ -125,8 +126,10 @@ class TestRanks(unittest.TestCase):
             ours = rates[row.bed.name, row.bed.ranks]
             found[tables.TALCUM, row.bed] = [runs.Measured(ours)]
             found[tables.LAMMPS, row.bed] = [runs.Measured(5.0 if row.bed.ranks == 1 else 8.0)]
+            if row.bed.ranks > 1:
+                found[ranks.COPIES, row.bed] = [runs.Measured(18.0)]
         lines = ranks.scaling_table(wanted, found).splitlines()[2:]
-        self.assertEqual(lines[1], "| 24,000 settled | 2 | 38.00 | 19.00 | 24,000 settled | 0.95 | 0.0 % | 0.80 | 4.75 |")
+        self.assertEqual(lines[1], "| 24,000 settled | 2 | 38.00 | 19.00 | 24,000 settled | 0.95 | 0.90 | 0.0 % | 0.80 | 4.75 |")
         self.assertEqual(lines[2].split(" | ")[5:6], ["0.75"])
         del found[tables.LAMMPS, wanted[0].bed]
         self.assertIn("| - |", ranks.scaling_table(wanted, found).splitlines()[3])

@@ -10,8 +10,8 @@ from statistics import median
 from .beds import ROOT, Bed
 from .runs import Measured, execute, on_cores
 from .states import STATES, is_kept, run_to
-from .tables import rounded, table
-from .talcum import PROGRAM, run_talcum
+from .tables import ratio, rounded, table
+from .talcum import PROGRAM, rate_of_copies, run_talcum
 
 MOST_RANKS = 2
 """Ranks that states are made on, and rows are measured on."""
@@ -53,15 +53,20 @@ def prepare(bed: CoupledBed) -> Path:
     return run_to(bed.state, ROOT / bed.case, bed.time, lambda command: execute(on_cores(command, ranks), ranks), PROGRAM)
 
 
-def line(bed: CoupledBed, ranks: int, runs: list[Measured], alone: list[Measured]) -> list[str]:
-    """A row of the table; `alone` are the runs on one rank, round by round."""
+def line(
+    bed: CoupledBed, ranks: int, runs: list[Measured], alone: list[Measured], copies: list[float]
+) -> list[str]:
+    """A row of the table; `alone` are the runs on one rank, round by round, `copies` the rates of as many such runs at once as
+    there are ranks."""
     rate = median(run.rate for run in runs)
     gained = median(run.rate / one.rate for run, one in zip(runs, alone)) / ranks
     shares = [
         100.0 * median(run.stages.get(name, 0.0) for run in runs)
         for name in ("contact forces", "coarse-grain, gas", "gas force", "migrate, rebuild lists", "integrate")
     ]
-    return [bed.name, str(ranks), *map(rounded, (rate, rate / ranks, gained)), *(rounded(share, 1) for share in shares)]
+    of_copies = ratio(copies, [run.rate for run in alone])
+    rates = map(rounded, (rate, rate / ranks, gained, of_copies))
+    return [bed.name, str(ranks), *rates, *(rounded(share, 1) for share in shares)]
 
 
 def coupled(rounds: int, first: bool) -> str:
@@ -69,11 +74,17 @@ def coupled(rounds: int, first: bool) -> str:
     numbers = [ranks for ranks in range(1, MOST_RANKS + 1) if ranks <= (os.cpu_count() or 1)]
     states = {bed: prepare(bed) for bed in COUPLED}
     runs: dict[tuple[CoupledBed, int], list[Measured]] = {}
+    copies: dict[tuple[CoupledBed, int], list[float]] = {}
     for _ in range(rounds):
         for bed, start in states.items():
             for ranks in numbers:
                 runs.setdefault((bed, ranks), []).append(run_talcum(bed.on(ranks), start, first))
-    rows = [line(bed, ranks, found, runs[bed, 1]) for (bed, ranks), found in runs.items()]
-    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "contacts, %", "gas, %",
-            "gas force, %", "lists, %", "integration, %"]  # fmt: skip
+                if ranks > 1:
+                    copied = rate_of_copies(bed.on(1), start, first, ranks)
+                    copies.setdefault((bed, ranks), []).append(copied)
+    rows = [
+        line(bed, ranks, found, runs[bed, 1], copies.get((bed, ranks), [])) for (bed, ranks), found in runs.items()
+    ]
+    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "of copies", "contacts, %",
+            "gas, %", "gas force, %", "lists, %", "integration, %"]  # fmt: skip
     return table(head, rows)

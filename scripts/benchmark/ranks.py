@@ -11,7 +11,7 @@ from .beds import BEDS, Bed
 from .runs import BenchmarkError, Measured, execute
 from .states import state
 from .tables import LAMMPS, TALCUM, ratio, rounded, table
-from .talcum import PROGRAM, run_talcum
+from .talcum import PROGRAM, rate_of_copies, run_talcum
 
 STRONG = next(bed for bed in BEDS if bed.name == "24,000 settled")
 LARGE = next(bed for bed in BEDS if bed.name == "216,000 settled")
@@ -55,6 +55,8 @@ def digests() -> str:
 
 
 Rates = dict[tuple[str, Bed], list[Measured]]
+# Of runs on one rank at once, as many as the bed has ranks, of the bed that it is compared with.
+COPIES = "copies"
 
 
 def measure(wanted: list[Row], rounds: int, first: bool, with_peers: bool) -> Rates:
@@ -65,10 +67,16 @@ def measure(wanted: list[Row], rounds: int, first: bool, with_peers: bool) -> Ra
         row.bed: peers.best_skin(lammps, replace(row.bed, ranks=1), states[row.bed], first)
         for row in wanted if lammps and row.with_peers
     }  # fmt: skip
+    beside = {row.bed: row.beside for row in wanted if row.bed.ranks > 1}
     runs: Rates = {}
     for _ in range(rounds):
         for bed, start in states.items():
             runs.setdefault((TALCUM, bed), []).append(run_talcum(bed, start, first))
+            if bed in beside:
+                copied = beside[bed]
+                from_start = state(copied.state, execute, PROGRAM)
+                rate = rate_of_copies(copied, from_start, first, bed.ranks)
+                runs.setdefault((COPIES, bed), []).append(Measured(rate))
             if lammps and bed in skins:
                 runs.setdefault((LAMMPS, bed), []).append(peers.run_peer(lammps, bed, start, skins[bed], first))
     return runs
@@ -84,12 +92,13 @@ def scaling_table(wanted: list[Row], runs: Rates) -> str:
         alone = [rates.get((name, replace(row.beside, ranks=1)), []) for name in (TALCUM, LAMMPS)]
         of_one = [ratio(of_bed, of_beside) for of_bed, of_beside in zip((ours, theirs), alone)]
         efficiencies = [None if each is None else each / bed.ranks for each in of_one]
+        of_copies = ratio(rates.get((COPIES, bed), []), alone[0]) if bed.ranks > 1 else None
         waiting = median(run.stages.get("decide (wait)", 0.0) for run in runs[TALCUM, bed])
         lines.append([bed.name, str(bed.ranks), f"{median(ours):.2f}", f"{median(ours) / bed.ranks:.2f}", row.beside.name,
-                      rounded(efficiencies[0]), f"{100.0 * waiting:.1f} %", rounded(efficiencies[1]),
+                      rounded(efficiencies[0]), rounded(of_copies), f"{100.0 * waiting:.1f} %", rounded(efficiencies[1]),
                       rounded(ratio(ours, theirs))])  # fmt: skip
     head = ["bed", "ranks", "million particle-steps/s", "per rank", "beside, on one rank", "efficiency",
-            "waiting to decide", f"efficiency of {LAMMPS}", f"to {LAMMPS}"]  # fmt: skip
+            "of copies", "waiting to decide", f"efficiency of {LAMMPS}", f"to {LAMMPS}"]  # fmt: skip
     return table(head, lines)
 
 

@@ -69,13 +69,13 @@ def environment(ranks: int) -> dict[str, str]:
 GO_FIRST = ["nice", "-n", "-20", "sh", "-c", 'echo -20 2>/dev/null >/proc/self/autogroup; exec "$0" "$@"']
 
 
-def on_cores(command: list[str], ranks: int, first: bool = False) -> list[str]:
-    """The command on `ranks` cores: one rank without a launcher, on the first core; `first` before other users."""
+def on_cores(command: list[str], ranks: int, first: bool = False, core: int = 0) -> list[str]:
+    """The command on `ranks` cores: one rank without a launcher, on the core of this number; `first` before other users."""
     if first:
         command = [*GO_FIRST, *command]
     cores = sorted(os.sched_getaffinity(0))
     if ranks == 1:
-        return ["taskset", "-c", str(cores[0]), *command]
+        return ["taskset", "-c", str(cores[core]), *command]
     place = ["--bind-to", "core"] if ranks <= len(cores) else []
     return ["mpirun", "-n", str(ranks), *place, *command]
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from statistics import mean
 
 import h5py
 
@@ -12,7 +14,6 @@ from .runs import Measured, measured, on_cores, read_talcum
 
 # Another build of it, if the variable names one.
 PROGRAM = Path(os.environ.get("TALCUM", ROOT / "target" / "release" / "talcum"))
-OUTPUT = RESULTS / f"again-{os.getpid()}"
 # The stage of cases/benchmark that follows the settling, by number.
 STAGE = 2
 
@@ -30,13 +31,20 @@ def changes(bed: Bed) -> list[str]:
     return [argument for setting in settings for argument in ("--set", setting)]
 
 
-def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM) -> Measured:
-    """One measured run from a checkpoint."""
+def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM, core: int = 0) -> Measured:
+    """One measured run from a checkpoint; on one rank on the core of this number."""
     with h5py.File(state, "r", locking=False) as file:
         clock = file["clock"].attrs
         steps = int(clock["step"]) - int(clock["origin_step"])
         time_step = float(clock["time_step"])
         now = float(clock["origin_time"]) + steps * time_step
     until = repr(now + bed.steps * time_step)
-    command = [str(program), "restart", str(state), "--until", until, "--output", str(OUTPUT), *changes(bed)]
-    return measured(read_talcum, on_cores(command, bed.ranks, first), bed.ranks, OUTPUT)
+    output = RESULTS / f"again-{os.getpid()}-{core}"
+    command = [str(program), "restart", str(state), "--until", until, "--output", str(output), *changes(bed)]
+    return measured(read_talcum, on_cores(command, bed.ranks, first, core), bed.ranks, output)
+
+
+def rate_of_copies(bed: Bed, state: Path, first: bool, copies: int) -> float:
+    """Mean rate of runs on one rank that go on at once, each on a core of its own, and have nothing to do with each other."""
+    with ThreadPoolExecutor(copies) as pool:
+        return mean(pool.map(lambda core: run_talcum(bed, state, first, core=core).rate, range(copies)))
