@@ -5,6 +5,9 @@ use super::operator::Coefficients;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
 
+/// Fields of coefficients, the most that are gathered at once.
+const COEFFICIENTS: usize = 4;
+
 /// Gathers distributed fields on every rank, and takes a rank's own cells out of them again.
 #[derive(Clone, Debug)]
 pub(super) struct Replication {
@@ -15,7 +18,8 @@ pub(super) struct Replication {
 
 impl Replication {
     pub(super) fn new(cells: LocalCells, periodic: [bool; 3]) -> Self {
-        Self { cells, periodic, buffer: Vec::new() }
+        let largest = COEFFICIENTS * cells.counts.iter().product::<usize>();
+        Self { cells, periodic, buffer: Vec::with_capacity(largest) }
     }
 
     /// Gathers the owned cells of all ranks in the owned cells of `replicas`, whose halos are not filled. This call is
