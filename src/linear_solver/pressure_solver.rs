@@ -148,22 +148,18 @@ impl PressureSolver {
             true => remove_mean(right, coefficients, gradients.scratch(), ranks),
             false => 0.0,
         };
-        let mut largest = [&*right, &self.solution].map(|field| largest_term(field, field));
-        ranks.maximum(&mut largest);
-        let [of_right, of_start] = largest;
-        let mut squared_norm = DotProduct::of_terms_up_to(of_right);
+        let mut bounds = [largest_term(right, right), largest([&self.solution])];
+        ranks.maximum(&mut bounds);
+        let [of_squares, of_start] = bounds;
+        let mut squared_norm = DotProduct::of_terms_up_to(of_squares);
         let norm = squared_norm.of(right, right, ranks).sqrt();
         if norm == 0.0 {
             self.solution.values_mut().fill(0.0);
             copy_owned(&self.solution, solution);
             return Ok(Convergence { removed_mean, ..Convergence::default() });
         }
-        let from_zero = of_start == 0.0;
-        if from_zero {
-            self.solution.values_mut().fill(0.0); // values whose squares underflow
-        }
         let start = Start {
-            norm: from_zero.then_some((norm, squared_norm)),
+            norm: (of_start == 0.0).then_some((norm, squared_norm)),
             allowed: (tolerance.relative * norm).max(tolerance.absolute),
         };
         let mut equation = Equation {

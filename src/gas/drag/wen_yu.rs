@@ -55,12 +55,8 @@ impl DragCorrelation for WenYu {
     /// ```
     #[inline(always)]
     fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64 {
-        let crowding = power(1.0 - solids_fraction, -(self.exponent + 1.0));
-        if reynolds < INERTIAL {
-            crowding * (1.0 + 0.15 * power(reynolds, 0.687))
-        } else {
-            crowding * 0.44 * reynolds / 24.0
-        }
+        let [scaled] = self.scaled_drags(&[solids_fraction], &[reynolds]);
+        scaled
     }
 
     #[inline(always)]
@@ -99,7 +95,8 @@ impl WenYuCreeping {
 impl DragCorrelation for WenYuCreeping {
     #[inline(always)]
     fn scaled_drag(&self, solids_fraction: f64, _reynolds: f64) -> f64 {
-        power(1.0 - solids_fraction, -(self.exponent + 1.0))
+        let [scaled] = crowding(&[solids_fraction], self.exponent);
+        scaled
     }
 
     #[inline(always)]

@@ -337,8 +337,8 @@ impl NavierStokesSolver {
         }
     }
 
-    /// The velocity at the end of the step, as a part of the explicit forces that were added, drag and the old pressure make it: half
-    /// of them if they are those of two velocities.
+    /// The velocity at the end of the step, as advection and viscosity, drag and the old pressure make it. `of_rate` is the part of
+    /// the explicit forces that counts: half, where those of two velocities were added.
     fn predict(
         &mut self,
         momentum: &Momentum,

@@ -166,7 +166,7 @@ fn a_converged_start_value_needs_no_iteration_and_zero_sources_give_zero_pressur
 }
 
 #[test]
-fn start_values_whose_squares_underflow_count_as_zero() {
+fn start_values_that_are_nearly_zero_change_no_bit() {
     let equation = Equation::new([16; 3], [false; 3]);
     let decomposition = equation.even_decomposition([1, 1, 2]);
     let expected = equation.solve_on(&decomposition, TIGHT);
