@@ -73,9 +73,7 @@ def measure(wanted: list[Row], rounds: int, first: bool, with_peers: bool) -> Ra
         for bed, start in states.items():
             runs.setdefault((TALCUM, bed), []).append(run_talcum(bed, start, first))
             if bed in beside:
-                copied = beside[bed]
-                from_start = state(copied.state, execute, PROGRAM)
-                rate = rate_of_copies(copied, from_start, first, bed.ranks)
+                rate = rate_of_copies(beside[bed], states[beside[bed]], first, bed.ranks)
                 runs.setdefault((COPIES, bed), []).append(Measured(rate))
             if lammps and bed in skins:
                 runs.setdefault((LAMMPS, bed), []).append(peers.run_peer(lammps, bed, start, skins[bed], first))
@@ -92,7 +90,7 @@ def scaling_table(wanted: list[Row], runs: Rates) -> str:
         alone = [rates.get((name, replace(row.beside, ranks=1)), []) for name in (TALCUM, LAMMPS)]
         of_one = [ratio(of_bed, of_beside) for of_bed, of_beside in zip((ours, theirs), alone)]
         efficiencies = [None if each is None else each / bed.ranks for each in of_one]
-        of_copies = ratio(rates.get((COPIES, bed), []), alone[0]) if bed.ranks > 1 else None
+        of_copies = ratio(rates.get((COPIES, bed), []), alone[0])
         waiting = median(run.stages.get("decide (wait)", 0.0) for run in runs[TALCUM, bed])
         lines.append([bed.name, str(bed.ranks), f"{median(ours):.2f}", f"{median(ours) / bed.ranks:.2f}", row.beside.name,
                       rounded(efficiencies[0]), rounded(of_copies), f"{100.0 * waiting:.1f} %", rounded(efficiencies[1]),
