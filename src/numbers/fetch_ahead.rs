@@ -3,22 +3,36 @@
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Prefetches a value that will soon be read or changed. It has no effect but on speed, and none at all on processors
-/// other than x86-64.
+/// Prefetches an item that will soon be read or changed. It has no effect but on speed, and none at all on processors
+/// other than x86-64. The index is not looked at: it costs nothing more, and does no harm if there is no such item.
 #[inline(always)]
-pub(crate) fn fetch_ahead<T>(value: &T) {
+pub(crate) fn fetch_ahead<T>(items: &[T], index: usize) {
+    let item = items.as_ptr().wrapping_add(index).cast::<i8>();
+    (0..size_of::<T>()).step_by(LINE).for_each(|offset| fetch_line(item.wrapping_add(offset)));
+}
+
+/// Prefetches one of `parts` parts of a value.
+#[inline(always)]
+pub(crate) fn fetch_part_ahead<T>(value: &T, part: usize, parts: usize) {
+    let lines = size_of::<T>().div_ceil(LINE);
+    let first = std::ptr::from_ref(value).cast::<i8>();
+    for line in part * lines / parts..(part + 1) * lines / parts {
+        fetch_line(first.wrapping_add(line * LINE));
+    }
+}
+
+#[inline(always)]
+fn fetch_line(address: *const i8) {
     #[cfg(target_arch = "x86_64")]
-    for offset in (0..size_of::<T>()).step_by(LINE) {
+    {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let address = std::ptr::from_ref(value).cast::<i8>().wrapping_add(offset);
-        // SAFETY: a prefetch is a hint. It neither reads nor writes, and does not fault, whatever the address, which is
-        // moreover within `value` (its first byte, or a whole number of lines after it). SSE, which has the instruction, is
-        // part of every x86-64 processor.
+        // SAFETY: a prefetch is a hint. It neither reads nor writes, and does not fault, whatever the address. SSE, which has
+        // the instruction, is part of every x86-64 processor.
         #[allow(unsafe_code, reason = "a prefetch instruction, which accesses nothing")]
         unsafe {
             _mm_prefetch::<_MM_HINT_T0>(address);
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (value, LINE);
+    let _ = address;
 }

@@ -15,7 +15,7 @@ mod simd;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
-pub(crate) use fetch_ahead::fetch_ahead;
+pub(crate) use fetch_ahead::{fetch_ahead, fetch_part_ahead};
 pub(crate) use flags::first_flagged;
 pub(crate) use functions::{power, powers, sine, whole};
 pub(crate) use instruction_set::{InstructionSet, instruction_set};

@@ -28,6 +28,9 @@ pub struct Particles {
 /// Marks a ghost whose owner is another rank.
 const REMOTE: u32 = u32::MAX;
 
+/// If bodies and forces take more bytes than this, few that a loop over pairs asks for are in a cache of the core's own.
+const CACHED: usize = 2 << 20;
+
 impl Particles {
     /// Makes an empty store with room for `count` particles.
     pub fn with_room_for(count: usize) -> Self {
@@ -56,6 +59,11 @@ impl Particles {
         }
         let original = self.image_of[index - self.owned];
         (original != REMOTE).then_some(original as usize)
+    }
+
+    /// Whether loops over pairs gain if they fetch bodies and forces before they need them.
+    pub(crate) fn exceed_caches(&self) -> bool {
+        size_of_val(&self.body[..]) + size_of_val(&self.forces[..]) > CACHED
     }
 
     /// Radius and mass of the particles, if all have the same.

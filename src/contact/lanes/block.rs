@@ -1,6 +1,6 @@
 //! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
 
-use super::{Lanes, Sizes, load_vectors, store_vectors, vector};
+use super::{ComingBlocks, Lanes, Sizes, load_vectors, store_vectors, vector};
 use crate::contact::force_laws::PairLaws;
 use crate::contact::rolling::Rolling;
 use crate::numbers::{F64x4, within};
@@ -36,13 +36,13 @@ pub(crate) struct ContactBlock {
 }
 
 impl ContactBlock {
-    /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for.
+    /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for. Fetches bodies of the next block.
     #[inline(always)]
     pub(crate) fn gather<Q: F64x4, S: Sizes>(
         &mut self,
         sizes: &mut S,
         [first, second]: [&[u32; LANES]; 2],
-        bodies: &[Body],
+        (bodies, coming): (&[Body], ComingBlocks),
         with_relative_spin: bool,
     ) {
         let zero = [Q::splat(0.0); 4];
@@ -51,6 +51,7 @@ impl ContactBlock {
         for from in (0..LANES).step_by(4) {
             for row in 0..4 {
                 let lane = from + row;
+                coming.fetch_body(bodies, lane);
                 let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
                 sizes.gather(lane, [i, j]);
                 let [radius_i, radius_j] = sizes.radii(lane);
@@ -98,15 +99,17 @@ impl ContactBlock {
         }
     }
 
-    /// Adds forces and torques of the first `used` pairs to those of their bodies.
+    /// Adds forces and torques of the first `used` pairs to those of their bodies. Fetches those of the next block, and the pairs of
+    /// the one after it.
     #[inline(always)]
     pub(crate) fn scatter<Q: F64x4, S: Sizes>(
         &self,
         [first, second]: [&[u32; LANES]; 2],
         used: usize,
-        forces: &mut [ForceTorque],
+        (forces, coming): (&mut [ForceTorque], ComingBlocks),
     ) {
         for from in (0..used).step_by(4) {
+            coming.fetch_pairs(from / 4);
             let force = load_vectors::<Q>(&self.force_on_j, from);
             let negative_torque_i = load_vectors::<Q>(&self.negative_torque_i, from);
             let negative_torque_j = if S::EQUAL {
@@ -118,6 +121,7 @@ impl ContactBlock {
                 if from + row >= used {
                     break;
                 }
+                coming.fetch_force(forces, from + row);
                 let [force_i, torque_i] = forces[first[from + row] as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
                 Q::load(torque_i).minus(negative_torque_i[row]).store(torque_i);

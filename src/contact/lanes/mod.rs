@@ -1,6 +1,7 @@
 //! Blocks of pairs side by side, in lanes, and contact laws on them.
 
 mod block;
+mod coming;
 mod law;
 mod sizes;
 mod vectors;
@@ -8,6 +9,7 @@ mod vectors;
 use crate::particles::LANES;
 
 pub(crate) use block::ContactBlock;
+pub(crate) use coming::ComingBlocks;
 pub use law::BlockLaw;
 pub(crate) use law::{
     BlockHistories, Inlined, LawOnBlock, LoopOverBlocks, PairsOfBlock, Virtual, WithBlockLaw,

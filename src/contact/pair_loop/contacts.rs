@@ -4,15 +4,12 @@ use super::attraction::attract;
 use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, LawOnBlock, LoopOverBlocks, ManySizes, OneSize, PairsOfBlock,
-    Sizes, WithRegisters, overlap_and_normal, vector,
+    BlockHistories, ComingBlocks, ContactBlock, LawOnBlock, LoopOverBlocks, ManySizes, OneSize,
+    PairsOfBlock, Sizes, WithRegisters, overlap_and_normal, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
-use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged};
+use crate::numbers::{F64x4, SimdKernel, first_flagged};
 use crate::particles::{Half, LANES, PairBlock, PairBlocks, Particles};
-
-/// If the pairs take more bytes than this, few of them are still in a cache of the processor's core at the next step.
-const CACHED: usize = 1 << 22;
 
 /// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
 /// too: they have a loop of their own, so that the common one stays small.
@@ -71,17 +68,17 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
-        let from_memory = size_of_val(&pairs.blocks[..]) > CACHED;
+        let fetches = particles.exceed_caches();
         let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
         for index in half.of(blocks.len()) {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
             let ends = [&pairs.first, &pairs.second];
-            block.gather::<Q, S>(&mut sizes, ends, &particles.body, R::ACTS);
-            if from_memory {
-                fetch_particles(coming.first(), particles);
-                coming.get(1).into_iter().for_each(fetch_ahead);
-            }
+            let coming = match fetches {
+                true => ComingBlocks::first_of(coming),
+                false => ComingBlocks::default(),
+            };
+            block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
             set_geometry(&mut block, &sizes);
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
@@ -112,7 +109,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             }
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
-            block.scatter::<Q, S>(targets, used, &mut particles.forces);
+            block.scatter::<Q, S>(targets, used, (&mut particles.forces, coming));
         }
         Ok(())
     }
@@ -134,16 +131,6 @@ fn excess_force(
 ) -> ForceOutOfRange {
     let force = vector(&block.force_on_j, lane);
     out_of_range(i, format!("particle {j}"), force, block.overlap[lane], limit)
-}
-
-/// Prefetches the particles of the next block, so that the processor need not wait for them when it gets there.
-#[inline(always)]
-fn fetch_particles(next: Option<&PairBlock>, particles: &Particles) {
-    let Some(pairs) = next else { return };
-    for index in pairs.first.into_iter().chain(pairs.second) {
-        fetch_ahead(&particles.body[index as usize]);
-        fetch_ahead(&particles.forces[index as usize]);
-    }
 }
 
 /// Sets overlap, normal and relative velocity of the surfaces of all pairs. It is a separate loop so that the processor

@@ -6,7 +6,7 @@ use crate::contact::lanes::{
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
-use crate::numbers::{F64x4, SimdKernel, first_flagged, within};
+use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
 use crate::particles::{Candidates, ForceTorque, LANES, Pair, PairsOfKind, Particles};
 
 /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
@@ -62,18 +62,20 @@ impl SeparatedLoop<'_> {
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, pairs, reach: SeparatedReach { contact_range, .. }, laws, .. } = self;
         let Candidates { pairs, to_promote } = pairs.candidates();
+        let fetches = particles.exceed_caches();
         let mut block = SeparatedBlock::default();
-        for (number, pairs) in pairs.chunks(LANES).enumerate() {
-            block.gather::<Q, S>(&mut sizes, pairs, particles);
+        for (number, present) in pairs.chunks(LANES).enumerate() {
+            let coming = pairs.get((number + 1) * LANES..).filter(|_| fetches).unwrap_or_default();
+            block.gather::<Q, S>(&mut sizes, (present, coming), particles);
             block.attract(attraction, contact_range, &sizes, &laws);
-            block.collect_in_contact_range(number, pairs.len(), to_promote);
+            block.collect_in_contact_range(number, present.len(), to_promote);
             if let Some(lane) = first_flagged(&block.out_of_range) {
-                let [i, j] = [0, 1].map(|side| particles.id[pairs[lane][side] as usize]);
+                let [i, j] = [0, 1].map(|side| particles.id[present[lane][side] as usize]);
                 let force = vector(&block.force_on_j, lane);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
                 return Err(out_of_range(i, other, force, overlap, laws.limit));
             }
-            block.scatter::<Q>(pairs, &mut particles.forces);
+            block.scatter::<Q>((present, coming), &mut particles.forces);
         }
         Ok(())
     }
@@ -92,12 +94,21 @@ struct SeparatedBlock {
 }
 
 impl SeparatedBlock {
+    /// Gathers pairs, and fetches bodies of those that come.
     #[inline(always)]
-    fn gather<Q: F64x4, S: Sizes>(&mut self, sizes: &mut S, pairs: &[Pair], particles: &Particles) {
+    fn gather<Q: F64x4, S: Sizes>(
+        &mut self,
+        sizes: &mut S,
+        (pairs, coming): (&[Pair], &[Pair]),
+        particles: &Particles,
+    ) {
         let mut branch_vector = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
             for (row, of_pair) in branch_vector.iter_mut().enumerate() {
                 let lane = from + row;
+                if let Some(&[_, other, _]) = coming.get(lane) {
+                    fetch_ahead(&particles.body, other as usize);
+                }
                 let [i, j, _] = pairs[lane.min(pairs.len() - 1)];
                 let (i, j) = (&particles.body[i as usize], &particles.body[j as usize]);
                 sizes.gather(lane, [i, j]);
@@ -141,11 +152,15 @@ impl SeparatedBlock {
         }
     }
 
+    /// Adds the forces of pairs, and fetches those of the ones that come.
     #[inline(always)]
-    fn scatter<Q: F64x4>(&self, pairs: &[Pair], forces: &mut [ForceTorque]) {
+    fn scatter<Q: F64x4>(&self, (pairs, coming): (&[Pair], &[Pair]), forces: &mut [ForceTorque]) {
         for (four, pairs) in pairs.chunks(4).enumerate() {
             let force = load_vectors::<Q>(&self.force_on_j, 4 * four);
             for (row, &[i, _, target]) in pairs.iter().enumerate() {
+                if let Some(&[_, _, target]) = coming.get(4 * four + row) {
+                    fetch_ahead(forces, target as usize);
+                }
                 let [force_i, _torque] = forces[i as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
                 let [force_j, _torque] = forces[target as usize].vectors_mut();
