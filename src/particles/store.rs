@@ -28,7 +28,7 @@ pub struct Particles {
 /// Marks a ghost whose owner is another rank.
 const REMOTE: u32 = u32::MAX;
 
-/// If bodies and forces take more bytes than this, few that a loop over pairs asks for are in a cache of the core's own.
+/// If bodies and forces take more bytes than this, few of them are in a cache of the core's own.
 const CACHED: usize = 2 << 20;
 
 impl Particles {
@@ -61,7 +61,7 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
-    /// Whether loops over pairs gain if they fetch bodies and forces before they need them.
+    /// Whether loops over particles and pairs gain if they prefetch bodies and forces.
     pub(crate) fn exceed_caches(&self) -> bool {
         size_of_val(&self.body[..]) + size_of_val(&self.forces[..]) > CACHED
     }
