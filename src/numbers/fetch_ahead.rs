@@ -36,3 +36,18 @@ fn fetch_line(address: *const i8) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = address;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prefetching_beyond_the_items_does_no_harm() {
+        let items = [[1.0_f64; 24]; 3];
+        for index in [0, 2, 3, 1 << 40, usize::MAX] {
+            fetch_ahead(&items, index);
+        }
+        (0..8).for_each(|part| fetch_part_ahead(&items, part, 8));
+        assert_eq!(items, [[1.0; 24]; 3]);
+    }
+}
