@@ -29,11 +29,23 @@ pub(crate) trait F64x4: Copy {
     /// Multiplies number by number.
     fn times(self, other: Self) -> Self;
 
+    /// Divides number by number.
+    fn over(self, other: Self) -> Self;
+
+    /// Takes the square root of each number.
+    fn root(self) -> Self;
+
+    /// Takes the magnitude of each number.
+    fn magnitude(self) -> Self;
+
     /// Takes the larger of each two numbers; either of them if one is undefined.
     fn larger(self, other: Self) -> Self;
 
     /// Bit k is set if number k is less than that of the other, and neither is undefined.
     fn below(self, other: Self) -> u32;
+
+    /// Bit k is set if number k is at most that of the other, and neither is undefined.
+    fn at_most(self, other: Self) -> u32;
 
     /// Turns rows into columns.
     fn transposed(rows: [Self; 4]) -> [Self; 4];
@@ -127,6 +139,23 @@ impl F64x4 for Portable {
     }
 
     #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn root(self) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.sqrt(), b.sqrt(), c.sqrt(), d.sqrt()])
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.abs(), b.abs(), c.abs(), d.abs()])
+    }
+
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
@@ -134,6 +163,11 @@ impl F64x4 for Portable {
     #[inline(always)]
     fn below(self, other: Self) -> u32 {
         (0..4).map(|k| u32::from(self.0[k] < other.0[k]) << k).sum()
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> u32 {
+        (0..4).map(|k| u32::from(self.0[k] <= other.0[k]) << k).sum()
     }
 
     #[inline(always)]
@@ -220,6 +254,24 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn over(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
+            Self(unsafe { _mm256_div_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn root(self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
+            Self(unsafe { _mm256_sqrt_pd(self.0) })
+        }
+
+        #[inline(always)]
+        fn magnitude(self) -> Self {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
+            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        }
+
+        #[inline(always)]
         fn larger(self, other: Self) -> Self {
             // SAFETY: the processor has AVX2, by the invariant of this type.
             Self(unsafe { _mm256_max_pd(self.0, other.0) })
@@ -229,6 +281,12 @@ mod avx2 {
         fn below(self, other: Self) -> u32 {
             // SAFETY: the processor has AVX2, by the invariant of this type.
             unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+        }
+
+        #[inline(always)]
+        fn at_most(self, other: Self) -> u32 {
+            // SAFETY: the processor has AVX2, by the invariant of this type.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
         }
 
         #[inline(always)]
@@ -256,15 +314,16 @@ mod tests {
     struct AllOperations;
 
     impl SimdKernel for AllOperations {
-        type Output = [[f64; 4]; 9];
+        type Output = [[f64; 4]; 12];
 
         #[inline(always)]
         fn run<Q: F64x4>(self) -> Self::Output {
             let (a, b) = (Q::load(&[0.1, 0.2, 0.3, 0.4]), Q::load(&[-0.7, 3.0, 1.0e-9, 7.0]));
             let columns = Q::transposed([a, b, a.times(b), Q::splat(0.3)]);
-            let results = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
-            let mut numbers = [[0.0; 4]; 9];
-            for (four, numbers) in results.into_iter().chain(columns).zip(&mut numbers) {
+            let sums = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
+            let results = sums.into_iter().chain([a.over(b), a.root(), b.magnitude()]);
+            let mut numbers = [[0.0; 4]; 12];
+            for (four, numbers) in results.chain(columns).zip(&mut numbers) {
                 four.store(numbers);
             }
             numbers
@@ -273,12 +332,15 @@ mod tests {
 
     #[test]
     fn all_implementations_give_the_same_bits() {
-        let [a, sum, difference, product, larger, columns @ ..] = with_simd(AllOperations);
-        assert_eq!([a, sum, difference, product, larger], AllOperations.run::<Portable>()[..5]);
-        assert_eq!(columns, AllOperations.run::<Portable>()[5..]);
+        let all = with_simd(AllOperations);
+        assert_eq!(all, AllOperations.run::<Portable>());
+        let [a, sum, _, _, larger, quotient, root, magnitude, columns @ ..] = all;
         assert_eq!(a, [0.1, 0.2, 0.3, 0.4]);
         assert_eq!(sum, [0.1 - 0.7, 0.2 + 3.0, 0.3 + 1.0e-9, 0.4 + 7.0]);
         assert_eq!(larger, [0.1, 3.0, 0.3, 7.0]);
+        assert_eq!(quotient, [0.1 / -0.7, 0.2 / 3.0, 0.3 / 1.0e-9, 0.4 / 7.0]);
+        assert_eq!(root, [0.1_f64, 0.2, 0.3, 0.4].map(f64::sqrt));
+        assert_eq!(magnitude, [0.7, 3.0, 1.0e-9, 7.0]);
         assert_eq!(columns[1], [0.2, 3.0, 0.2 * 3.0, 0.3]);
     }
 
@@ -290,13 +352,14 @@ mod tests {
         #[inline(always)]
         fn run<Q: F64x4>(self) -> u32 {
             let (a, b) = (Q::load(&[1.0, 2.0, f64::NAN, -4.0]), Q::load(&[2.0, 2.0, 3.0, 0.0]));
-            a.below(b) | b.below(a) << 4
+            a.below(b) | b.below(a) << 4 | a.at_most(b) << 8 | b.at_most(a) << 12
         }
     }
 
     #[test]
     fn all_implementations_compare_alike() {
-        assert_eq!(with_simd(Comparison), 0b1001);
-        assert_eq!(Comparison.run::<Portable>(), 0b1001);
+        let expected = 0b0010_1011_0000_1001;
+        assert_eq!(with_simd(Comparison), expected);
+        assert_eq!(Comparison.run::<Portable>(), expected);
     }
 }

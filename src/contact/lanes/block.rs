@@ -1,38 +1,56 @@
 //! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
 
-use super::{ComingBlocks, Lanes, Sizes, load_vectors, store_vectors, vector};
+use super::{ComingBlocks, FourVectors, Lanes, Sizes, overlaps_and_normals};
 use crate::contact::force_laws::PairLaws;
 use crate::contact::rolling::Rolling;
-use crate::numbers::{F64x4, within};
+use crate::numbers::{F64x4, four, four_mut};
 use crate::particles::{Body, ForceTorque, LANES};
+use nalgebra::Vector3;
 
-/// The pairs of a block, component by component: particles i and j in each lane.
+/// The pairs of a block, component by component: particles i and j in each lane. Four pairs at a time are gathered from the
+/// particles, and their forces added to them, in registers: only what the law is given and returns is stored.
 #[derive(Default)]
 pub(crate) struct ContactBlock {
-    /// From the centre of i to that of j.
-    pub(crate) branch_vector: [Lanes; 3],
-    /// First that of the centres, then that of the surfaces at the contact.
-    pub(crate) relative_velocity: [Lanes; 3],
-    /// omega_i r_i + omega_j r_j.
-    pub(crate) surface_spin: [Lanes; 3],
-    /// omega_j - omega_i; only if rolling is resisted.
-    pub(crate) relative_spin: [Lanes; 3],
     pub(crate) overlap: Lanes,
     pub(crate) normal: [Lanes; 3],
+    /// That of the surfaces at the contact.
+    pub(crate) relative_velocity: [Lanes; 3],
+    /// omega_j - omega_i; only if rolling is resisted.
+    pub(crate) relative_spin: [Lanes; 3],
     pub(crate) cohesion: Lanes,
     pub(crate) normal_force: Lanes,
     pub(crate) tangential_force: [Lanes; 3],
     /// Torque on j; only if rolling is resisted.
     pub(crate) rolling_torque: [Lanes; 3],
-    pub(crate) force_on_j: [Lanes; 3],
-    /// The negative of the torque on i.
-    pub(crate) negative_torque_i: [Lanes; 3],
-    /// The negative of the torque on j; if the two are equal, only that on i is set.
-    pub(crate) negative_torque_j: [Lanes; 3],
     /// 1 where the bodies are in contact.
     pub(crate) touching: [u64; LANES],
-    /// 1 where the force exceeds the limit or is undefined.
-    pub(crate) out_of_range: [u64; LANES],
+}
+
+/// Forces and torques of four pairs, rounded to multiples of their quanta.
+pub(crate) struct FourForces<Q> {
+    pub(crate) force_on_j: FourVectors<Q>,
+    /// The negatives of the torques on i and j.
+    pub(crate) negative_torques: [FourVectors<Q>; 2],
+}
+
+/// A force that exceeds the limit or is undefined.
+pub(crate) struct ExcessForce {
+    pub(crate) lane: usize,
+    pub(crate) force_on_j: Vector3<f64>,
+}
+
+impl<Q: F64x4> FourForces<Q> {
+    /// That all forces are within a limit.
+    ///
+    /// # Errors
+    /// The first that is not; `from` is the lane of the first pair.
+    #[inline(always)]
+    pub(crate) fn within(self, limit: f64, from: usize) -> Result<Self, ExcessForce> {
+        match self.force_on_j.first_beyond(limit) {
+            None => Ok(self),
+            Some((row, force_on_j)) => Err(ExcessForce { lane: from + row, force_on_j }),
+        }
+    }
 }
 
 impl ContactBlock {
@@ -64,72 +82,80 @@ impl ContactBlock {
                 spin[row] = surface_i.plus(spin_j.times(Q::splat(radius_j)));
                 relative_spin[row] = spin_j.minus(spin_i);
             }
-            store_vectors(&mut self.branch_vector, from, branch_vector);
-            store_vectors(&mut self.relative_velocity, from, velocity);
-            store_vectors(&mut self.surface_spin, from, spin);
+            let surface_spin = FourVectors::of_rows(spin);
+            let (overlap, normal) =
+                overlaps_and_normals(FourVectors::of_rows(branch_vector), sizes.four_radii(from));
+            let of_surfaces = FourVectors::of_rows(velocity).minus(surface_spin.cross(normal));
+            overlap.store(four_mut(&mut self.overlap, from));
+            normal.store(&mut self.normal, from);
+            of_surfaces.store(&mut self.relative_velocity, from);
             if with_relative_spin {
-                store_vectors(&mut self.relative_spin, from, relative_spin);
+                FourVectors::of_rows(relative_spin).store(&mut self.relative_spin, from);
             }
         }
     }
 
-    /// Sets the forces and torques of all pairs, rounded to multiples of their quanta.
+    /// The forces and torques of four pairs, from lane `from` on.
     #[inline(always)]
-    pub(crate) fn round_forces<R: Rolling, S: Sizes>(&mut self, sizes: &S, laws: &PairLaws) {
-        for lane in 0..LANES {
-            let [radius_i, radius_j] = sizes.radii(lane);
-            let normal = vector(&self.normal, lane);
-            let tangential = vector(&self.tangential_force, lane);
-            let along = self.normal_force[lane] - self.cohesion[lane];
-            let force_on_j = laws.force_quantum.round_vector(normal * along + tangential);
-            let twist = normal.cross(&tangential);
-            let mut twists = [twist * radius_i, twist * radius_j];
-            if R::ACTS {
-                let torque = vector(&self.rolling_torque, lane);
-                twists = [twists[0] + torque, twists[1] - torque];
-            }
-            for axis in 0..3 {
-                self.force_on_j[axis][lane] = force_on_j[axis];
-                self.negative_torque_i[axis][lane] = laws.torque_quantum.round(twists[0][axis]);
-                if !S::EQUAL {
-                    self.negative_torque_j[axis][lane] = laws.torque_quantum.round(twists[1][axis]);
-                }
-            }
-            self.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
+    pub(crate) fn forces_of_four<Q: F64x4, R: Rolling, S: Sizes>(
+        &self,
+        from: usize,
+        sizes: &S,
+        laws: &PairLaws,
+    ) -> FourForces<Q> {
+        let normal = FourVectors::<Q>::load(&self.normal, from);
+        let tangential = FourVectors::load(&self.tangential_force, from);
+        let [normal_force, cohesion] =
+            [&self.normal_force, &self.cohesion].map(|numbers| four(numbers, from));
+        let along = Q::load(normal_force).minus(Q::load(cohesion));
+        let twist = normal.cross(tangential);
+        let [radius_i, radius_j] = sizes.four_radii(from);
+        let mut twists = [twist.times(radius_i), twist.times(radius_j)];
+        if R::ACTS {
+            let torque = FourVectors::load(&self.rolling_torque, from);
+            twists = [twists[0].plus(torque), twists[1].minus(torque)];
         }
+        let [of_i, of_j] = twists;
+        let of_i = of_i.rounded(laws.torque_quantum);
+        let equal = S::EQUAL && !R::ACTS;
+        let of_j = if equal { of_i } else { of_j.rounded(laws.torque_quantum) };
+        let force_on_j = normal.times(along).plus(tangential).rounded(laws.force_quantum);
+        FourForces { force_on_j, negative_torques: [of_i, of_j] }
     }
 
     /// Adds forces and torques of the first `used` pairs to those of their bodies. Fetches those of the next block, and the pairs of
     /// the one after it.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined; those of the pairs before have been added.
     #[inline(always)]
-    pub(crate) fn scatter<Q: F64x4, S: Sizes>(
+    pub(crate) fn scatter<Q: F64x4, R: Rolling, S: Sizes>(
         &self,
+        (sizes, laws): (&S, &PairLaws),
         [first, second]: [&[u32; LANES]; 2],
         used: usize,
         (forces, coming): (&mut [ForceTorque], ComingBlocks),
-    ) {
+    ) -> Result<(), ExcessForce> {
         for from in (0..used).step_by(4) {
             coming.fetch_pairs(from / 4);
-            let force = load_vectors::<Q>(&self.force_on_j, from);
-            let negative_torque_i = load_vectors::<Q>(&self.negative_torque_i, from);
-            let negative_torque_j = if S::EQUAL {
-                negative_torque_i
-            } else {
-                load_vectors(&self.negative_torque_j, from)
-            };
+            let of_four = self.forces_of_four::<Q, R, S>(from, sizes, laws);
+            let FourForces { force_on_j, negative_torques } = of_four.within(laws.limit, from)?;
+            let force = force_on_j.rows();
+            let [torque_i, torque_j] = [negative_torques[0].rows(), negative_torques[1].rows()];
             for row in 0..4 {
                 if from + row >= used {
                     break;
                 }
                 coming.fetch_force(forces, from + row);
-                let [force_i, torque_i] = forces[first[from + row] as usize].vectors_mut();
+                let [force_i, of_i] = forces[first[from + row] as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
-                Q::load(torque_i).minus(negative_torque_i[row]).store(torque_i);
-                let [force_j, torque_j] = forces[second[from + row] as usize].vectors_mut();
+                Q::load(of_i).minus(torque_i[row]).store(of_i);
+                let [force_j, of_j] = forces[second[from + row] as usize].vectors_mut();
                 Q::load(force_j).plus(force[row]).store(force_j);
-                Q::load(torque_j).minus(negative_torque_j[row]).store(torque_j);
+                Q::load(of_j).minus(torque_j[row]).store(of_j);
             }
         }
+        Ok(())
     }
 
     /// Copies the flags of pairs that touch.

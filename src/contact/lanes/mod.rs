@@ -8,7 +8,7 @@ mod vectors;
 
 use crate::particles::LANES;
 
-pub(crate) use block::ContactBlock;
+pub(crate) use block::{ContactBlock, ExcessForce, FourForces};
 pub(crate) use coming::ComingBlocks;
 pub use law::BlockLaw;
 pub(crate) use law::{
@@ -16,7 +16,7 @@ pub(crate) use law::{
     WithRegisters,
 };
 pub(crate) use sizes::{AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall};
-pub(crate) use vectors::{load_vectors, overlap_and_normal, store_vectors, vector};
+pub(crate) use vectors::{FourVectors, overlap_and_normal, overlaps_and_normals, vector};
 
 /// A number for each pair of a block.
 pub(crate) type Lanes = [f64; LANES];

@@ -1,6 +1,7 @@
 //! Radii and masses of the pairs of a block.
 
 use super::Lanes;
+use crate::numbers::{F64x4, four};
 use crate::particles::Body;
 
 /// Radii and masses of the pairs of a block.
@@ -13,6 +14,9 @@ pub(crate) trait Sizes: Copy {
 
     /// Radii of the two bodies of a pair.
     fn radii(&self, lane: usize) -> [f64; 2];
+
+    /// Those of four pairs, from lane `from` on.
+    fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2];
 
     /// What the law needs of a pair.
     fn reduced(&self, lane: usize) -> ReducedSizes;
@@ -70,6 +74,11 @@ impl Sizes for OneSize {
     }
 
     #[inline(always)]
+    fn four_radii<Q: F64x4>(&self, _from: usize) -> [Q; 2] {
+        [Q::splat(self.radius); 2]
+    }
+
+    #[inline(always)]
     fn reduced(&self, _lane: usize) -> ReducedSizes {
         ReducedSizes::of_spheres([self.radius; 2], [self.mass; 2])
     }
@@ -104,6 +113,11 @@ impl Sizes for ManySizes {
     }
 
     #[inline(always)]
+    fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
+        [Q::load(four(&self.radii[0], from)), Q::load(four(&self.radii[1], from))]
+    }
+
+    #[inline(always)]
     fn reduced(&self, lane: usize) -> ReducedSizes {
         let masses = [self.masses[0][lane], self.masses[1][lane]];
         ReducedSizes::of_spheres(self.radii(lane), masses)
@@ -134,6 +148,11 @@ impl Sizes for SizesAtWall {
     #[inline(always)]
     fn radii(&self, lane: usize) -> [f64; 2] {
         [self.radius[lane]; 2]
+    }
+
+    #[inline(always)]
+    fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
+        [Q::load(four(&self.radius, from)); 2]
     }
 
     #[inline(always)]

@@ -4,11 +4,11 @@ use super::attraction::attract;
 use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ComingBlocks, ContactBlock, LawOnBlock, LoopOverBlocks, ManySizes, OneSize,
-    PairsOfBlock, Sizes, WithRegisters, overlap_and_normal, vector,
+    BlockHistories, ComingBlocks, ContactBlock, ExcessForce, LawOnBlock, LoopOverBlocks, ManySizes,
+    OneSize, PairsOfBlock, Sizes, WithRegisters,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
-use crate::numbers::{F64x4, SimdKernel, first_flagged};
+use crate::numbers::{F64x4, SimdKernel};
 use crate::particles::{Half, LANES, PairBlock, PairBlocks, Particles};
 
 /// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
@@ -79,7 +79,6 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 false => ComingBlocks::default(),
             };
             block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
-            set_geometry(&mut block, &sizes);
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
@@ -101,15 +100,14 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
                 std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
             }
-            block.round_forces::<R, S>(&sizes, &laws);
             block.copy_touching(&mut pairs.touching);
-            if let Some(lane) = first_flagged(&block.out_of_range) {
-                let ids = ends.map(|end| particles.id[end[lane] as usize]);
-                return Err(excess_force(&block, lane, ids, laws.limit));
-            }
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
-            block.scatter::<Q, S>(targets, used, (&mut particles.forces, coming));
+            let forces = (&mut particles.forces[..], coming);
+            if let Err(excess) = block.scatter::<Q, R, S>((&sizes, &laws), targets, used, forces) {
+                let ids = ends.map(|end| particles.id[end[excess.lane] as usize]);
+                return Err(excess_force(&excess, &block, ids, laws.limit));
+            }
         }
         Ok(())
     }
@@ -124,28 +122,11 @@ fn any_is_set(numbers: &[f64; LANES]) -> bool {
 /// The error of a pair whose force exceeds the limit.
 #[cold]
 fn excess_force(
+    excess: &ExcessForce,
     block: &ContactBlock,
-    lane: usize,
     [i, j]: [u64; 2],
     limit: f64,
 ) -> ForceOutOfRange {
-    let force = vector(&block.force_on_j, lane);
-    out_of_range(i, format!("particle {j}"), force, block.overlap[lane], limit)
-}
-
-/// Sets overlap, normal and relative velocity of the surfaces of all pairs. It is a separate loop so that the processor
-/// can work on several square roots at once.
-#[inline(always)]
-fn set_geometry<S: Sizes>(block: &mut ContactBlock, sizes: &S) {
-    for lane in 0..LANES {
-        let (overlap, normal) =
-            overlap_and_normal(vector(&block.branch_vector, lane), sizes.radii(lane));
-        let velocity = vector(&block.relative_velocity, lane)
-            - vector(&block.surface_spin, lane).cross(&normal);
-        block.overlap[lane] = overlap;
-        for axis in 0..3 {
-            block.normal[axis][lane] = normal[axis];
-            block.relative_velocity[axis][lane] = velocity[axis];
-        }
-    }
+    let ExcessForce { lane, force_on_j } = *excess;
+    out_of_range(i, format!("particle {j}"), force_on_j, block.overlap[lane], limit)
 }

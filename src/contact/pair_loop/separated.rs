@@ -2,11 +2,11 @@
 
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    Lanes, ManySizes, OneSize, Sizes, load_vectors, overlap_and_normal, store_vectors, vector,
+    ExcessForce, FourVectors, Lanes, ManySizes, OneSize, Sizes, overlaps_and_normals,
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
-use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, within};
+use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, four, four_mut};
 use crate::particles::{Candidates, ForceTorque, LANES, Pair, PairsOfKind, Particles};
 
 /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
@@ -67,15 +67,14 @@ impl SeparatedLoop<'_> {
         for (number, present) in pairs.chunks(LANES).enumerate() {
             let coming = pairs.get((number + 1) * LANES..).filter(|_| fetches).unwrap_or_default();
             block.gather::<Q, S>(&mut sizes, (present, coming), particles);
-            block.attract(attraction, contact_range, &sizes, &laws);
+            block.attract(attraction, contact_range, &sizes);
             block.collect_in_contact_range(number, present.len(), to_promote);
-            if let Some(lane) = first_flagged(&block.out_of_range) {
+            let added = block.scatter::<Q>((present, coming), &mut particles.forces, &laws);
+            if let Err(ExcessForce { lane, force_on_j }) = added {
                 let [i, j] = [0, 1].map(|side| particles.id[present[lane][side] as usize]);
-                let force = vector(&block.force_on_j, lane);
                 let (other, overlap) = (format!("particle {j}"), block.overlap[lane]);
-                return Err(out_of_range(i, other, force, overlap, laws.limit));
+                return Err(out_of_range(i, other, force_on_j, overlap, laws.limit));
             }
-            block.scatter::<Q>((present, coming), &mut particles.forces);
         }
         Ok(())
     }
@@ -84,17 +83,15 @@ impl SeparatedLoop<'_> {
 /// A block of separated pairs. Lanes beyond the last pair repeat it.
 #[derive(Default)]
 struct SeparatedBlock {
-    branch_vector: [Lanes; 3],
     overlap: Lanes,
-    force_on_j: [Lanes; 3],
+    normal: [Lanes; 3],
+    pull: Lanes,
     /// 1 where the pair is within the range of contacts.
     in_contact_range: [u64; LANES],
-    /// 1 where the force exceeds the limit or is undefined.
-    out_of_range: [u64; LANES],
 }
 
 impl SeparatedBlock {
-    /// Gathers pairs, and fetches bodies of those that come.
+    /// Gathers overlaps and normals of pairs, and fetches bodies of those that come.
     #[inline(always)]
     fn gather<Q: F64x4, S: Sizes>(
         &mut self,
@@ -114,32 +111,21 @@ impl SeparatedBlock {
                 sizes.gather(lane, [i, j]);
                 *of_pair = Q::load(&j.vectors()[0]).minus(Q::load(&i.vectors()[0]));
             }
-            store_vectors(&mut self.branch_vector, from, branch_vector);
+            let (overlap, normal) =
+                overlaps_and_normals(FourVectors::of_rows(branch_vector), sizes.four_radii(from));
+            overlap.store(four_mut(&mut self.overlap, from));
+            normal.store(&mut self.normal, from);
         }
     }
 
     #[inline(always)]
-    fn attract<A: Attraction, S: Sizes>(
-        &mut self,
-        attraction: A,
-        contact_range: f64,
-        sizes: &S,
-        laws: &PairLaws,
-    ) {
+    fn attract<A: Attraction, S: Sizes>(&mut self, attraction: A, contact_range: f64, sizes: &S) {
         for lane in 0..LANES {
-            let [radius_i, radius_j] = sizes.radii(lane);
-            let (overlap, normal) =
-                overlap_and_normal(vector(&self.branch_vector, lane), [radius_i, radius_j]);
+            let ([radius_i, radius_j], overlap) = (sizes.radii(lane), self.overlap[lane]);
             let in_contact_range = overlap > -contact_range;
             let pull = attraction.between(radius_i, radius_j, -overlap);
-            let pull = if in_contact_range { 0.0 } else { pull };
-            let force_on_j = laws.force_quantum.round_vector(normal * -pull);
-            self.overlap[lane] = overlap;
+            self.pull[lane] = if in_contact_range { 0.0 } else { pull };
             self.in_contact_range[lane] = u64::from(in_contact_range);
-            for axis in 0..3 {
-                self.force_on_j[axis][lane] = force_on_j[axis];
-            }
-            self.out_of_range[lane] = u64::from(!within(&force_on_j, laws.limit));
         }
     }
 
@@ -152,13 +138,27 @@ impl SeparatedBlock {
         }
     }
 
-    /// Adds the forces of pairs, and fetches those of the ones that come.
+    /// Adds the forces of pairs, rounded, and fetches those of the ones that come.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
     #[inline(always)]
-    fn scatter<Q: F64x4>(&self, (pairs, coming): (&[Pair], &[Pair]), forces: &mut [ForceTorque]) {
-        for (four, pairs) in pairs.chunks(4).enumerate() {
-            let force = load_vectors::<Q>(&self.force_on_j, 4 * four);
+    fn scatter<Q: F64x4>(
+        &self,
+        (pairs, coming): (&[Pair], &[Pair]),
+        forces: &mut [ForceTorque],
+        laws: &PairLaws,
+    ) -> Result<(), ExcessForce> {
+        for (pairs, from) in pairs.chunks(4).zip((0..LANES).step_by(4)) {
+            let towards_i = Q::splat(0.0).minus(Q::load(four(&self.pull, from)));
+            let normal = FourVectors::load(&self.normal, from);
+            let force_on_j = normal.times(towards_i).rounded(laws.force_quantum);
+            if let Some((row, force_on_j)) = force_on_j.first_beyond(laws.limit) {
+                return Err(ExcessForce { lane: from + row, force_on_j });
+            }
+            let force = force_on_j.rows();
             for (row, &[i, _, target]) in pairs.iter().enumerate() {
-                if let Some(&[_, _, target]) = coming.get(4 * four + row) {
+                if let Some(&[_, _, target]) = coming.get(from + row) {
                     fetch_ahead(forces, target as usize);
                 }
                 let [force_i, _torque] = forces[i as usize].vectors_mut();
@@ -167,5 +167,6 @@ impl SeparatedBlock {
                 Q::load(force_j).plus(force[row]).store(force_j);
             }
         }
+        Ok(())
     }
 }

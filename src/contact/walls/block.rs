@@ -2,13 +2,13 @@
 
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, Lanes, LawOnBlock, LoopOverBlocks, PairsOfBlock, Sizes,
-    SizesAtWall, WithRegisters, load_vectors, store_vectors, vector,
+    BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, Lanes, LawOnBlock,
+    LoopOverBlocks, PairsOfBlock, Sizes, SizesAtWall, WithRegisters, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
 use crate::domain::{Wall, WallPose};
-use crate::numbers::{F64x4, SimdKernel, first_flagged, four_mut};
+use crate::numbers::{F64x4, SimdKernel, four_mut};
 use crate::particles::{AngleLanes, ContactHistory, Contacts, LANES, Particles, SpringLanes};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -112,22 +112,18 @@ impl WallLoop<'_> {
         };
         let (sizes, dt) = (&block.sizes, laws.dt);
         law.evaluate(PairsOfBlock { rolling, sizes, dt, block: &mut block.contacts, histories });
-        block.contacts.round_forces::<R, _>(&block.sizes, laws);
-        if let Some(lane) = first_flagged(&block.contacts.out_of_range) {
+        block.keep_histories(contacts, slots, laws.contact);
+        let on_wall = |radius: f64, force: [f64; 3]| {
+            let counts = force.map(|component| laws.force_quantum.count(component));
+            on_walls.add(wall.number, radius, counts);
+        };
+        let scattered = block.scatter::<Q, R>(particles, slots.len(), laws, on_wall);
+        scattered.map_err(|ExcessForce { lane, force_on_j }| {
             let id = particles.id[block.particle[lane] as usize];
-            let force = vector(&block.contacts.force_on_j, lane);
             let overlap = block.contacts.overlap[lane];
             let other = format!("wall \"{}\"", wall.wall.name);
-            return Err(out_of_range(id, other, force, overlap, laws.limit));
-        }
-        block.scatter::<Q>(particles, slots.len());
-        block.keep_histories(contacts, slots, laws.contact);
-        for lane in 0..slots.len() {
-            let force = vector(&block.contacts.force_on_j, lane);
-            let counts = [0, 1, 2].map(|axis| laws.force_quantum.count(force[axis]));
-            on_walls.add(wall.number, block.sizes.radius[lane], counts);
-        }
-        Ok(())
+            out_of_range(id, other, force_on_j, overlap, laws.limit)
+        })
     }
 }
 
@@ -168,11 +164,11 @@ impl WallBlock {
                 }
                 self.twisting_angles[lane] = contacts.wall_twisting_angle[slot];
             }
-            store_vectors(&mut self.position, from, positions);
-            store_vectors(&mut self.contacts.relative_velocity, from, velocities);
-            store_vectors(&mut self.contacts.relative_spin, from, spins);
-            store_vectors(&mut self.springs, from, histories);
-            let [_, _, _, largest_overlaps] = Q::transposed(histories);
+            FourVectors::of_rows(positions).store(&mut self.position, from);
+            FourVectors::of_rows(velocities).store(&mut self.contacts.relative_velocity, from);
+            FourVectors::of_rows(spins).store(&mut self.contacts.relative_spin, from);
+            let [x, y, z, largest_overlaps] = Q::transposed(histories);
+            FourVectors([x, y, z]).store(&mut self.springs, from);
             largest_overlaps.store(four_mut(&mut self.largest_overlaps, from));
         }
     }
@@ -201,19 +197,34 @@ impl WallBlock {
         }
     }
 
-    /// Adds forces and torques to those of the first `used` particles.
+    /// Adds forces and torques to those of the first `used` particles; radius and force on the wall of each go to `on_wall`.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
     #[inline(always)]
-    fn scatter<Q: F64x4>(&self, particles: &mut Particles, used: usize) {
+    fn scatter<Q: F64x4, R: Rolling>(
+        &self,
+        particles: &mut Particles,
+        used: usize,
+        laws: &PairLaws,
+        mut on_wall: impl FnMut(f64, [f64; 3]),
+    ) -> Result<(), ExcessForce> {
         for from in (0..used).step_by(4) {
-            let force = load_vectors::<Q>(&self.contacts.force_on_j, from);
-            let torque = load_vectors::<Q>(&self.contacts.negative_torque_i, from);
+            let of_four = self.contacts.forces_of_four::<Q, R, _>(from, &self.sizes, laws);
+            let FourForces { force_on_j, negative_torques } = of_four.within(laws.limit, from)?;
+            let (force, torque) = (force_on_j.rows(), negative_torques[0].rows());
             for row in 0..4.min(used - from) {
                 let particle = self.particle[from + row] as usize;
                 let [of_force, of_torque] = particles.forces[particle].vectors_mut();
                 Q::load(of_force).minus(force[row]).store(of_force);
                 Q::load(of_torque).minus(torque[row]).store(of_torque);
+                let mut numbers = [0.0; 4];
+                force[row].store(&mut numbers);
+                let [x, y, z, _] = numbers;
+                on_wall(self.sizes.radius[from + row], [x, y, z]);
             }
         }
+        Ok(())
     }
 
     /// Keeps the histories of the contacts; springs that the model does not have are not deflected.
