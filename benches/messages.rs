@@ -101,6 +101,11 @@ impl Communicator for Counting<'_> {
         self.inner.sum_exact(values);
     }
 
+    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
+        self.reduction(values);
+        self.inner.sum_exact_during(values, meanwhile);
+    }
+
     fn sum_integers(&self, values: &mut [i64]) {
         self.reduction(values);
         self.inner.sum_integers(values);

@@ -275,6 +275,14 @@ class TestModels(ScriptTest):
         grown = load.steps_per_rebuild * (many["rebuild"] - few["rebuild"])
         self.assertAlmostEqual(grown / latencies, 1.0, places=2)
 
+    def test_what_a_sum_over_the_bed_takes_beyond_decide_is_waited_for(self) -> None:
+        load, network = scaling.Load(particles=1_000.0, gas_nodes=70), scaling.Network()
+        left = scaling.gas_sum(load, 1_000, network)
+        decide = network.all_reduce(1_000, scaling.DECISION_BYTES)
+        self.assertAlmostEqual(left + decide, network.all_reduce(1_000, 16 * 70))
+        # Numbers that are as few as those of decide come with these.
+        self.assertEqual(scaling.gas_sum(replace(load, gas_nodes=4), 1_000, network), 0.0)
+
     def test_velocities_and_forces_travel_while_pairs_are_computed(self) -> None:
         load = scaling.Load(particles=100_000.0)
         # What is left is what a processor does for eight messages, four each way.

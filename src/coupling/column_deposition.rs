@@ -33,8 +33,18 @@ pub struct ColumnDeposition {
     blocks: Vec<ColumnBlock>,
     /// Those of volume, then of shares of drag: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
-    /// By fields and nodes.
-    at_nodes: Vec<f64>,
+    at_nodes: NodeSums,
+}
+
+/// What particles give to the nodes of a column grid, by fields and nodes: of one rank, or summed over all.
+#[derive(Clone, Debug, Default)]
+pub struct NodeSums(Vec<f64>);
+
+impl NodeSums {
+    /// The sums, to be added over the ranks by [`Communicator::sum_exact`].
+    pub fn numbers_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
 }
 
 /// What the particles in one interval of the grid give to its ends: amount and flux to the lower, amount and flux
@@ -77,6 +87,13 @@ impl ColumnDeposition {
         bed: &mut Bed,
         ranks: &dyn Communicator,
     ) {
+        let mut sums = self.sum_own(particles, grid);
+        ranks.sum_exact(sums.numbers_mut());
+        self.fill(bed, grid, sums);
+    }
+
+    /// The first half of [`ColumnDeposition::deposit`]: the sums over the particles of this rank.
+    pub fn sum_own(&mut self, particles: &Particles, grid: &ColumnGrid) -> NodeSums {
         let kinds = if self.sizes_differ() { 2 } else { 1 };
         for sums in &mut self.in_intervals[..kinds] {
             sums.clear();
@@ -93,17 +110,16 @@ impl ColumnDeposition {
             sums: &mut self.in_intervals[..kinds],
         });
         self.add_up_nodes(kinds, grid);
-        ranks.sum_exact(&mut self.at_nodes);
-        self.fill(bed, grid);
+        std::mem::take(&mut self.at_nodes)
     }
 
     /// Each node has a share of the interval below and one of that above.
     fn add_up_nodes(&mut self, kinds: usize, grid: &ColumnGrid) {
         let nodes = grid.nodes();
-        self.at_nodes.clear();
-        self.at_nodes.resize(2 * kinds * nodes, 0.0);
-        for (sums, fields) in
-            self.in_intervals[..kinds].iter().zip(self.at_nodes.chunks_mut(2 * nodes))
+        let NodeSums(at_nodes) = &mut self.at_nodes;
+        at_nodes.clear();
+        at_nodes.resize(2 * kinds * nodes, 0.0);
+        for (sums, fields) in self.in_intervals[..kinds].iter().zip(at_nodes.chunks_mut(2 * nodes))
         {
             let (amounts, fluxes) = fields.split_at_mut(nodes);
             for (interval, [a, b, c, d]) in sums.iter().enumerate() {
@@ -117,8 +133,8 @@ impl ColumnDeposition {
         }
     }
 
-    /// Sums over all ranks to fields of the bed.
-    fn fill(&self, bed: &mut Bed, grid: &ColumnGrid) {
+    /// The second half: the fields of the bed from these sums, added over all ranks.
+    pub fn fill(&mut self, bed: &mut Bed, grid: &ColumnGrid, sums: NodeSums) {
         let nodes = grid.nodes();
         bed.solids_fraction.resize(nodes, 0.0);
         bed.solids_velocity.resize(nodes, 0.0);
@@ -126,7 +142,7 @@ impl ColumnDeposition {
         bed.drag_velocity.resize(nodes, 0.0);
         let velocity = |flux: f64, amount: f64| if amount > 0.0 { flux / amount } else { 0.0 };
         for node in 0..nodes {
-            let sum = |field: usize| self.at_nodes[field * nodes + node];
+            let sum = |field: usize| sums.0[field * nodes + node];
             bed.solids_fraction[node] = sum(0) / grid.volume_of(node);
             bed.solids_velocity[node] = velocity(sum(1), sum(0));
             if self.sizes_differ() {
@@ -141,6 +157,7 @@ impl ColumnDeposition {
                 bed.drag_velocity[node] = bed.solids_velocity[node];
             }
         }
+        self.at_nodes = sums; // their memory is used again
     }
 }
 

@@ -13,7 +13,7 @@ mod means;
 
 pub(crate) use cells::CellTransfer;
 pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
-pub use column_deposition::{Bed, ColumnDeposition};
+pub use column_deposition::{Bed, ColumnDeposition, NodeSums};
 pub(crate) use corners::{Corners, deposit, interpolate};
 pub use drag_share::DragShare;
 pub(crate) use four_fields::FourFields;

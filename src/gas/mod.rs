@@ -20,7 +20,7 @@ mod state;
 mod step;
 pub mod volume_averaged;
 
-pub use crate::coupling::DragShare;
+pub use crate::coupling::{DragShare, NodeSums};
 pub use column::{
     BaseNode, ColumnCell, ColumnFields, ColumnGas, ColumnSolver, ColumnState, Drive, Plenum,
     WeightBalance,

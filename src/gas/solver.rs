@@ -6,6 +6,7 @@ use super::{
     ColumnSolver, ColumnState, GasError, GasForceOutOfRange, GasModel, GasReport, GasState,
     ParticleLimits,
 };
+use crate::coupling::NodeSums;
 use crate::domain::{Decomposition, Subdomain, Wall};
 use crate::numbers::Quantum;
 use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
@@ -103,7 +104,16 @@ impl GasSolver {
         Ok(())
     }
 
-    /// A step of the gas from the particles as they are now. Collective.
+    /// What a column gas has to know of the particles of this rank in a step of it, to be added over the ranks; none of other gases.
+    pub fn sum_bed(&mut self, particles: &Particles) -> Option<NodeSums> {
+        match self {
+            Self::Column(solver) => Some(solver.sum_bed(particles)),
+            Self::None | Self::VolumeAveraged(_) => None,
+        }
+    }
+
+    /// A step of the gas from the particles as they are now. `bed` are their sums over all ranks, if they have been found by
+    /// [`GasSolver::sum_bed`] since the particles moved or changed their ranks. Collective.
     ///
     /// # Errors
     /// If the step or a force has no meaning; may differ between ranks.
@@ -111,6 +121,7 @@ impl GasSolver {
         &mut self,
         state: &mut GasState,
         particles: &mut Particles,
+        bed: Option<NodeSums>,
         step: &GasStep,
         ranks: &dyn Communicator,
     ) -> Result<(), GasError> {
@@ -118,7 +129,7 @@ impl GasSolver {
             (Self::Column(solver), state) => {
                 let none = ColumnState::default();
                 let before = state.column().unwrap_or(&none);
-                let after = solver.advance(before, particles, step, ranks)?;
+                let after = solver.advance(before, (particles, bed), step, ranks)?;
                 *state = if after.is_empty() { GasState::None } else { GasState::Column(after) };
                 Ok(())
             }

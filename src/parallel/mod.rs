@@ -12,7 +12,7 @@
 //! | velocities of ghosts ([`ParticleHalo::exchange`]) | `GhostVelocities` | 48 per particle | ranks with copies of it in a pair | [`exchange_during`] |
 //! | forces on ghosts ([`ParticleHalo::exchange_return`]) | `GhostForces` | 48 per particle | owners of the originals | [`exchange_during`] |
 //! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
-//! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact`] |
+//! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact_during`] |
 //! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
@@ -37,6 +37,7 @@
 //! [`sparse_exchange`]: Communicator::sparse_exchange
 //! [`maximum`]: Communicator::maximum
 //! [`sum_exact`]: Communicator::sum_exact
+//! [`sum_exact_during`]: Communicator::sum_exact_during
 //! [`sum_integers`]: Communicator::sum_integers
 
 use bytemuck::Pod;
@@ -155,6 +156,10 @@ pub trait Communicator {
     ///
     /// [quantum]: crate::numbers::Quantum
     fn sum_exact(&self, values: &mut [f64]);
+
+    /// As [`Communicator::sum_exact`], and does `meanwhile` while the numbers travel; it may exchange messages and reduce other
+    /// numbers, but not by another call of this method.
+    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut());
 
     /// Replaces each integer by its sum over ranks, modulo 2^64.
     fn sum_integers(&self, values: &mut [i64]);

@@ -69,6 +69,8 @@ pub struct MpiRanks {
     /// Which of the two tags the next sparse exchange uses.
     next_tag: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
+    /// Of sums that travel while others are taken.
+    scratch_during: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
 }
@@ -99,6 +101,7 @@ impl MpiRanks {
             world,
             next_tag: Cell::default(),
             scratch: RefCell::default(),
+            scratch_during: RefCell::default(),
             integer_scratch: RefCell::default(),
             universe,
         })
@@ -254,6 +257,19 @@ impl Communicator for MpiRanks {
         summed.resize(values.len(), 0.0);
         self.world.all_reduce_into(&*values, &mut summed[..], SystemOperation::sum());
         // Whether a zero has a sign must not depend on the number of ranks.
+        values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
+    }
+
+    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
+        let mut summed = self.scratch_during.borrow_mut();
+        summed.resize(values.len(), 0.0);
+        scope(|scope| {
+            let sum = SystemOperation::sum();
+            let request =
+                self.world.immediate_all_reduce_into(scope, &*values, &mut summed[..], sum);
+            meanwhile();
+            request.wait();
+        });
         values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
     }
 

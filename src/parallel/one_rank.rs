@@ -44,6 +44,11 @@ impl Communicator for OneRank {
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 
+    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
+        meanwhile();
+        self.sum_exact(values);
+    }
+
     fn sum_integers(&self, _values: &mut [i64]) {}
 
     fn maximum(&self, values: &mut [f64]) {

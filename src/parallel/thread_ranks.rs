@@ -46,8 +46,14 @@ struct Shared {
     waiters: Waiters,
     /// From rank a to rank b in place a * size + b.
     mail: Vec<[Mailbox; MAILBOXES]>,
-    numbers: Vec<Published>,
+    /// Of each rank, for reductions that it waits for at once, and for those during which it does other work.
+    numbers: Vec<[Published; 2]>,
 }
+
+/// Reductions that a rank waits for at once.
+const AT_ONCE: usize = 0;
+/// Reductions during which it does other work.
+const MEANWHILE: usize = 1;
 
 /// Numbers that a rank has published, for two reductions in turn: a rank that is in one reduction has finished the one
 /// before, but others may still read what it published there.
@@ -63,8 +69,8 @@ struct Published {
 struct ThreadRank {
     rank: usize,
     size: usize,
-    /// Reductions so far.
-    rounds: Cell<u64>,
+    /// Reductions of both kinds so far.
+    rounds: [Cell<u64>; 2],
     shared: Arc<Shared>,
 }
 
@@ -131,10 +137,14 @@ fn connected(n: usize) -> Vec<ThreadRank> {
     let shared = Arc::new(Shared {
         waiters: Waiters::new(n),
         mail: (0..n * n).map(|_| Default::default()).collect(),
-        numbers: (0..n).map(|_| Published::default()).collect(),
+        numbers: (0..n).map(|_| Default::default()).collect(),
     });
-    let rank =
-        |rank| ThreadRank { rank, size: n, rounds: Cell::new(0), shared: Arc::clone(&shared) };
+    let rank = |rank| ThreadRank {
+        rank,
+        size: n,
+        rounds: Default::default(),
+        shared: Arc::clone(&shared),
+    };
     (0..n).map(rank).collect()
 }
 
@@ -190,18 +200,36 @@ impl ThreadRank {
 
     /// Combines the numbers of all ranks, in the order of the ranks.
     fn reduce<T: bytemuck::Pod>(&self, values: &mut [T], combine: impl Fn(T, T) -> T) {
-        let round = self.rounds.get() + 1;
-        self.rounds.set(round);
-        let place = (round % 2) as usize;
-        let mine = &self.shared.numbers[self.rank];
+        self.publish(AT_ONCE, values);
+        self.combine(AT_ONCE, values, combine);
+    }
+
+    /// Lets the others read this rank's numbers in the next reduction of a kind.
+    fn publish<T: bytemuck::Pod>(&self, kind: usize, values: &[T]) {
+        let round = self.rounds[kind].get() + 1;
+        self.rounds[kind].set(round);
+        let mine = &self.shared.numbers[self.rank][kind];
         {
+            let place = (round % 2) as usize;
             let mut bits = mine.bits[place].write().unwrap_or_else(PoisonError::into_inner);
             bits.clear();
             bits.extend_from_slice(bytemuck::cast_slice(values));
         }
         mine.rounds.store(round, Ordering::SeqCst);
         self.others().for_each(|other| self.shared.waiters.wake(other));
-        for (rank, published) in self.shared.numbers.iter().enumerate() {
+    }
+
+    /// Combines what all ranks have published in the present reduction of a kind, in the order of the ranks.
+    fn combine<T: bytemuck::Pod>(
+        &self,
+        kind: usize,
+        values: &mut [T],
+        combine: impl Fn(T, T) -> T,
+    ) {
+        let round = self.rounds[kind].get();
+        let place = (round % 2) as usize;
+        for (rank, numbers) in self.shared.numbers.iter().enumerate() {
+            let published = &numbers[kind];
             if rank != self.rank {
                 self.wait_for(rank, || published.rounds.load(Ordering::SeqCst) >= round);
             }
@@ -277,6 +305,13 @@ impl Communicator for ThreadRank {
     fn sum_exact(&self, values: &mut [f64]) {
         self.reduce(values, |a, b| a + b);
         // Whether a zero has a sign must not depend on the number of ranks.
+        values.iter_mut().for_each(|value| *value += 0.0);
+    }
+
+    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
+        self.publish(MEANWHILE, values);
+        meanwhile();
+        self.combine(MEANWHILE, values, |a, b| a + b);
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 

@@ -1,10 +1,10 @@
 //! What ranks tell each other about ghosts in a step: velocities of the originals come, forces on copies go back.
 
+use super::meanwhile::with_other_work;
 use crate::parallel::{Communicator, ParticleHalo};
 use crate::particles::{self, Body, DriftStep};
 use crate::state::{State, Workspace};
 use crate::timers::Phase;
-use std::time::{Duration, Instant};
 
 /// Images become like their originals, and the velocities of other ranks' particles are sent; meanwhile other work is done,
 /// for which these particles are not yet where they should be. Collective.
@@ -58,15 +58,12 @@ fn exchange_during<T>(
     ranks: &dyn Communicator,
     meanwhile: impl FnOnce(&mut State, &mut Workspace) -> T,
 ) -> T {
-    let begin = Instant::now();
     let mut halo = std::mem::take(&mut work.halo);
-    let (mut meanwhile, mut result, mut took) = (Some(meanwhile), None, Duration::ZERO);
-    exchange(&mut halo, ranks, &mut || {
-        let begin = Instant::now();
-        result = meanwhile.take().map(|meanwhile| meanwhile(state, work));
-        took = begin.elapsed();
-    });
+    let (result, took) = with_other_work(
+        |other_work| exchange(&mut halo, ranks, other_work),
+        || meanwhile(state, work),
+    );
     work.halo = halo;
-    work.timers.add(Phase::Halo, begin.elapsed() - took);
-    result.expect("an exchange does the work that is given to it")
+    work.timers.add(Phase::Halo, took);
+    result
 }

@@ -4,8 +4,10 @@ mod agglomerates;
 mod decision;
 mod energy;
 mod forces;
+mod gas;
 mod halo;
 mod laws;
+mod meanwhile;
 mod rebuild;
 mod staggered;
 
@@ -13,13 +15,13 @@ pub use energy::stored_energy;
 pub use halo::refresh_ghosts;
 pub use staggered::Staggered;
 
-use crate::gas::GasStep;
 use crate::parallel::{CollectiveError, Communicator};
 use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
 use forces::{PairsDue, add_forces, add_own_pairs};
+use gas::{advance_gas, while_bed_is_summed};
 use halo::{move_ghosts, while_ghosts_travel};
 use rebuild::arrange;
 use thiserror::Error;
@@ -73,20 +75,24 @@ pub fn advance(
     let drift = drift_step(state, domain, models);
     let displacement = kick_and_drift(state, kick_due, drift, models, work);
     work.move_walls(domain, state.clock.time(), dt);
-    let (decision, pairs) = while_ghosts_travel(state, work, ranks, |state, work| {
-        let decision = decide(state, displacement, domain, work, ranks)?;
-        let pairs = match decision.rebuild {
-            true => PairsDue::All,
-            false => add_own_pairs(state, models, work, dt),
-        };
-        Ok((decision, pairs))
-    })?;
+    let (mut bed, decided) = while_bed_is_summed(state, work, ranks, |state, work| {
+        while_ghosts_travel(state, work, ranks, |state, work| {
+            let decision = decide(state, displacement, domain, work, ranks)?;
+            let pairs = match decision.rebuild {
+                true => PairsDue::All,
+                false => add_own_pairs(state, models, work, dt),
+            };
+            Ok((decision, pairs))
+        })
+    });
+    let (decision, pairs) = decided?;
     move_ghosts(state, work, drift);
     if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
+        bed = None; // particles are with other ranks, and in another order
     }
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
-        advance_gas(state, domain, models, work, ranks);
+        advance_gas(bed, state, domain, models, work, ranks);
     }
     add_forces(pairs, state, domain, models, work, ranks, dt);
     staggered.leave_kick(dt);
@@ -121,7 +127,7 @@ pub fn find_first_forces(
     ranks: &dyn Communicator,
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
-    advance_gas(state, domain, models, work, ranks);
+    advance_gas(None, state, domain, models, work, ranks);
     add_forces(PairsDue::All, state, domain, models, work, ranks, 0.0);
 }
 
@@ -179,21 +185,4 @@ fn kick_and_drift(
         work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step))
     });
     Displacement { largest, allowed: step.dt * models.limits.speed }
-}
-
-/// A step of the gas from the particles as they are now. Collective.
-fn advance_gas(
-    state: &mut State,
-    domain: &Domain,
-    models: &Models,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-) {
-    work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
-    let State { particles, gas, clock, .. } = state;
-    let time = clock.time();
-    let dt = models.physics.time_step * models.physics.gas.substeps() as f64;
-    let step = GasStep { time, dt, gravity: models.physics.gravity.at(time) };
-    let advanced = work.timers.time(Phase::Gas, || work.gas.advance(gas, particles, &step, ranks));
-    work.note_fault(advanced);
 }

@@ -200,6 +200,12 @@ fn numbers(ranks: &MpiRanks) {
         ranks.maximum(&mut largest);
         assert_eq!(largest, vec![(n - 1) as f64; count]);
     }
+    for round in 0..100 {
+        let (mut exact, mut total) = (vec![0.25 * (me + round) as f64; 1 + round], 0);
+        ranks.sum_exact_during(&mut exact, &mut || total = ranks.total(me) + ranks.total(round));
+        let all = n * (n - 1) / 2 + n * round;
+        assert_eq!((exact, total), (vec![0.25 * all as f64; 1 + round], all));
+    }
     let mut zero = [-0.0];
     ranks.sum_exact(&mut zero);
     assert!(zero[0].is_sign_positive());

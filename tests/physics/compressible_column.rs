@@ -46,7 +46,7 @@ fn relaxation(layers: u64, pressure: f64, dt: f64, every: usize) -> Vec<f64> {
         let state = &mut run.0.state;
         let step_of_gas = GasStep { time: 1.0 + step as f64 * dt, dt, gravity: 0.0 };
         let (gas, particles) = (&mut state.gas, &mut state.particles);
-        run.0.work.gas.advance(gas, particles, &step_of_gas, run.0.ranks).unwrap();
+        run.0.work.gas.advance(gas, particles, None, &step_of_gas, run.0.ranks).unwrap();
         if step % every == 0 {
             found.push(run.gas_force().z / (WIDTH * WIDTH) / flow);
         }

@@ -62,7 +62,7 @@ fn fixed_bed_after(time: f64, dt: f64, linear: f64) -> (f64, f64) {
     let talcum::setup::Run { state, work, ranks, .. } = &mut *run;
     for step in 1..=(time / dt).round() as u32 {
         let step = GasStep { time: 1.0 + f64::from(step) * dt, dt, gravity: 0.0 };
-        work.gas.advance(&mut state.gas, &mut state.particles, &step, *ranks).unwrap();
+        work.gas.advance(&mut state.gas, &mut state.particles, None, &step, *ranks).unwrap();
     }
     (velocity(&run), slope)
 }

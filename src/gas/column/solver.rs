@@ -4,7 +4,7 @@ use super::block::{AddForces, ParticlesInColumn, SumSlopes, SuperficialVelocity}
 use super::model::{ColumnFields, ColumnGas, Drive, WeightBalance};
 use super::plenum::{BedResistance, Plenum};
 use super::state::ColumnState;
-use crate::coupling::{Bed, ColumnDeposition, interval_fields};
+use crate::coupling::{Bed, ColumnDeposition, NodeSums, interval_fields};
 use crate::domain::Bounds;
 use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
 use crate::grid::ColumnGrid;
@@ -110,7 +110,12 @@ impl ColumnSolver {
         }
     }
 
-    /// The superficial velocity of a time, for the bed as it is now. `before` is the state at the beginning of the step, empty
+    /// What the particles of this rank give to the nodes of the grid: added over the ranks, [`ColumnSolver::advance`] takes it.
+    pub(in crate::gas) fn sum_bed(&mut self, particles: &Particles) -> NodeSums {
+        self.deposition.sum_own(particles, &self.grid)
+    }
+
+    /// The superficial velocity of a time, for the bed as it is now, whose sums are found first if there are none. `before` is the state at the beginning of the step, empty
     /// if the gas has just been turned on; that at its end is returned, empty of a gas that needs none. The first step of a
     /// compressible gas is that of an incompressible one, whose pressures it has afterwards. Collective.
     ///
@@ -119,11 +124,11 @@ impl ColumnSolver {
     pub fn advance(
         &mut self,
         before: &ColumnState,
-        particles: &Particles,
+        (particles, sums): (&Particles, Option<NodeSums>),
         step: &GasStep,
         ranks: &dyn Communicator,
     ) -> Result<ColumnState, GasForceOutOfRange> {
-        self.deposit(particles, ranks);
+        self.deposit(particles, sums, ranks);
         let compressible = self.compressible(step.time);
         if let Some(gas) = compressible
             && !before.cells.is_empty()
@@ -190,8 +195,12 @@ impl ColumnSolver {
     }
 
     /// phi and u_s of the bed now.
-    fn deposit(&mut self, particles: &Particles, ranks: &dyn Communicator) {
-        self.deposition.deposit(particles, &self.grid, &mut self.bed, ranks);
+    fn deposit(&mut self, particles: &Particles, sums: Option<NodeSums>, ranks: &dyn Communicator) {
+        let Self { deposition, grid, bed, .. } = self;
+        match sums {
+            Some(sums) => deposition.fill(bed, grid, sums),
+            None => deposition.deposit(particles, grid, bed, ranks),
+        }
         let Bed { solids_fraction, solids_velocity, share_density, drag_velocity } = &self.bed;
         let [of_volume, of_diameter] = &mut self.between_nodes;
         interval_fields(&self.grid, [solids_fraction, solids_velocity], of_volume);

@@ -60,6 +60,24 @@ fn sums_and_maxima_are_taken_over_all_ranks() {
 }
 
 #[test]
+fn sums_are_taken_while_other_numbers_are() {
+    for n in 1..=4 {
+        run_on_threads(n, |ranks| {
+            let me = ranks.rank();
+            for round in 0..100 {
+                let (mut exact, mut total) = ([0.25 * (me + round) as f64, -0.0], 0);
+                ranks.sum_exact_during(&mut exact, &mut || {
+                    total = ranks.total(me) + ranks.total(round);
+                });
+                let all = n * (n - 1) / 2 + n * round;
+                assert_eq!((exact[0], total), (0.25 * all as f64, all));
+                assert!(exact[1].is_sign_positive());
+            }
+        });
+    }
+}
+
+#[test]
 fn rank_0_gathers_and_broadcasts() {
     for n in 1..=4 {
         run_on_threads(n, |ranks| {
