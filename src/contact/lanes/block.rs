@@ -67,9 +67,9 @@ impl ContactBlock {
         let (mut branch_vector, mut velocity, mut spin, mut relative_spin) =
             (zero, zero, zero, zero);
         for from in (0..LANES).step_by(4) {
+            coming.fetch_bodies(bodies, from);
             for row in 0..4 {
                 let lane = from + row;
-                coming.fetch_body(bodies, lane);
                 let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
                 sizes.gather(lane, [i, j]);
                 let [radius_i, radius_j] = sizes.radii(lane);
@@ -138,6 +138,7 @@ impl ContactBlock {
     ) -> Result<(), ExcessForce> {
         for from in (0..used).step_by(4) {
             coming.fetch_pairs(from / 4);
+            coming.fetch_forces(forces, from);
             let of_four = self.forces_of_four::<Q, R, S>(from, sizes, laws);
             let FourForces { force_on_j, negative_torques } = of_four.within(laws.limit, from)?;
             let force = force_on_j.rows();
@@ -146,7 +147,6 @@ impl ContactBlock {
                 if from + row >= used {
                     break;
                 }
-                coming.fetch_force(forces, from + row);
                 let [force_i, of_i] = forces[first[from + row] as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
                 Q::load(of_i).minus(torque_i[row]).store(of_i);

@@ -20,19 +20,23 @@ impl<'a> ComingBlocks<'a> {
         Self { next: blocks.first(), after_next: blocks.get(1) }
     }
 
-    /// Fetches the second body of a pair of the next block.
+    /// Fetches the second bodies of four pairs of the next block, from lane `from` on.
     #[inline(always)]
-    pub(crate) fn fetch_body(self, bodies: &[Body], lane: usize) {
+    pub(crate) fn fetch_bodies(self, bodies: &[Body], from: usize) {
         if let Some(next) = self.next {
-            fetch_ahead(bodies, next.second[lane] as usize);
+            for &second in &next.second[from..from + 4] {
+                fetch_ahead(bodies, second as usize);
+            }
         }
     }
 
-    /// Fetches the force on the second body of a pair of the next block.
+    /// Fetches the forces on the second bodies of four pairs of the next block.
     #[inline(always)]
-    pub(crate) fn fetch_force(self, forces: &[ForceTorque], lane: usize) {
+    pub(crate) fn fetch_forces(self, forces: &[ForceTorque], from: usize) {
         if let Some(next) = self.next {
-            fetch_ahead(forces, next.target[lane] as usize);
+            for &target in &next.target[from..from + 4] {
+                fetch_ahead(forces, target as usize);
+            }
         }
     }
 
