@@ -33,11 +33,10 @@ pub struct ColumnDeposition {
     blocks: Vec<ColumnBlock>,
     /// Those of volume, then of shares of drag: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
-    at_nodes: NodeSums,
 }
 
 /// What particles give to the nodes of a column grid, by fields and nodes: of one rank, or summed over all.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug)]
 pub struct NodeSums(Vec<f64>);
 
 impl NodeSums {
@@ -62,8 +61,8 @@ impl ColumnDeposition {
             DragShare::Surface => 4.0 * volume / smallest,
         };
         let quanta = [volume, shares].map(|most| [most, most * speed_limit].map(Quantum::spanning));
-        let (blocks, in_intervals, at_nodes) = Default::default();
-        Self { diameters, share, quanta, blocks, in_intervals, at_nodes }
+        let (blocks, in_intervals) = Default::default();
+        Self { diameters, share, quanta, blocks, in_intervals }
     }
 
     /// Whether particles differ in size.
@@ -89,7 +88,7 @@ impl ColumnDeposition {
     ) {
         let mut sums = self.sum_own(particles, grid);
         ranks.sum_exact(sums.numbers_mut());
-        self.fill(bed, grid, sums);
+        self.fill(bed, grid, &sums);
     }
 
     /// The first half of [`ColumnDeposition::deposit`]: the sums over the particles of this rank.
@@ -109,16 +108,13 @@ impl ColumnDeposition {
             quanta: self.quanta,
             sums: &mut self.in_intervals[..kinds],
         });
-        self.add_up_nodes(kinds, grid);
-        std::mem::take(&mut self.at_nodes)
+        self.add_up_nodes(kinds, grid)
     }
 
     /// Each node has a share of the interval below and one of that above.
-    fn add_up_nodes(&mut self, kinds: usize, grid: &ColumnGrid) {
+    fn add_up_nodes(&self, kinds: usize, grid: &ColumnGrid) -> NodeSums {
         let nodes = grid.nodes();
-        let NodeSums(at_nodes) = &mut self.at_nodes;
-        at_nodes.clear();
-        at_nodes.resize(2 * kinds * nodes, 0.0);
+        let mut at_nodes = vec![0.0; 2 * kinds * nodes];
         for (sums, fields) in self.in_intervals[..kinds].iter().zip(at_nodes.chunks_mut(2 * nodes))
         {
             let (amounts, fluxes) = fields.split_at_mut(nodes);
@@ -131,10 +127,11 @@ impl ColumnDeposition {
                 fluxes[upper] += sum(3);
             }
         }
+        NodeSums(at_nodes)
     }
 
     /// The second half: the fields of the bed from these sums, added over all ranks.
-    pub fn fill(&mut self, bed: &mut Bed, grid: &ColumnGrid, sums: NodeSums) {
+    pub fn fill(&self, bed: &mut Bed, grid: &ColumnGrid, sums: &NodeSums) {
         let nodes = grid.nodes();
         bed.solids_fraction.resize(nodes, 0.0);
         bed.solids_velocity.resize(nodes, 0.0);
@@ -157,7 +154,6 @@ impl ColumnDeposition {
                 bed.drag_velocity[node] = bed.solids_velocity[node];
             }
         }
-        self.at_nodes = sums; // their memory is used again
     }
 }
 

@@ -39,17 +39,19 @@ pub(crate) struct ExcessForce {
     pub(crate) force_on_j: Vector3<f64>,
 }
 
-impl<Q: F64x4> FourForces<Q> {
-    /// That all forces are within a limit.
-    ///
-    /// # Errors
-    /// The first that is not; `from` is the lane of the first pair.
-    #[inline(always)]
-    pub(crate) fn within(self, limit: f64, from: usize) -> Result<Self, ExcessForce> {
-        match self.force_on_j.first_beyond(limit) {
-            None => Ok(self),
-            Some((row, force_on_j)) => Err(ExcessForce { lane: from + row, force_on_j }),
-        }
+/// That the forces of four pairs, from lane `from` on, are within a limit.
+///
+/// # Errors
+/// The first that is not.
+#[inline(always)]
+pub(crate) fn require_within<Q: F64x4>(
+    forces: FourVectors<Q>,
+    limit: f64,
+    from: usize,
+) -> Result<(), ExcessForce> {
+    match forces.first_beyond(limit) {
+        None => Ok(()),
+        Some((row, force_on_j)) => Err(ExcessForce { lane: from + row, force_on_j }),
     }
 }
 
@@ -139,8 +141,9 @@ impl ContactBlock {
         for from in (0..used).step_by(4) {
             coming.fetch_pairs(from / 4);
             coming.fetch_forces(forces, from);
-            let of_four = self.forces_of_four::<Q, R, S>(from, sizes, laws);
-            let FourForces { force_on_j, negative_torques } = of_four.within(laws.limit, from)?;
+            let FourForces { force_on_j, negative_torques } =
+                self.forces_of_four::<Q, R, S>(from, sizes, laws);
+            require_within(force_on_j, laws.limit, from)?;
             let force = force_on_j.rows();
             let [torque_i, torque_j] = [negative_torques[0].rows(), negative_torques[1].rows()];
             for row in 0..4 {

@@ -8,7 +8,7 @@ mod vectors;
 
 use crate::particles::LANES;
 
-pub(crate) use block::{ContactBlock, ExcessForce, FourForces};
+pub(crate) use block::{ContactBlock, ExcessForce, FourForces, require_within};
 pub(crate) use coming::ComingBlocks;
 pub use law::BlockLaw;
 pub(crate) use law::{

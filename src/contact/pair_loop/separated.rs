@@ -3,6 +3,7 @@
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     ExcessForce, FourVectors, Lanes, ManySizes, OneSize, Sizes, overlaps_and_normals,
+    require_within,
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
@@ -153,9 +154,7 @@ impl SeparatedBlock {
             let towards_i = Q::splat(0.0).minus(Q::load(four(&self.pull, from)));
             let normal = FourVectors::load(&self.normal, from);
             let force_on_j = normal.times(towards_i).rounded(laws.force_quantum);
-            if let Some((row, force_on_j)) = force_on_j.first_beyond(laws.limit) {
-                return Err(ExcessForce { lane: from + row, force_on_j });
-            }
+            require_within(force_on_j, laws.limit, from)?;
             let force = force_on_j.rows();
             for (row, &[i, _, target]) in pairs.iter().enumerate() {
                 if let Some(&[_, _, target]) = coming.get(from + row) {

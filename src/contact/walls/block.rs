@@ -3,7 +3,7 @@
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, Lanes, LawOnBlock,
-    LoopOverBlocks, PairsOfBlock, Sizes, SizesAtWall, WithRegisters, vector,
+    LoopOverBlocks, PairsOfBlock, Sizes, SizesAtWall, WithRegisters, require_within, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
@@ -210,8 +210,9 @@ impl WallBlock {
         mut on_wall: impl FnMut(f64, [f64; 3]),
     ) -> Result<(), ExcessForce> {
         for from in (0..used).step_by(4) {
-            let of_four = self.contacts.forces_of_four::<Q, R, _>(from, &self.sizes, laws);
-            let FourForces { force_on_j, negative_torques } = of_four.within(laws.limit, from)?;
+            let FourForces { force_on_j, negative_torques } =
+                self.contacts.forces_of_four::<Q, R, _>(from, &self.sizes, laws);
+            require_within(force_on_j, laws.limit, from)?;
             let (force, torque) = (force_on_j.rows(), negative_torques[0].rows());
             for row in 0..4.min(used - from) {
                 let particle = self.particle[from + row] as usize;

@@ -115,9 +115,10 @@ impl ColumnSolver {
         self.deposition.sum_own(particles, &self.grid)
     }
 
-    /// The superficial velocity of a time, for the bed as it is now, whose sums are found first if there are none. `before` is the state at the beginning of the step, empty
-    /// if the gas has just been turned on; that at its end is returned, empty of a gas that needs none. The first step of a
-    /// compressible gas is that of an incompressible one, whose pressures it has afterwards. Collective.
+    /// The superficial velocity of a time, for the bed as it is now, whose sums over all ranks are found first if there are
+    /// none. `before` is the state at the beginning of the step, empty if the gas has just been turned on; that at its end is
+    /// returned, empty of a gas that needs none. The first step of a compressible gas is that of an incompressible one, whose
+    /// pressures it has afterwards. Collective.
     ///
     /// # Errors
     /// If no velocity carries the weight, or the pressure is not above 0; the same on all ranks.
@@ -198,7 +199,7 @@ impl ColumnSolver {
     fn deposit(&mut self, particles: &Particles, sums: Option<NodeSums>, ranks: &dyn Communicator) {
         let Self { deposition, grid, bed, .. } = self;
         match sums {
-            Some(sums) => deposition.fill(bed, grid, sums),
+            Some(sums) => deposition.fill(bed, grid, &sums),
             None => deposition.deposit(particles, grid, bed, ranks),
         }
         let Bed { solids_fraction, solids_velocity, share_density, drag_velocity } = &self.bed;
