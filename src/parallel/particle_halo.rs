@@ -28,7 +28,6 @@ pub struct ParticleHalo {
     with_borrowers: Vec<Message>,
     /// Between this rank and the owners of the copies, in their order: velocities come in, forces go back.
     with_owners: Vec<Message>,
-    buffers: [Vec<u8>; 2],
 }
 
 /// Periodic images of owned particles, by one shift: ghost and original.
@@ -221,10 +220,11 @@ impl ParticleHalo {
             bytes
         });
         let outgoing = [&outgoing[0][..], &outgoing[1][..]];
-        ranks.exchange(neighbours, outgoing, &mut self.buffers);
-        let arrived: usize = self.buffers.iter().map(Vec::len).sum();
+        let mut incoming = [Vec::new(), Vec::new()];
+        ranks.exchange(neighbours, outgoing, &mut incoming);
+        let arrived: usize = incoming.iter().map(Vec::len).sum();
         particles.make_room_for_ghosts(arrived / size_of::<NewGhost>());
-        for ghost in self.buffers.iter().flat_map(|buffer| records_of_bytes::<NewGhost>(buffer)) {
+        for ghost in incoming.iter().flat_map(|bytes| records_of_bytes::<NewGhost>(bytes)) {
             let is_image = ghost.origin.rank == here;
             let image_of = is_image.then_some(ghost.origin.index as usize);
             particles.push_ghost(ghost.id, ghost.body(), image_of);

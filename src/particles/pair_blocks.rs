@@ -36,9 +36,10 @@ impl Half {
     }
 }
 
-/// A block of pairs, contiguous in memory.
+/// A block of pairs, contiguous in memory. It begins where a vector of four numbers may, so that none lies in two cache lines; a block
+/// that began with a cache line would be longer by 32 bytes.
 #[derive(Clone, Debug)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub(crate) struct PairBlock {
     /// Tangential springs, seen from the first particle.
     pub(crate) tangential_spring: SpringLanes,

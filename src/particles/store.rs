@@ -16,7 +16,7 @@ pub struct Particles {
     /// Size, position and velocities of each.
     pub body: Vec<Body>,
     /// Force and torque on each; on copies of other ranks' particles, what this rank's pairs put on them until it is sent back,
-    /// zero between steps; zero on images.
+    /// zero between steps; zero on images, and not kept of those behind the last copy.
     pub forces: Vec<ForceTorque>,
     /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum, which the total force contains.
     /// It is that of the last gas step, and constant until the next; zero without such a gas.
@@ -102,6 +102,7 @@ impl Particles {
     ) {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
         self.push_body(id, Body::new(position, velocity, radius, mass));
+        self.forces.push(ForceTorque::zeroed());
         self.gas_force.push();
         self.membership.push();
         self.owned += 1;
@@ -123,6 +124,9 @@ impl Particles {
         let original = image_of.and_then(|index| self.owned_original(index));
         self.image_of.push(original.map_or(REMOTE, |index| index as u32));
         self.push_body(id, body);
+        if original.is_none() {
+            self.forces.resize(self.count(), ForceTorque::zeroed());
+        }
     }
 
     /// Keeps these ghosts, by their ascending indices.
@@ -134,12 +138,13 @@ impl Particles {
             self.body[to] = self.body[from];
         }
         self.truncate(self.owned + kept.len());
+        let last_copy = self.image_of.iter().rposition(|&original| original == REMOTE);
+        self.forces.truncate(self.owned + last_copy.map_or(0, |place| place + 1));
     }
 
     fn push_body(&mut self, id: u64, body: Body) {
         self.id.push(id);
         self.body.push(body);
-        self.forces.push(ForceTorque::zeroed());
     }
 
     /// Removes the ghosts.
@@ -178,5 +183,30 @@ impl Particles {
         self.id.truncate(count);
         self.body.truncate(count);
         self.forces.truncate(count);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_are_kept_up_to_the_last_copy() {
+        let mut particles = Particles::default();
+        for id in 0..2 {
+            particles.push(id, Vector3::zeros(), Vector3::zeros(), 0.5, 1.0);
+        }
+        let body = particles.body[0];
+        let image_of = [Some(0), None, Some(1), None, Some(0)];
+        for (id, original) in (2..).zip(image_of) {
+            particles.push_ghost(id, body, original);
+        }
+        assert_eq!((particles.count(), particles.forces.len()), (7, 6));
+        particles.keep_ghosts(&[2, 3, 4]);
+        assert_eq!((particles.count(), particles.forces.len()), (5, 4));
+        // Without a copy there are those on owned particles alone.
+        particles.keep_ghosts(&[2, 4]);
+        assert_eq!((particles.count(), particles.forces.len()), (4, 2));
+        assert_eq!([2, 3].map(|ghost| particles.owned_original(ghost)), [Some(0), Some(1)]);
     }
 }
