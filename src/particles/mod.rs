@@ -32,6 +32,7 @@ pub(crate) use pair_blocks::{
 };
 pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
 pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};
+pub(crate) use proximity::{four_of, push_set_bits};
 pub use range::ListRange;
 pub use skin::Skin;
 pub use store::Particles;

@@ -59,7 +59,7 @@ impl<Q: F64x4> FourPairs<Q> {
 
 /// One to four items as four: the last one is repeated if there are fewer, since loops of a known length stay in registers.
 #[inline(always)]
-pub(super) fn four_of<T>(items: &[T]) -> [&T; 4] {
+pub(crate) fn four_of<T>(items: &[T]) -> [&T; 4] {
     match items.first_chunk::<4>() {
         Some(four) => four.each_ref(),
         None => std::array::from_fn(|k| &items[k.min(items.len() - 1)]),
@@ -110,7 +110,7 @@ static SET_BITS: [([u32; 4], usize); 16] = {
 /// Adds the item of each bit that is set in the lowest four, lowest first. Four items are written at once, whatever the bits: the
 /// processor cannot foresee where a loop over so few ends.
 #[inline(always)]
-pub(super) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl Fn(u32) -> T) {
+pub(crate) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl Fn(u32) -> T) {
     let (numbers, count) = SET_BITS[bits as usize & 15];
     let end = items.len() + count;
     items.extend_from_slice(&numbers.map(item));

@@ -1,6 +1,6 @@
 //! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
 
-use super::{ComingBlocks, FourVectors, Lanes, Sizes, overlaps_and_normals};
+use super::{ComingBlocks, FourVectors, Lanes, Sizes, SizesOfPairs, overlaps_and_normals};
 use crate::contact::force_laws::PairLaws;
 use crate::contact::rolling::Rolling;
 use crate::numbers::{F64x4, four, four_mut};
@@ -58,7 +58,7 @@ pub(crate) fn require_within<Q: F64x4>(
 impl ContactBlock {
     /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for. Fetches bodies of the next block.
     #[inline(always)]
-    pub(crate) fn gather<Q: F64x4, S: Sizes>(
+    pub(crate) fn gather<Q: F64x4, S: SizesOfPairs>(
         &mut self,
         sizes: &mut S,
         [first, second]: [&[u32; LANES]; 2],

@@ -15,7 +15,9 @@ pub(crate) use law::{
     BlockHistories, Inlined, LawOnBlock, LoopOverBlocks, PairsOfBlock, Virtual, WithBlockLaw,
     WithRegisters,
 };
-pub(crate) use sizes::{AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall};
+pub(crate) use sizes::{
+    AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall, SizesOfPairs,
+};
 pub(crate) use vectors::{FourVectors, overlap_and_normal, overlaps_and_normals, vector};
 
 /// A number for each pair of a block.

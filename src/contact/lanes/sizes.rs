@@ -9,13 +9,7 @@ pub(crate) trait Sizes: Copy {
     /// Whether the two bodies of every pair are equal.
     const EQUAL: bool;
 
-    /// Stores the sizes of a pair in a lane.
-    fn gather(&mut self, lane: usize, pair: [&Body; 2]);
-
-    /// Radii of the two bodies of a pair.
-    fn radii(&self, lane: usize) -> [f64; 2];
-
-    /// Those of four pairs, from lane `from` on.
+    /// Radii of the two bodies of four pairs, from lane `from` on.
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2];
 
     /// What the law needs of a pair.
@@ -23,6 +17,15 @@ pub(crate) trait Sizes: Copy {
 
     /// The same as a value, for laws that are called through a table of functions.
     fn as_any_sizes(&self) -> AnySizes<'_>;
+}
+
+/// Those of pairs of particles.
+pub(crate) trait SizesOfPairs: Sizes {
+    /// Stores the sizes of a pair in a lane.
+    fn gather(&mut self, lane: usize, pair: [&Body; 2]);
+
+    /// Radii of the two bodies of a pair.
+    fn radii(&self, lane: usize) -> [f64; 2];
 }
 
 /// Reduced mass, radius and moment of inertia of two bodies.
@@ -66,14 +69,6 @@ impl Sizes for OneSize {
     const EQUAL: bool = true;
 
     #[inline(always)]
-    fn gather(&mut self, _lane: usize, _pair: [&Body; 2]) {}
-
-    #[inline(always)]
-    fn radii(&self, _lane: usize) -> [f64; 2] {
-        [self.radius; 2]
-    }
-
-    #[inline(always)]
     fn four_radii<Q: F64x4>(&self, _from: usize) -> [Q; 2] {
         [Q::splat(self.radius); 2]
     }
@@ -89,6 +84,16 @@ impl Sizes for OneSize {
     }
 }
 
+impl SizesOfPairs for OneSize {
+    #[inline(always)]
+    fn gather(&mut self, _lane: usize, _pair: [&Body; 2]) {}
+
+    #[inline(always)]
+    fn radii(&self, _lane: usize) -> [f64; 2] {
+        [self.radius; 2]
+    }
+}
+
 /// Particles of different sizes.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct ManySizes {
@@ -98,19 +103,6 @@ pub(crate) struct ManySizes {
 
 impl Sizes for ManySizes {
     const EQUAL: bool = false;
-
-    #[inline(always)]
-    fn gather(&mut self, lane: usize, pair: [&Body; 2]) {
-        for (side, body) in pair.into_iter().enumerate() {
-            self.radii[side][lane] = body.radius;
-            self.masses[side][lane] = body.mass;
-        }
-    }
-
-    #[inline(always)]
-    fn radii(&self, lane: usize) -> [f64; 2] {
-        [self.radii[0][lane], self.radii[1][lane]]
-    }
 
     #[inline(always)]
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
@@ -129,6 +121,21 @@ impl Sizes for ManySizes {
     }
 }
 
+impl SizesOfPairs for ManySizes {
+    #[inline(always)]
+    fn gather(&mut self, lane: usize, pair: [&Body; 2]) {
+        for (side, body) in pair.into_iter().enumerate() {
+            self.radii[side][lane] = body.radius;
+            self.masses[side][lane] = body.mass;
+        }
+    }
+
+    #[inline(always)]
+    fn radii(&self, lane: usize) -> [f64; 2] {
+        [self.radii[0][lane], self.radii[1][lane]]
+    }
+}
+
 /// Particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct SizesAtWall {
@@ -139,17 +146,7 @@ pub(crate) struct SizesAtWall {
 impl Sizes for SizesAtWall {
     const EQUAL: bool = false;
 
-    #[inline(always)]
-    fn gather(&mut self, lane: usize, [body, _]: [&Body; 2]) {
-        (self.radius[lane], self.mass[lane]) = (body.radius, body.mass);
-    }
-
     /// That of the particle twice: the second would be infinite.
-    #[inline(always)]
-    fn radii(&self, lane: usize) -> [f64; 2] {
-        [self.radius[lane]; 2]
-    }
-
     #[inline(always)]
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
         [Q::load(four(&self.radius, from)); 2]

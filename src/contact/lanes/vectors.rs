@@ -18,6 +18,12 @@ impl<Q: F64x4> FourVectors<Q> {
         Self([x, y, z])
     }
 
+    /// The same vector four times.
+    #[inline(always)]
+    pub(crate) fn of_vector(vector: &Vector3<f64>) -> Self {
+        Self([Q::splat(vector.x), Q::splat(vector.y), Q::splat(vector.z)])
+    }
+
     /// A row for each vector; its fourth number is zero.
     #[inline(always)]
     pub(crate) fn rows(self) -> [Q; 4] {

@@ -1,13 +1,13 @@
 //! Attraction of the pairs of a block.
 
-use crate::contact::lanes::{ContactBlock, Lanes, Sizes};
+use crate::contact::lanes::{ContactBlock, Lanes, SizesOfPairs};
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::particles::LANES;
 
 /// Sets the attraction of all pairs, if there is any; that of rough particles only with `EXTRAS`.
 #[inline(always)]
-pub(super) fn attract<S: Sizes, const EXTRAS: bool>(
+pub(super) fn attract<S: SizesOfPairs, const EXTRAS: bool>(
     block: &mut ContactBlock,
     sizes: &S,
     cohesion: Option<VanDerWaalsNow>,
@@ -26,7 +26,7 @@ pub(super) fn attract<S: Sizes, const EXTRAS: bool>(
 }
 
 #[inline(always)]
-fn attract_by<A: Attraction, S: Sizes>(attraction: A, block: &mut ContactBlock, sizes: &S) {
+fn attract_by<A: Attraction, S: SizesOfPairs>(attraction: A, block: &mut ContactBlock, sizes: &S) {
     // Nearly all pairs of a dense bed touch. Below the cut-off the attraction of equal pairs is the same for all.
     if S::EQUAL && none_beyond(attraction.cut_off(), &block.overlap) {
         let [radius_i, radius_j] = sizes.radii(0);

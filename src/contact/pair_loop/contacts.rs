@@ -5,7 +5,7 @@ use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ComingBlocks, ContactBlock, ExcessForce, LawOnBlock, LoopOverBlocks, ManySizes,
-    OneSize, PairsOfBlock, Sizes, WithRegisters,
+    OneSize, PairsOfBlock, SizesOfPairs, WithRegisters,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::numbers::{F64x4, SimdKernel};
@@ -57,7 +57,7 @@ impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
 
 impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
     #[inline(always)]
-    fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: Sizes>(
+    fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: SizesOfPairs>(
         self,
         law: &L,
         rolling: R,

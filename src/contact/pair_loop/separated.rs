@@ -2,7 +2,7 @@
 
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    ExcessForce, FourVectors, Lanes, ManySizes, OneSize, Sizes, overlaps_and_normals,
+    ExcessForce, FourVectors, Lanes, ManySizes, OneSize, SizesOfPairs, overlaps_and_normals,
     require_within,
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
@@ -56,7 +56,7 @@ impl SeparatedLoop<'_> {
     }
 
     #[inline(always)]
-    fn evaluate<Q: F64x4, A: Attraction, S: Sizes>(
+    fn evaluate<Q: F64x4, A: Attraction, S: SizesOfPairs>(
         self,
         attraction: A,
         mut sizes: S,
@@ -94,7 +94,7 @@ struct SeparatedBlock {
 impl SeparatedBlock {
     /// Gathers overlaps and normals of pairs, and fetches bodies of those that come.
     #[inline(always)]
-    fn gather<Q: F64x4, S: Sizes>(
+    fn gather<Q: F64x4, S: SizesOfPairs>(
         &mut self,
         sizes: &mut S,
         (pairs, coming): (&[Pair], &[Pair]),
@@ -120,7 +120,12 @@ impl SeparatedBlock {
     }
 
     #[inline(always)]
-    fn attract<A: Attraction, S: Sizes>(&mut self, attraction: A, contact_range: f64, sizes: &S) {
+    fn attract<A: Attraction, S: SizesOfPairs>(
+        &mut self,
+        attraction: A,
+        contact_range: f64,
+        sizes: &S,
+    ) {
         for lane in 0..LANES {
             let ([radius_i, radius_j], overlap) = (sizes.radii(lane), self.overlap[lane]);
             let in_contact_range = overlap > -contact_range;

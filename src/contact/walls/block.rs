@@ -1,37 +1,26 @@
-//! Particles at one wall: those that may touch it are gathered into lanes, as pairs of particles are, and evaluated.
+//! Particles that may touch one wall: they are gathered into lanes, as pairs of particles are, and evaluated.
 
+use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, Lanes, LawOnBlock,
-    LoopOverBlocks, PairsOfBlock, Sizes, SizesAtWall, WithRegisters, require_within, vector,
+    LoopOverBlocks, PairsOfBlock, SizesAtWall, WithRegisters, require_within, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
-use crate::domain::{Wall, WallPose};
 use crate::numbers::{F64x4, SimdKernel, four_mut};
 use crate::particles::{AngleLanes, ContactHistory, Contacts, LANES, Particles, SpringLanes};
 use nalgebra::Vector3;
-use std::ops::Range;
 
 /// Adds the forces and torques of one wall on particles for which one law holds.
 pub(super) struct WallLoop<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) contacts: &'a mut Contacts,
     /// Slots of these particles among those near walls.
-    pub(super) slots: Range<usize>,
+    pub(super) acting: &'a [u32],
     pub(super) wall: WallNow<'a>,
     pub(super) laws: PairLaws<'a>,
-    /// Separation up to which any force acts.
-    pub(super) range: f64,
     pub(super) on_walls: &'a mut WallTallies,
-}
-
-/// A wall at one instant.
-#[derive(Clone, Copy)]
-pub(super) struct WallNow<'a> {
-    pub(super) number: usize,
-    pub(super) wall: &'a Wall,
-    pub(super) pose: &'a WallPose,
 }
 
 impl SimdKernel for WallLoop<'_> {
@@ -68,28 +57,10 @@ impl WallLoop<'_> {
         rolling: R,
     ) -> Result<(), ForceOutOfRange> {
         let mut block = WallBlock::default();
-        let (mut near, mut count) = ([0; LANES], 0);
-        for slot in self.slots.clone() {
-            if self.may_act(slot) {
-                near[count] = slot;
-                count += 1;
-            }
-            if count == LANES || (count > 0 && slot + 1 == self.slots.end) {
-                self.add::<Q, _, _>(&mut block, &near[..count], law, rolling)?;
-                count = 0;
-            }
+        for slots in self.acting.chunks(LANES) {
+            self.add::<Q, _, _>(&mut block, slots, law, rolling)?;
         }
         Ok(())
-    }
-
-    /// Whether a force may act between the wall and the particle of a slot, or their contact still has to end.
-    #[inline(always)]
-    fn may_act(&self, slot: usize) -> bool {
-        let particle = self.contacts.wall_pairs[slot].particle as usize;
-        let body = &self.particles.body[particle];
-        let separation = self.wall.wall.height_at(&body.position, self.wall.pose) - body.radius;
-        let is_beyond = separation > self.range; // not so if it is undefined: the force then ends the run
-        !is_beyond || self.contacts.wall_touching[slot]
     }
 
     /// Adds the forces of a block.
@@ -97,13 +68,13 @@ impl WallLoop<'_> {
     fn add<Q: F64x4, L: LawOnBlock, R: Rolling>(
         &mut self,
         block: &mut WallBlock,
-        slots: &[usize],
+        slots: &[u32],
         law: &L,
         rolling: R,
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, contacts, wall, laws, on_walls, .. } = self;
-        block.gather::<Q>(particles, contacts, slots);
-        block.set_geometry(*wall, laws);
+        block.gather::<Q, R>(particles, contacts, (wall, slots));
+        block.set_attraction(laws);
         let histories = BlockHistories {
             tangential_springs: &mut block.springs,
             largest_overlaps: &mut block.largest_overlaps,
@@ -132,7 +103,6 @@ impl WallLoop<'_> {
 #[derive(Default)]
 struct WallBlock {
     particle: [u32; LANES],
-    position: [Lanes; 3],
     sizes: SizesAtWall,
     contacts: ContactBlock,
     springs: SpringLanes,
@@ -144,53 +114,78 @@ struct WallBlock {
 impl WallBlock {
     /// Gathers particles and histories of slots.
     #[inline(always)]
-    fn gather<Q: F64x4>(&mut self, particles: &Particles, contacts: &Contacts, slots: &[usize]) {
+    fn gather<Q: F64x4, R: Rolling>(
+        &mut self,
+        particles: &Particles,
+        contacts: &Contacts,
+        (wall, slots): (&WallNow, &[u32]),
+    ) {
         let last = slots.len() - 1;
         let zero = [Q::splat(0.0); 4];
         for from in (0..LANES).step_by(4) {
-            let (mut positions, mut velocities, mut spins, mut histories) =
-                (zero, zero, zero, zero);
+            let (mut places, mut motions, mut spins, mut histories) = (zero, zero, zero, zero);
             for row in 0..4 {
-                let (lane, slot) = (from + row, slots[last.min(from + row)]);
-                self.particle[lane] = contacts.wall_pairs[slot].particle;
-                let body = &particles.body[self.particle[lane] as usize];
-                let [position, velocity, spin] = body.vectors();
-                self.sizes.gather(lane, [body; 2]);
-                (positions[row], velocities[row]) = (Q::load(position), Q::load(velocity));
+                let (lane, slot) = (from + row, slots[last.min(from + row)] as usize);
+                let particle = contacts.wall_pairs[slot].particle;
+                self.particle[lane] = particle;
+                let [place, motion, spin] = particles.body[particle as usize].vectors();
+                (places[row], motions[row]) = (Q::load(place), Q::load(motion));
                 spins[row] = Q::load(spin);
                 histories[row] = Q::load(contacts.wall_history[slot].numbers());
-                for axis in 0..3 {
-                    self.rolling_angles[axis][lane] = contacts.wall_rolling_angle[slot][axis];
+                if R::ACTS {
+                    self.gather_angles(contacts, lane, slot);
                 }
-                self.twisting_angles[lane] = contacts.wall_twisting_angle[slot];
             }
-            FourVectors::of_rows(positions).store(&mut self.position, from);
-            FourVectors::of_rows(velocities).store(&mut self.contacts.relative_velocity, from);
-            FourVectors::of_rows(spins).store(&mut self.contacts.relative_spin, from);
-            let [x, y, z, largest_overlaps] = Q::transposed(histories);
+            self.set_kinematics::<Q, R>(from, wall, [places, motions, spins]);
+            let [x, y, z, largest_overlap] = Q::transposed(histories);
             FourVectors([x, y, z]).store(&mut self.springs, from);
-            largest_overlaps.store(four_mut(&mut self.largest_overlaps, from));
+            largest_overlap.store(four_mut(&mut self.largest_overlaps, from));
         }
     }
 
-    /// Sets overlap, normal, motion of the wall's surface relative to the particle's, and attraction.
+    /// Of four particles, the rows of their bodies: sets sizes, overlap, normal, and the motion of the wall's surface relative to
+    /// theirs.
     #[inline(always)]
-    fn set_geometry(&mut self, WallNow { wall, pose, .. }: WallNow, laws: &PairLaws) {
-        let Self { position, sizes, contacts, .. } = self;
-        for lane in 0..LANES {
-            let (position, radius) = (vector(position, lane), sizes.radius[lane]);
-            let spin = vector(&contacts.relative_spin, lane);
-            let normal = -wall.normal_at(&position, pose);
-            let velocity = pose.velocity
-                - vector(&contacts.relative_velocity, lane)
-                - (spin * radius).cross(&normal);
-            contacts.overlap[lane] = radius - wall.height_at(&position, pose);
-            for axis in 0..3 {
-                contacts.normal[axis][lane] = normal[axis];
-                contacts.relative_velocity[axis][lane] = velocity[axis];
-                contacts.relative_spin[axis][lane] = -spin[axis];
-            }
+    fn set_kinematics<Q: F64x4, R: Rolling>(
+        &mut self,
+        from: usize,
+        wall: &WallNow,
+        [places, motions, spins]: [[Q; 4]; 3],
+    ) {
+        let Self { sizes, contacts, .. } = self;
+        let [x, y, z, radius] = Q::transposed(places);
+        let [u, v, w, mass] = Q::transposed(motions);
+        let (position, spin) = (FourVectors([x, y, z]), FourVectors::of_rows(spins));
+        let overlap = radius.minus(wall.heights_of_four(position));
+        let normal = wall.normals_into_wall(position);
+        let of_wall = FourVectors::of_vector(&wall.pose.velocity);
+        let of_surfaces =
+            of_wall.minus(FourVectors([u, v, w])).minus(spin.times(radius).cross(normal));
+        radius.store(four_mut(&mut sizes.radius, from));
+        mass.store(four_mut(&mut sizes.mass, from));
+        overlap.store(four_mut(&mut contacts.overlap, from));
+        normal.store(&mut contacts.normal, from);
+        of_surfaces.store(&mut contacts.relative_velocity, from);
+        if R::ACTS {
+            spin.times(Q::splat(-1.0)).store(&mut contacts.relative_spin, from);
         }
+    }
+
+    /// Gathers the angles of the springs that resist spin.
+    #[inline(always)]
+    fn gather_angles(&mut self, contacts: &Contacts, lane: usize, slot: usize) {
+        for (angles, angle) in
+            self.rolling_angles.iter_mut().zip(&contacts.wall_rolling_angle[slot])
+        {
+            angles[lane] = *angle;
+        }
+        self.twisting_angles[lane] = contacts.wall_twisting_angle[slot];
+    }
+
+    /// Sets the attraction, if there is any.
+    #[inline(always)]
+    fn set_attraction(&mut self, laws: &PairLaws) {
+        let Self { sizes, contacts, .. } = self;
         let Some(cohesion) = laws.cohesion else { return };
         for lane in 0..LANES {
             contacts.cohesion[lane] = cohesion.to_wall(sizes.radius[lane], -contacts.overlap[lane]);
@@ -230,9 +225,9 @@ impl WallBlock {
 
     /// Keeps the histories of the contacts; springs that the model does not have are not deflected.
     #[inline(always)]
-    fn keep_histories(&self, contacts: &mut Contacts, slots: &[usize], model: &ContactModel) {
+    fn keep_histories(&self, contacts: &mut Contacts, slots: &[u32], model: &ContactModel) {
         let (rolls, twists) = (model.rolling.is_some(), model.twisting.is_some());
-        for (lane, &slot) in slots.iter().enumerate() {
+        for (lane, slot) in slots.iter().map(|&slot| slot as usize).enumerate() {
             contacts.wall_touching[slot] = self.contacts.touching[lane] != 0;
             contacts.wall_history[slot] = ContactHistory {
                 tangential_spring: vector(&self.springs, lane),

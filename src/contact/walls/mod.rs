@@ -1,8 +1,12 @@
 //! The loop over particles at walls.
 
 mod block;
+mod geometry;
+mod search;
 
-use self::block::{WallLoop, WallNow};
+use self::block::WallLoop;
+use self::geometry::WallNow;
+use self::search::WallSearch;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
 use super::{Contact, VanDerWaalsNow, WallTallies};
 use crate::domain::{PosedWalls, Wall, WallPose};
@@ -25,19 +29,23 @@ pub(crate) fn add_wall_forces(
     on_walls: &mut WallTallies,
 ) -> Result<(), ForceOutOfRange> {
     on_walls.clear();
-    let mut start = 0;
+    let (mut start, mut acting) = (0, Vec::new());
     while let Some(&first) = contacts.wall_pairs.get(start) {
         let number = first.wall as usize;
         let alike = contacts.wall_pairs[start..].partition_point(|pair| pair.is_like(&first));
+        let slots = start..start + alike;
+        let wall = WallNow { number, wall: &walls.walls[number], pose: &walls.poses[number] };
+        let range = laws.ranges.any;
+        acting.clear();
+        with_simd(WallSearch { particles, contacts, slots, wall, range, acting: &mut acting });
         let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
         let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
         with_simd(WallLoop {
             particles,
             contacts,
-            slots: start..start + alike,
-            wall: WallNow { number, wall: &walls.walls[number], pose: &walls.poses[number] },
+            acting: &acting,
+            wall,
             laws: PairLaws { contact, cohesion, dt, limit, force_quantum, torque_quantum },
-            range: laws.ranges.any,
             on_walls,
         })?;
         start += alike;
