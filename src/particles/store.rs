@@ -115,7 +115,8 @@ impl Particles {
             let count = count + count / 8;
             self.id.reserve_exact(count);
             self.body.reserve_exact(count);
-            self.forces.reserve_exact(count);
+            // There are none on images that were added before.
+            self.forces.reserve_exact(self.body.len() - self.forces.len() + count);
         }
     }
 
@@ -208,5 +209,18 @@ mod tests {
         particles.keep_ghosts(&[2, 4]);
         assert_eq!((particles.count(), particles.forces.len()), (4, 2));
         assert_eq!([2, 3].map(|ghost| particles.owned_original(ghost)), [Some(0), Some(1)]);
+    }
+
+    #[test]
+    fn copies_that_come_after_images_need_no_new_memory() {
+        let mut particles = Particles::default();
+        particles.push(0, Vector3::zeros(), Vector3::zeros(), 0.5, 1.0);
+        let body = particles.body[0];
+        for image_of in [Some(0), None] {
+            particles.make_room_for_ghosts(100);
+            let room = particles.forces.capacity();
+            (0..100).for_each(|id| particles.push_ghost(id, body, image_of));
+            assert_eq!(particles.forces.capacity(), room);
+        }
     }
 }
