@@ -36,8 +36,8 @@ impl Half {
     }
 }
 
-/// A block of pairs, contiguous in memory. It begins where a vector of four numbers may, so that none lies in two cache lines; a block
-/// that began with a cache line would be longer by 32 bytes.
+/// A block of pairs, contiguous in memory. It is aligned to a vector of four numbers, so that none lies in two cache lines; aligned to a
+/// cache line, it would be 32 bytes longer.
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct PairBlock {

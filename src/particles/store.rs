@@ -16,7 +16,7 @@ pub struct Particles {
     /// Size, position and velocities of each.
     pub body: Vec<Body>,
     /// Force and torque on each; on copies of other ranks' particles, what this rank's pairs put on them until it is sent back,
-    /// zero between steps; zero on images, and not kept of those behind the last copy.
+    /// zero between steps; zero on images, and not kept for those behind the last copy.
     pub forces: Vec<ForceTorque>,
     /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum, which the total force contains.
     /// It is that of the last gas step, and constant until the next; zero without such a gas.
