@@ -7,5 +7,6 @@ use talcum::parallel::AllocatorOfRanks;
 static ALLOCATOR: AllocatorOfRanks = AllocatorOfRanks;
 
 fn main() -> ExitCode {
+    AllocatorOfRanks::return_large_arrays();
     talcum::command_line::main()
 }

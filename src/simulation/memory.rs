@@ -5,11 +5,8 @@
 #[allow(unsafe_code, reason = "the standard library has no function for this")]
 pub(super) fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    {
-        unsafe extern "C" {
-            fn malloc_trim(keep: usize) -> std::ffi::c_int;
-        }
-        // SAFETY: a function of the C library that may be called at any time, from any thread.
-        unsafe { malloc_trim(0) };
+    // SAFETY: it may be called at any time, from any thread.
+    unsafe {
+        libc::malloc_trim(0);
     }
 }

@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folders of the index, and what their tests are.
-const PARTS: [(&str, &str); 8] = [
+const PARTS: [(&str, &str); 9] = [
     ("tests/physics", "Physics: `cargo test --test physics`"),
     ("tests/gas", "Volume-averaged gas: `cargo test --test gas`"),
     ("tests/parallel", "Ranks as threads: `cargo test --test parallel`"),
     ("tests/mpi_communicator", "Processes of MPI: `cargo test --test mpi_communicator`"),
     ("tests/threads", "The program on threads: `cargo test --test threads`"),
     ("tests/program", "The program: `cargo test --test program`"),
+    ("tests/allocator", "The allocator: `cargo test --test allocator`"),
     ("tests/project", "The project: `cargo test --test project`"),
     ("src", "Units, beside the code: `cargo test --lib`"),
 ];
