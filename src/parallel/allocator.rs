@@ -1,4 +1,4 @@
-//! What happens when there is no more memory: the program says how much it asked for, and all ranks end.
+//! What is freed returns to the system. When there is no more memory, the program says how much it asked for, and all ranks end.
 
 #![allow(unsafe_code, reason = "an allocator hands out raw memory")]
 
@@ -36,6 +36,16 @@ impl AllocatorOfRanks {
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, RETURNED);
             libc::mallopt(libc::M_TRIM_THRESHOLD, 2 * RETURNED);
+        }
+    }
+
+    /// Returns to the system what was freed, where the allocator can do that (glibc): after something large that does not come again
+    /// soon, a start or a checkpoint.
+    pub(crate) fn return_freed() {
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        // SAFETY: it may be called at any time, from any thread.
+        unsafe {
+            libc::malloc_trim(0);
         }
     }
 }

@@ -6,7 +6,6 @@ mod folder;
 mod interval;
 mod layout;
 mod measuring;
-mod memory;
 mod outputs;
 mod particle_columns;
 mod running;

@@ -1,12 +1,12 @@
 //! A run under way: one step after another, and what is due after each.
 
+use super::RunError;
 use super::checkpoints::{Checkpoints, WrittenCheckpoint};
 use super::folder::{OutputFolder, make_folder, mark_complete};
 use super::measuring::{Beginning, Measuring};
 use super::outputs::Outputs;
 use super::particle_columns::{self, snapshot_format};
 use super::start::{InitialState, Origin};
-use super::{RunError, memory};
 use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
 use crate::gas::GasModel;
@@ -15,7 +15,8 @@ use crate::measures::View;
 use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
 use crate::output::{Head, Opening, OutputError, Provenance, Sample};
 use crate::parallel::{
-    Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records, WallContactRecord,
+    AllocatorOfRanks, Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records,
+    WallContactRecord,
 };
 use crate::particles::ContactHistories;
 use crate::state::{EnergyRow, Mechanism, Models, SizeRange, State, StoredSums, Workspace};
@@ -317,7 +318,7 @@ impl<'a> Simulation<'a> {
         };
         let written = checkpoints.write(&folder.path, &checkpoint, provenance, *ranks)?;
         drop(checkpoint);
-        memory::give_back();
+        AllocatorOfRanks::return_freed();
         Ok(written)
     }
 
@@ -366,7 +367,7 @@ fn begin(
         let start = stored_energy(state, &case.domain, &models, work).total(ranks);
         state.energy.iter_mut().for_each(|ledger| ledger.open_at(start));
     }
-    memory::give_back();
+    AllocatorOfRanks::return_freed();
     Ok((stage, models))
 }
 
