@@ -12,26 +12,6 @@ pub(super) struct CellPairs {
     pub(super) periodic: bool,
 }
 
-/// Fine cells in a row whose indices along the axis of the pairs are all even or all odd.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CellRun {
-    /// The first cell.
-    pub(super) first: [isize; 3],
-    /// Its index along the axis of the pairs, in the whole grid.
-    pub(super) global_index: usize,
-    /// From one cell to the next in the row: 1 or 2.
-    stride: usize,
-    length: usize,
-}
-
-impl CellRun {
-    /// Indices of the cells in a field, from that of the first cell.
-    #[inline(always)]
-    pub(super) fn cells(self, first: usize) -> impl Iterator<Item = usize> {
-        (0..self.length).map(move |i| first + i * self.stride)
-    }
-}
-
 /// A row of pairs.
 pub(super) enum PairRow {
     /// The pairs follow each other along their axis; the last may be a single cell.
@@ -43,21 +23,14 @@ pub(super) enum PairRow {
 }
 
 impl CellPairs {
-    /// All owned fine cells.
-    pub(super) fn runs(&self) -> impl Iterator<Item = CellRun> + use<> {
-        let pairs = *self;
-        let row = self.fine.order[0];
-        let length = self.fine.count[row];
-        let (parities, stride) = if self.axis == row { (length.min(2), 2) } else { (1, 1) };
-        let all = self.fine.count.map(|count| 0..count as isize);
-        row_starts(all, self.fine.order).flat_map(move |first| {
-            (0..parities).map(move |parity| {
-                let mut first = first;
-                first[row] += parity as isize;
-                let length = (length - parity).div_ceil(stride);
-                CellRun { first, global_index: pairs.global_index(first), stride, length }
-            })
-        })
+    /// Whether the pairs lie along the rows of cells.
+    pub(super) fn along_rows(&self) -> bool {
+        self.axis == self.fine.order[0]
+    }
+
+    /// The first cells of the rows of owned fine cells, in the order of `Field::rows`.
+    pub(super) fn fine_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+        row_starts(self.fine.count.map(|count| 0..count as isize), self.fine.order)
     }
 
     /// The first cells of the rows of owned pairs, in the order of `Field::rows`.
@@ -81,7 +54,7 @@ impl CellPairs {
     /// How a row of `length` pairs, which begins with this pair, lies to the axis.
     pub(super) fn row(&self, first: [isize; 3], length: usize) -> PairRow {
         let first = self.coarse.start[self.axis] as isize + first[self.axis];
-        if self.axis == self.fine.order[0] {
+        if self.along_rows() {
             let last_is_single = self.is_single_before_wrap(first + length as isize - 1);
             return PairRow::Along { last_is_single };
         }

@@ -87,6 +87,56 @@ pub(super) fn smooth(
     std::mem::swap(solution, scratch);
 }
 
+/// A row of cells of the system, with an approximation x to its solution.
+struct SystemRow<'a> {
+    stencil: StencilRow<'a, f32>,
+    right_hand_side: &'a [f32],
+    inverse_diagonal: &'a [f32],
+}
+
+impl<'a> SystemRow<'a> {
+    /// `length` cells from these indices on: into x and D^-1, into the coefficients, into b.
+    #[inline(always)]
+    fn new(
+        system: System<'a>,
+        x: &'a Field<f32>,
+        [row, first, right]: [usize; 3],
+        length: usize,
+    ) -> Self {
+        Self {
+            stencil: StencilRow::new(system.coefficients, first, x, row, length),
+            right_hand_side: &system.right_hand_side.values()[right..][..length],
+            inverse_diagonal: &system.inverse_diagonal.values()[row..][..length],
+        }
+    }
+
+    /// D^-1 (b - A x) in the i-th cell.
+    #[inline(always)]
+    fn scaled_residual(&self, i: usize) -> f32 {
+        self.inverse_diagonal[i] * (self.right_hand_side[i] - self.stencil.apply(i))
+    }
+
+    /// x + FIRST D^-1 (b - A x).
+    #[inline(always)]
+    fn first(&self, next: &mut [f32]) {
+        let x = self.stencil.centre();
+        for i in 0..next.len() {
+            next[i] = x[i] + FIRST * self.scaled_residual(i);
+        }
+    }
+
+    /// The next approximation in the place of the last one, or of what stands there if that is zero.
+    #[inline(always)]
+    fn next<const FROM_ZERO: bool>(&self, recurrence: Recurrence, last: &mut [f32]) {
+        let Recurrence { momentum, step } = recurrence;
+        let x = self.stencil.centre();
+        for i in 0..last.len() {
+            let before = if FROM_ZERO { 0.0 } else { last[i] };
+            last[i] = x[i] + (momentum * (x[i] - before) + step * self.scaled_residual(i));
+        }
+    }
+}
+
 /// x_1 from x_0 = 0.
 struct FirstFromZero<'a> {
     system: System<'a>,
@@ -102,10 +152,15 @@ impl VectorWork for FirstFromZero<'_> {
         for [row, right] in rows([&*self.next, self.system.right_hand_side]) {
             let right = &self.system.right_hand_side.values()[right..][..length];
             let inverse = &self.system.inverse_diagonal.values()[row..][..length];
-            for (i, next) in self.next.values_mut()[row..][..length].iter_mut().enumerate() {
-                *next = FIRST * (inverse[i] * right[i]);
-            }
+            first_from_zero(&mut self.next.values_mut()[row..][..length], inverse, right);
         }
+    }
+}
+
+#[inline(always)]
+fn first_from_zero(next: &mut [f32], inverse_diagonal: &[f32], right_hand_side: &[f32]) {
+    for i in 0..next.len() {
+        next[i] = FIRST * (inverse_diagonal[i] * right_hand_side[i]);
     }
 }
 
@@ -123,16 +178,9 @@ impl VectorWork for First<'_> {
     fn run(self) {
         let Self { system, solution, next } = self;
         let length = next.row_length();
-        for [row, first, right] in
-            rows([&*next, &system.coefficients.diagonal, system.right_hand_side])
-        {
-            let stencil = StencilRow::new(system.coefficients, first, solution, row, length);
-            let right = &system.right_hand_side.values()[right..][..length];
-            let inverse = &system.inverse_diagonal.values()[row..][..length];
-            let x = stencil.centre();
-            for (i, next) in next.values_mut()[row..][..length].iter_mut().enumerate() {
-                *next = x[i] + FIRST * (inverse[i] * (right[i] - stencil.apply(i)));
-            }
+        for at in rows([&*next, &system.coefficients.diagonal, system.right_hand_side]) {
+            let row = SystemRow::new(system, solution, at, length);
+            row.first(&mut next.values_mut()[at[0]..][..length]);
         }
     }
 }
@@ -150,20 +198,11 @@ impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { system, recurrence: Recurrence { momentum, step }, present, last } = self;
+        let Self { system, recurrence, present, last } = self;
         let length = last.row_length();
-        for [row, first, right] in
-            rows([&*last, &system.coefficients.diagonal, system.right_hand_side])
-        {
-            let stencil = StencilRow::new(system.coefficients, first, present, row, length);
-            let right = &system.right_hand_side.values()[right..][..length];
-            let inverse = &system.inverse_diagonal.values()[row..][..length];
-            let x = stencil.centre();
-            for (i, value) in last.values_mut()[row..][..length].iter_mut().enumerate() {
-                let last = if FROM_ZERO { 0.0 } else { *value };
-                let scaled = inverse[i] * (right[i] - stencil.apply(i));
-                *value = x[i] + (momentum * (x[i] - last) + step * scaled);
-            }
+        for at in rows([&*last, &system.coefficients.diagonal, system.right_hand_side]) {
+            let row = SystemRow::new(system, present, at, length);
+            row.next::<FROM_ZERO>(recurrence, &mut last.values_mut()[at[0]..][..length]);
         }
     }
 }

@@ -102,10 +102,7 @@ impl Coarsen<'_> {
         let faces = &self.fine.faces;
         let resistances = [below, first].map(|first| row(half_resistance, first, cells));
         let between = row(&faces[pairs.axis], first, cells);
-        for (i, coefficient) in coarse.iter_mut().enumerate() {
-            let [below, own] = resistances.map(|resistance| resistance[SPACING * i]);
-            *coefficient = 1.0 / (below + 1.0 / between[SPACING * i] + own);
-        }
+        set_in_series::<SPACING>(resistances, between, coarse);
         for across in (0..3).filter(|&across| across != pairs.axis) {
             let stride = strides[across];
             for first in [below, first] {
@@ -118,9 +115,7 @@ impl Coarsen<'_> {
                 );
             }
         }
-        for (i, coefficient) in coarse.iter_mut().enumerate() {
-            *coefficient = if between[SPACING * i] == 0.0 { 0.0 } else { *coefficient };
-        }
+        close::<SPACING>(between, coarse);
     }
 }
 
@@ -136,6 +131,28 @@ fn four_rows(field: &Field<f32>, first: usize, stride: usize, cells: usize) -> F
     [0, 1, 2, 3].map(|number| row(field, first + number * stride, cells))
 }
 
+/// Sets 1 / (R + 1/a + R') from the resistances below and above faces and their coefficients.
+#[inline(always)]
+fn set_in_series<const SPACING: usize>(
+    [below, above]: [&[f32]; 2],
+    between: &[f32],
+    coefficients: &mut [f32],
+) {
+    for i in 0..coefficients.len() {
+        let cell = SPACING * i;
+        coefficients[i] = 1.0 / (below[cell] + 1.0 / between[cell] + above[cell]);
+    }
+}
+
+/// Zero where the face is closed.
+#[inline(always)]
+fn close<const SPACING: usize>(between: &[f32], coefficients: &mut [f32]) {
+    for i in 0..coefficients.len() {
+        let is_closed = between[SPACING * i] == 0.0;
+        coefficients[i] = if is_closed { 0.0 } else { coefficients[i] };
+    }
+}
+
 /// Adds a_f (t_c - t_c')^2 / 2 for the lower and the upper faces of cells, from t in the cells below, the cells
 /// themselves and those above.
 #[inline(always)]
@@ -144,12 +161,12 @@ fn add_cross_flow<const SPACING: usize>(
     [below, here, above]: [&[f32]; 3],
     coefficients: &mut [f32],
 ) {
-    for (i, coefficient) in coefficients.iter_mut().enumerate() {
+    for i in 0..coefficients.len() {
         let cell = SPACING * i;
         let (rise_below, rise_above) = (here[cell] - below[cell], above[cell] - here[cell]);
         let flows =
             lower[cell] * (rise_below * rise_below) + upper[cell] * (rise_above * rise_above);
-        *coefficient += 0.5 * flows;
+        coefficients[i] += 0.5 * flows;
     }
 }
 
@@ -161,12 +178,12 @@ fn in_parallel<const SPACING: usize, const SINGLE: bool>(
     [here, beside]: [FourCells; 2],
     coarse: &mut [f32],
 ) {
-    for (i, sum) in coarse.iter_mut().enumerate() {
+    for i in 0..coarse.len() {
         let cell = SPACING * i;
         let mean = |of: usize| 0.5 * (here[of][cell] + beside[of][cell]);
         let own = |of: usize| (1.0 - mean(of)) * values[of][cell];
         let next = |of: usize| mean(of) * values[of][cell];
-        *sum = match SINGLE {
+        coarse[i] = match SINGLE {
             true => own(1) + (next(0) + next(2)),
             false => (own(1) + own(2)) + (next(0) + next(3)),
         };

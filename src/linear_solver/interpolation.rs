@@ -14,7 +14,9 @@
 
 use super::cell_pairs::CellPairs;
 use super::operator::Coefficients;
+use super::rows::rows;
 use crate::grid::Field;
+use crate::numbers::{VectorWork, in_wide_vectors};
 
 /// The weights of the interpolation along one axis.
 #[derive(Clone, Debug)]
@@ -34,19 +36,9 @@ impl Interpolation {
 
     /// Sets R of owned cells. Before: halos of the coefficients are current.
     pub(super) fn set_half_resistance(&mut self, fine: &Coefficients<f32>) {
+        in_wide_vectors(SetHalfResistance { interpolation: self, fine });
         let Self { pairs, half_resistance, .. } = self;
-        let stride = half_resistance.strides()[pairs.axis];
-        let faces = fine.faces[pairs.axis].values();
         let last = pairs.fine.counts[pairs.axis] - 1;
-        for run in pairs.runs() {
-            let cells = run.cells(half_resistance.index(run.first));
-            let resistance = half_resistance.values_mut();
-            if run.global_index % 2 == 1 {
-                cells.for_each(|cell| resistance[cell] = 0.5 / faces[cell]);
-            } else {
-                cells.for_each(|cell| resistance[cell] = 0.5 / faces[cell + stride]);
-            }
-        }
         if last % 2 == 0 && pairs.fine.at_ends(pairs.axis)[1] {
             // The last cell is single: it is the middle of its pair.
             let layer = pairs.fine.count[pairs.axis] as isize - 1;
@@ -57,18 +49,103 @@ impl Interpolation {
 
     /// Sets t of owned cells. Before: halos of the coefficients and of R are current.
     pub(super) fn set_weights(&mut self, fine: &Coefficients<f32>) {
-        let Self { pairs, half_resistance, weight } = self;
-        let stride = half_resistance.strides()[pairs.axis];
-        let faces = fine.faces[pairs.axis].values();
-        let resistance = half_resistance.values();
-        for run in pairs.runs() {
-            let upwards = run.global_index % 2 == 1;
-            for cell in run.cells(weight.index(run.first)) {
-                let (face, next) =
-                    if upwards { (cell + stride, cell + stride) } else { (cell, cell - stride) };
-                weight.values_mut()[cell] =
-                    weight_of_next(resistance[cell], faces[face], resistance[next]);
+        in_wide_vectors(SetWeights { interpolation: self, fine });
+    }
+}
+
+struct SetHalfResistance<'a> {
+    interpolation: &'a mut Interpolation,
+    fine: &'a Coefficients<f32>,
+}
+
+impl VectorWork for SetHalfResistance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Interpolation { pairs, half_resistance, .. } = self.interpolation;
+        let (length, stride) =
+            (half_resistance.row_length(), half_resistance.strides()[pairs.axis]);
+        let faces = self.fine.faces[pairs.axis].values();
+        for ([start], first) in rows([&*half_resistance]).zip(pairs.fine_rows()) {
+            let of_cells = [start, start + stride].map(|face| &faces[face..][..length]);
+            let resistance = &mut half_resistance.values_mut()[start..][..length];
+            let first = pairs.global_index(first);
+            match pairs.along_rows() {
+                true => set_half_resistances::<true>(first, of_cells, resistance),
+                false => set_half_resistances::<false>(first, of_cells, resistance),
             }
+        }
+    }
+}
+
+struct SetWeights<'a> {
+    interpolation: &'a mut Interpolation,
+    fine: &'a Coefficients<f32>,
+}
+
+impl VectorWork for SetWeights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Interpolation { pairs, half_resistance, weight } = self.interpolation;
+        let (length, stride) = (weight.row_length(), weight.strides()[pairs.axis]);
+        let (faces, resistance) = (self.fine.faces[pairs.axis].values(), half_resistance.values());
+        for ([start], first) in rows([&*weight]).zip(pairs.fine_rows()) {
+            let row = RowInSeries {
+                faces: [start, start + stride].map(|face| &faces[face..][..length]),
+                resistance: [start - stride, start, start + stride]
+                    .map(|cell| &resistance[cell..][..length]),
+            };
+            let weight = &mut weight.values_mut()[start..][..length];
+            let first = pairs.global_index(first);
+            match pairs.along_rows() {
+                true => row.set_weights::<true>(first, weight),
+                false => row.set_weights::<false>(first, weight),
+            }
+        }
+    }
+}
+
+/// Whether the i-th cell of a row is the second of its pair. The first cell of the row has this index along the axis of the
+/// pairs, in the whole grid.
+#[inline(always)]
+fn is_second<const ALONG_ROWS: bool>(first: usize, i: usize) -> bool {
+    let index = if ALONG_ROWS { first + i } else { first };
+    index % 2 == 1
+}
+
+/// R of a row from the coefficients of the lower and upper faces of its cells.
+#[inline(always)]
+fn set_half_resistances<const ALONG_ROWS: bool>(
+    first: usize,
+    [lower, upper]: [&[f32]; 2],
+    resistance: &mut [f32],
+) {
+    for i in 0..resistance.len() {
+        let inside = if is_second::<ALONG_ROWS>(first, i) { lower[i] } else { upper[i] };
+        resistance[i] = 0.5 / inside;
+    }
+}
+
+/// A row of cells and what lies beside it along the axis of the pairs.
+struct RowInSeries<'a> {
+    /// a of the lower and the upper faces.
+    faces: [&'a [f32]; 2],
+    /// R of the cells below, the cells themselves and those above.
+    resistance: [&'a [f32]; 3],
+}
+
+impl RowInSeries<'_> {
+    /// Sets t.
+    #[inline(always)]
+    fn set_weights<const ALONG_ROWS: bool>(&self, first: usize, weight: &mut [f32]) {
+        let ([lower, upper], [below, own, above]) = (self.faces, self.resistance);
+        for i in 0..weight.len() {
+            let upwards = is_second::<ALONG_ROWS>(first, i);
+            let (face, next) = if upwards { (upper[i], above[i]) } else { (lower[i], below[i]) };
+            weight[i] = weight_of_next(own[i], face, next);
         }
     }
 }

@@ -55,12 +55,25 @@ impl<T: Number> Coefficients<T> {
 impl Coefficients<f32> {
     /// The inverse of the diagonal of A; zero for a cell without any coupling.
     pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field<f32>) {
+        in_wide_vectors(InverseDiagonal { coefficients: self, inverse });
+    }
+}
+
+struct InverseDiagonal<'a> {
+    coefficients: &'a Coefficients<f32>,
+    inverse: &'a mut Field<f32>,
+}
+
+impl VectorWork for InverseDiagonal<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { coefficients, inverse } = self;
         let length = inverse.row_length();
-        for [from, to] in rows([&self.diagonal, inverse]) {
-            for (i, value) in inverse.values_mut()[to..][..length].iter_mut().enumerate() {
-                let sum = self.sum(from + i);
-                *value = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-            }
+        for [first, row] in rows([&coefficients.diagonal, &*inverse]) {
+            let cells = CoefficientRow::new(coefficients, first, length);
+            cells.invert_diagonal(&mut inverse.values_mut()[row..][..length]);
         }
     }
 }
@@ -97,12 +110,44 @@ pub(super) struct Equation<'a, T = f64> {
     pub(super) solution: &'a mut Field<T>,
 }
 
-/// A row of cells with its coefficients, and the values in the cells and in their neighbours.
+/// The coefficients of a row of cells.
 #[derive(Clone, Copy)]
-pub(super) struct StencilRow<'a, T> {
+struct CoefficientRow<'a, T> {
     lower_faces: [&'a [T]; 3],
     upper_faces: [&'a [T]; 3],
     diagonal: &'a [T],
+}
+
+impl<'a, T: Number> CoefficientRow<'a, T> {
+    /// `length` cells from an index on.
+    #[inline(always)]
+    fn new(coefficients: &'a Coefficients<T>, first: usize, length: usize) -> Self {
+        let faces = coefficients.faces.each_ref().map(Field::values);
+        let to_upper = coefficients.diagonal.strides();
+        Self {
+            lower_faces: slices(faces, [first; 3], length),
+            upper_faces: slices(faces, to_upper.map(|stride| first + stride), length),
+            diagonal: &coefficients.diagonal.values()[first..][..length],
+        }
+    }
+}
+
+impl CoefficientRow<'_, f32> {
+    /// The inverse of the diagonal of A; zero for a cell without any coupling.
+    #[inline(always)]
+    fn invert_diagonal(&self, inverse: &mut [f32]) {
+        for i in 0..inverse.len() {
+            let along = |axis: usize| self.lower_faces[axis][i] + self.upper_faces[axis][i];
+            let sum = (along(0) + along(1)) + (along(2) + self.diagonal[i]);
+            inverse[i] = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        }
+    }
+}
+
+/// A row of cells with its coefficients, and the values in the cells and in their neighbours.
+#[derive(Clone, Copy)]
+pub(super) struct StencilRow<'a, T> {
+    coefficients: CoefficientRow<'a, T>,
     centre: &'a [T],
     below: [&'a [T]; 3],
     above: [&'a [T]; 3],
@@ -118,13 +163,9 @@ impl<'a, T: Number> StencilRow<'a, T> {
         row: usize,
         length: usize,
     ) -> Self {
-        let faces = coefficients.faces.each_ref().map(Field::values);
-        let to_upper = coefficients.diagonal.strides();
         let (strides, p) = (values.strides(), values.values());
         Self {
-            lower_faces: slices(faces, [first; 3], length),
-            upper_faces: slices(faces, to_upper.map(|stride| first + stride), length),
-            diagonal: &coefficients.diagonal.values()[first..][..length],
+            coefficients: CoefficientRow::new(coefficients, first, length),
             centre: &p[row..][..length],
             below: slices([p; 3], strides.map(|stride| row - stride), length),
             above: slices([p; 3], strides.map(|stride| row + stride), length),
@@ -134,12 +175,29 @@ impl<'a, T: Number> StencilRow<'a, T> {
     /// A p in the i-th cell of the row. The order of the sum is fixed.
     #[inline(always)]
     pub(super) fn apply(&self, i: usize) -> T {
+        let CoefficientRow { lower_faces, upper_faces, diagonal } = self.coefficients;
         let centre = self.centre[i];
         let along = |axis: usize| {
-            self.lower_faces[axis][i] * (centre - self.below[axis][i])
-                + self.upper_faces[axis][i] * (centre - self.above[axis][i])
+            lower_faces[axis][i] * (centre - self.below[axis][i])
+                + upper_faces[axis][i] * (centre - self.above[axis][i])
         };
-        (along(0) + along(1)) + (along(2) + self.diagonal[i] * centre)
+        (along(0) + along(1)) + (along(2) + diagonal[i] * centre)
+    }
+
+    /// q = A p in all cells of the row.
+    #[inline(always)]
+    fn apply_to_row(&self, q: &mut [T]) {
+        for i in 0..q.len() {
+            q[i] = self.apply(i);
+        }
+    }
+
+    /// r = b - A p in all cells of the row.
+    #[inline(always)]
+    fn residual_of_row(&self, b: &[T], r: &mut [T]) {
+        for i in 0..r.len() {
+            r[i] = b[i] - self.apply(i);
+        }
     }
 
     #[inline(always)]
@@ -180,9 +238,7 @@ impl VectorWork for Apply<'_> {
         for [first, row] in rows([&coefficients.diagonal, p]) {
             let stencil = StencilRow::new(coefficients, first, p, row, length);
             let result = &mut q.values_mut()[row..][..length];
-            for (i, value) in result.iter_mut().enumerate() {
-                *value = stencil.apply(i);
-            }
+            stencil.apply_to_row(result);
             dot.add_row(stencil.centre(), result);
         }
         dot
@@ -212,9 +268,7 @@ impl<T: Number> VectorWork for Residual<'_, T> {
         for [first, row, row_of_b, row_of_r] in rows([&coefficients.diagonal, x, b, r]) {
             let stencil = StencilRow::new(coefficients, first, x, row, length);
             let b = &b.values()[row_of_b..][..length];
-            for (i, value) in r.values_mut()[row_of_r..][..length].iter_mut().enumerate() {
-                *value = b[i] - stencil.apply(i);
-            }
+            stencil.residual_of_row(b, &mut r.values_mut()[row_of_r..][..length]);
         }
     }
 }

@@ -14,6 +14,7 @@ use super::multigrid::{Cycle, Multigrid};
 use super::operator::{Coefficients, Equation};
 use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
+use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
 
 /// Coefficients count as at least this part of the largest, unless they are zero, so that sums of their inverses do not
@@ -51,13 +52,9 @@ impl Preconditioner {
         ranks: &dyn Communicator,
     ) {
         let scale = to_one(largest);
-        let narrowed = |value: f64| {
-            let at_least = if value > 0.0 { SMALLEST } else { 0.0 };
-            ((value * scale) as f32).max(at_least)
-        };
-        let from = coefficients.faces.iter().chain([&coefficients.diagonal]);
-        for (single, double) in self.coefficients.fields().into_iter().zip(from) {
-            convert(double, single, narrowed);
+        let fields = coefficients.faces.iter().chain([&coefficients.diagonal]);
+        for (to, from) in self.coefficients.fields().into_iter().zip(fields) {
+            in_wide_vectors(NarrowCoefficients { from, to, scale });
         }
         self.scale = scale;
         self.multigrid.set_coefficients(&self.coefficients, ranks);
@@ -73,11 +70,10 @@ impl Preconditioner {
     ) {
         let scale = to_one(norm);
         let Self { coefficients, right_hand_side, solution, .. } = self;
-        convert(r, right_hand_side, |value| (value * scale) as f32);
+        in_wide_vectors(Narrow { from: r, to: right_hand_side, scale });
         let mut equation = Equation { coefficients, right_hand_side, solution };
         self.multigrid.cycle(&mut equation, cycle, ranks);
-        let back = self.scale / scale;
-        convert(solution, z, |value| f64::from(value) * back);
+        in_wide_vectors(Widen { from: solution, to: z, scale: self.scale / scale });
     }
 }
 
@@ -88,14 +84,59 @@ fn to_one(number: f64) -> f64 {
     f64::from_bits(2046_u64.saturating_sub(exponent).max(1) << MANTISSA_BITS)
 }
 
-/// Converts all values, those in halos too, between fields of one shape.
-fn convert<T: bytemuck::Pod, U: bytemuck::Pod>(
-    from: &Field<T>,
-    to: &mut Field<U>,
-    conversion: impl Fn(T) -> U,
-) {
-    let pairs = to.values_mut().iter_mut().zip(from.values());
-    pairs.for_each(|(to, &from)| *to = conversion(from));
+/// Scales all coefficients, those in halos too, and rounds them to single precision.
+struct NarrowCoefficients<'a> {
+    from: &'a Field,
+    to: &'a mut Field<f32>,
+    scale: f64,
+}
+
+impl VectorWork for NarrowCoefficients<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, &from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
+            let at_least = if from > 0.0 { SMALLEST } else { 0.0 };
+            *to = ((from * self.scale) as f32).max(at_least);
+        }
+    }
+}
+
+/// Scales all values, those in halos too, and rounds them to single precision.
+struct Narrow<'a> {
+    from: &'a Field,
+    to: &'a mut Field<f32>,
+    scale: f64,
+}
+
+impl VectorWork for Narrow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
+            *to = (from * self.scale) as f32;
+        }
+    }
+}
+
+/// Scales all values, those in halos too, in double precision.
+struct Widen<'a> {
+    from: &'a Field<f32>,
+    to: &'a mut Field,
+    scale: f64,
+}
+
+impl VectorWork for Widen<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, &from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
+            *to = f64::from(from) * self.scale;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::preconditioner::Preconditioner;
 use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, VectorWork, in_wide_vectors};
 use crate::parallel::{Communicator, FieldHalo};
 
 /// Solves A p = b on the cells of the box; it keeps its memory from one solve to the next.
@@ -208,32 +208,27 @@ fn remove_mean(
 
 /// The largest of the owned values; infinity if one is negative, infinite or undefined (NaN).
 fn largest<'a>(fields: impl IntoIterator<Item = &'a Field>) -> f64 {
-    let bits = fields.into_iter().map(|field| in_wide_vectors(LargestBits { field })).max();
-    match bits.unwrap_or(0) {
-        bits if bits < f64::INFINITY.to_bits() => f64::from_bits(bits),
-        _ => f64::INFINITY,
-    }
+    let each = fields.into_iter().map(|field| in_wide_vectors(LargestValue { field }));
+    each.fold(0.0, f64::max)
 }
 
-/// The largest bit pattern of the owned values. Those of positive numbers have the order of the numbers; infinity, NaN and
-/// negative numbers come after.
-struct LargestBits<'a> {
+struct LargestValue<'a> {
     field: &'a Field,
 }
 
-impl VectorWork for LargestBits<'_> {
-    type Output = u64;
+impl VectorWork for LargestValue<'_> {
+    type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> u64 {
+    fn run(self) -> f64 {
         let length = self.field.row_length();
-        let mut largest = 0;
+        let mut largest = Largest::default();
         for [row] in rows([self.field]) {
-            for value in &self.field.values()[row..][..length] {
-                largest = largest.max((value + 0.0).to_bits()); // a zero has no sign
+            for &value in &self.field.values()[row..][..length] {
+                largest.add(value);
             }
         }
-        largest
+        largest.value()
     }
 }
 

@@ -80,13 +80,15 @@ fn restrict_single(weight: &[f32], values: &[f32], cell: usize, stride: usize) -
 /// What pairs along a row receive; the slices start one cell below the first pair.
 #[inline(always)]
 fn restrict_along(weight: &[f32], values: &[f32], sums: &mut [f32]) {
-    let cells = 2 * sums.len() + 2;
-    let (weight, values) = (&weight[..cells], &values[..cells]);
-    for (m, sum) in sums.iter_mut().enumerate() {
-        let own = |cell: usize| (1.0 - weight[cell]) * values[cell];
-        let next = |cell: usize| weight[cell] * values[cell];
-        let below = 2 * m;
-        *sum = (own(below + 1) + own(below + 2)) + (next(below) + next(below + 3));
+    let count = sums.len();
+    let [(weight, weight_beyond), (values, values_beyond)] = [weight, values].map(|row| {
+        let pairs = row.as_chunks::<2>().0;
+        (&pairs[..count], &pairs[1..][..count])
+    });
+    for i in 0..count {
+        let ([below, first], [second, above]) = (weight[i], weight_beyond[i]);
+        let own = (1.0 - first) * values[i][1] + (1.0 - second) * values_beyond[i][0];
+        sums[i] = own + (below * values[i][0] + above * values_beyond[i][1]);
     }
 }
 
@@ -95,10 +97,10 @@ fn restrict_along(weight: &[f32], values: &[f32], sums: &mut [f32]) {
 fn restrict_across(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
     let length = sums.len();
     let [below, first, second, above] = rows.map(|row| row.map(|values| &values[..length]));
-    for (i, sum) in sums.iter_mut().enumerate() {
+    for i in 0..length {
         let own = |[weight, values]: [&[f32]; 2]| (1.0 - weight[i]) * values[i];
         let next = |[weight, values]: [&[f32]; 2]| weight[i] * values[i];
-        *sum = (own(first) + own(second)) + (next(below) + next(above));
+        sums[i] = (own(first) + own(second)) + (next(below) + next(above));
     }
 }
 
@@ -163,14 +165,15 @@ fn prolong_along<const CORRECT: bool>(
     }
     let weight = &weight[odd..];
     let half = doubles.len() / 2;
-    let windows = &pairs[..half + 2];
-    for (m, (two, weight)) in doubles.chunks_exact_mut(2).zip(weight.chunks_exact(2)).enumerate() {
-        let [below, own, above] = [windows[m], windows[m + 1], windows[m + 2]];
-        put::<CORRECT>(&mut two[0], weight[0], own, below);
-        put::<CORRECT>(&mut two[1], weight[1], own, above);
+    let [below, own, above] = [0, 1, 2].map(|first| &pairs[first..][..half]);
+    let twos = &mut doubles.as_chunks_mut::<2>().0[..half];
+    let weights = &weight.as_chunks::<2>().0[..half];
+    for i in 0..half {
+        put::<CORRECT>(&mut twos[i][0], weights[i][0], own[i], below[i]);
+        put::<CORRECT>(&mut twos[i][1], weights[i][1], own[i], above[i]);
     }
     if doubles.len() % 2 == 1 {
-        let last = doubles.len() - 1;
+        let last = 2 * half;
         put::<CORRECT>(&mut doubles[last], weight[last], pairs[half + 1], pairs[half]);
     }
 }
@@ -178,8 +181,8 @@ fn prolong_along<const CORRECT: bool>(
 /// Cells of a row, from the rows of their own pairs and of the next ones.
 #[inline(always)]
 fn prolong_across<const CORRECT: bool>(weight: &[f32], pairs: [&[f32]; 2], values: &mut [f32]) {
-    let [own, next] = pairs.map(|pairs| &pairs[..values.len()]);
-    for (i, value) in values.iter_mut().enumerate() {
-        put::<CORRECT>(value, weight[i], own[i], next[i]);
+    let [weight, own, next] = [weight, pairs[0], pairs[1]].map(|row| &row[..values.len()]);
+    for i in 0..values.len() {
+        put::<CORRECT>(&mut values[i], weight[i], own[i], next[i]);
     }
 }

@@ -92,6 +92,13 @@ impl Region {
         self
     }
 
+    /// Cells in a row of this region.
+    #[inline(always)]
+    pub(super) fn row_length(&self, field: &Field) -> usize {
+        let axis = field.order()[0];
+        (self.to[axis] - self.from[axis]).max(0) as usize
+    }
+
     /// The cells of this region.
     pub(super) fn cells(self) -> impl Iterator<Item = [isize; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.from[axis]..self.to[axis]);
@@ -105,7 +112,8 @@ impl Region {
     #[inline(always)]
     pub(super) fn rows(self, field: &Field) -> Rows {
         let first = field.index(self.from);
-        let [length, rows, layers] =
+        let length = self.row_length(field);
+        let [_, rows, layers] =
             field.order().map(|axis| (self.to[axis] - self.from[axis]).max(0) as usize);
         let [_, to_next_row, to_next_layer] = field.order().map(|axis| field.strides()[axis]);
         Rows {
@@ -161,7 +169,7 @@ impl Iterator for Rows {
 #[inline(always)]
 pub(super) fn moved<'a>(values: &'a [f64], row: &Range<usize>, steps: isize) -> &'a [f64] {
     let start = row.start.wrapping_add_signed(steps);
-    &values[start..start + row.len()]
+    &values[start..start + (row.end - row.start)]
 }
 
 #[cfg(test)]

@@ -64,6 +64,58 @@ impl FaceRow<'_> {
             Some(friction) => (eps, inertia, total + eps * friction[i]),
         }
     }
+
+    /// Coefficients of the pressure equation, for a factor 1 / spacing^2.
+    #[inline(always)]
+    fn set_coefficients(&self, factor: f64, coefficients: &mut [f64]) {
+        for i in 0..coefficients.len() {
+            let (eps, _, total) = self.at(i);
+            coefficients[i] = eps * eps / total * factor;
+        }
+    }
+
+    /// Adds what changes of pressure below and above do to the velocity; `inverse` is 1 / spacing.
+    #[inline(always)]
+    fn correct(&self, [below, above]: [&[f64]; 2], inverse: f64, velocity: &mut [f64]) {
+        for i in 0..velocity.len() {
+            let (eps, _, total) = self.at(i);
+            velocity[i] -= eps / total * ((above[i] - below[i]) * inverse);
+        }
+    }
+}
+
+/// What the velocity in the faces of a row follows from, but for another force.
+struct MomentumRow<'a> {
+    face: FaceRow<'a>,
+    /// u_old.
+    u: &'a [f64],
+    /// Advection and viscous force, and the part of them that counts.
+    rate: &'a [f64],
+    of_rate: f64,
+    pressure: [&'a [f64]; 2],
+    /// 1 / spacing.
+    inverse: f64,
+    /// f.
+    driving: f64,
+    /// beta v.
+    solids: [&'a [f64]; 2],
+}
+
+impl MomentumRow<'_> {
+    /// The velocity at the end of the step, before the pressure has changed.
+    #[inline(always)]
+    fn predict<const WITH_SOURCE: bool>(&self, source: &[f64], new: &mut [f64]) {
+        let Self { face, u, rate, of_rate, pressure, inverse, driving, solids } = self;
+        for i in 0..new.len() {
+            let (eps, inertia, total) = face.at(i);
+            let gradient = (pressure[1][i] - pressure[0][i]) * inverse;
+            let drag = 0.5 * (solids[0][i] + solids[1][i]);
+            let given = if WITH_SOURCE { source[i] } else { 0.0 };
+            let of_pressure = eps * (driving - gradient);
+            let gained = of_rate * rate[i] + of_pressure + drag + given;
+            new[i] = (inertia * u[i] + gained) / total;
+        }
+    }
 }
 
 /// Numbers of the cells below and above the faces of a row.
@@ -110,21 +162,21 @@ impl<'a> Momentum<'a> {
         let (stride, inverse) = (self.stride(axis), 1.0 / self.spacing[axis]);
         let Forces { of_rate, .. } = forces;
         for row in self.faces(axis, layers).rows(old) {
-            let face = self.face_row(&row, axis);
-            let solids = both(&self.bed.transferred_velocity[axis], &row, stride);
-            let pressure = both(forces.pressure, &row, stride);
-            let u = moved(old.values(), &row, 0);
-            let rate = moved(forces.rate[axis].values(), &row, 0);
+            let terms = MomentumRow {
+                face: self.face_row(&row, axis),
+                u: moved(old.values(), &row, 0),
+                rate: moved(forces.rate[axis].values(), &row, 0),
+                of_rate,
+                pressure: both(forces.pressure, &row, stride),
+                inverse,
+                driving: forces.driving[axis],
+                solids: both(&self.bed.transferred_velocity[axis], &row, stride),
+            };
             let source = forces.source.map(|source| moved(source[axis].values(), &row, 0));
             let target = &mut new.values_mut()[row];
-            for i in 0..target.len() {
-                let (eps, inertia, total) = face.at(i);
-                let gradient = (pressure[1][i] - pressure[0][i]) * inverse;
-                let drag = 0.5 * (solids[0][i] + solids[1][i]);
-                let given = source.map_or(0.0, |source| source[i]);
-                let of_pressure = eps * (forces.driving[axis] - gradient);
-                let gained = of_rate * rate[i] + of_pressure + drag + given;
-                target[i] = (inertia * u[i] + gained) / total;
+            match source {
+                Some(source) => terms.predict::<true>(source, target),
+                None => terms.predict::<false>(&[], target),
             }
         }
     }
@@ -177,15 +229,8 @@ impl<'a> Momentum<'a> {
             let above = strides.map(|stride| moved(eps.values(), &row, stride));
             let lower = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, 0));
             let upper = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, strides[axis]));
-            let target = &mut residual.values_mut()[row];
-            for i in 0..target.len() {
-                let along = |a: usize| {
-                    let outflow = 0.5 * (here[i] + above[a][i]) * upper[a][i];
-                    let inflow = 0.5 * (below[a][i] + here[i]) * lower[a][i];
-                    (outflow - inflow) * inverse[a]
-                };
-                target[i] = -(along(0) + along(1) + along(2) + (here[i] - before[i]) / self.dt);
-            }
+            let cells = ContinuityRow { here, before, below, above, lower, upper };
+            cells.set_residual(inverse, self.dt, &mut residual.values_mut()[row]);
         }
     }
 
@@ -199,11 +244,7 @@ impl<'a> Momentum<'a> {
         let factor = 1.0 / (self.spacing[axis] * self.spacing[axis]);
         for row in self.faces(axis, layers).rows(faces) {
             let face = self.face_row(&row, axis);
-            let target = &mut faces.values_mut()[row];
-            for (i, coefficient) in target.iter_mut().enumerate() {
-                let (eps, _, total) = face.at(i);
-                *coefficient = eps * eps / total * factor;
-            }
+            face.set_coefficients(factor, &mut faces.values_mut()[row]);
         }
     }
 
@@ -213,11 +254,36 @@ impl<'a> Momentum<'a> {
         for row in self.faces(axis, layers).rows(velocity) {
             let face = self.face_row(&row, axis);
             let change = both(change, &row, stride);
-            let target = &mut velocity.values_mut()[row];
-            for (i, u) in target.iter_mut().enumerate() {
-                let (eps, _, total) = face.at(i);
-                *u -= eps / total * ((change[1][i] - change[0][i]) * inverse);
-            }
+            face.correct(change, inverse, &mut velocity.values_mut()[row]);
+        }
+    }
+}
+
+/// What continuity in a row of cells follows from.
+struct ContinuityRow<'a> {
+    /// eps now and before the step.
+    here: &'a [f64],
+    before: &'a [f64],
+    /// eps in the neighbours along each axis.
+    below: [&'a [f64]; 3],
+    above: [&'a [f64]; 3],
+    /// u in the faces along each axis.
+    lower: [&'a [f64]; 3],
+    upper: [&'a [f64]; 3],
+}
+
+impl ContinuityRow<'_> {
+    /// -[div(eps u) + (eps - eps_old)/dt]; `inverse` is 1 / spacing.
+    #[inline(always)]
+    fn set_residual(&self, inverse: [f64; 3], dt: f64, residual: &mut [f64]) {
+        let &Self { here, before, below, above, lower, upper } = self;
+        for i in 0..residual.len() {
+            let along = |a: usize| {
+                let outflow = 0.5 * (here[i] + above[a][i]) * upper[a][i];
+                let inflow = 0.5 * (below[a][i] + here[i]) * lower[a][i];
+                (outflow - inflow) * inverse[a]
+            };
+            residual[i] = -(along(0) + along(1) + along(2) + (here[i] - before[i]) / dt);
         }
     }
 }

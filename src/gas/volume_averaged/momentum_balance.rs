@@ -2,7 +2,7 @@
 
 use super::BedOnGrid;
 use crate::grid::{ColumnOnCells, Field};
-use crate::numbers::{ExactSum, Quantum};
+use crate::numbers::{ExactSum, Quantum, VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
 
 /// What one step moves from the gas to the particles on this rank, by the sums of either.
@@ -64,12 +64,10 @@ pub(super) fn force_lost(
     let mut sum = ExactSum::default();
     let (beta, beta_v) = (&bed.momentum_transfer, &bed.transferred_velocity[axis]);
     let fields = [&in_cells[axis], &in_cells[3 + axis], beta, beta_v, &bed.voidage];
-    let length = bed.voidage.row_length();
+    let mut lost = vec![0.0; bed.voidage.row_length()];
     for row in bed.voidage.rows() {
-        let [u, gradient, beta, beta_v, eps] = fields.map(|field| &field.values()[row..][..length]);
-        for i in 0..length {
-            let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
-            let lost = beta[i] * u[i] - beta_v[i] - by_pressure;
+        in_wide_vectors(LostPerVolume { fields, row, buoyancy, lost: &mut lost });
+        for (i, &lost) in lost.iter().enumerate() {
             // Where there are no particles nothing is lost, and an exact sum costs more than this question.
             if lost != 0.0 {
                 sum.add(volumes.at(row + i) * lost);
@@ -77,4 +75,32 @@ pub(super) fn force_lost(
         }
     }
     sum
+}
+
+/// Force per volume that the gas loses in a row of cells.
+struct LostPerVolume<'a> {
+    /// u, the gradient of p, beta, beta v, eps.
+    fields: [&'a Field; 5],
+    row: usize,
+    buoyancy: f64,
+    lost: &'a mut [f64],
+}
+
+impl VectorWork for LostPerVolume<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { fields, row, buoyancy, lost } = self;
+        let length = lost.len();
+        set_lost(fields.map(|field| &field.values()[row..][..length]), buoyancy, lost);
+    }
+}
+
+#[inline(always)]
+fn set_lost([u, gradient, beta, beta_v, eps]: [&[f64]; 5], buoyancy: f64, lost: &mut [f64]) {
+    for i in 0..lost.len() {
+        let by_pressure = (1.0 - eps[i]) * (gradient[i] - buoyancy);
+        lost[i] = beta[i] * u[i] - beta_v[i] - by_pressure;
+    }
 }

@@ -1,6 +1,6 @@
 //! One step of the equations of the gas.
 
-use super::advection::{Advection, courant_rate, larger, set_fluxes};
+use super::advection::{Advection, courant_rate, set_fluxes};
 use super::boundaries::{
     continue_correction, continue_pressure, continue_velocity, mirror, set_boundary_faces,
 };
@@ -109,6 +109,27 @@ impl VectorWork for AddForces<'_> {
                 wall.add_viscous_force([rate, viscous], axis, fields, local, spacing);
             }
         }
+    }
+}
+
+/// How many cells have a voidage that is not above 0 and at most 1.
+struct WrongCells<'a> {
+    voidage: &'a Field,
+    part: &'a LocalCells,
+}
+
+impl VectorWork for WrongCells<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let mut wrong = 0;
+        for row in Region::owned(self.part).rows(self.voidage) {
+            for &eps in &self.voidage.values()[row] {
+                wrong += u64::from(!(eps > 0.0 && eps <= 1.0));
+            }
+        }
+        wrong
     }
 }
 
@@ -309,22 +330,16 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) -> Result<(f64, f64), NavierStokesError> {
         let &Momentum { gas, part, spacing, bed, dt, .. } = momentum;
-        let [mut largest, mut least_negated] = [0.0, -1.0];
-        for row in Region::owned(part).rows(voidage) {
-            for &eps in &voidage.values()[row] {
-                (largest, least_negated) = (larger(eps, largest), larger(-eps, least_negated));
-            }
-        }
+        let wrong = in_wide_vectors(WrongCells { voidage, part });
         let courant = courant_rate(&self.explicit.flux, &bed.voidage, part, spacing);
         let viscous = largest_viscous_rate(voidage, LocalGas { part, gas }, spacing);
-        let mut numbers = [largest, least_negated, courant, viscous];
+        let mut numbers = [wrong as f64, courant, viscous];
         ranks.maximum(&mut numbers);
-        let [largest, least_negated, courant, viscous] = numbers;
-        let least = -least_negated;
-        if largest.is_finite() && !(least > 0.0 && largest <= 1.0) {
-            return Err(NavierStokesError::Voidage { least, largest });
+        let [wrong, courant, viscous] = numbers;
+        if wrong > 0.0 {
+            return Err(self.wrong_voidage(voidage, ranks));
         }
-        if !numbers.iter().all(|number| number.is_finite()) {
+        if !(courant.is_finite() && viscous.is_finite()) {
             return Err(NavierStokesError::NotFinite);
         }
         let rate = step_number(courant, viscous);
@@ -334,6 +349,24 @@ impl NavierStokesSolver {
             false => {
                 Err(NavierStokesError::StepTooLong { dt, courant, viscous, longest: 1.0 / rate })
             }
+        }
+    }
+
+    /// The error for a voidage that has no meaning on some rank. Collective.
+    fn wrong_voidage(&self, voidage: &Field, ranks: &dyn Communicator) -> NavierStokesError {
+        let cells = Region::owned(&self.part).cells().map(|cell| voidage.at(cell));
+        let (mut largest, mut least_negated, mut undefined) = (0.0_f64, -1.0_f64, false);
+        for eps in cells {
+            undefined |= !eps.is_finite();
+            (largest, least_negated) = (largest.max(eps), least_negated.max(-eps));
+        }
+        let mut numbers = [largest, least_negated, f64::from(u8::from(undefined))];
+        ranks.maximum(&mut numbers);
+        match numbers {
+            [largest, least_negated, 0.0] => {
+                NavierStokesError::Voidage { least: -least_negated, largest }
+            }
+            _ => NavierStokesError::NotFinite,
         }
     }
 

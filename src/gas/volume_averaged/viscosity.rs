@@ -3,10 +3,10 @@
 //! Normal stresses live in cells, shear stresses on the edges between faces, where the voidage is the mean of the
 //! four cells around.
 
-use super::advection::larger;
 use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use crate::grid::{Field, LocalCells};
+use crate::numbers::{Largest, VectorWork, in_wide_vectors};
 use crate::rules::viscous_rate;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -23,11 +23,21 @@ pub(super) fn set_dilatation(
     for row in Region::widened(part, 1).rows(dilatation) {
         let lower = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, 0));
         let upper = [0, 1, 2].map(|axis| moved(velocity[axis].values(), &row, strides[axis]));
-        let target = &mut dilatation.values_mut()[row];
-        for i in 0..target.len() {
-            let along = |axis: usize| (upper[axis][i] - lower[axis][i]) / spacing[axis];
-            target[i] = along(0) + along(1) + along(2);
-        }
+        set_dilatation_of_row(lower, upper, spacing, &mut dilatation.values_mut()[row]);
+    }
+}
+
+/// From the velocities in the lower and the upper faces of a row of cells along each axis.
+#[inline(always)]
+fn set_dilatation_of_row(
+    lower: [&[f64]; 3],
+    upper: [&[f64]; 3],
+    spacing: Vector3<f64>,
+    dilatation: &mut [f64],
+) {
+    for i in 0..dilatation.len() {
+        let along = |axis: usize| (upper[axis][i] - lower[axis][i]) / spacing[axis];
+        dilatation[i] = along(0) + along(1) + along(2);
     }
 }
 
@@ -97,16 +107,20 @@ impl StressRows {
         factor: f64,
         stress: &impl Stress,
     ) {
+        let length = region.row_length(rate);
         if direction == rate.order()[0] {
+            self.below.resize(length + 1, 0.0);
             for row in region.rows(rate) {
                 stress.set_below(&(row.start..row.end + 1), &mut self.below);
-                let (below, above) = (&self.below[..row.len()], &self.below[1..=row.len()]);
+                let (below, above) = (&self.below[..length], &self.below[1..][..length]);
                 add_difference(&mut rate.values_mut()[row], factor, below, above);
             }
             return;
         }
         let step = rate.strides()[direction];
         let Some((first_rows, count)) = region.lines(direction) else { return };
+        self.below.resize(length, 0.0);
+        self.above.resize(length, 0.0);
         for mut row in first_rows.rows(rate) {
             stress.set_below(&row, &mut self.below);
             for _ in 0..count {
@@ -131,7 +145,7 @@ fn add_difference(rate: &mut [f64], factor: f64, below: &[f64], above: &[f64]) {
 /// A stress that acts on both sides of faces along a direction.
 trait Stress {
     /// Sets the stress on the lower sides of a row of faces.
-    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>);
+    fn set_below(&self, row: &Range<usize>, stress: &mut [f64]);
 }
 
 /// eps tau_aa / 2 mu in cells.
@@ -147,14 +161,14 @@ struct NormalStress<'a> {
 
 impl Stress for NormalStress<'_> {
     #[inline(always)]
-    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>) {
+    fn set_below(&self, row: &Range<usize>, stress: &mut [f64]) {
         let [velocity_below, velocity] =
             [-1, 0].map(|cells| moved(self.velocity, row, cells * self.step));
         let voidage = moved(self.voidage, row, -self.step);
         let dilatation = moved(self.dilatation, row, -self.step);
-        stress.resize(row.len(), 0.0);
-        let stress = &mut stress[..row.len()];
-        for i in 0..stress.len() {
+        let length = row.end - row.start;
+        let stress = &mut stress[..length];
+        for i in 0..length {
             let gradient = (velocity[i] - velocity_below[i]) / self.spacing;
             stress[i] = voidage[i] * (gradient - dilatation[i] * (1.0 / 3.0));
         }
@@ -178,15 +192,15 @@ struct ShearStress<'a> {
 
 impl Stress for ShearStress<'_> {
     #[inline(always)]
-    fn set_below(&self, row: &Range<usize>, stress: &mut Vec<f64>) {
+    fn set_below(&self, row: &Range<usize>, stress: &mut [f64]) {
         let (own, step) = (self.own, self.step);
         let [u_below, u] = [-1, 0].map(|cells| moved(self.along, row, cells * step));
         let [v_before, v] = [-own, 0].map(|steps| moved(self.across, row, steps));
         let eps = [-step - own, -step, -own, 0].map(|steps| moved(self.voidage, row, steps));
         let [along_own, along_step] = self.inverse;
-        stress.resize(row.len(), 0.0);
-        let stress = &mut stress[..row.len()];
-        for i in 0..stress.len() {
+        let length = row.end - row.start;
+        let stress = &mut stress[..length];
+        for i in 0..length {
             let voidage = (eps[0][i] + eps[1][i]) + (eps[2][i] + eps[3][i]);
             let shear = (u[i] - u_below[i]) * along_step + (v[i] - v_before[i]) * along_own;
             stress[i] = voidage * shear;
@@ -194,23 +208,44 @@ impl Stress for ShearStress<'_> {
     }
 }
 
-/// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells.
+/// [`viscous_rate`] with the largest ratio of voidages of neighbours on this rank's cells. Infinite if one is undefined or
+/// negative.
 pub(super) fn largest_viscous_rate(
     voidage: &Field,
     LocalGas { part, gas }: LocalGas,
     spacing: Vector3<f64>,
 ) -> f64 {
-    let strides = voidage.strides().map(|stride| stride as isize);
-    let mut ratio = 1.0;
-    for row in Region::owned(part).rows(voidage) {
-        let neighbours = [0, 1, 2]
-            .map(|axis| [-1, 1].map(|side| moved(voidage.values(), &row, side * strides[axis])));
-        let eps = moved(voidage.values(), &row, 0);
-        for i in 0..eps.len() {
-            let [x, y, z] = [0, 1, 2].map(|a: usize| neighbours[a][0][i].max(neighbours[a][1][i]));
-            ratio = larger(x.max(y).max(z) / eps[i], ratio);
-        }
-    }
+    let ratio = in_wide_vectors(LargestRatio { voidage, part });
     let varies = [0, 1, 2].map(|axis| !(gas.is_periodic(axis) && part.counts[axis] == 1));
     viscous_rate(gas.viscosity, gas.density, ratio, spacing.into(), varies)
+}
+
+/// The largest ratio of the voidage in a neighbour to that in a cell, at least 1.
+struct LargestRatio<'a> {
+    voidage: &'a Field,
+    part: &'a LocalCells,
+}
+
+impl VectorWork for LargestRatio<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { voidage, part } = self;
+        let strides = voidage.strides().map(|stride| stride as isize);
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let mut largest = Largest::default();
+        largest.add(1.0);
+        for row in Region::owned(part).rows(voidage) {
+            let [below, above] = [-1, 1].map(|side| {
+                [0, 1, 2].map(|axis| moved(voidage.values(), &row, side * strides[axis]))
+            });
+            let eps = moved(voidage.values(), &row, 0);
+            for i in 0..eps.len() {
+                let along = |axis: usize| larger(below[axis][i], above[axis][i]);
+                largest.add(larger(larger(along(0), along(1)), along(2)) / eps[i]);
+            }
+        }
+        largest.value()
+    }
 }

@@ -1,0 +1,44 @@
+//! The largest of numbers that are not negative, by their bits: vectors compare integers side by side, where numbers that may be
+//! undefined are compared one after the other.
+
+/// Zero to begin with.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Largest {
+    bits: u64,
+}
+
+impl Largest {
+    /// Takes a number into account. Bit patterns of positive numbers have the order of the numbers; those of infinity, of
+    /// undefined (NaN) and of negative numbers come after.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, number: f64) {
+        self.bits = self.bits.max((number + 0.0).to_bits()); // a zero has no sign
+    }
+
+    /// The largest; infinity if a number was negative, infinite or undefined.
+    #[inline(always)]
+    pub(crate) fn value(self) -> f64 {
+        if self.bits < f64::INFINITY.to_bits() { f64::from_bits(self.bits) } else { f64::INFINITY }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn largest(numbers: &[f64]) -> f64 {
+        let mut largest = Largest::default();
+        numbers.iter().for_each(|&number| largest.add(number));
+        largest.value()
+    }
+
+    #[test]
+    fn the_largest_number_is_found_and_what_is_none_is_infinite() {
+        assert_eq!(largest(&[]), 0.0);
+        assert_eq!(largest(&[0.0, -0.0]), 0.0);
+        assert_eq!(largest(&[1.0, f64::MAX, 5e-324]), f64::MAX);
+        for wrong in [f64::NAN, -f64::NAN, f64::INFINITY, -1.0, f64::NEG_INFINITY] {
+            assert_eq!(largest(&[1.0, wrong, 2.0]), f64::INFINITY);
+        }
+    }
+}
