@@ -12,6 +12,23 @@ pub(super) struct CellPairs {
     pub(super) periodic: bool,
 }
 
+/// Which cells of a row are the first, and which the second, of their pairs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowPlaces {
+    /// Index of the row's first cell along the axis of the pairs, in the whole grid.
+    first: usize,
+    along_rows: bool,
+}
+
+impl RowPlaces {
+    /// Whether the i-th cell is the second of its pair.
+    #[inline(always)]
+    pub(super) fn is_second(self, i: usize) -> bool {
+        let index = if self.along_rows { self.first + i } else { self.first };
+        index % 2 == 1
+    }
+}
+
 /// A row of pairs.
 pub(super) enum PairRow {
     /// The pairs follow each other along their axis; the last may be a single cell.
@@ -24,8 +41,13 @@ pub(super) enum PairRow {
 
 impl CellPairs {
     /// Whether the pairs lie along the rows of cells.
-    pub(super) fn along_rows(&self) -> bool {
+    fn along_rows(&self) -> bool {
         self.axis == self.fine.order[0]
+    }
+
+    /// The places in their pairs of the cells of a row, which begins with this one.
+    pub(super) fn row_places(&self, first: [isize; 3]) -> RowPlaces {
+        RowPlaces { first: self.global_index(first), along_rows: self.along_rows() }
     }
 
     /// The first cells of the rows of owned fine cells, in the order of `Field::rows`.

@@ -7,7 +7,7 @@
 
 use super::rows::rows;
 use crate::grid::Field;
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
 
 /// Terms that are added as 64-bit integers, each below 2^51, before the sum is carried over to a wider integer.
@@ -186,7 +186,7 @@ impl DotProduct {
     }
 }
 
-/// The largest |a_i b_i| of this rank; undefined (NaN) if one is.
+/// The largest |a_i b_i| of this rank; infinity if one is infinite or undefined (NaN).
 pub(super) fn largest_term(a: &Field, b: &Field) -> f64 {
     in_wide_vectors(LargestTerm { a, b })
 }
@@ -243,14 +243,13 @@ impl VectorWork for LargestTerm<'_> {
     #[inline(always)]
     fn run(self) -> f64 {
         let length = self.a.row_length();
-        let mut largest = 0_u64;
+        let mut largest = Largest::default();
         for [a, b] in rows([self.a, self.b]) {
             let (a, b) = (&self.a.values()[a..a + length], &self.b.values()[b..b + length]);
             for (a, b) in a.iter().zip(b) {
-                // The bit patterns of magnitudes have the order of the magnitudes, with NaN as the largest.
-                largest = largest.max((a * b).abs().to_bits());
+                largest.add((a * b).abs());
             }
         }
-        f64::from_bits(largest)
+        largest.value()
     }
 }

@@ -12,7 +12,7 @@
 //!
 //! t = 1/4 if all coefficients are equal.
 
-use super::cell_pairs::CellPairs;
+use super::cell_pairs::{CellPairs, RowPlaces};
 use super::operator::Coefficients;
 use super::rows::rows;
 use crate::grid::Field;
@@ -70,11 +70,7 @@ impl VectorWork for SetHalfResistance<'_> {
         for ([start], first) in rows([&*half_resistance]).zip(pairs.fine_rows()) {
             let of_cells = [start, start + stride].map(|face| &faces[face..][..length]);
             let resistance = &mut half_resistance.values_mut()[start..][..length];
-            let first = pairs.global_index(first);
-            match pairs.along_rows() {
-                true => set_half_resistances::<true>(first, of_cells, resistance),
-                false => set_half_resistances::<false>(first, of_cells, resistance),
-            }
+            set_half_resistances(pairs.row_places(first), of_cells, resistance);
         }
     }
 }
@@ -99,32 +95,16 @@ impl VectorWork for SetWeights<'_> {
                     .map(|cell| &resistance[cell..][..length]),
             };
             let weight = &mut weight.values_mut()[start..][..length];
-            let first = pairs.global_index(first);
-            match pairs.along_rows() {
-                true => row.set_weights::<true>(first, weight),
-                false => row.set_weights::<false>(first, weight),
-            }
+            row.set_weights(pairs.row_places(first), weight);
         }
     }
 }
 
-/// Whether the i-th cell of a row is the second of its pair. The first cell of the row has this index along the axis of the
-/// pairs, in the whole grid.
-#[inline(always)]
-fn is_second<const ALONG_ROWS: bool>(first: usize, i: usize) -> bool {
-    let index = if ALONG_ROWS { first + i } else { first };
-    index % 2 == 1
-}
-
 /// R of a row from the coefficients of the lower and upper faces of its cells.
 #[inline(always)]
-fn set_half_resistances<const ALONG_ROWS: bool>(
-    first: usize,
-    [lower, upper]: [&[f32]; 2],
-    resistance: &mut [f32],
-) {
+fn set_half_resistances(places: RowPlaces, [lower, upper]: [&[f32]; 2], resistance: &mut [f32]) {
     for i in 0..resistance.len() {
-        let inside = if is_second::<ALONG_ROWS>(first, i) { lower[i] } else { upper[i] };
+        let inside = if places.is_second(i) { lower[i] } else { upper[i] };
         resistance[i] = 0.5 / inside;
     }
 }
@@ -140,10 +120,10 @@ struct RowInSeries<'a> {
 impl RowInSeries<'_> {
     /// Sets t.
     #[inline(always)]
-    fn set_weights<const ALONG_ROWS: bool>(&self, first: usize, weight: &mut [f32]) {
+    fn set_weights(&self, places: RowPlaces, weight: &mut [f32]) {
         let ([lower, upper], [below, own, above]) = (self.faces, self.resistance);
         for i in 0..weight.len() {
-            let upwards = is_second::<ALONG_ROWS>(first, i);
+            let upwards = places.is_second(i);
             let (face, next) = if upwards { (upper[i], above[i]) } else { (lower[i], below[i]) };
             weight[i] = weight_of_next(own[i], face, next);
         }

@@ -39,17 +39,6 @@ impl<T: Number> Coefficients<T> {
         let [x, y, z] = &mut self.faces;
         [x, y, z, &mut self.diagonal]
     }
-
-    /// The diagonal of A, the sum of a_f and d_c, for the cell of an index.
-    #[inline(always)]
-    fn sum(&self, cell: usize) -> T {
-        let strides = self.diagonal.strides();
-        let along = |axis: usize| {
-            let faces = self.faces[axis].values();
-            faces[cell] + faces[cell + strides[axis]]
-        };
-        (along(0) + along(1)) + (along(2) + self.diagonal.values()[cell])
-    }
 }
 
 impl Coefficients<f32> {
@@ -83,8 +72,9 @@ impl Coefficients<f64> {
     pub(super) fn mark_coupled(&self, marks: &mut Field) {
         let length = marks.row_length();
         for [from, to] in rows([&self.diagonal, marks]) {
+            let cells = CoefficientRow::new(self, from, length);
             for (i, mark) in marks.values_mut()[to..][..length].iter_mut().enumerate() {
-                *mark = if self.sum(from + i) > 0.0 { 1.0 } else { 0.0 };
+                *mark = if cells.sum(i) > 0.0 { 1.0 } else { 0.0 };
             }
         }
     }
@@ -93,8 +83,9 @@ impl Coefficients<f64> {
     pub(super) fn scale_by_diagonal(&self, p: &Field, scaled: &mut Field) {
         let length = p.row_length();
         for [from, to] in rows([&self.diagonal, p]) {
+            let cells = CoefficientRow::new(self, from, length);
             for i in 0..length {
-                scaled.values_mut()[to + i] = self.sum(from + i) * p.values()[to + i];
+                scaled.values_mut()[to + i] = cells.sum(i) * p.values()[to + i];
             }
         }
     }
@@ -130,6 +121,13 @@ impl<'a, T: Number> CoefficientRow<'a, T> {
             diagonal: &coefficients.diagonal.values()[first..][..length],
         }
     }
+
+    /// The diagonal of A, the sum of a_f and d_c, for the i-th cell.
+    #[inline(always)]
+    fn sum(&self, i: usize) -> T {
+        let along = |axis: usize| self.lower_faces[axis][i] + self.upper_faces[axis][i];
+        (along(0) + along(1)) + (along(2) + self.diagonal[i])
+    }
 }
 
 impl CoefficientRow<'_, f32> {
@@ -137,8 +135,7 @@ impl CoefficientRow<'_, f32> {
     #[inline(always)]
     fn invert_diagonal(&self, inverse: &mut [f32]) {
         for i in 0..inverse.len() {
-            let along = |axis: usize| self.lower_faces[axis][i] + self.upper_faces[axis][i];
-            let sum = (along(0) + along(1)) + (along(2) + self.diagonal[i]);
+            let sum = self.sum(i);
             inverse[i] = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         }
     }

@@ -16,6 +16,7 @@ use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
 use crate::numbers::{VectorWork, in_wide_vectors};
 use crate::parallel::Communicator;
+use bytemuck::Pod;
 
 /// Coefficients count as at least this part of the largest, unless they are zero, so that sums of their inverses do not
 /// overflow.
@@ -53,8 +54,12 @@ impl Preconditioner {
     ) {
         let scale = to_one(largest);
         let fields = coefficients.faces.iter().chain([&coefficients.diagonal]);
+        let narrowed = |value: f64| {
+            let at_least = if value > 0.0 { SMALLEST } else { 0.0 };
+            ((value * scale) as f32).max(at_least)
+        };
         for (to, from) in self.coefficients.fields().into_iter().zip(fields) {
-            in_wide_vectors(NarrowCoefficients { from, to, scale });
+            in_wide_vectors(Convert { from, to, conversion: narrowed });
         }
         self.scale = scale;
         self.multigrid.set_coefficients(&self.coefficients, ranks);
@@ -70,10 +75,13 @@ impl Preconditioner {
     ) {
         let scale = to_one(norm);
         let Self { coefficients, right_hand_side, solution, .. } = self;
-        in_wide_vectors(Narrow { from: r, to: right_hand_side, scale });
+        let narrowed = |value: f64| (value * scale) as f32;
+        in_wide_vectors(Convert { from: r, to: right_hand_side, conversion: narrowed });
         let mut equation = Equation { coefficients, right_hand_side, solution };
         self.multigrid.cycle(&mut equation, cycle, ranks);
-        in_wide_vectors(Widen { from: solution, to: z, scale: self.scale / scale });
+        let back = self.scale / scale;
+        let widened = |value: f32| f64::from(value) * back;
+        in_wide_vectors(Convert { from: solution, to: z, conversion: widened });
     }
 }
 
@@ -84,57 +92,21 @@ fn to_one(number: f64) -> f64 {
     f64::from_bits(2046_u64.saturating_sub(exponent).max(1) << MANTISSA_BITS)
 }
 
-/// Scales all coefficients, those in halos too, and rounds them to single precision.
-struct NarrowCoefficients<'a> {
-    from: &'a Field,
-    to: &'a mut Field<f32>,
-    scale: f64,
+/// Converts all values, those in halos too, between fields of one shape.
+struct Convert<'a, T, U, C> {
+    from: &'a Field<T>,
+    to: &'a mut Field<U>,
+    conversion: C,
 }
 
-impl VectorWork for NarrowCoefficients<'_> {
+impl<T: Pod, U: Pod, C: Fn(T) -> U> VectorWork for Convert<'_, T, U, C> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (to, &from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
-            let at_least = if from > 0.0 { SMALLEST } else { 0.0 };
-            *to = ((from * self.scale) as f32).max(at_least);
-        }
-    }
-}
-
-/// Scales all values, those in halos too, and rounds them to single precision.
-struct Narrow<'a> {
-    from: &'a Field,
-    to: &'a mut Field<f32>,
-    scale: f64,
-}
-
-impl VectorWork for Narrow<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for (to, from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
-            *to = (from * self.scale) as f32;
-        }
-    }
-}
-
-/// Scales all values, those in halos too, in double precision.
-struct Widen<'a> {
-    from: &'a Field<f32>,
-    to: &'a mut Field,
-    scale: f64,
-}
-
-impl VectorWork for Widen<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for (to, &from) in self.to.values_mut().iter_mut().zip(self.from.values()) {
-            *to = f64::from(from) * self.scale;
+        let Self { from, to, conversion } = self;
+        for (to, &from) in to.values_mut().iter_mut().zip(from.values()) {
+            *to = conversion(from);
         }
     }
 }
