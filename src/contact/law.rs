@@ -16,6 +16,26 @@ pub trait ContactForceLaw {
     /// touch: it is then discarded.
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce;
 
+    /// The force if the surfaces stick to each other, and whether they slide instead: then [`ContactForceLaw::slide`] makes of
+    /// this force and of the history what [`ContactForceLaw::force`] makes of them, and else it changes neither.
+    ///
+    /// Pairs are evaluated side by side, and few of a bed at rest slide: where none of them does, what only sliding needs, a
+    /// square root and a division, is left out. A law that does not tell the two apart is evaluated as a whole.
+    #[inline(always)]
+    fn sticking_force(
+        &self,
+        contact: &Contact,
+        history: &mut ContactHistory,
+        dt: f64,
+    ) -> (ContactForce, bool) {
+        (self.force(contact, history, dt), false)
+    }
+
+    /// Lets the surfaces slide if the tangential part of a [`ContactForceLaw::sticking_force`] is more than friction bears:
+    /// it becomes what friction bears, and the spring what belongs to that.
+    #[inline(always)]
+    fn slide(&self, _contact: &Contact, _history: &mut ContactHistory, _force: &mut ContactForce) {}
+
     /// Whether the bodies are in contact, given the history after the last step (all zero if they were not). If they
     /// are not, force and history are set to zero, whatever [`ContactForceLaw::force`] returned.
     #[inline(always)]

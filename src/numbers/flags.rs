@@ -1,13 +1,15 @@
 //! Flags of the lanes of a vector loop.
 
+/// Whether a flag is not 0.
+#[inline(always)]
+pub(crate) fn any_flagged(flags: &[u64]) -> bool {
+    flags.iter().fold(0, |any, flag| any | flag) != 0
+}
+
 /// Index of the first flag that is not 0. Nearly always there is none, which one test of all flags together shows.
 #[inline(always)]
 pub(crate) fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
-    let mut any = 0;
-    for flag in flags {
-        any |= flag;
-    }
-    if any == 0 { None } else { search(flags) }
+    if any_flagged(flags) { search(flags) } else { None }
 }
 
 /// Kept out of line: if it is inlined, the test above is not vectorised.

@@ -17,7 +17,7 @@ mod wide_vectors;
 
 pub use exact_sum::ExactSum;
 pub(crate) use fetch_ahead::{fetch_ahead, fetch_part_ahead};
-pub(crate) use flags::first_flagged;
+pub(crate) use flags::{any_flagged, first_flagged};
 pub(crate) use functions::{power, powers, sine, whole};
 pub(crate) use instruction_set::{InstructionSet, instruction_set};
 pub use instruction_set::{UnknownInstructionSet, check_instruction_set};

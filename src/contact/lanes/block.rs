@@ -20,6 +20,8 @@ pub(crate) struct ContactBlock {
     pub(crate) cohesion: Lanes,
     pub(crate) normal_force: Lanes,
     pub(crate) tangential_force: [Lanes; 3],
+    /// Normal force that friction is proportional to.
+    pub(crate) friction_normal: Lanes,
     /// Torque on j; only if rolling is resisted.
     pub(crate) rolling_torque: [Lanes; 3],
     /// 1 where the bodies are in contact.

@@ -6,12 +6,15 @@
 
 use super::{AnySizes, ContactBlock, Lanes, ReducedSizes, Sizes, vector};
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
-use crate::contact::{Contact, ContactForceLaw, RollingFriction, TwistingFriction};
-use crate::numbers::{F64x4, VectorWork, in_wide_vectors};
+use crate::contact::{Contact, ContactForce, ContactForceLaw, RollingFriction, TwistingFriction};
+use crate::numbers::{F64x4, VectorWork, any_flagged, in_wide_vectors};
 use crate::particles::{AngleLanes, ContactHistory, LANES, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
 use std::marker::PhantomData;
+
+/// Lanes that are looked at together where surfaces slide: in a bed at rest one contact in a hundred does.
+const SLIDING_GROUP: usize = 8;
 
 /// The histories of the pairs of a block.
 pub(crate) struct BlockHistories<'a> {
@@ -161,7 +164,8 @@ impl<L: ContactForceLaw> EvaluateBlock<'_, L> {
     }
 }
 
-/// Evaluates all lanes, also those that only fill up the last block: their results are not used.
+/// Evaluates all lanes, also those that only fill up the last block: their results are not used. That surfaces slide is looked at
+/// only where they do.
 #[inline(always)]
 fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     law: &L,
@@ -170,6 +174,7 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
     let BlockHistories { tangential_springs, largest_overlaps, rolling_angles, twisting_angles } =
         histories;
+    let mut slides = [0; LANES];
     for lane in 0..LANES {
         let contact = contact_of(block, sizes, lane);
         let mut history = ContactHistory {
@@ -177,13 +182,15 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
             largest_overlap: largest_overlaps[lane],
         };
         let touches = law.touches(&contact, &history);
-        let force = law.force(&contact, &mut history, dt);
+        let (force, slides_here) = law.sticking_force(&contact, &mut history, dt);
         // Whatever the law returned, bodies that are not in contact exert no force and have no history.
         let if_touching = |value: f64| if touches { value } else { 0.0 };
         block.normal_force[lane] = if_touching(force.normal);
         for axis in 0..3 {
             block.tangential_force[axis][lane] = if_touching(force.tangential[axis]);
         }
+        block.friction_normal[lane] = if_touching(force.friction_normal);
+        slides[lane] = u64::from(slides_here & touches);
         if R::ACTS {
             let mut angles = SpinAngles {
                 rolling: vector(rolling_angles, lane),
@@ -204,6 +211,39 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
         }
         largest_overlaps[lane] = if_touching(history.largest_overlap);
         block.touching[lane] = u64::from(touches);
+    }
+    for (group, slides) in slides.as_chunks::<SLIDING_GROUP>().0.iter().enumerate() {
+        if any_flagged(slides) {
+            let first = group * SLIDING_GROUP;
+            slide_group(law, sizes, block, (first, tangential_springs, largest_overlaps));
+        }
+    }
+}
+
+/// Lets surfaces slide, where they do not stick, in a group of lanes from `first` on.
+#[inline(always)]
+fn slide_group<L: ContactForceLaw, S: Sizes>(
+    law: &L,
+    sizes: &S,
+    block: &mut ContactBlock,
+    (first, tangential_springs, largest_overlaps): (usize, &mut SpringLanes, &Lanes),
+) {
+    for lane in (0..SLIDING_GROUP).map(|lane| first + lane) {
+        let contact = contact_of(block, sizes, lane);
+        let mut history = ContactHistory {
+            tangential_spring: vector(tangential_springs, lane),
+            largest_overlap: largest_overlaps[lane],
+        };
+        let mut force = ContactForce {
+            normal: block.normal_force[lane],
+            tangential: vector(&block.tangential_force, lane),
+            friction_normal: block.friction_normal[lane],
+        };
+        law.slide(&contact, &mut history, &mut force);
+        for axis in 0..3 {
+            block.tangential_force[axis][lane] = force.tangential[axis];
+            tangential_springs[axis][lane] = history.tangential_spring[axis];
+        }
     }
 }
 

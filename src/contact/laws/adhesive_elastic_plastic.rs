@@ -174,7 +174,24 @@ impl AdhesiveElasticPlastic {
 impl ContactForceLaw for AdhesiveElasticPlastic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
-        self.hysteresis.force(contact, history, dt, self.attraction, self.attraction)
+        let (mut force, _) = self.sticking_force(contact, history, dt);
+        self.slide(contact, history, &mut force);
+        force
+    }
+
+    #[inline(always)]
+    fn sticking_force(
+        &self,
+        contact: &Contact,
+        history: &mut ContactHistory,
+        dt: f64,
+    ) -> (ContactForce, bool) {
+        self.hysteresis.sticking_force(contact, history, dt, self.attraction, self.attraction)
+    }
+
+    #[inline(always)]
+    fn slide(&self, _contact: &Contact, history: &mut ContactHistory, force: &mut ContactForce) {
+        self.hysteresis.slide(history, force);
     }
 
     /// That of the springs, and -F0 delta of the attraction.

@@ -11,7 +11,9 @@
 //! * D. Antypov, J. A. Elliott, "On an analytical solution for the damped Hertzian spring", Europhys. Lett. 94 (2011)
 //!   50004, <https://doi.org/10.1209/0295-5075/94/50004>
 
-use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
+use super::parts::{
+    ContactModuli, Elastic, ElasticParameters, Elasticity, SliderStep, loading_factor,
+};
 use super::{ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::{
     CoarseGraining, Contact, ContactForce, ContactForceLaw, ContactStep, ContactWork,
@@ -87,18 +89,15 @@ impl ContactForceLaw for HertzMindlin {
         let stiffness = self.elastic.normal_stiffness(radius);
         let dashpot = self.elastic.dashpot(stiffness, reduced_mass);
         let normal = 2.0 / 3.0 * stiffness * overlap - dashpot * separation_speed;
-        let stiffness = self.elastic.tangential_stiffness(radius);
-        let slider = Slider {
-            stiffness,
-            damping: self.elastic.dashpot(stiffness, reduced_mass),
-            limit: self.elastic.friction * normal.abs(),
+        let friction_normal = normal.abs();
+        let slider = self.elastic.slider(radius, friction_normal);
+        let step = SliderStep {
+            damping: self.elastic.dashpot(slider.stiffness, reduced_mass),
             loading_factor: loading_factor(before, radius),
+            dt,
         };
-        ContactForce {
-            normal,
-            tangential: slider.force(contact, history, dt),
-            friction_normal: normal.abs(),
-        }
+        let tangential = slider.force(contact, history, step);
+        ContactForce { normal, tangential, friction_normal }
     }
 
     /// (2/5) F_n delta of the elastic force and (S_t / 2) s^2.

@@ -8,7 +8,9 @@
 //! * C. Thornton, "Interparticle sliding in the presence of adhesion", J. Phys. D: Appl. Phys. 24 (1991) 1942-1946,
 //!   <https://doi.org/10.1088/0022-3727/24/11/007>
 
-use super::parts::{ContactModuli, Elastic, ElasticParameters, Elasticity, Slider, loading_factor};
+use super::parts::{
+    ContactModuli, Elastic, ElasticParameters, Elasticity, SliderStep, loading_factor,
+};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
@@ -155,17 +157,17 @@ impl ContactForceLaw for Jkr {
             8.0 * PI * self.surface_energy * reduced_radius * (2.0 / 3.0 * cube - 1.0) * cube;
         let dashpot = self.elastic.dashpot(self.elastic.normal_stiffness(radius), reduced_mass);
         let normal = elastic - dashpot * separation_speed;
-        let stiffness = self.elastic.tangential_stiffness(radius);
         let friction_normal = (normal + 6.0 * PI * self.surface_energy * reduced_radius).abs();
-        let slider = Slider {
-            stiffness,
-            damping: self.elastic.dashpot(stiffness, reduced_mass),
-            limit: self.elastic.friction * friction_normal,
+        let slider = self.elastic.slider(radius, friction_normal);
+        let step = SliderStep {
+            damping: self.elastic.dashpot(slider.stiffness, reduced_mass),
             loading_factor: loading_factor(before * before, s * s),
+            dt,
         };
         let largest = history.largest_overlap;
         history.largest_overlap = if overlap > largest { overlap } else { largest };
-        ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
+        let tangential = slider.force(contact, history, step);
+        ContactForce { normal, tangential, friction_normal }
     }
 
     /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with

@@ -77,8 +77,25 @@ impl LinearHysteretic {
 impl ContactForceLaw for LinearHysteretic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
+        let (mut force, _) = self.sticking_force(contact, history, dt);
+        self.slide(contact, history, &mut force);
+        force
+    }
+
+    #[inline(always)]
+    fn sticking_force(
+        &self,
+        contact: &Contact,
+        history: &mut ContactHistory,
+        dt: f64,
+    ) -> (ContactForce, bool) {
         let adhesion = self.hysteresis.adhesion_stiffness() * contact.overlap;
-        self.hysteresis.force(contact, history, dt, 0.0, adhesion)
+        self.hysteresis.sticking_force(contact, history, dt, 0.0, adhesion)
+    }
+
+    #[inline(always)]
+    fn slide(&self, _contact: &Contact, history: &mut ContactHistory, force: &mut ContactForce) {
+        self.hysteresis.slide(history, force);
     }
 
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {

@@ -15,6 +15,7 @@ use crate::contact::{
 };
 use crate::particles::ContactHistory;
 use crate::schema::{Allowed, Key, Mixing, Value};
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 const NORMAL_STIFFNESS: Key =
@@ -118,11 +119,29 @@ impl LinearSpringDashpot {
     pub fn normal_stiffness(&self) -> f64 {
         self.normal_stiffness
     }
+
+    /// Square of the force of a tangential spring.
+    #[inline(always)]
+    fn pull_squared(&self, spring: &Vector3<f64>) -> f64 {
+        self.tangential_stiffness.powi(2) * spring.norm_squared()
+    }
 }
 
 impl ContactForceLaw for LinearSpringDashpot {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
+        let (mut force, _) = self.sticking_force(contact, history, dt);
+        self.slide(contact, history, &mut force);
+        force
+    }
+
+    #[inline(always)]
+    fn sticking_force(
+        &self,
+        contact: &Contact,
+        history: &mut ContactHistory,
+        dt: f64,
+    ) -> (ContactForce, bool) {
         let n = contact.normal;
         let separation_speed = n.dot(&contact.relative_velocity);
         let damping = self.damping_factor * contact.reduced_mass.sqrt();
@@ -130,17 +149,27 @@ impl ContactForceLaw for LinearSpringDashpot {
 
         let slip = contact.relative_velocity - n * separation_speed;
         let old = history.tangential_spring;
-        let mut spring = old - n * n.dot(&old) + slip * dt;
+        let spring = old - n * n.dot(&old) + slip * dt;
+        history.tangential_spring = spring;
         let friction_normal = match self.friction_cap {
             FrictionCap::Contact => normal.abs(),
             FrictionCap::Net => (normal - contact.cohesion).abs(),
         };
+        let tangential = spring * -self.tangential_stiffness;
+        let force = ContactForce { normal, tangential, friction_normal };
         let limit = self.friction * friction_normal;
-        let pull_squared = self.tangential_stiffness.powi(2) * spring.norm_squared();
+        (force, self.pull_squared(&spring) > limit * limit)
+    }
+
+    #[inline(always)]
+    fn slide(&self, _contact: &Contact, history: &mut ContactHistory, force: &mut ContactForce) {
+        let mut spring = history.tangential_spring;
+        let (limit, pull_squared) =
+            (self.friction * force.friction_normal, self.pull_squared(&spring));
         // A factor of 1 instead of a branch: contacts are evaluated side by side in vector lanes.
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
         history.tangential_spring = spring;
-        ContactForce { normal, tangential: spring * -self.tangential_stiffness, friction_normal }
+        force.tangential = spring * -self.tangential_stiffness;
     }
 
     /// (k_n / 2) delta^2 and (k_t / 2) s^2.

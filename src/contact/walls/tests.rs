@@ -40,12 +40,20 @@ fn particles(count: usize) -> Particles {
     particles
 }
 
+/// How many contacts stick, and how many slide.
+#[derive(Default)]
+struct Friction {
+    sticks: usize,
+    slides: usize,
+}
+
 /// Force and torque on each particle, and what its contacts remember, one contact at a time.
 fn one_by_one(
     particles: &Particles,
     contacts: &mut Contacts,
     walls: PosedWalls<'_>,
     laws: &ForceLaws,
+    friction: &mut Friction,
 ) -> Vec<[Vector3<f64>; 2]> {
     let mut loads = vec![[Vector3::zeros(); 2]; particles.owned_count()];
     for slot in 0..contacts.wall_pairs.len() {
@@ -60,6 +68,10 @@ fn one_by_one(
         contacts.wall_touching[slot] = touches;
         let (mut force, mut torque) = (contact.normal * -contact.cohesion, Vector3::zeros());
         if touches {
+            match law.sticking_force(&contact, &mut { *history }, DT) {
+                (_, true) => friction.slides += 1,
+                (_, false) => friction.sticks += 1,
+            }
             let of_law = law.force(&contact, history, DT);
             force = contact.normal * (of_law.normal - contact.cohesion) + of_law.tangential;
             torque = contact.normal.cross(&of_law.tangential) * contact.reduced_radius;
@@ -114,13 +126,13 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     let mut reference = contacts.clone();
     let mut tallies = WallTallies::default();
     tallies.reset(2);
-    let (mut begun, mut ended) = (0, 0);
+    let (mut begun, mut ended, mut friction) = (0, 0, Friction::default());
     for step in 0..30 {
         let walls = PosedWalls { walls: &walls, poses: &poses };
         let before = contacts.wall_touching.clone();
         particles.forces.iter_mut().for_each(|load| *load = Default::default());
         add_wall_forces(&mut particles, &mut contacts, walls, &laws, &mut tallies).unwrap();
-        let expected = one_by_one(&particles, &mut reference, walls, &laws);
+        let expected = one_by_one(&particles, &mut reference, walls, &laws, &mut friction);
         let found: Vec<[Vector3<f64>; 2]> =
             particles.forces.iter().map(|load| [load.force, load.torque]).collect();
         assert_eq!(found, expected, "step {step} of {model:?}");
@@ -142,6 +154,13 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     let moved = contacts.wall_history.iter().any(|of| of.tangential_spring.norm() > 0.0);
     assert!(moved || count < 5, "a control: springs are deflected");
     assert!((begun > 0 && ended > 0) || count < 50, "a control: {begun} begin, {ended} end");
+    let Friction { sticks, slides } = friction;
+    // The others are evaluated as a whole.
+    let tells = !["hertz_mindlin", "jkr"].contains(&model.law.name());
+    assert!(
+        (sticks > 0 && (slides > 0) == tells) || count < 50,
+        "a control: {sticks} stick, {slides} slide with {model:?}"
+    );
 }
 
 #[test]

@@ -291,6 +291,49 @@ proptest! {
     }
 }
 
+/// A contact and a history that differ from number to number.
+fn nth_contact(number: u32) -> (Contact, ContactHistory) {
+    // Numbers from -1 to 1 of low-discrepancy sequences.
+    let drawn = |stream: u32| {
+        let steps = f64::from(number) * (0.754_877_666 + 0.1 * f64::from(stream)).fract();
+        2.0 * steps.fract() - 1.0
+    };
+    let vector = |first: u32| Vector3::new(drawn(first), drawn(first + 1), drawn(first + 2));
+    let contact = Contact {
+        normal: vector(0).normalize(),
+        reduced_mass: 0.3,
+        ..contact(0.6 + 0.4 * drawn(3), vector(4))
+    };
+    let tangential_spring = 0.4 * vector(7);
+    (contact, ContactHistory { tangential_spring, largest_overlap: 1.0 + drawn(10) })
+}
+
+#[test]
+fn the_sticking_force_of_a_law_becomes_its_force_by_sliding_and_stays_where_surfaces_stick() {
+    let dt = 1.0e-2;
+    for law in laws() {
+        let (mut sticking, mut sliding) = (0, 0);
+        for number in 1..1000 {
+            let (contact, start) = nth_contact(number);
+            let [mut history, mut expected_history] = [start; 2];
+            let expected = law.force(&contact, &mut expected_history, dt);
+            let (mut force, slides) = law.sticking_force(&contact, &mut history, dt);
+            if slides {
+                sliding += 1;
+                assert_ne!(force.tangential, expected.tangential, "a control");
+            } else {
+                sticking += 1;
+                assert_eq!((force, history), (expected, expected_history), "{law:?}");
+            }
+            law.slide(&contact, &mut history, &mut force);
+            assert_eq!((force, history), (expected, expected_history), "{law:?}");
+        }
+        // Laws whose tangential stiffness follows from the overlap are evaluated as a whole.
+        let tells = !["hertz_mindlin", "jkr"].contains(&law.name());
+        assert!(sticking > 100 && (sliding > 100) == tells, "{law:?}: {sticking}, {sliding}");
+    }
+}
+
 /// Negative control of the energy test: a law that forgets its plastic overlap at the turn gives work back.
 #[test]
 fn a_law_that_makes_energy_is_seen() {

@@ -1,7 +1,7 @@
 //! Elastic spheres in contact: moduli of two bodies, and what the laws of Hertz, of Mindlin, and of Johnson, Kendall
 //! and Roberts have in common.
 
-use super::slider::damping_ratio;
+use super::slider::{Slider, damping_ratio};
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
 use crate::contact::{
     ContactLawValues, ContactStep, ContactWork, ExampleScales, FRICTION, RESTITUTION, SpringStep,
@@ -157,6 +157,15 @@ impl Elastic {
     #[inline(always)]
     pub(crate) fn tangential_stiffness(&self, radius: f64) -> f64 {
         8.0 * self.moduli.shear * radius
+    }
+
+    /// Friction of a contact of this radius.
+    #[inline(always)]
+    pub(crate) fn slider(&self, radius: f64, friction_normal: f64) -> Slider {
+        Slider {
+            stiffness: self.tangential_stiffness(radius),
+            limit: self.friction * friction_normal,
+        }
     }
 
     /// (S_t / 2) s^2 of a contact of this radius.

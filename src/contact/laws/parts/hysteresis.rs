@@ -1,7 +1,7 @@
 //! Loading, unloading and adhesion along straight lines: what the hysteretic laws have in common.
 
 use super::friction_cap::FrictionCap;
-use super::slider::{Slider, damping_ratio};
+use super::slider::{Slider, SliderStep, damping_ratio};
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
 use crate::contact::{
     Contact, ContactForce, ContactStep, ContactWork, SpringStep, StoredInContact,
@@ -212,17 +212,17 @@ impl Hysteresis {
         if unloading < adhesion { (adhesion, met) } else { (unloading, largest) }
     }
 
-    /// Force of spring, dashpots and friction, less a constant attraction. Friction is proportional to the normal
-    /// force without its adhesive part, that is plus `adhesion`, or to the net one.
+    /// Force of spring and dashpots, less a constant attraction, if the surfaces stick, and whether they slide. Friction is
+    /// proportional to the normal force without its adhesive part, that is plus `adhesion`, or to the net one.
     #[inline(always)]
-    pub(crate) fn force(
+    pub(crate) fn sticking_force(
         &self,
         contact: &Contact,
         history: &mut ContactHistory,
         dt: f64,
         attraction: f64,
         adhesion: f64,
-    ) -> ContactForce {
+    ) -> (ContactForce, bool) {
         let separation_speed = contact.normal.dot(&contact.relative_velocity);
         let root_of_mass = contact.reduced_mass.sqrt();
         let (spring, largest) = self.spring(contact.overlap, history.largest_overlap);
@@ -232,13 +232,22 @@ impl Hysteresis {
             FrictionCap::Contact => (normal + adhesion).abs(),
             FrictionCap::Net => (normal - contact.cohesion).abs(),
         };
-        let slider = Slider {
-            stiffness: self.tangential_stiffness,
-            damping: self.tangential_damping_factor * root_of_mass,
-            limit: self.friction * friction_normal,
-            loading_factor: 1.0,
-        };
-        ContactForce { normal, tangential: slider.force(contact, history, dt), friction_normal }
+        let damping = self.tangential_damping_factor * root_of_mass;
+        let step = SliderStep { damping, loading_factor: 1.0, dt };
+        let (tangential, slides) =
+            self.slider(friction_normal).sticking_force(contact, history, step);
+        (ContactForce { normal, tangential, friction_normal }, slides)
+    }
+
+    /// Lets surfaces slide that do not stick.
+    #[inline(always)]
+    pub(crate) fn slide(&self, history: &mut ContactHistory, force: &mut ContactForce) {
+        self.slider(force.friction_normal).slide(&mut force.tangential, history);
+    }
+
+    #[inline(always)]
+    fn slider(&self, friction_normal: f64) -> Slider {
+        Slider { stiffness: self.tangential_stiffness, limit: self.friction * friction_normal }
     }
 
     /// (k_unload / 2) (delta - delta_p)^2 of the spring, and (k_t / 2) s^2. On a line of adhesion along which the contact

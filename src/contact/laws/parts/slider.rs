@@ -10,35 +10,62 @@ use nalgebra::Vector3;
 pub(crate) struct Slider {
     /// Tangential stiffness k_t, force per length.
     pub(crate) stiffness: f64,
-    /// Tangential damping eta_t, force per velocity.
-    pub(crate) damping: f64,
     /// Largest force: mu times the normal force that friction is proportional to.
     pub(crate) limit: f64,
+}
+
+/// How the spring is advanced, and the dashpot beside it.
+#[derive(Clone, Copy)]
+pub(crate) struct SliderStep {
+    /// Tangential damping eta_t, force per velocity.
+    pub(crate) damping: f64,
     /// Factor of the old displacement: 1, unless k_t has grown in the last step.
     pub(crate) loading_factor: f64,
+    pub(crate) dt: f64,
 }
 
 impl Slider {
-    /// Force on the second body, after the spring has been projected onto the tangent plane and advanced by `dt`.
+    /// Force on the second body, after the spring has been projected onto the tangent plane and advanced.
     #[inline(always)]
     pub(crate) fn force(
         self,
         contact: &Contact,
         history: &mut ContactHistory,
-        dt: f64,
+        step: SliderStep,
     ) -> Vector3<f64> {
+        let (mut force, _) = self.sticking_force(contact, history, step);
+        self.slide(&mut force, history);
+        force
+    }
+
+    /// The same if the surfaces stick, and whether it exceeds the limit.
+    #[inline(always)]
+    pub(crate) fn sticking_force(
+        self,
+        contact: &Contact,
+        history: &mut ContactHistory,
+        step: SliderStep,
+    ) -> (Vector3<f64>, bool) {
+        let SliderStep { damping, loading_factor, dt } = step;
         let n = contact.normal;
         let slip = contact.relative_velocity - n * n.dot(&contact.relative_velocity);
         let old = history.tangential_spring;
-        let spring = (old - n * n.dot(&old)) * self.loading_factor + slip * dt;
-        let trial = spring * -self.stiffness - slip * self.damping;
-        let squared = trial.norm_squared();
+        let spring = (old - n * n.dot(&old)) * loading_factor + slip * dt;
+        history.tangential_spring = spring;
+        let force = spring * -self.stiffness - slip * damping;
+        (force, force.norm_squared() > self.limit * self.limit)
+    }
+
+    /// Scales a force that exceeds the limit, and its spring.
+    #[inline(always)]
+    pub(crate) fn slide(self, force: &mut Vector3<f64>, history: &mut ContactHistory) {
+        let squared = force.norm_squared();
         let slides = squared > self.limit * self.limit;
-        let force = trial * if slides { self.limit / squared.sqrt() } else { 1.0 };
+        *force *= if slides { self.limit / squared.sqrt() } else { 1.0 };
         let compliance = if self.stiffness > 0.0 { 1.0 / self.stiffness } else { 0.0 };
-        history.tangential_spring = force
-            .zip_map(&spring, |force, spring| if slides { -force * compliance } else { spring });
-        force
+        history.tangential_spring = force.zip_map(&history.tangential_spring, |force, spring| {
+            if slides { -force * compliance } else { spring }
+        });
     }
 }
 
