@@ -65,33 +65,36 @@ impl Replication {
         self.gather([x, y, z, diagonal], replica.fields(), ranks);
     }
 
-    /// Copies a rank's own cells and their halo from the replica.
+    /// Copies a rank's own cells and their halo from the replica, but for what lies beyond faces that are not periodic.
     pub(super) fn take_local(&self, replica: &Field<f32>, field: &mut Field<f32>) {
         let halo = field.halo() as isize;
-        let range = |axis: usize| -halo..self.cells.count[axis] as isize + halo;
-        for k in range(2) {
-            for j in range(1) {
-                for i in range(0) {
-                    if let Some(cell) = self.global_cell([i, j, k]) {
-                        *field.at_mut([i, j, k]) = replica.at(cell);
+        let LocalCells { count, order: order @ [row, inner, outer], .. } = self.cells;
+        let local = |axis: usize| -halo..count[axis] as isize + halo;
+        // The divisions that wrap an index take longer than the copying.
+        let along_row: Vec<Option<usize>> = local(row).map(|i| self.global(row, i)).collect();
+        for k in local(outer) {
+            for j in local(inner) {
+                let beside = self.global(inner, j).zip(self.global(outer, k));
+                let Some((global_j, global_k)) = beside else { continue };
+                let first = in_order([0, global_j as isize, global_k as isize], order);
+                let of_all = &replica.values()[replica.index(first)..];
+                let to = field.index(in_order([-halo, j, k], order));
+                let cells = field.values_mut()[to..].iter_mut();
+                for (value, place) in cells.zip(&along_row) {
+                    if let Some(place) = *place {
+                        *value = of_all[place];
                     }
                 }
             }
         }
     }
 
-    /// The cell of the whole grid; `None` beyond a face that is not periodic.
-    fn global_cell(&self, cell: [isize; 3]) -> Option<[isize; 3]> {
-        let mut global = [0; 3];
-        for axis in 0..3 {
-            let count = self.cells.counts[axis] as isize;
-            let index = cell[axis] + self.cells.start[axis] as isize;
-            if !(0..count).contains(&index) && !self.periodic[axis] {
-                return None;
-            }
-            global[axis] = index.rem_euclid(count);
-        }
-        Some(global)
+    /// The index of a cell in the whole grid along an axis; `None` beyond a face that is not periodic.
+    fn global(&self, axis: usize, cell: isize) -> Option<usize> {
+        let (count, index) =
+            (self.cells.counts[axis] as isize, cell + self.cells.start[axis] as isize);
+        let is_inside = (0..count).contains(&index);
+        (is_inside || self.periodic[axis]).then(|| index.rem_euclid(count) as usize)
     }
 
     /// The place of an owned cell in the buffer, which has the order of the whole grid in memory, without a halo.
@@ -100,4 +103,11 @@ impl Replication {
         let at = |axis: usize| start[axis] + cell[axis] as usize;
         at(row) + counts[row] * (at(inner) + counts[inner] * at(outer))
     }
+}
+
+/// A cell from its indices in the order of memory.
+fn in_order(indices: [isize; 3], order: [usize; 3]) -> [isize; 3] {
+    let mut cell = [0; 3];
+    order.into_iter().zip(indices).for_each(|(axis, index)| cell[axis] = index);
+    cell
 }
