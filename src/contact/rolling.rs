@@ -84,6 +84,11 @@ impl RollingFriction {
 }
 
 impl RollingFriction {
+    /// How it acts.
+    pub(crate) fn kind(&self) -> RollingKind {
+        self.kind
+    }
+
     /// Whether there is any torque: mu_r > 0.
     pub(crate) fn resists(&self) -> bool {
         self.coefficient > 0.0
@@ -256,30 +261,93 @@ impl Rolling for RollingFriction {
         angle: &mut Vector3<f64>,
         dt: f64,
     ) -> Vector3<f64> {
-        let n = contact.normal;
-        let spin = contact.relative_spin;
-        let rolling = spin - n * n.dot(&spin);
-        let arm = self.coefficient * contact.reduced_radius;
-        let limit = arm * friction_normal;
         match self.kind {
             RollingKind::ConstantTorque => {
-                *angle = Vector3::zeros();
-                let inertia = contact.reduced_inertia;
-                let speed = rolling.norm();
-                let per_step = if dt > 0.0 { inertia / dt } else { 0.0 };
-                rolling * -(if speed * inertia > limit * dt { limit / speed } else { per_step })
+                ConstantTorque(*self).torque(contact, friction_normal, stiffness, angle, dt)
             }
-            RollingKind::ElasticPlastic { damping } => {
-                let [before, now] = stiffness;
-                let spring = 2.25 * now * arm * arm;
-                let loading = if before < now { before / now } else { 1.0 };
-                let mut theta = (*angle - n * n.dot(angle)) * loading + rolling * dt;
-                theta *= within(limit, spring * spring * theta.norm_squared());
-                *angle = theta;
-                let critical = 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt();
-                let torque = theta * -spring - rolling * (damping * critical);
-                torque * within(limit, torque.norm_squared())
-            }
+            RollingKind::ElasticPlastic { damping } => ElasticPlastic(*self, damping).torque(
+                contact,
+                friction_normal,
+                stiffness,
+                angle,
+                dt,
+            ),
         }
     }
+}
+
+/// Rolling friction that is known to be of this kind: a loop that does not know computes both kinds for each pair.
+#[derive(Clone, Copy)]
+pub(crate) struct ConstantTorque(pub(crate) RollingFriction);
+
+impl Rolling for ConstantTorque {
+    const ACTS: bool = true;
+
+    #[inline(always)]
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
+        (Some(self.0), None)
+    }
+
+    #[inline(always)]
+    fn torque(
+        &self,
+        contact: &Contact,
+        friction_normal: f64,
+        _stiffness: [f64; 2],
+        angle: &mut Vector3<f64>,
+        dt: f64,
+    ) -> Vector3<f64> {
+        let Self(RollingFriction { coefficient, .. }) = *self;
+        let rolling = in_tangent_plane(contact, &contact.relative_spin);
+        let limit = coefficient * contact.reduced_radius * friction_normal;
+        *angle = Vector3::zeros();
+        let inertia = contact.reduced_inertia;
+        let speed = rolling.norm();
+        let per_step = if dt > 0.0 { inertia / dt } else { 0.0 };
+        rolling * -(if speed * inertia > limit * dt { limit / speed } else { per_step })
+    }
+}
+
+/// The same of this kind, with its eta_r.
+#[derive(Clone, Copy)]
+pub(crate) struct ElasticPlastic(pub(crate) RollingFriction, pub(crate) f64);
+
+impl Rolling for ElasticPlastic {
+    const ACTS: bool = true;
+
+    #[inline(always)]
+    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
+        (Some(self.0), None)
+    }
+
+    #[inline(always)]
+    fn torque(
+        &self,
+        contact: &Contact,
+        friction_normal: f64,
+        stiffness: [f64; 2],
+        angle: &mut Vector3<f64>,
+        dt: f64,
+    ) -> Vector3<f64> {
+        let Self(RollingFriction { coefficient, .. }, damping) = *self;
+        let rolling = in_tangent_plane(contact, &contact.relative_spin);
+        let arm = coefficient * contact.reduced_radius;
+        let limit = arm * friction_normal;
+        let [before, now] = stiffness;
+        let spring = 2.25 * now * arm * arm;
+        let loading = if before < now { before / now } else { 1.0 };
+        let mut theta = in_tangent_plane(contact, angle) * loading + rolling * dt;
+        theta *= within(limit, spring * spring * theta.norm_squared());
+        *angle = theta;
+        let critical = 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt();
+        let torque = theta * -spring - rolling * (damping * critical);
+        torque * within(limit, torque.norm_squared())
+    }
+}
+
+/// The part of a vector in the tangent plane.
+#[inline(always)]
+fn in_tangent_plane(contact: &Contact, vector: &Vector3<f64>) -> Vector3<f64> {
+    let n = contact.normal;
+    vector - n * n.dot(vector)
 }

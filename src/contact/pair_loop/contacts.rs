@@ -1,13 +1,15 @@
 //! The loop over pairs that may touch: blocks of pairs are gathered into lanes, evaluated, and added to the particles.
 
 use super::attraction::attract;
-use crate::contact::ContactModel;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ComingBlocks, ContactBlock, ExcessForce, LawOnBlock, LoopOverBlocks, ManySizes,
     OneSize, PairsOfBlock, SizesOfPairs, WithRegisters,
 };
-use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
+use crate::contact::rolling::{
+    ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
+};
+use crate::contact::{ContactModel, RollingKind};
 use crate::numbers::{F64x4, SimdKernel};
 use crate::particles::{Half, LANES, PairBlock, PairBlocks, Particles};
 
@@ -36,7 +38,7 @@ impl<const EXTRAS: bool> SimdKernel for ContactLoop<'_, EXTRAS> {
 impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
     type Output = Result<(), ForceOutOfRange>;
 
-    /// Chooses rolling and, without it, whether all particles have one size.
+    /// Chooses how rolling and twisting are resisted.
     #[inline(always)]
     fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output {
         let ContactModel { rolling, twisting, .. } = self.laws.contact;
@@ -45,17 +47,32 @@ impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
             let resistance = RollingAndTwisting { rolling, twisting };
             return self.evaluate::<Q, _, _, _>(law, resistance, ManySizes::default());
         }
-        match (rolling, self.one_size.filter(|_| !EXTRAS)) {
-            (Some(rolling), _) => self.evaluate::<Q, _, _, _>(law, rolling, ManySizes::default()),
-            (None, None) => self.evaluate::<Q, _, _, _>(law, NoRolling, ManySizes::default()),
-            (None, Some([radius, mass])) => {
-                self.evaluate::<Q, _, _, _>(law, NoRolling, OneSize { radius, mass })
+        let Some(rolling) = rolling else { return self.with_sizes::<Q, _, _>(law, NoRolling) };
+        match rolling.kind() {
+            RollingKind::ConstantTorque => self.with_sizes::<Q, _, _>(law, ConstantTorque(rolling)),
+            RollingKind::ElasticPlastic { damping } => {
+                self.with_sizes::<Q, _, _>(law, ElasticPlastic(rolling, damping))
             }
         }
     }
 }
 
 impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
+    /// Chooses whether all particles have one size.
+    #[inline(always)]
+    fn with_sizes<Q: F64x4, L: LawOnBlock, R: Rolling>(
+        self,
+        law: &L,
+        rolling: R,
+    ) -> Result<(), ForceOutOfRange> {
+        match self.one_size.filter(|_| !EXTRAS) {
+            Some([radius, mass]) => {
+                self.evaluate::<Q, _, _, _>(law, rolling, OneSize { radius, mass })
+            }
+            None => self.evaluate::<Q, _, _, _>(law, rolling, ManySizes::default()),
+        }
+    }
+
     #[inline(always)]
     fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: SizesOfPairs>(
         self,

@@ -1,7 +1,9 @@
-//! A list that lives for many steps gives the forces of one that is made at each.
+//! A list that lives for many steps gives the forces of one that is made at each, and loops for one size those of loops for many.
 
 use super::*;
-use crate::contact::{ByPair, ContactLaw, ContactModel, ExampleScales, VanDerWaals};
+use crate::contact::{
+    ByPair, ContactLaw, ContactModel, ExampleScales, RollingFriction, RollingKind, VanDerWaals,
+};
 use crate::numbers::{Quantum, Schedule, random_of, uniform};
 use crate::particles::{ForceTorque, InteractionRanges, PairCounts};
 use nalgebra::Vector3;
@@ -77,4 +79,52 @@ fn first_difference(share: f64) -> Option<usize> {
 fn a_list_that_lives_for_many_steps_gives_the_forces_of_a_new_one() {
     assert_eq!(first_difference(1.0), None);
     assert!(first_difference(0.2).is_some(), "a control: what has moved must be told");
+}
+
+/// Forces of some steps in which spheres move and spin, by the loop for one size or by that for many.
+fn forces_of_steps(model: &ContactModel, one_size: bool) -> Vec<Vec<ForceTorque>> {
+    let contact = ByPair::of_all(model.clone());
+    let laws = ForceLaws {
+        contact: &contact,
+        at_walls: &[],
+        cohesion: None,
+        ranges: InteractionRanges { contact: 0.0, any: 0.0, diameter: 0.6 },
+        dt: 1.0e-2,
+        limit: 1.0e6,
+        force_quantum: Quantum::spanning(1.0e6),
+        torque_quantum: Quantum::spanning(1.0e6),
+    };
+    let (mut particles, mut contacts) = (particles(), all_pairs());
+    let step = |_| {
+        for body in &mut particles.body {
+            body.angular_velocity = body.velocity * 1.0e3;
+            body.position += body.velocity;
+        }
+        particles.forces.iter_mut().for_each(|load| *load = ForceTorque::default());
+        prepare_pairs(&particles, &mut contacts, &laws);
+        contacts.inner.one_size = contacts.inner.one_size.filter(|_| one_size);
+        find_contacts(&mut particles, &mut contacts, &laws, PairGroup::Own).unwrap();
+        for half in Half::BOTH {
+            add_contact_forces(&mut particles, &mut contacts, &laws, (PairGroup::Own, half))
+                .unwrap();
+        }
+        assert_eq!(contacts.inner.one_size.is_some(), one_size);
+        particles.forces.clone()
+    };
+    (0..10).map(step).collect()
+}
+
+#[test]
+fn equal_particles_have_the_forces_that_a_loop_for_many_sizes_gives_them() {
+    let rolling = [RollingKind::ConstantTorque, RollingKind::ElasticPlastic { damping: 0.3 }];
+    let rolling = rolling.map(|kind| Some(RollingFriction::new(kind, 0.1).unwrap()));
+    for law in ContactLaw::examples(SCALES) {
+        let [none, constant, elastic] = [None, rolling[0], rolling[1]].map(|rolling| {
+            let model = ContactModel { rolling, ..ContactModel::from(law.clone()) };
+            let forces = forces_of_steps(&model, true);
+            assert_eq!(forces, forces_of_steps(&model, false), "{model:?}");
+            forces
+        });
+        assert!(none != constant && constant != elastic, "a control: rolling is resisted");
+    }
 }
