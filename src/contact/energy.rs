@@ -86,14 +86,12 @@ impl ContactStep<'_> {
 
     /// Work of a tangential spring with dashpot and slider.
     pub fn tangential_work(&self, spring: &SpringStep) -> ContactWork {
-        let n = self.contact.normal;
-        let velocity = self.contact.relative_velocity;
         let old = self.before.tangential_spring;
         let motion = SpringMotion {
             before: old,
-            turned: (old - n * n.dot(&old)) * spring.loading_factor,
+            turned: self.contact.tangential(&old) * spring.loading_factor,
             after: self.after.tangential_spring,
-            rate: velocity - n * n.dot(&velocity),
+            rate: self.contact.tangential(&self.contact.relative_velocity),
             force: self.force.tangential,
         };
         spring.work(&motion, self.dt)

@@ -24,6 +24,14 @@ pub struct Contact {
     pub cohesion: f64,
 }
 
+impl Contact {
+    /// The part of a vector in the tangent plane.
+    #[inline(always)]
+    pub(crate) fn tangential(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        vector - self.normal * self.normal.dot(vector)
+    }
+}
+
 /// The force of a contact on its second body; the first body feels the opposite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {

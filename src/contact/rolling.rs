@@ -89,6 +89,12 @@ impl RollingFriction {
         self.kind
     }
 
+    /// mu_r R*.
+    #[inline(always)]
+    fn arm(&self, contact: &Contact) -> f64 {
+        self.coefficient * contact.reduced_radius
+    }
+
     /// Whether there is any torque: mu_r > 0.
     pub(crate) fn resists(&self) -> bool {
         self.coefficient > 0.0
@@ -96,10 +102,12 @@ impl RollingFriction {
 
     /// Stiffness of the rolling spring, 2.25 k_n (mu_r R*)^2, and coefficient of its dashpot; 0 for a constant torque.
     fn spring(&self, contact: &Contact, normal_stiffness: f64) -> [f64; 2] {
-        let RollingKind::ElasticPlastic { damping } = self.kind else { return [0.0; 2] };
-        let arm = self.coefficient * contact.reduced_radius;
-        let spring = 2.25 * normal_stiffness * arm * arm;
-        [spring, damping * 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt()]
+        match self.kind {
+            RollingKind::ConstantTorque => [0.0; 2],
+            RollingKind::ElasticPlastic { damping } => {
+                ElasticPlastic(*self, damping).spring(contact, normal_stiffness)
+            }
+        }
     }
 
     /// Energy of the rolling spring at a stiffness of the law.
@@ -122,11 +130,10 @@ impl RollingFriction {
         torque: Vector3<f64>,
         dt: f64,
     ) -> ContactWork {
-        let n = contact.normal;
-        let rate = contact.relative_spin - n * n.dot(&contact.relative_spin);
+        let rate = contact.tangential(&contact.relative_spin);
         let loading_factor =
             if stiffness[0] < stiffness[1] { stiffness[0] / stiffness[1] } else { 1.0 };
-        let turned = (before - n * n.dot(&before)) * loading_factor;
+        let turned = contact.tangential(&before) * loading_factor;
         let [[spring_before, _], [spring, damping]] =
             stiffness.map(|stiffness| self.spring(contact, stiffness));
         let step = SpringStep { stiffness: [spring_before, spring], damping, loading_factor };
@@ -297,9 +304,8 @@ impl Rolling for ConstantTorque {
         angle: &mut Vector3<f64>,
         dt: f64,
     ) -> Vector3<f64> {
-        let Self(RollingFriction { coefficient, .. }) = *self;
-        let rolling = in_tangent_plane(contact, &contact.relative_spin);
-        let limit = coefficient * contact.reduced_radius * friction_normal;
+        let rolling = contact.tangential(&contact.relative_spin);
+        let limit = self.0.arm(contact) * friction_normal;
         *angle = Vector3::zeros();
         let inertia = contact.reduced_inertia;
         let speed = rolling.norm();
@@ -311,6 +317,17 @@ impl Rolling for ConstantTorque {
 /// The same of this kind, with its eta_r.
 #[derive(Clone, Copy)]
 pub(crate) struct ElasticPlastic(pub(crate) RollingFriction, pub(crate) f64);
+
+impl ElasticPlastic {
+    /// Stiffness of the spring and coefficient of the dashpot.
+    #[inline(always)]
+    fn spring(self, contact: &Contact, normal_stiffness: f64) -> [f64; 2] {
+        let Self(friction, damping) = self;
+        let arm = friction.arm(contact);
+        let spring = 2.25 * normal_stiffness * arm * arm;
+        [spring, damping * 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt()]
+    }
+}
 
 impl Rolling for ElasticPlastic {
     const ACTS: bool = true;
@@ -329,25 +346,15 @@ impl Rolling for ElasticPlastic {
         angle: &mut Vector3<f64>,
         dt: f64,
     ) -> Vector3<f64> {
-        let Self(RollingFriction { coefficient, .. }, damping) = *self;
-        let rolling = in_tangent_plane(contact, &contact.relative_spin);
-        let arm = coefficient * contact.reduced_radius;
-        let limit = arm * friction_normal;
+        let rolling = contact.tangential(&contact.relative_spin);
+        let limit = self.0.arm(contact) * friction_normal;
         let [before, now] = stiffness;
-        let spring = 2.25 * now * arm * arm;
+        let [spring, dashpot] = self.spring(contact, now);
         let loading = if before < now { before / now } else { 1.0 };
-        let mut theta = in_tangent_plane(contact, angle) * loading + rolling * dt;
+        let mut theta = contact.tangential(angle) * loading + rolling * dt;
         theta *= within(limit, spring * spring * theta.norm_squared());
         *angle = theta;
-        let critical = 2.0 * (3.5 * contact.reduced_inertia * spring).sqrt();
-        let torque = theta * -spring - rolling * (damping * critical);
+        let torque = theta * -spring - rolling * dashpot;
         torque * within(limit, torque.norm_squared())
     }
-}
-
-/// The part of a vector in the tangent plane.
-#[inline(always)]
-fn in_tangent_plane(contact: &Contact, vector: &Vector3<f64>) -> Vector3<f64> {
-    let n = contact.normal;
-    vector - n * n.dot(vector)
 }

@@ -164,8 +164,8 @@ impl<L: ContactForceLaw> EvaluateBlock<'_, L> {
     }
 }
 
-/// Evaluates all lanes, also those that only fill up the last block: their results are not used. That surfaces slide is looked at
-/// only where they do.
+/// Evaluates all lanes, also those that only fill up the last block: their results are not used. Sliding is computed only
+/// where surfaces slide.
 #[inline(always)]
 fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     law: &L,
@@ -177,10 +177,7 @@ fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     let mut slides = [0; LANES];
     for lane in 0..LANES {
         let contact = contact_of(block, sizes, lane);
-        let mut history = ContactHistory {
-            tangential_spring: vector(tangential_springs, lane),
-            largest_overlap: largest_overlaps[lane],
-        };
+        let mut history = history_of(tangential_springs, largest_overlaps, lane);
         let touches = law.touches(&contact, &history);
         let (force, slides_here) = law.sticking_force(&contact, &mut history, dt);
         // Whatever the law returned, bodies that are not in contact exert no force and have no history.
@@ -230,10 +227,7 @@ fn slide_group<L: ContactForceLaw, S: Sizes>(
 ) {
     for lane in (0..SLIDING_GROUP).map(|lane| first + lane) {
         let contact = contact_of(block, sizes, lane);
-        let mut history = ContactHistory {
-            tangential_spring: vector(tangential_springs, lane),
-            largest_overlap: largest_overlaps[lane],
-        };
+        let mut history = history_of(tangential_springs, largest_overlaps, lane);
         let mut force = ContactForce {
             normal: block.normal_force[lane],
             tangential: vector(&block.tangential_force, lane),
@@ -271,6 +265,15 @@ fn spin_torque<L: ContactForceLaw, R: Rolling>(
     }
     let along = rolling.twisting_torque(contact, friction_normal, stiffness, twisting, dt);
     torque + contact.normal * along
+}
+
+/// The history of the contact in a lane.
+#[inline(always)]
+fn history_of(springs: &SpringLanes, largest_overlaps: &Lanes, lane: usize) -> ContactHistory {
+    ContactHistory {
+        tangential_spring: vector(springs, lane),
+        largest_overlap: largest_overlaps[lane],
+    }
 }
 
 /// The contact in a lane.

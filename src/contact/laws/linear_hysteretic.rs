@@ -6,7 +6,7 @@
 //! * O. R. Walton, R. L. Braun, "Viscosity, granular-temperature, and stress calculations for shearing assemblies of
 //!   inelastic, frictional disks", J. Rheol. 30 (1986) 949-980, <https://doi.org/10.1122/1.549893>
 
-use super::parts::{Hysteresis, HystereticParameters};
+use super::parts::{Hysteresis, HystereticParameters, stick_or_slide};
 use super::{Adhesion, ContactLawValues, ExampleScales, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
@@ -77,9 +77,7 @@ impl LinearHysteretic {
 impl ContactForceLaw for LinearHysteretic {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
-        let (mut force, _) = self.sticking_force(contact, history, dt);
-        self.slide(contact, history, &mut force);
-        force
+        stick_or_slide(self, contact, history, dt)
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@
 //! * S. J. Moon, I. G. Kevrekidis, S. Sundaresan, "Particle simulation of vibrated gas-fluidized beds of cohesive fine
 //!   powders", Ind. Eng. Chem. Res. 45 (2006) 6966-6977, eqs (1)-(3)
 
-use super::parts::{FrictionCap, friction_cap};
+use super::parts::{FrictionCap, friction_cap, stick_or_slide};
 use super::{ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw};
 use crate::contact::invalid_law::{InvalidContactLaw, require_in_range};
 use crate::contact::{
@@ -130,9 +130,7 @@ impl LinearSpringDashpot {
 impl ContactForceLaw for LinearSpringDashpot {
     #[inline(always)]
     fn force(&self, contact: &Contact, history: &mut ContactHistory, dt: f64) -> ContactForce {
-        let (mut force, _) = self.sticking_force(contact, history, dt);
-        self.slide(contact, history, &mut force);
-        force
+        stick_or_slide(self, contact, history, dt)
     }
 
     #[inline(always)]
@@ -148,8 +146,7 @@ impl ContactForceLaw for LinearSpringDashpot {
         let normal = self.normal_stiffness * contact.overlap - damping * separation_speed;
 
         let slip = contact.relative_velocity - n * separation_speed;
-        let old = history.tangential_spring;
-        let spring = old - n * n.dot(&old) + slip * dt;
+        let spring = contact.tangential(&history.tangential_spring) + slip * dt;
         history.tangential_spring = spring;
         let friction_normal = match self.friction_cap {
             FrictionCap::Contact => normal.abs(),

@@ -157,30 +157,22 @@ macro_rules! contact_laws {
                 }
             }
 
-            #[inline(always)]
             fn sticking_force(
                 &self,
                 contact: &$crate::contact::Contact,
                 history: &mut $crate::particles::ContactHistory,
                 dt: f64,
             ) -> ($crate::contact::ContactForce, bool) {
-                match self {
-                    $(Self::$Law(law) => law.sticking_force(contact, history, dt),)*
-                    Self::Custom(law) => law.as_law().sticking_force(contact, history, dt),
-                }
+                self.as_law().sticking_force(contact, history, dt)
             }
 
-            #[inline(always)]
             fn slide(
                 &self,
                 contact: &$crate::contact::Contact,
                 history: &mut $crate::particles::ContactHistory,
                 force: &mut $crate::contact::ContactForce,
             ) {
-                match self {
-                    $(Self::$Law(law) => law.slide(contact, history, force),)*
-                    Self::Custom(law) => law.as_law().slide(contact, history, force),
-                }
+                self.as_law().slide(contact, history, force)
             }
 
             #[inline(always)]

@@ -10,4 +10,4 @@ pub(crate) use elastic::{Elastic, ElasticParameters, loading_factor};
 pub use friction_cap::FrictionCap;
 pub(crate) use hysteresis::Hysteresis;
 pub use hysteresis::{HystereticParameters, Reloading};
-pub(crate) use slider::SliderStep;
+pub(crate) use slider::{SliderStep, stick_or_slide};

@@ -1,6 +1,6 @@
 //! Friction in the tangent plane: spring, dashpot and slider (Cundall & Strack, Géotechnique 29 (1979) 47-65).
 
-use crate::contact::Contact;
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
 use crate::particles::ContactHistory;
 use nalgebra::Vector3;
 
@@ -47,10 +47,9 @@ impl Slider {
         step: SliderStep,
     ) -> (Vector3<f64>, bool) {
         let SliderStep { damping, loading_factor, dt } = step;
-        let n = contact.normal;
-        let slip = contact.relative_velocity - n * n.dot(&contact.relative_velocity);
-        let old = history.tangential_spring;
-        let spring = (old - n * n.dot(&old)) * loading_factor + slip * dt;
+        let slip = contact.tangential(&contact.relative_velocity);
+        let turned = contact.tangential(&history.tangential_spring);
+        let spring = turned * loading_factor + slip * dt;
         history.tangential_spring = spring;
         let force = spring * -self.stiffness - slip * damping;
         (force, force.norm_squared() > self.limit * self.limit)
@@ -67,6 +66,19 @@ impl Slider {
             if slides { -force * compliance } else { spring }
         });
     }
+}
+
+/// The force of a law that tells sticking from sliding.
+#[inline(always)]
+pub(crate) fn stick_or_slide(
+    law: &impl ContactForceLaw,
+    contact: &Contact,
+    history: &mut ContactHistory,
+    dt: f64,
+) -> ContactForce {
+    let (mut force, _) = law.sticking_force(contact, history, dt);
+    law.slide(contact, history, &mut force);
+    force
 }
 
 /// |ln e| / sqrt(pi^2 + ln^2 e): damping over critical damping of a linear oscillator whose half period has the
