@@ -12,7 +12,7 @@ from .talcum import PROGRAM
 
 # Cells along an edge, and gas steps that are measured: those by which one run is longer than another, so that the start and the
 # first touch of its memory do not count.
-SIZES = {32: 200, 64: 30, 128: 6, 256: 2}
+SIZES = {32: 200, 64: 30, 128: 6, 256: 4}
 SECONDS = re.compile(r"^coarse-grain, gas\s+([\d.]+)", re.MULTILINE)
 WHOLE = re.compile(r"^(\d+) steps in ", re.MULTILINE)
 TIME_STEP = 1.0e-4

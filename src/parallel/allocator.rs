@@ -1,4 +1,4 @@
-//! What is freed returns to the system. When there is no more memory, the program says how much it asked for, and all ranks end.
+//! Large arrays lie in large pages, and what is freed returns to the system. When there is no more memory, the program says how much it asked for, and all ranks end.
 
 #![allow(unsafe_code, reason = "an allocator hands out raw memory")]
 
@@ -16,15 +16,16 @@ static PROCESS: OnceLock<(usize, fn(i32))> = OnceLock::new();
 /// Whether the message is on its way.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator. Where it has no memory left, a message is printed and all ranks end, while Rust's own way is to
+/// The system's allocator, which asks for large pages for large arrays. Where it has no memory left, a message is printed and all ranks end, while Rust's own way is to
 /// crash this process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AllocatorOfRanks;
 
-/// Arrays of this many bytes are returned to the system as soon as they are freed. Smaller ones, those of a rank with up to some
-/// 20,000 particles, are kept for the next, so that new lists need no memory from the system.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-const RETURNED: libc::c_int = 4 << 20;
+/// Arrays of this many bytes are large. They are asked to lie in large pages, of 2 MiB on most machines, of which smaller ones would have
+/// too few, and return to the system as soon as they are freed. Smaller ones, those of a rank with up to some 20,000 particles, are
+/// kept for the next, so that new lists need no memory from the system.
+#[cfg(target_os = "linux")]
+const LARGE: usize = 4 << 20;
 
 impl AllocatorOfRanks {
     /// Lets large arrays return to the system when they are freed. By itself glibc keeps what is freed below 32 MB, holes that the
@@ -34,8 +35,8 @@ impl AllocatorOfRanks {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
         // SAFETY: two numbers of the allocator are set. The second is twice the first, as glibc itself has them.
         unsafe {
-            libc::mallopt(libc::M_MMAP_THRESHOLD, RETURNED);
-            libc::mallopt(libc::M_TRIM_THRESHOLD, 2 * RETURNED);
+            libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE as libc::c_int);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, 2 * LARGE as libc::c_int);
         }
     }
 
@@ -57,27 +58,88 @@ pub(super) fn set_process(rank: usize, end_all: fn(i32)) {
     let _ = PROCESS.set((rank, end_all));
 }
 
-// SAFETY: the system's allocator does all the work, and is asked for exactly what this one is asked for.
+#[cfg(target_os = "linux")]
+impl AllocatorOfRanks {
+    /// An array moved to a new place of this many bytes.
+    ///
+    /// # Safety
+    /// As of [`GlobalAlloc::realloc`].
+    #[cold]
+    unsafe fn moved(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: the caller promises a size that is not 0 and does not overflow with this alignment, and gives up the old place;
+        // both places have the smaller of the two sizes.
+        unsafe {
+            let new = self.alloc(Layout::from_size_align_unchecked(size, layout.align()));
+            std::ptr::copy_nonoverlapping(memory, new, size.min(layout.size()));
+            self.dealloc(memory, layout);
+            new
+        }
+    }
+}
+
+// SAFETY: the system's allocator does all the work, and is asked for what this one is asked for.
 unsafe impl GlobalAlloc for AllocatorOfRanks {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that the system's allocator needs; so below.
-        or_end(unsafe { System.alloc(layout) }, layout.size())
+        in_large_pages(or_end(unsafe { System.alloc(layout) }, layout.size()), layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as above.
-        or_end(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        in_large_pages(or_end(unsafe { System.alloc_zeroed(layout) }, layout.size()), layout.size())
     }
 
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        #[cfg(target_os = "linux")]
+        if moves_to_large_pages(layout, size) {
+            // SAFETY: the caller's promises are those of this call.
+            return unsafe { self.moved(memory, layout, size) };
+        }
         // SAFETY: as above.
-        or_end(unsafe { System.realloc(memory, layout, size) }, size)
+        in_large_pages(or_end(unsafe { System.realloc(memory, layout, size) }, size), size)
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
         // SAFETY: as above.
         unsafe { System.dealloc(memory, layout) }
     }
+}
+
+/// Asks the system for large pages for an array of so many bytes, if it is large. The system may refuse.
+#[inline]
+fn in_large_pages(memory: *mut u8, size: usize) -> *mut u8 {
+    #[cfg(target_os = "linux")]
+    if size >= LARGE {
+        ask_for_large_pages(memory, size);
+    }
+    memory
+}
+
+/// Allocates nothing.
+#[cfg(target_os = "linux")]
+#[cold]
+fn ask_for_large_pages(memory: *mut u8, size: usize) {
+    // SAFETY: a number is read.
+    let page = match unsafe { libc::sysconf(libc::_SC_PAGESIZE) } {
+        page if page > 0 => page as usize,
+        _ => return,
+    };
+    // The request is for whole pages. The first and the last may hold other arrays too, which are left as they are.
+    let before = memory as usize % page;
+    // SAFETY: the range lies in memory of this process, whose contents do not change whether the system follows or not.
+    unsafe {
+        libc::madvise(memory.sub(before).cast(), size + before, libc::MADV_HUGEPAGE);
+    }
+}
+
+/// Whether an array is moved when it grows to so many bytes: if it becomes large, or if the system's allocator would move it because
+/// of its alignment, and fill small pages before large ones are asked for. Otherwise a large array keeps its large pages.
+#[cfg(target_os = "linux")]
+#[inline]
+fn moves_to_large_pages(layout: Layout, size: usize) -> bool {
+    /// The system aligns every array so.
+    const ALIGNED: usize = 2 * size_of::<usize>();
+    size >= LARGE && (layout.size() < LARGE || layout.align() > ALIGNED)
 }
 
 #[inline]
@@ -123,4 +185,79 @@ fn resident() -> usize {
     let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
     let kilobytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse().ok());
     1024 * kilobytes.unwrap_or(0_usize)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+#[allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+mod tests {
+    use super::*;
+
+    /// Whether large pages were asked for the memory that begins here; None where the system does not tell.
+    fn asked_for(memory: *const u8) -> Option<bool> {
+        std::fs::metadata("/sys/kernel/mm/transparent_hugepage").ok()?;
+        let maps = std::fs::read_to_string("/proc/self/smaps").ok()?;
+        let holds = |line: &str| {
+            let range = line.split(' ').next()?.split_once('-')?;
+            let [from, to] = [range.0, range.1].map(|end| usize::from_str_radix(end, 16));
+            Some((from.ok()?..to.ok()?).contains(&(memory as usize)))
+        };
+        let flags = maps
+            .lines()
+            .skip_while(|line| holds(line) != Some(true))
+            .find_map(|line| line.strip_prefix("VmFlags:"));
+        Some(flags.unwrap().split_whitespace().any(|flag| flag == "hg"))
+    }
+
+    /// Large arrays are by themselves from now on, as in the program: small ones are in no place where a large one was.
+    fn begin() {
+        AllocatorOfRanks::return_large_arrays();
+    }
+
+    fn is_in(large: bool, memory: *const u8) {
+        assert_eq!(asked_for(memory).unwrap_or(large), large);
+    }
+
+    #[test]
+    fn large_arrays_are_asked_to_lie_in_large_pages() {
+        begin();
+        for align in [1, 16, 64, 4096] {
+            let layout = |size| Layout::from_size_align(size, align).unwrap();
+            // SAFETY: each array is used with the layout that it has, and freed once.
+            unsafe {
+                let small = AllocatorOfRanks.alloc(layout(LARGE / 4));
+                is_in(false, small);
+                AllocatorOfRanks.dealloc(small, layout(LARGE / 4));
+                let large = AllocatorOfRanks.alloc_zeroed(layout(LARGE));
+                is_in(true, large.add(LARGE / 2));
+                AllocatorOfRanks.dealloc(large, layout(LARGE));
+            }
+        }
+    }
+
+    #[test]
+    fn arrays_that_grow_large_keep_what_they_hold() {
+        begin();
+        for align in [1, 16, 64, 4096] {
+            let layout = |size| Layout::from_size_align(size, align).unwrap();
+            let value = |i: usize| (i % 251) as u8;
+            let sizes = [LARGE / 4, LARGE / 2, LARGE + 3, 3 * LARGE, LARGE, 1000];
+            // SAFETY: each array is used with the layout that it has, read where it was written, and freed once.
+            unsafe {
+                let mut memory = AllocatorOfRanks.alloc(layout(sizes[0]));
+                (0..sizes[0]).for_each(|i| memory.add(i).write(value(i)));
+                for pair in sizes.windows(2) {
+                    memory = AllocatorOfRanks.realloc(memory, layout(pair[0]), pair[1]);
+                    assert_eq!(memory as usize % align, 0);
+                    assert!(
+                        (0..pair[0].min(pair[1]).min(sizes[0]))
+                            .all(|i| memory.add(i).read() == value(i))
+                    );
+                    if pair[1] >= LARGE {
+                        is_in(true, memory.add(LARGE / 2));
+                    }
+                }
+                AllocatorOfRanks.dealloc(memory, layout(sizes[sizes.len() - 1]));
+            }
+        }
+    }
 }
