@@ -1,4 +1,5 @@
-//! Large arrays lie in large pages, and what is freed returns to the system. When there is no more memory, the program says how much it asked for, and all ranks end.
+//! Large arrays lie in large pages, and what is freed returns to the system. When there is no more memory, the program says how
+//! much it asked for, and all ranks end.
 
 #![allow(unsafe_code, reason = "an allocator hands out raw memory")]
 
@@ -16,8 +17,8 @@ static PROCESS: OnceLock<(usize, fn(i32))> = OnceLock::new();
 /// Whether the message is on its way.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator, which asks for large pages for large arrays. Where it has no memory left, a message is printed and all ranks end, while Rust's own way is to
-/// crash this process.
+/// The system's allocator, which asks for large pages for large arrays. Where it has no memory left, a message is printed and all
+/// ranks end, while Rust's own way is to crash this process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AllocatorOfRanks;
 
@@ -81,12 +82,12 @@ impl AllocatorOfRanks {
 unsafe impl GlobalAlloc for AllocatorOfRanks {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that the system's allocator needs; so below.
-        in_large_pages(or_end(unsafe { System.alloc(layout) }, layout.size()), layout.size())
+        given(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as above.
-        in_large_pages(or_end(unsafe { System.alloc_zeroed(layout) }, layout.size()), layout.size())
+        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
@@ -96,7 +97,7 @@ unsafe impl GlobalAlloc for AllocatorOfRanks {
             return unsafe { self.moved(memory, layout, size) };
         }
         // SAFETY: as above.
-        in_large_pages(or_end(unsafe { System.realloc(memory, layout, size) }, size), size)
+        given(unsafe { System.realloc(memory, layout, size) }, size)
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
@@ -105,9 +106,12 @@ unsafe impl GlobalAlloc for AllocatorOfRanks {
     }
 }
 
-/// Asks the system for large pages for an array of so many bytes, if it is large. The system may refuse.
+/// What the system gave for so many bytes. If it gave nothing, all ranks end; if they are many, it is asked for large pages.
 #[inline]
-fn in_large_pages(memory: *mut u8, size: usize) -> *mut u8 {
+fn given(memory: *mut u8, size: usize) -> *mut u8 {
+    if memory.is_null() {
+        end_all_ranks(size);
+    }
     #[cfg(target_os = "linux")]
     if size >= LARGE {
         ask_for_large_pages(memory, size);
@@ -115,7 +119,7 @@ fn in_large_pages(memory: *mut u8, size: usize) -> *mut u8 {
     memory
 }
 
-/// Allocates nothing.
+/// The system may refuse. Allocates nothing.
 #[cfg(target_os = "linux")]
 #[cold]
 fn ask_for_large_pages(memory: *mut u8, size: usize) {
@@ -140,14 +144,6 @@ fn moves_to_large_pages(layout: Layout, size: usize) -> bool {
     /// The system aligns every array so.
     const ALIGNED: usize = 2 * size_of::<usize>();
     size >= LARGE && (layout.size() < LARGE || layout.align() > ALIGNED)
-}
-
-#[inline]
-fn or_end(memory: *mut u8, size: usize) -> *mut u8 {
-    if memory.is_null() {
-        end_all_ranks(size);
-    }
-    memory
 }
 
 /// Allocates nothing.
