@@ -1,7 +1,6 @@
 //! How the time of a run divides over the phases of the step.
 
 use crate::parallel::Communicator;
-use rustix::time::{ClockId, clock_gettime};
 use std::time::{Duration, Instant};
 
 /// The phases of a step, in the order of the step, and the rest of the run.
@@ -64,16 +63,7 @@ impl Phase {
 /// Time spent in each phase on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Timers {
-    /// Processor time, at the steps at which it is read, for motion and lists of this rank's particles and forces on them, in
-    /// which it waits for no other rank.
-    pub on_particles: Duration,
     spent: [Duration; Phase::ALL.len()],
-}
-
-/// Time that this thread has had a processor: not what other programs took from it.
-pub fn processor_time() -> Duration {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
 /// One phase over all ranks.
@@ -95,6 +85,11 @@ impl Timers {
         let result = work();
         self.spent[phase as usize] += begin.elapsed();
         result
+    }
+
+    /// Time spent in a phase.
+    pub fn spent(&self, phase: Phase) -> Duration {
+        self.spent[phase as usize]
     }
 
     /// Adds time to a phase.

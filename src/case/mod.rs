@@ -364,6 +364,8 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
     let (stages, step) = stages::read_stages(&root, context);
     let output = root.table("output").and_then(|section| plans::read_output(&section, step));
     let or_defaults = |name| root.table_or_defaults(name);
+    let on_cells =
+        stages.iter().flatten().any(|stage| stage.physics.gas.volume_averaged().is_some());
     let mut case = Case {
         title: root.text("title")?,
         units: units?,
@@ -376,7 +378,7 @@ fn read_tree(tree: &Node, text: String, folder: &Path, problems: &Problems) -> O
         measures: Vec::new(),
         checkpoint: or_defaults("checkpoint").and_then(|s| plans::read_checkpoint(&s))?,
         wall_clock: or_defaults("run")?.wall_time("wall_clock"),
-        parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s))?,
+        parallel: or_defaults("parallel").and_then(|s| plans::read_parallel(&s, on_cells))?,
         notes: problems.notes(),
         places: Places::of(tree),
     };

@@ -141,8 +141,8 @@ pub(super) fn read_checkpoint(section: &Section<'_>) -> Option<CheckpointPlan> {
     })
 }
 
-/// `[parallel]`.
-pub(super) fn read_parallel(section: &Section<'_>) -> Option<ParallelPlan> {
+/// `[parallel]`, of a run with or without a gas on cells.
+pub(super) fn read_parallel(section: &Section<'_>, on_cells: bool) -> Option<ParallelPlan> {
     let axes = [("x", 0), ("y", 1), ("z", 2)];
     let layout = if section.has("ranks") {
         RankLayout::Grid(RankGrid(section.counts("ranks")?))
@@ -151,14 +151,19 @@ pub(super) fn read_parallel(section: &Section<'_>) -> Option<ParallelPlan> {
     } else {
         RankLayout::Cheapest
     };
-    Some(ParallelPlan { layout, skin: section.number("skin"), balance: read_balance(section)? })
+    let balance = read_balance(section, on_cells)?;
+    Some(ParallelPlan { layout, skin: section.number("skin"), balance })
 }
 
 /// Load balancing; `Some(None)`: none.
-fn read_balance(section: &Section<'_>) -> Option<Option<Balance>> {
+fn read_balance(section: &Section<'_>, on_cells: bool) -> Option<Option<Balance>> {
     if section.word("balance") == Some("off") {
         return Some(None);
     }
     let table = section.table_or_defaults("balance")?;
-    Some(Some(Balance::new(table.count("every")?, table.number("threshold")?)))
+    let threshold = match table.has("threshold") {
+        true => table.number("threshold")?,
+        false => Balance::usual_threshold(on_cells),
+    };
+    Some(Some(Balance::new(table.count("every")?, threshold)))
 }

@@ -11,9 +11,18 @@ const BINS: usize = 1024;
 /// Weight in the histogram of a particle of mean cost.
 const MEAN_WEIGHT: f64 = 1024.0;
 
-/// Range of a particle's cost relative to the mean. Particles in flight cost a tenth of those at rest on others; a
-/// ratio outside this range is taken for an error of the measured time.
+/// Range of a particle's cost, its pairs included, relative to the mean. Particles in flight cost a tenth of those at rest on
+/// others; a ratio outside this range is taken for an error of the measured time.
 const COST_RANGE: [f64; 2] = [0.1, 10.0];
+
+/// How many particles, or pairs, a rank has, and the time of a step that it spends on them, waiting excluded.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RankWork {
+    /// Number of particles or pairs.
+    pub count: usize,
+    /// Time.
+    pub time: Duration,
+}
 
 /// How evenly the work is distributed over the ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,19 +30,25 @@ pub struct RankLoad {
     /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no
     /// particles.
     pub imbalance: f64,
-    /// Time per particle of this rank, relative to that of all ranks.
-    cost: f64,
+    /// Time of this rank per particle, without its pairs, relative to the time of all ranks per particle, with its pairs.
+    cost_of_particle: f64,
+    /// Time of this rank per pair, relative to the same.
+    cost_of_pair: f64,
 }
 
 impl RankLoad {
     /// The load before any time is known: all particles cost the same.
-    pub const UNKNOWN: Self = Self { imbalance: f64::INFINITY, cost: 1.0 };
+    pub const UNKNOWN: Self = Self::of_counts(f64::INFINITY);
 
-    /// From the processor time that this rank has spent on its particles, waiting excluded, and their number. This call
-    /// is collective.
-    pub fn measured(particles: usize, time: Duration, ranks: &dyn Communicator) -> Self {
-        let mut sums = [particles as i64, time.as_nanos() as i64];
-        let mut largest = sums.map(|own| own as f64);
+    const fn of_counts(imbalance: f64) -> Self {
+        Self { imbalance, cost_of_particle: 1.0, cost_of_pair: 0.0 }
+    }
+
+    /// From the work of this rank on particles, and that on their pairs. This call is collective.
+    pub fn measured(on_particles: RankWork, on_pairs: RankWork, ranks: &dyn Communicator) -> Self {
+        let nanoseconds = [on_particles, on_pairs].map(|work| work.time.as_nanos() as i64);
+        let own = [on_particles.count as i64, nanoseconds.iter().sum()];
+        let (mut sums, mut largest) = (own, own.map(|own| own as f64));
         ranks.sum_integers(&mut sums);
         ranks.maximum(&mut largest);
         let [all_particles, all_time] = sums.map(|sum| sum as f64);
@@ -41,27 +56,36 @@ impl RankLoad {
             0 => 1.0,
             sum => largest[kind] * ranks.size() as f64 / sum as f64,
         };
-        if all_time == 0.0 || particles == 0 {
-            let known = if all_time == 0.0 { 0 } else { 1 };
-            return Self { imbalance: imbalance(known), cost: 1.0 };
+        if all_time == 0.0 || on_particles.count == 0 {
+            return Self::of_counts(imbalance(if all_time == 0.0 { 0 } else { 1 }));
         }
-        let cost = (time.as_nanos() as f64 / particles as f64) / (all_time / all_particles);
-        Self { imbalance: imbalance(1), cost: cost.clamp(COST_RANGE[0], COST_RANGE[1]) }
+        let [particles, time] = own.map(|own| own as f64);
+        let cost = (time / particles) / (all_time / all_particles);
+        let per_time = cost.clamp(COST_RANGE[0], COST_RANGE[1]) * particles / time.max(1.0);
+        let [of_particles, of_pairs] = match on_pairs.count {
+            0 => [time, 0.0],
+            _ => nanoseconds.map(|time| time as f64),
+        };
+        Self {
+            imbalance: imbalance(1),
+            cost_of_particle: of_particles * per_time / particles,
+            cost_of_pair: of_pairs * per_time / on_pairs.count.max(1) as f64,
+        }
     }
 
     /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
-    /// at least `least_width` wide; `positions` are those of the owned particles, wrapped. This call is collective.
+    /// at least `least_width` wide; `particles` are those owned, positions wrapped, and how many pairs are counted with each.
+    /// This call is collective.
     ///
     /// The planes change which rank does which work, never a result.
     pub fn balanced(
         &self,
         decomposition: &Decomposition,
-        positions: impl Iterator<Item = Vector3<f64>> + Clone,
+        particles: impl Iterator<Item = (Vector3<f64>, u32)> + Clone,
         bounds: &Bounds,
         least_width: f64,
         ranks: &dyn Communicator,
     ) -> Decomposition {
-        let weight = (self.cost * MEAN_WEIGHT).round() as i64;
         let cut_planes = std::array::from_fn(|axis| {
             let n = decomposition.grid().0[axis];
             if n == 1 {
@@ -69,14 +93,20 @@ impl RankLoad {
             }
             let length = bounds.lengths()[axis];
             let mut histogram = vec![0_i64; BINS];
-            for position in positions.clone() {
+            for (position, pairs) in particles.clone() {
                 let bin = (position[axis] / length * BINS as f64) as usize; // a negative number becomes bin 0
-                histogram[bin.min(BINS - 1)] += weight;
+                histogram[bin.min(BINS - 1)] += self.weight(pairs);
             }
             ranks.sum_integers(&mut histogram);
             quantiles(&histogram, n, length, least_width)
         });
         decomposition.with_cut_planes(cut_planes)
+    }
+
+    /// Of a particle with which so many pairs are counted, in the histogram.
+    fn weight(&self, pairs: u32) -> i64 {
+        let cost = self.cost_of_particle + self.cost_of_pair * f64::from(pairs);
+        (cost * MEAN_WEIGHT).round() as i64
     }
 }
 
@@ -111,22 +141,32 @@ mod tests {
     use crate::domain::{Face, RankGrid};
     use crate::parallel::run_on_threads;
 
-    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles
-    /// of which those below a third cost three times as much.
-    fn imbalance_of_a_bed_with_a_dense_bottom(by_time: bool) -> f64 {
+    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles of
+    /// which those below a third have three pairs each.
+    fn imbalance_of_a_bed_with_a_dense_bottom(known: Known, rounds: usize) -> f64 {
         let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
         let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
+        let pairs_of = |z: f64| if z < 16.0 / 3.0 { 3 } else { 0 };
         let found = run_on_threads(4, |ranks| {
             let mut decomposition = Decomposition::even(RankGrid([1, 1, 4]), &bounds);
             let mut load = RankLoad::UNKNOWN;
-            for _ in 0..6 {
+            for _ in 0..=rounds {
                 let here =
                     |z: &f64| decomposition.owner_of(&Vector3::new(2.0, 2.0, *z)) == ranks.rank();
                 let own: Vec<f64> = heights.iter().copied().filter(here).collect();
-                let cost: u64 = own.iter().map(|z| if *z < 16.0 / 3.0 { 30 } else { 10 }).sum();
-                load = RankLoad::measured(own.len(), Duration::from_micros(cost), ranks);
-                let positions = own.iter().map(|&z| Vector3::new(2.0, 2.0, z));
-                let used = if by_time { load } else { RankLoad::UNKNOWN };
+                let pairs: usize = own.iter().map(|&z| pairs_of(z) as usize).sum();
+                let work = [(own.len(), 1), (pairs, 2)].map(|(count, cost)| RankWork {
+                    count,
+                    time: Duration::from_micros(cost * count as u64),
+                });
+                let [on_particles, on_pairs] = work;
+                let all = RankWork { time: on_particles.time + on_pairs.time, ..on_particles };
+                load = match known {
+                    Known::TimeOfPairs => RankLoad::measured(on_particles, on_pairs, ranks),
+                    _ => RankLoad::measured(all, RankWork::default(), ranks),
+                };
+                let positions = own.iter().map(|&z| (Vector3::new(2.0, 2.0, z), pairs_of(z)));
+                let used = if known == Known::Counts { RankLoad::UNKNOWN } else { load };
                 decomposition = used.balanced(&decomposition, positions, &bounds, 0.5, ranks);
             }
             load.imbalance
@@ -134,13 +174,24 @@ mod tests {
         found[0]
     }
 
+    /// What is known of the work.
+    #[derive(Clone, Copy, PartialEq)]
+    enum Known {
+        Counts,
+        Time,
+        TimeOfPairs,
+    }
+
     #[test]
     fn expensive_particles_are_shared_among_more_ranks() {
-        // Within a slab all particles count the same: the planes approach the height of a third in several rounds.
-        let found = imbalance_of_a_bed_with_a_dense_bottom(true);
-        assert!(found < 1.03, "{found}");
+        // Where pairs are known, the planes are right at once, to a bin in a thousand.
+        let found = imbalance_of_a_bed_with_a_dense_bottom(Known::TimeOfPairs, 1);
+        assert!(found < 1.02, "{found}");
+        // Where they are not, all particles of a slab count the same: the planes approach that place in several rounds.
+        let found = [1, 5].map(|n| imbalance_of_a_bed_with_a_dense_bottom(Known::Time, n));
+        assert!(found[0] > 1.1 && found[1] < 1.05, "{found:?}");
         // Negative control: equal counts are not equal work.
-        assert!(imbalance_of_a_bed_with_a_dense_bottom(false) > 1.4);
+        assert!(imbalance_of_a_bed_with_a_dense_bottom(Known::Counts, 5) > 1.4);
     }
 
     #[test]
@@ -148,16 +199,17 @@ mod tests {
         let of = |counts: [usize; 2], times: [u64; 2]| {
             run_on_threads(2, |ranks| {
                 let time = Duration::from_micros(times[ranks.rank()]);
-                RankLoad::measured(counts[ranks.rank()], time, ranks)
+                let work = RankWork { count: counts[ranks.rank()], time };
+                RankLoad::measured(work, RankWork::default(), ranks)
             })
         };
-        assert!(
-            of([300, 100], [0, 0]).iter().all(|load| load.imbalance == 1.5 && load.cost == 1.0)
-        );
+        let is_of_counts = |load: &RankLoad| load.imbalance == 1.5 && load.weight(7) == 1024;
+        assert!(of([300, 100], [0, 0]).iter().all(is_of_counts));
         assert!(of([0, 0], [0, 0]).iter().all(|load| load.imbalance == 1.0));
         // Costs outside the range are limited.
         let uneven = of([100, 100], [100, 9_900]);
-        assert_eq!(uneven.iter().map(|load| load.cost).collect::<Vec<_>>(), [0.1, 1.98]);
+        let costs: Vec<f64> = uneven.iter().map(|load| load.cost_of_particle).collect();
+        assert!((costs[0] - 0.1).abs() < 1e-12 && (costs[1] - 1.98).abs() < 1e-12, "{costs:?}");
         assert_eq!(uneven[0].imbalance, 1.98);
     }
 

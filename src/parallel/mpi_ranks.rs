@@ -53,6 +53,10 @@ const FILE_ACCESS: [(&str, &str); 2] =
 const SENT_AT_ONCE: [(&str, &str); 2] =
     [("OMPI_MCA_btl_vader_eager_limit", "32768"), ("OMPI_MCA_btl_sm_eager_limit", "32768")];
 
+/// Largest number of bytes in one message that travels while other work is done, which Open MPI thus sends at once, its header
+/// included: an announced message waits for the other rank to look after its messages, which that does only when its work is done.
+const LONGEST_DURING: usize = 32_000;
+
 /// Whether MPI may be called: it was initialised and is not being finalised.
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
@@ -65,6 +69,8 @@ pub struct MpiRanks {
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
+    /// Of each rank, the lowest rank on its machine.
+    machines: Vec<i32>,
     longest_message: usize,
     /// Which of the two tags the next sparse exchange uses.
     next_tag: Cell<usize>,
@@ -97,6 +103,7 @@ impl MpiRanks {
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
+            machines: machines(&world),
             longest_message: LONGEST_MESSAGE,
             world,
             next_tag: Cell::default(),
@@ -152,6 +159,15 @@ impl MpiRanks {
         message.matched_receive_into(&mut incoming[before..]);
         length == self.longest_message
     }
+}
+
+/// The lowest rank on the machine of each rank: of those with which it shares memory. Collective.
+fn machines(world: &SimpleCommunicator) -> Vec<i32> {
+    let mut lowest = world.rank();
+    world.split_shared(lowest).process_at_rank(0).broadcast_into(&mut lowest);
+    let mut machines = vec![0; world.size() as usize];
+    world.all_gather_into(&lowest, &mut machines[..]);
+    machines
 }
 
 /// The name and version of the library of MPI that the program was built with.
@@ -229,18 +245,19 @@ impl Communicator for MpiRanks {
         incoming: &mut [Message],
         meanwhile: &mut dyn FnMut(),
     ) {
+        let longest = self.longest_message.min(LONGEST_DURING);
         scope(|scope| {
             let process = |rank: usize| self.world.process_at_rank(rank as i32);
             let mut underway: Vec<WaitGuard<_, _>> = Vec::with_capacity(incoming.len());
             for Message { rank, bytes } in incoming {
-                let pieces = bytes.chunks_mut(self.longest_message);
+                let pieces = bytes.chunks_mut(longest);
                 let receive =
                     |piece| process(*rank).immediate_receive_into_with_tag(scope, piece, DURING);
                 underway.extend(pieces.map(receive).map(WaitGuard::from));
             }
             let mut sent: Vec<WaitGuard<_, _>> = Vec::with_capacity(outgoing.len());
             for Message { rank, bytes } in outgoing {
-                let pieces = bytes.chunks(self.longest_message);
+                let pieces = bytes.chunks(longest);
                 let send = |piece| process(*rank).immediate_send_with_tag(scope, piece, DURING);
                 sent.extend(pieces.map(send).map(WaitGuard::from));
             }
@@ -319,6 +336,10 @@ impl Communicator for MpiRanks {
 
     fn kind(&self) -> &'static str {
         "MPI processes"
+    }
+
+    fn is_near(&self, rank: usize) -> bool {
+        self.machines[rank] == self.machines[self.rank]
     }
 }
 

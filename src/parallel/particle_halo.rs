@@ -107,6 +107,12 @@ impl ParticleHalo {
         self.finish(particles, |_| ());
     }
 
+    /// Whether a message to this rank comes from another machine, so that it may still be on its way when the ranks have agreed on
+    /// something else.
+    pub fn comes_from_far(&self, ranks: &dyn Communicator) -> bool {
+        self.with_owners.iter().any(|message| !ranks.is_near(message.rank))
+    }
+
     /// Images become like their originals, and what other ranks need is made ready to be sent.
     pub fn begin(&mut self, particles: &mut Particles) {
         for Images { shift, pairs } in &self.images {

@@ -125,6 +125,18 @@ impl Contacts {
         })
     }
 
+    /// How many pairs within the range of contacts each owned particle is the first of.
+    pub(crate) fn active_counts(&self, particles: &Particles) -> Vec<u32> {
+        let mut counts = vec![0; particles.owned_count()];
+        self.inner.active_indices().for_each(|[first, _]| counts[first as usize] += 1);
+        counts
+    }
+
+    /// Number of pairs within the range of contacts.
+    pub(crate) fn active_count(&self) -> usize {
+        self.inner.active_count()
+    }
+
     /// Number of touching pairs.
     pub fn touching_count(&self) -> usize {
         self.inner.touching_indices().count()

@@ -236,6 +236,16 @@ impl InnerList {
         self.all().flat_map(|pairs| pairs.active.touching_indices())
     }
 
+    /// First and second particle of the active pairs.
+    pub(super) fn active_indices(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.all().flat_map(|pairs| pairs.active.pairs())
+    }
+
+    /// How many there are.
+    pub(super) fn active_count(&self) -> usize {
+        self.all().map(|pairs| pairs.active.count()).sum()
+    }
+
     /// All pairs, active ones with the histories of those that touch.
     pub(super) fn with_histories(
         &self,

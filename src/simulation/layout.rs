@@ -32,7 +32,7 @@ pub(super) fn divide(
     if case.parallel.balance.is_none() {
         return Ok(even);
     }
-    let positions = particles.iter().map(|record| Vector3::from(record.position));
+    let positions = particles.iter().map(|record| (Vector3::from(record.position), 0));
     let width = layout.ghost_width;
     layout.align(RankLoad::UNKNOWN.balanced(&even, positions, layout.bounds, width, ranks))
 }

@@ -16,23 +16,25 @@ impl Balance {
     /// Most steps between looks, over the fewest.
     pub const LATEST: u64 = 10;
 
-    /// Least number of steps between two looks at which processor time is read, if there are as many.
-    const LEAST_TIMED: u64 = 16;
+    /// The threshold where none is given. Planes that lie on faces of the gas's cells can only move by a layer of these, and with each
+    /// layer goes a part of the gas, whose time is not counted: they move for more.
+    pub fn usual_threshold(on_cells: bool) -> f64 {
+        if on_cells { 1.05 } else { 1.02 }
+    }
 
     /// From the least number of steps between looks, and the largest imbalance that is let be.
     pub fn new(every: u64, threshold: f64) -> Self {
         Self { every, threshold, last_look: 0 }
     }
 
-    /// Whether processor time is read at this step, on all ranks. Reading it is a call of the operating system, which takes
-    /// 0.2 to 0.7 us, ten times a step: at all steps it would be a tenth of the time of a rank with a thousand particles.
-    pub fn is_timed(&self, step: u64) -> bool {
-        step.is_multiple_of((self.every / Self::LEAST_TIMED).max(1))
-    }
-
     /// Whether to look although lists are not rebuilt.
     pub fn is_overdue(&self, step: u64) -> bool {
         step - self.last_look >= Self::LATEST * self.every
+    }
+
+    /// Begins to count steps at the first of a run.
+    pub fn begin(&mut self, step: u64) {
+        self.last_look = step;
     }
 
     /// Whether to look at this step, if lists are rebuilt.
@@ -50,15 +52,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sixteen_steps_or_more_are_timed_between_two_looks() {
-        for every in [16, 100, 1000] {
-            let balance = Balance::new(every, 1.1);
-            for look in [0, 7 * every] {
-                let timed = (look..look + every).filter(|&step| balance.is_timed(step)).count();
-                assert!((16..32).contains(&timed), "{every}: {timed}");
-            }
-        }
-        let frequent = Balance::new(3, 1.1);
-        assert!((0..10).all(|step| frequent.is_timed(step)));
+    fn ranks_look_neither_too_often_nor_too_rarely() {
+        let mut balance = Balance::new(100, 1.1);
+        balance.begin(5000);
+        assert!(!balance.is_overdue(5999) && balance.is_overdue(6000));
+        assert!(!balance.look(5099) && balance.look(5100) && !balance.look(5199));
+        assert!(!balance.is_overdue(6099) && balance.is_overdue(6100));
     }
 }

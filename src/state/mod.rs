@@ -9,6 +9,7 @@ mod limits;
 mod models;
 mod physics;
 mod run_state;
+mod step_times;
 mod workspace;
 
 pub use crate::gas::GasReport;
@@ -22,4 +23,5 @@ pub use limits::{Limits, SizeRange};
 pub use models::Models;
 pub use physics::Physics;
 pub use run_state::{Departed, State};
+pub use step_times::{LoadTimes, StepTimes};
 pub use workspace::{Requests, Workspace};

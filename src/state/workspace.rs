@@ -1,14 +1,14 @@
 //! What can be dropped and made anew at any time.
 
-use super::{Balance, Domain, Models, SizeRange};
+use super::{Balance, Domain, Models, SizeRange, StepTimes};
 use crate::contact::WallTallies;
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
 use crate::parallel::{ParticleHalo, RankLoad};
 use crate::particles::{ListRange, NeighbourList, Skin};
-use crate::timers::{Phase, Timers, processor_time};
+use crate::timers::{Phase, Timers};
 use std::fmt::Display;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What can be dropped and made anew at any time: lists, plans, buffers. None of it changes a result.
 #[derive(Debug)]
@@ -27,8 +27,8 @@ pub struct Workspace {
     pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
-    /// Whether the load is measured at this step.
-    is_timed: bool,
+    /// How the box is to be cut when particles next go to their owners, if otherwise than now.
+    pub planned: Option<Decomposition>,
     /// The load at the last look, if it was uneven and the planes have not been moved for it.
     pub uneven: Option<RankLoad>,
     /// Where the walls are at this step.
@@ -39,8 +39,8 @@ pub struct Workspace {
     pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
-    /// Of that, on particles at the last look at the ranks' loads.
-    looked_at: Duration,
+    /// That of the steps since the last look at the ranks' loads.
+    pub step_times: StepTimes,
     /// What went wrong on this rank, until the ranks next agree.
     pub fault: Option<String>,
     /// What this rank was asked for.
@@ -69,7 +69,7 @@ impl Workspace {
             neighbours: NeighbourList::default(),
             halo: ParticleHalo::default(),
             balance: balance.filter(|_| several_ranks),
-            is_timed: false,
+            planned: None,
             uneven: None,
             decomposition,
             skin,
@@ -79,7 +79,7 @@ impl Workspace {
             gas: GasSolver::None,
             on_walls: WallTallies::default(),
             timers: Timers::default(),
-            looked_at: Duration::ZERO,
+            step_times: StepTimes::default(),
             fault: None,
             requests: Requests::default(),
         }
@@ -90,23 +90,6 @@ impl Workspace {
         let start = Instant::now();
         let result = work(self);
         self.timers.add(phase, start.elapsed());
-        result
-    }
-
-    /// Chooses whether the load is measured at a step.
-    pub fn choose_timing(&mut self, step: u64) {
-        self.is_timed = self.balance.is_some_and(|balance| balance.is_timed(step));
-    }
-
-    /// Does work on this rank's particles in which it waits for no other rank, and adds its processor time if the load is
-    /// measured at this step.
-    pub fn on_particles<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        if !self.is_timed {
-            return work(self);
-        }
-        let start = processor_time();
-        let result = work(self);
-        self.timers.on_particles += processor_time() - start;
         result
     }
 
@@ -121,10 +104,19 @@ impl Workspace {
         }
     }
 
-    /// Time spent on particles since this was last asked.
-    pub fn time_since_last_look(&mut self) -> Duration {
-        let now = self.timers.on_particles;
-        now - std::mem::replace(&mut self.looked_at, now)
+    /// Makes lists of this rank's particles, waits for no other rank, and adds the time to that of its steps.
+    pub fn on_lists<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let result = work(self);
+        self.step_times.add_lists(start.elapsed());
+        result
+    }
+
+    /// Notes how long the step before took, if cut planes follow from it.
+    pub fn note_step(&mut self) {
+        if self.balance.is_some() {
+            self.step_times.note(&self.timers);
+        }
     }
 
     /// Moves the walls to where they are at the end of a step of this length.

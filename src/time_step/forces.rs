@@ -23,14 +23,6 @@ pub(super) enum PairsDue {
 }
 
 impl PairsDue {
-    /// Groups in which it is not known which pairs are in contact.
-    fn groups_to_search(self) -> &'static [PairGroup] {
-        match self {
-            Self::All => &PairGroup::ALL,
-            Self::SharedAndSecondHalf => &[PairGroup::Shared],
-        }
-    }
-
     fn halves_of_own(self) -> &'static [Half] {
         match self {
             Self::All => &Half::BOTH,
@@ -39,9 +31,8 @@ impl PairsDue {
     }
 }
 
-/// Adds the forces of the first half of the pairs of this rank's own particles if these are known without a look at ghosts,
-/// and nobody needs contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a
-/// step of the gas. Returns what is left to [`add_forces`].
+/// Adds the forces of the first half of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody needs contacts as they were before, of all pairs alike: an account of energies, or the drag of
+/// agglomerates at a step of the gas. Returns what is left to [`add_forces_of_contacts`].
 ///
 /// Before: forces are those that [`kick_and_drift`](crate::particles::kick_and_drift) leaves.
 pub(super) fn add_own_pairs(
@@ -58,25 +49,23 @@ pub(super) fn add_own_pairs(
         return PairsDue::All;
     }
     let State { particles, contacts, .. } = state;
-    work.on_particles(|work| {
-        let added = work.timers.time(Phase::Contacts, || {
-            prepare_pairs(particles, contacts, &laws);
-            find_contacts(particles, contacts, &laws, PairGroup::Own)?;
-            add_contact_forces(particles, contacts, &laws, (PairGroup::Own, Half::First))
-        });
-        work.note_fault(added);
+    time_contacts(work, || {
+        prepare_pairs(particles, contacts, &laws);
+        find_contacts(particles, contacts, &laws, PairGroup::Own)?;
+        add_contact_forces(particles, contacts, &laws, (PairGroup::Own, Half::First))
     });
     PairsDue::SharedAndSecondHalf
 }
 
-/// Adds the forces of contacts, walls and gas at the current positions and half-step velocities; the histories of
-/// contacts are advanced by `dt`. Forces on particles of other ranks travel to their owners while this rank's own pairs are
-/// evaluated. Collective.
+/// Adds the forces of contacts and walls at the current positions and half-step velocities; the histories of contacts are
+/// advanced by `dt`. Pairs with particles of other ranks come first: the forces on these travel to their owners while this
+/// rank's own pairs are evaluated. Collective.
 ///
-/// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions; they are zero on
-/// copies. The order changes nothing, since every contribution is rounded to the quantum of force. A force without meaning is
+/// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions as of its last step; they are
+/// zero on copies.
+/// The order changes nothing, since every contribution is rounded to the quantum of force. A force without meaning is
 /// kept as this rank's fault until the ranks agree at the next step.
-pub(super) fn add_forces(
+pub(super) fn add_forces_of_contacts(
     pairs: PairsDue,
     state: &mut State,
     domain: &Domain,
@@ -91,64 +80,71 @@ pub(super) fn add_forces(
     if let Some(ledger) = &mut ledger {
         energy::before_forces(ledger, state, domain, models, work, &laws);
     }
-    work.on_particles(|work| {
-        let of_contacts = ledger.as_deref_mut().filter(|_| dt > 0.0);
-        find_due_contacts(pairs, state, &laws, work, of_contacts);
-        let shared = Half::BOTH.into_iter().map(|half| (PairGroup::Shared, half));
-        add_forces_of_pairs(shared, state, &laws, work);
+    let account = ledger.as_deref_mut().filter(|_| dt > 0.0);
+    let (found_first, found_last): (&[PairGroup], &[PairGroup]) = match (pairs, &account) {
+        (PairsDue::All, Some(_)) => (&PairGroup::ALL, &[]), // the account is of all, as they were before
+        (PairsDue::All, None) => (&[PairGroup::Shared], &[PairGroup::Own]),
+        (PairsDue::SharedAndSecondHalf, _) => (&[PairGroup::Shared], &[]),
+    };
+    time_contacts(work, || {
+        if pairs == PairsDue::All {
+            prepare_pairs(&state.particles, &mut state.contacts, &laws);
+        }
+        find_pairs(found_first, state, &laws)?;
+        account.into_iter().for_each(|ledger| account_for_contacts(ledger, state, &laws));
+        add_forces_of_pairs((PairGroup::Shared, &Half::BOTH), state, &laws)
     });
     while_forces_return(state, work, ranks, |state, work| {
-        work.on_particles(|work| {
-            let own = pairs.halves_of_own().iter().map(|&half| (PairGroup::Own, half));
-            add_forces_of_pairs(own, state, &laws, work);
-            add_forces_of_walls(state, domain, &laws, work);
+        time_contacts(work, || {
+            find_pairs(found_last, state, &laws)?;
+            add_forces_of_pairs((PairGroup::Own, pairs.halves_of_own()), state, &laws)
         });
-    });
-    work.on_particles(|work| {
-        let before_gas = ledger.as_ref().map(|_| energy::forces_before_gas(&state.particles));
-        add_gas_forces(state, work);
-        if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
-            energy::after_forces(ledger, state, models, &before_gas, dt);
-        }
+        add_forces_of_walls(state, domain, &laws, work);
     });
     state.energy = ledger;
 }
 
-/// Finds the contacts of the pairs that are due, and accounts for their work if there is a ledger.
-fn find_due_contacts(
-    pairs: PairsDue,
-    state: &mut State,
+/// Adds the forces of a column gas, and ends the evaluation of all forces in the account of energies.
+///
+/// Before: all other forces have been added, those of a gas in three dimensions as of its last step.
+pub(super) fn add_forces_of_gas(state: &mut State, models: &Models, work: &mut Workspace, dt: f64) {
+    let mut ledger = state.energy.take();
+    let before_gas = ledger.as_ref().map(|_| energy::forces_before_gas(&state.particles));
+    let particles = &mut state.particles;
+    let added = work.timers.time(Phase::GasForce, || work.gas.add_forces(particles));
+    work.note_fault(added);
+    if let Some((ledger, before_gas)) = ledger.as_deref_mut().zip(before_gas) {
+        energy::after_forces(ledger, state, models, &before_gas, dt);
+    }
+    state.energy = ledger;
+}
+
+/// Does work on contacts, and keeps what goes wrong.
+fn time_contacts(work: &mut Workspace, of_contacts: impl FnOnce() -> Result<(), ForceOutOfRange>) {
+    let done = work.timers.time(Phase::Contacts, of_contacts);
+    work.note_fault(done);
+}
+
+/// Finds the pairs of these groups that are in contact.
+fn find_pairs(
+    groups: &[PairGroup],
+    State { particles, contacts, .. }: &mut State,
     laws: &ForceLaws,
-    work: &mut Workspace,
-    ledger: Option<&mut EnergyLedger>,
-) {
-    let State { particles, contacts, .. } = state;
-    let found = work.timers.time(Phase::Contacts, || {
-        if pairs == PairsDue::All {
-            prepare_pairs(particles, contacts, laws);
-        }
-        let mut groups = pairs.groups_to_search().iter();
-        groups.try_for_each(|&group| find_contacts(particles, contacts, laws, group))?;
-        if let Some(ledger) = ledger {
-            let account = |work| energy::add_contact_work(ledger, work);
-            work_of_pairs(particles, contacts, laws, account);
-        }
-        Ok::<(), ForceOutOfRange>(())
-    });
-    work.note_fault(found);
+) -> Result<(), ForceOutOfRange> {
+    groups.iter().try_for_each(|&group| find_contacts(particles, contacts, laws, group))
 }
 
 fn add_forces_of_pairs(
-    mut parts: impl Iterator<Item = (PairGroup, Half)>,
-    state: &mut State,
+    (group, halves): (PairGroup, &[Half]),
+    State { particles, contacts, .. }: &mut State,
     laws: &ForceLaws,
-    work: &mut Workspace,
-) {
-    let State { particles, contacts, .. } = state;
-    let added = work.timers.time(Phase::Contacts, || {
-        parts.try_for_each(|part| add_contact_forces(particles, contacts, laws, part))
-    });
-    work.note_fault(added);
+) -> Result<(), ForceOutOfRange> {
+    halves.iter().try_for_each(|&half| add_contact_forces(particles, contacts, laws, (group, half)))
+}
+
+fn account_for_contacts(ledger: &mut EnergyLedger, state: &State, laws: &ForceLaws) {
+    let add = |work| energy::add_contact_work(ledger, work);
+    work_of_pairs(&state.particles, &state.contacts, laws, add);
 }
 
 fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, work: &mut Workspace) {
@@ -157,11 +153,5 @@ fn add_forces_of_walls(state: &mut State, domain: &Domain, laws: &ForceLaws, wor
         let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
         add_wall_forces(particles, contacts, walls, laws, &mut work.on_walls)
     });
-    work.note_fault(added);
-}
-
-fn add_gas_forces(state: &mut State, work: &mut Workspace) {
-    let particles = &mut state.particles;
-    let added = work.timers.time(Phase::GasForce, || work.gas.add_forces(particles));
     work.note_fault(added);
 }

@@ -27,16 +27,27 @@ pub(super) fn while_bed_is_summed<T>(
     (Some(sums), result)
 }
 
-/// A step of the gas from the particles as they are now, with their sums of [`while_bed_is_summed`] if they still hold. Collective.
-pub(super) fn advance_gas(
-    bed: Option<NodeSums>,
+/// Looks at the agglomerates before a step of the gas if a look is due, while contacts are those of the step before. Collective.
+pub(super) fn look_at_agglomerates(
     state: &mut State,
     domain: &Domain,
     models: &Models,
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) {
-    work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
+    if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
+        work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
+    }
+}
+
+/// A step of the gas from the particles as they are now, with their sums of [`while_bed_is_summed`] if they still hold. Collective.
+pub(super) fn advance_gas(
+    bed: Option<NodeSums>,
+    state: &mut State,
+    models: &Models,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) {
     let State { particles, gas, clock, .. } = state;
     let time = clock.time();
     let dt = models.physics.time_step * models.physics.gas.substeps() as f64;

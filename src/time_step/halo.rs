@@ -44,7 +44,7 @@ pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Commu
 
 /// Does what needs no other rank.
 fn on_halo(work: &mut Workspace, of_halo: impl FnOnce(&mut ParticleHalo)) {
-    work.on_particles(|work| work.time(Phase::Halo, |work| of_halo(&mut work.halo)));
+    work.time(Phase::Halo, |work| of_halo(&mut work.halo));
 }
 
 /// An exchange of the halo: it does other work until all has come.

@@ -20,8 +20,8 @@ use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
-use forces::{PairsDue, add_forces, add_own_pairs};
-use gas::{advance_gas, while_bed_is_summed};
+use forces::{PairsDue, add_forces_of_contacts, add_forces_of_gas, add_own_pairs};
+use gas::{advance_gas, look_at_agglomerates, while_bed_is_summed};
 use halo::{move_ghosts, while_ghosts_travel};
 use rebuild::arrange;
 use thiserror::Error;
@@ -75,26 +75,30 @@ pub fn advance(
     let drift = drift_step(state, domain, models);
     let displacement = kick_and_drift(state, kick_due, drift, models, work);
     work.move_walls(domain, state.clock.time(), dt);
-    let (mut bed, decided) = while_bed_is_summed(state, work, ranks, |state, work| {
-        while_ghosts_travel(state, work, ranks, |state, work| {
+    let (bed, decided) = while_bed_is_summed(state, work, ranks, |state, work| {
+        let come_from_far = work.halo.comes_from_far(ranks);
+        let (decision, pairs) = while_ghosts_travel(state, work, ranks, |state, work| {
             let decision = decide(state, displacement, domain, work, ranks)?;
-            let pairs = match decision.rebuild {
+            let pairs = match decision.rebuild || !come_from_far {
                 true => PairsDue::All,
                 false => add_own_pairs(state, models, work, dt),
             };
             Ok((decision, pairs))
-        })
+        })?;
+        move_ghosts(state, work, drift);
+        if decision.rebuild {
+            rebuild(state, domain, models, work, ranks)?;
+        }
+        look_at_agglomerates(state, domain, models, work, ranks);
+        add_forces_of_contacts(pairs, state, domain, models, work, ranks, dt);
+        Ok(decision)
     });
-    let (decision, pairs) = decided?;
-    move_ghosts(state, work, drift);
-    if decision.rebuild {
-        rebuild(state, domain, models, work, ranks)?;
-        bed = None; // particles are with other ranks, and in another order
-    }
+    let decision = decided?;
+    let bed = bed.filter(|_| !decision.rebuild); // else particles are with other ranks, and in another order
     if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
-        advance_gas(bed, state, domain, models, work, ranks);
+        advance_gas(bed, state, models, work, ranks);
     }
-    add_forces(pairs, state, domain, models, work, ranks, dt);
+    add_forces_of_gas(state, models, work, dt);
     staggered.leave_kick(dt);
     // [/step]
     Ok(decision.requests)
@@ -114,6 +118,9 @@ pub fn begin(
 ) -> Result<(), StepError> {
     let step = state.clock.step;
     work.move_walls(domain, state.clock.time(), 0.0);
+    if let Some(balance) = &mut work.balance {
+        balance.begin(step);
+    }
     work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks))
         .map_err(|error| StepError::unstable(step, error))
 }
@@ -127,8 +134,10 @@ pub fn find_first_forces(
     ranks: &dyn Communicator,
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
-    advance_gas(None, state, domain, models, work, ranks);
-    add_forces(PairsDue::All, state, domain, models, work, ranks, 0.0);
+    look_at_agglomerates(state, domain, models, work, ranks);
+    add_forces_of_contacts(PairsDue::All, state, domain, models, work, ranks, 0.0);
+    advance_gas(None, state, models, work, ranks);
+    add_forces_of_gas(state, models, work, 0.0);
 }
 
 /// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.
@@ -179,10 +188,9 @@ fn kick_and_drift(
     models: &Models,
     work: &mut Workspace,
 ) -> Displacement {
-    work.choose_timing(state.clock.step);
+    work.note_step();
     let particles = &mut state.particles;
-    let largest = work.on_particles(|work| {
-        work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step))
-    });
+    let largest =
+        work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step));
     Displacement { largest, allowed: step.dt * models.limits.speed }
 }

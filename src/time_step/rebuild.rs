@@ -4,9 +4,11 @@ use super::energy::add_departure;
 use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
 use crate::gas::{GasLayout, ParticleLimits};
 use crate::numbers::ExactSum;
-use crate::parallel::{CollectiveError, Communicator, RankLoad, agree, migrate, share_with_all};
+use crate::parallel::{
+    CollectiveError, Communicator, RankLoad, RankWork, agree, migrate, share_with_all,
+};
 use crate::particles::{ContactHistories, Particles};
-use crate::state::{Domain, Models, State, Workspace};
+use crate::state::{Domain, LoadTimes, Models, State, Workspace};
 use std::collections::HashSet;
 
 /// Takes the lists apart and makes them anew. Collective.
@@ -20,6 +22,7 @@ pub(super) fn rebuild(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
+    work.planned = balanced(state, &domain.bounds, work, ranks);
     let histories = state.contacts.histories(&state.particles);
     state.particles.drop_ghosts();
     check_speeds(&state.particles, models.limits.speed, ranks)?;
@@ -44,7 +47,9 @@ pub(super) fn arrange(
     let before = work.decomposition.clone();
     remove_departed(state, domain, &mut histories, ranks);
     wrap_positions(&mut state.particles, &mut histories, &domain.bounds);
-    balance(state, &domain.bounds, work, ranks);
+    if let Some(planned) = work.planned.take() {
+        work.decomposition = planned;
+    }
     work.decomposition = models.physics.gas.align(&work.decomposition, work.least_width)?;
     choose_skin(state, domain, models, work);
     migrate(&mut state.particles, &mut histories, &work.decomposition, ranks);
@@ -90,13 +95,13 @@ fn rebuild_lists(
 ) -> Result<(), CollectiveError> {
     let State { particles, contacts, sizes, .. } = state;
     let (bounds, width) = (&domain.bounds, work.list_range.ghost_width(sizes.largest_diameter));
-    work.on_particles(|work| {
+    work.on_lists(|work| {
         work.neighbours.sort_by_cells(particles, width);
         work.neighbours.measure_clearance(bounds);
     });
     let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
     work.halo.make_ghosts(particles, subdomain, width, ranks);
-    let rebuilt = work.on_particles(|work| {
+    let rebuilt = work.on_lists(|work| {
         let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
         work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories)
     });
@@ -156,22 +161,29 @@ fn look_at_loads(state: &State, work: &mut Workspace, ranks: &dyn Communicator) 
         return;
     }
     let threshold = work.balance.map_or(f64::INFINITY, |balance| balance.threshold);
-    let (owned, time) = (state.particles.owned_count(), work.time_since_last_look());
-    let load = RankLoad::measured(owned, time, ranks);
+    let LoadTimes { on_particles, on_pairs } = work.step_times.take_mean();
+    let particles = RankWork { count: state.particles.owned_count(), time: on_particles };
+    let pairs = RankWork { count: state.contacts.active_count(), time: on_pairs };
+    let load = RankLoad::measured(particles, pairs, ranks);
     if ranks.is_root() {
-        log::debug!("largest over mean load {:.3}", load.imbalance);
+        log::debug!("step {}: largest over mean load {:.3}", state.clock.step, load.imbalance);
     }
     work.uneven = Some(load).filter(|load| load.imbalance > threshold);
 }
 
-/// Moves the cut planes if the ranks' loads are uneven. Collective.
-fn balance(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+/// The box with other cut planes, if the ranks' loads are uneven. Collective.
+fn balanced(
+    state: &State,
+    bounds: &Bounds,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) -> Option<Decomposition> {
     look_at_loads(state, work, ranks);
-    if let Some(load) = work.uneven.take() {
-        let positions = state.particles.body.iter().map(|body| body.position);
-        let width = work.least_width;
-        work.decomposition = load.balanced(&work.decomposition, positions, bounds, width, ranks);
-    }
+    let load = work.uneven.take()?;
+    let positions = state.particles.body.iter().map(|body| bounds.wrap(body.position));
+    let pairs = state.contacts.active_counts(&state.particles);
+    let particles = positions.zip(pairs.iter().copied()); // ghosts are left out
+    Some(load.balanced(&work.decomposition, particles, bounds, work.least_width, ranks))
 }
 
 /// Brings the gas to the ranks of the new decomposition. Collective.

@@ -200,6 +200,7 @@ fn numbers(ranks: &MpiRanks) {
         ranks.maximum(&mut largest);
         assert_eq!(largest, vec![(n - 1) as f64; count]);
     }
+    assert!((0..n).all(|rank| ranks.is_near(rank)), "all are on one machine here");
     for round in 0..100 {
         let (mut exact, mut total) = (vec![0.25 * (me + round) as f64; 1 + round], 0);
         ranks.sum_exact_during(&mut exact, &mut || total = ranks.total(me) + ranks.total(round));

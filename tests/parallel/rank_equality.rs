@@ -4,6 +4,8 @@
 //! error in the order of sums stays unseen.
 
 use crate::beds::{Bench, Mixture, PERIODIC, PLATE, Run, Snapshot, attraction, gas, law, shaken};
+use crate::far_apart::FarApart;
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use talcum::analysis::{Digest, StateRecords};
@@ -110,6 +112,25 @@ fn blocks_give_the_same_bits_as_one() {
     let reference = after(&bench, [1, 1, 1], STEPS);
     for grid in [[2, 2, 2], [2, 1, 3], [1, 3, 1]] {
         assert_same_bits(&reference, &after(&bench, grid, STEPS), &format!("blocks {grid:?}"));
+    }
+}
+
+#[test]
+fn ranks_on_machines_of_their_own_give_the_same_bits() {
+    // They evaluate half of their own pairs while velocities are on their way.
+    for bench in [vibrated_bed(), polydisperse_bed(), bed_of_two_species()] {
+        let reference = after(&bench, [1, 1, 1], STEPS);
+        for grid in [[1, 1, 3], [2, 1, 2]] {
+            let grid = RankGrid(grid);
+            let mut found = run_on_threads(grid.size(), |ranks| {
+                let far_apart = FarApart { ranks, asked: Cell::default() };
+                let state = bench.start(grid, &far_apart).steps(STEPS).snapshot();
+                (state, far_apart.asked.get())
+            });
+            let (state, asked) = found.swap_remove(0);
+            assert_same_bits(&reference, &state, &format!("far apart, {grid:?}"));
+            assert!(asked > 100, "a control: rank 0 was asked {asked} times");
+        }
     }
 }
 

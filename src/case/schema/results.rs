@@ -127,7 +127,7 @@ const BALANCE: &[Key] = &[
         Allowed::at_least(1.0),
         "Cut planes move if the largest over the mean time that ranks spend on their particles is above this",
     )
-    .default(Value::Number(1.05)),
+    .optionally("1.02; 1.05 with a gas in three dimensions, whose cells they do not cut"),
 ];
 
 /// `[parallel]`.

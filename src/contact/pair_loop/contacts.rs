@@ -87,9 +87,12 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         let count = pairs.count();
         let fetches = particles.exceed_caches();
         let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
-        for index in half.of(blocks.len()) {
-            let (done, coming) = blocks.split_at_mut(index + 1);
-            let pairs = &mut done[index];
+        let range = half.of(blocks.len());
+        let (first, blocks) = (range.start, &mut blocks[range]);
+        for number in 0..blocks.len() {
+            let index = first + number;
+            let (done, coming) = blocks.split_at_mut(number + 1);
+            let pairs = &mut done[number];
             let ends = [&pairs.first, &pairs.second];
             let coming = match fetches {
                 true => ComingBlocks::first_of(coming),

@@ -1,0 +1,147 @@
+//! How long this rank's steps take where it waits for no other.
+
+use crate::timers::{Phase, Timers};
+use std::time::Duration;
+
+/// Times of the work that cut planes divide.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadTimes {
+    /// For motion and lists of particles, and the forces of walls and a column gas on them.
+    pub on_particles: Duration,
+    /// For pairs of particles.
+    pub on_pairs: Duration,
+}
+
+impl LoadTimes {
+    fn spent(timers: &Timers) -> Self {
+        let of_particles = [Phase::Integrate, Phase::Walls, Phase::GasForce];
+        Self {
+            on_particles: of_particles.iter().map(|&phase| timers.spent(phase)).sum(),
+            on_pairs: timers.spent(Phase::Contacts),
+        }
+    }
+
+    fn since(self, then: Self) -> Self {
+        Self {
+            on_particles: self.on_particles - then.on_particles,
+            on_pairs: self.on_pairs - then.on_pairs,
+        }
+    }
+
+    fn total(self) -> Duration {
+        self.on_particles + self.on_pairs
+    }
+}
+
+/// The times of the last steps. It reads no clock: phases of the step are timed anyway, and none of these holds a message.
+#[derive(Clone, Debug, Default)]
+pub struct StepTimes {
+    /// At the last step, and at the last look.
+    noted: [LoadTimes; 2],
+    steps: Vec<Duration>,
+    /// How many steps have been noted since the last look.
+    count: usize,
+    /// Time for new lists since then.
+    on_lists: Duration,
+}
+
+impl StepTimes {
+    /// Most steps that are kept.
+    const MOST: usize = 4096;
+
+    /// Notes the step that has ended.
+    pub fn note(&mut self, timers: &Timers) {
+        let [last_step, _] = &mut self.noted;
+        let now = LoadTimes::spent(timers);
+        let took = now.since(std::mem::replace(last_step, now)).total();
+        match self.steps.len() < Self::MOST {
+            true => self.steps.push(took),
+            false => self.steps[self.count % Self::MOST] = took,
+        }
+        self.count += 1;
+    }
+
+    /// Adds the time for new lists of particles. They are rare and take long: they would be left out among the times of steps.
+    pub fn add_lists(&mut self, took: Duration) {
+        self.on_lists += took;
+    }
+
+    /// The mean of a step since this was last asked, zero if there was none. The longest tenth of the steps is left out: other programs
+    /// disturb few steps, but these much.
+    pub fn take_mean(&mut self) -> LoadTimes {
+        let [now, last_look] = self.noted;
+        let all = now.since(last_look);
+        self.noted = [now; 2];
+        let count = std::mem::take(&mut self.count).max(1);
+        let on_lists = std::mem::take(&mut self.on_lists).div_f64(count as f64);
+        self.steps.sort_unstable();
+        let kept = (9 * self.steps.len()).div_ceil(10);
+        let sum: Duration = self.steps.drain(..).take(kept).sum();
+        if all.total().is_zero() || kept == 0 {
+            return LoadTimes::default();
+        }
+        let part = sum.div_f64(kept as f64).div_duration_f64(all.total());
+        LoadTimes {
+            on_particles: all.on_particles.mul_f64(part) + on_lists,
+            on_pairs: all.on_pairs.mul_f64(part),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean after steps of so many microseconds, of which pairs take three quarters and other phases as long again.
+    fn mean_of(steps: impl IntoIterator<Item = u64>) -> [f64; 2] {
+        let (mut timers, mut times) = (Timers::default(), StepTimes::default());
+        for step in steps {
+            timers.add(Phase::Integrate, Duration::from_micros(step).mul_f64(0.125));
+            timers.add(Phase::Walls, Duration::from_micros(step).mul_f64(0.125));
+            timers.add(Phase::Contacts, Duration::from_micros(step).mul_f64(0.75));
+            timers.add(Phase::Decide, Duration::from_micros(step));
+            times.note(&timers);
+        }
+        let LoadTimes { on_particles, on_pairs } = times.take_mean();
+        assert_eq!(times.take_mean(), LoadTimes::default(), "nothing has come since");
+        [on_particles, on_pairs].map(|time| 1.0e6 * time.as_secs_f64())
+    }
+
+    fn assert_close(found: [f64; 2], wanted: [f64; 2]) {
+        let close = |(found, wanted): (f64, f64)| (found - wanted).abs() < 0.01; // times are rounded to 1 ns
+        assert!(found.into_iter().zip(wanted).all(close), "{found:?}, {wanted:?}");
+    }
+
+    #[test]
+    fn the_mean_of_steps_leaves_out_the_longest_tenth() {
+        assert_close(mean_of([100; 50]), [25.0, 75.0]);
+        assert_close(mean_of([]), [0.0; 2]);
+        assert_close(mean_of([80]), [20.0, 60.0]);
+        let disturbed = |n: u64| if n.is_multiple_of(10) { 9_000 } else { 100 };
+        assert_close(mean_of((0..200).map(disturbed)), [25.0, 75.0]);
+        // The control: work that returns at each fifth step belongs to the mean, all of it but a tenth of the steps.
+        let lists = |n: u64| if n.is_multiple_of(5) { 200 } else { 100 };
+        let [_, on_pairs] = mean_of((0..200).map(lists));
+        assert!((on_pairs - 75.0 * (0.8 + 0.2) / 0.9).abs() < 0.1, "{on_pairs}");
+    }
+
+    #[test]
+    fn lists_belong_to_the_mean_although_they_are_rare() {
+        let (mut timers, mut times) = (Timers::default(), StepTimes::default());
+        for step in 0..100 {
+            timers.add(Phase::Integrate, Duration::from_micros(100));
+            times.note(&timers);
+            if step == 50 {
+                times.add_lists(Duration::from_micros(5_000));
+            }
+        }
+        let mean = times.take_mean().on_particles;
+        assert!((mean.as_secs_f64() - 150.0e-6).abs() < 1.0e-8, "{mean:?}");
+    }
+
+    #[test]
+    fn of_very_many_steps_the_last_are_kept() {
+        let steps = (0..2 * StepTimes::MOST).map(|n| if n < StepTimes::MOST { 500 } else { 100 });
+        assert_close(mean_of(steps), [25.0, 75.0]);
+    }
+}
