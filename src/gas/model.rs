@@ -72,6 +72,11 @@ impl GasModel {
         }
     }
 
+    /// Whether the gas makes a step with this one of the particles.
+    pub fn is_due(&self, step: u64) -> bool {
+        step.is_multiple_of(self.substeps())
+    }
+
     /// How far particles may move before they are sorted to their ranks anew; length.
     pub fn reach(&self) -> f64 {
         match self {

@@ -132,11 +132,6 @@ impl Contacts {
         counts
     }
 
-    /// Number of pairs within the range of contacts.
-    pub(crate) fn active_count(&self) -> usize {
-        self.inner.active_count()
-    }
-
     /// Number of touching pairs.
     pub fn touching_count(&self) -> usize {
         self.inner.touching_indices().count()

@@ -241,11 +241,6 @@ impl InnerList {
         self.all().flat_map(|pairs| pairs.active.pairs())
     }
 
-    /// How many there are.
-    pub(super) fn active_count(&self) -> usize {
-        self.all().map(|pairs| pairs.active.count()).sum()
-    }
-
     /// All pairs, active ones with the histories of those that touch.
     pub(super) fn with_histories(
         &self,

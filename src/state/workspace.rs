@@ -4,7 +4,7 @@ use super::{Balance, Domain, Models, SizeRange, StepTimes};
 use crate::contact::WallTallies;
 use crate::domain::{Decomposition, WallPose};
 use crate::gas::GasSolver;
-use crate::parallel::{ParticleHalo, RankLoad};
+use crate::parallel::ParticleHalo;
 use crate::particles::{ListRange, NeighbourList, Skin};
 use crate::timers::{Phase, Timers};
 use std::fmt::Display;
@@ -27,10 +27,8 @@ pub struct Workspace {
     pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
-    /// How the box is to be cut when particles next go to their owners, if otherwise than now.
+    /// How the box is to be cut when particles next go to their owners, if the loads were uneven at the last look.
     pub planned: Option<Decomposition>,
-    /// The load at the last look, if it was uneven and the planes have not been moved for it.
-    pub uneven: Option<RankLoad>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
     /// The gas of the present stage.
@@ -70,7 +68,6 @@ impl Workspace {
             halo: ParticleHalo::default(),
             balance: balance.filter(|_| several_ranks),
             planned: None,
-            uneven: None,
             decomposition,
             skin,
             list_range: ListRange { interaction: 0.0, skin: skin.narrowest() },

@@ -35,7 +35,8 @@ pub(super) fn decide(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<StepDecision, StepError> {
-    let uneven = work.time(Phase::Decide, |work| is_overdue_and_uneven(state, work, ranks));
+    let uneven =
+        work.time(Phase::Decide, |work| is_overdue_and_uneven(state, &domain.bounds, work, ranks));
     let Workspace { neighbours, wall_poses, timers, list_range, fault, requests, .. } = work;
     let step = state.clock.step;
     timers.time(Phase::Decide, || {

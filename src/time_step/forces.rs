@@ -31,8 +31,9 @@ impl PairsDue {
     }
 }
 
-/// Adds the forces of the first half of the pairs of this rank's own particles if these are known without a look at ghosts, and nobody needs contacts as they were before, of all pairs alike: an account of energies, or the drag of
-/// agglomerates at a step of the gas. Returns what is left to [`add_forces_of_contacts`].
+/// Adds the forces of the first half of the pairs of this rank's own particles if these are known without a look at ghosts,
+/// and nobody needs contacts as they were before, of all pairs alike: an account of energies, or the drag of agglomerates at a
+/// step of the gas. Returns what is left to [`add_forces_of_contacts`].
 ///
 /// Before: forces are those that [`kick_and_drift`](crate::particles::kick_and_drift) leaves.
 pub(super) fn add_own_pairs(
@@ -44,7 +45,7 @@ pub(super) fn add_own_pairs(
     let cohesion = models.physics.cohesion_at(state.clock.time());
     let laws = force_laws(state, models, work, cohesion.as_ref(), dt);
     let gas = &models.physics.gas;
-    let gas_looks = gas.agglomerates().is_some() && state.clock.step.is_multiple_of(gas.substeps());
+    let gas_looks = gas.agglomerates().is_some() && gas.is_due(state.clock.step);
     if gas_looks || state.energy.is_some() || !state.contacts.inner_list_is_valid(laws.ranges) {
         return PairsDue::All;
     }
@@ -62,8 +63,7 @@ pub(super) fn add_own_pairs(
 /// rank's own pairs are evaluated. Collective.
 ///
 /// Before: forces are those of the weight, of the pairs that are not due, and of a gas in three dimensions as of its last step; they are
-/// zero on copies.
-/// The order changes nothing, since every contribution is rounded to the quantum of force. A force without meaning is
+/// zero on copies. The order changes nothing, since every contribution is rounded to the quantum of force. A force without meaning is
 /// kept as this rank's fault until the ranks agree at the next step.
 pub(super) fn add_forces_of_contacts(
     pairs: PairsDue,

@@ -35,7 +35,7 @@ pub(super) fn look_at_agglomerates(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) {
-    if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
+    if models.physics.gas.is_due(state.clock.step) {
         work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
     }
 }

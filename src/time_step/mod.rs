@@ -95,7 +95,7 @@ pub fn advance(
     });
     let decision = decided?;
     let bed = bed.filter(|_| !decision.rebuild); // else particles are with other ranks, and in another order
-    if state.clock.step.is_multiple_of(models.physics.gas.substeps()) {
+    if models.physics.gas.is_due(state.clock.step) {
         advance_gas(bed, state, models, work, ranks);
     }
     add_forces_of_gas(state, models, work, dt);

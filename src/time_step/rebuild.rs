@@ -22,7 +22,7 @@ pub(super) fn rebuild(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    work.planned = balanced(state, &domain.bounds, work, ranks);
+    look_at_loads(state, &domain.bounds, work, ranks);
     let histories = state.contacts.histories(&state.particles);
     state.particles.drop_ghosts();
     check_speeds(&state.particles, models.limits.speed, ranks)?;
@@ -145,45 +145,38 @@ fn remove_departed(
 /// planes to move. Collective.
 pub(super) fn is_overdue_and_uneven(
     state: &State,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-) -> bool {
-    let overdue = work.balance.is_some_and(|balance| balance.is_overdue(state.clock.step));
-    if overdue {
-        look_at_loads(state, work, ranks);
-    }
-    work.uneven.is_some()
-}
-
-/// Looks at the ranks' loads, if it is time for that, and keeps them if they are uneven. Collective.
-fn look_at_loads(state: &State, work: &mut Workspace, ranks: &dyn Communicator) {
-    if !work.balance.as_mut().is_some_and(|balance| balance.look(state.clock.step)) {
-        return;
-    }
-    let threshold = work.balance.map_or(f64::INFINITY, |balance| balance.threshold);
-    let LoadTimes { on_particles, on_pairs } = work.step_times.take_mean();
-    let particles = RankWork { count: state.particles.owned_count(), time: on_particles };
-    let pairs = RankWork { count: state.contacts.active_count(), time: on_pairs };
-    let load = RankLoad::measured(particles, pairs, ranks);
-    if ranks.is_root() {
-        log::debug!("step {}: largest over mean load {:.3}", state.clock.step, load.imbalance);
-    }
-    work.uneven = Some(load).filter(|load| load.imbalance > threshold);
-}
-
-/// The box with other cut planes, if the ranks' loads are uneven. Collective.
-fn balanced(
-    state: &State,
     bounds: &Bounds,
     work: &mut Workspace,
     ranks: &dyn Communicator,
-) -> Option<Decomposition> {
-    look_at_loads(state, work, ranks);
-    let load = work.uneven.take()?;
-    let positions = state.particles.body.iter().map(|body| bounds.wrap(body.position));
+) -> bool {
+    if work.balance.is_some_and(|balance| balance.is_overdue(state.clock.step)) {
+        look_at_loads(state, bounds, work, ranks);
+    }
+    work.planned.is_some()
+}
+
+/// Looks at the ranks' loads if it is time for that, and plans other cut planes if they are uneven. Collective.
+fn look_at_loads(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+    let Some(balance) = work.balance.as_mut() else { return };
+    if !balance.look(state.clock.step) {
+        return;
+    }
+    let threshold = balance.threshold;
+    let LoadTimes { on_particles, on_pairs } = work.step_times.take_mean();
     let pairs = state.contacts.active_counts(&state.particles);
-    let particles = positions.zip(pairs.iter().copied()); // ghosts are left out
-    Some(load.balanced(&work.decomposition, particles, bounds, work.least_width, ranks))
+    let pair_count = pairs.iter().map(|&count| count as usize).sum();
+    let on_particles = RankWork { count: state.particles.owned_count(), time: on_particles };
+    let on_pairs = RankWork { count: pair_count, time: on_pairs };
+    let load = RankLoad::measured(on_particles, on_pairs, ranks);
+    if ranks.is_root() {
+        log::debug!("step {}: largest over mean load {:.3}", state.clock.step, load.imbalance);
+    }
+    if load.imbalance > threshold {
+        let positions = state.particles.body.iter().map(|body| bounds.wrap(body.position));
+        let particles = positions.zip(pairs.iter().copied()); // ghosts are left out
+        let (now, width) = (&work.decomposition, work.least_width);
+        work.planned = Some(load.balanced(now, particles, bounds, width, ranks));
+    }
 }
 
 /// Brings the gas to the ranks of the new decomposition. Collective.
