@@ -94,7 +94,7 @@ impl<T: Pod> Field<T> {
 
     /// Indices at which the rows of owned cells start; each is [`Field::row_length`] long.
     pub fn rows(&self) -> impl Iterator<Item = usize> + use<T> {
-        self.rows_within(self.count.map(|count| (0, count as isize))).map(|row| row.start)
+        self.rows_within(self.count.map(|count| 0..count as isize)).map(|row| row.start)
     }
 
     /// The values of owned cells, x fastest, then y, then z, however they lie in memory.
@@ -125,38 +125,24 @@ impl<T: Pod> Field<T> {
         axis: usize,
         layers: Range<isize>,
     ) -> impl Iterator<Item = Range<usize>> + use<T> {
-        self.rows_within(std::array::from_fn(|other| match other.cmp(&axis) {
-            Ordering::Less => self.with_halo(other),
-            Ordering::Equal => (layers.start, layers.end),
-            Ordering::Greater => (0, self.count[other] as isize),
-        }))
-    }
-
-    /// Ranges of indices of the rows in `layers` along `axis`, with the halo along the other axes.
-    pub fn layers(
-        &self,
-        axis: usize,
-        layers: Range<isize>,
-    ) -> impl Iterator<Item = Range<usize>> + use<T> {
-        self.rows_within([0, 1, 2].map(|other| match other == axis {
-            true => (layers.start, layers.end),
-            false => self.with_halo(other),
-        }))
-    }
-
-    fn with_halo(&self, axis: usize) -> (isize, isize) {
         let halo = self.halo as isize;
-        (-halo, self.count[axis] as isize + halo)
+        self.rows_within(std::array::from_fn(|other| {
+            let count = self.count[other] as isize;
+            match other.cmp(&axis) {
+                Ordering::Less => -halo..count + halo,
+                Ordering::Equal => layers.clone(),
+                Ordering::Greater => 0..count,
+            }
+        }))
     }
 
-    /// Rows of the cells within ranges along x, y and z.
-    fn rows_within(
+    /// Ranges of indices of the rows of the cells within ranges along x, y and z.
+    pub fn rows_within(
         &self,
-        ranges: [(isize, isize); 3],
+        ranges: [Range<isize>; 3],
     ) -> impl Iterator<Item = Range<usize>> + use<T> {
-        let first = self.index(ranges.map(|(from, _)| from));
-        let [length, rows, layers] =
-            self.order.map(|axis| (ranges[axis].1 - ranges[axis].0) as usize);
+        let first = self.index([0, 1, 2].map(|axis| ranges[axis].start));
+        let [length, rows, layers] = self.order.map(|axis| ranges[axis].len());
         let [_, to_next_row, to_next_layer] = self.order.map(|axis| self.strides[axis]);
         let starts = (0..layers).flat_map(move |layer| {
             (0..rows).map(move |row| first + row * to_next_row + layer * to_next_layer)
@@ -206,8 +192,6 @@ mod tests {
             let field = Field::<f64>::new(&local_cells(order), 1);
             let cells = |axis| -> usize { field.slab(axis, 0..1).map(|row| row.len()).sum() };
             assert_eq!([0, 1, 2].map(cells), [3 * 2, 6 * 2, 6 * 5]);
-            let cells = |axis| -> usize { field.layers(axis, 0..1).map(|row| row.len()).sum() };
-            assert_eq!([0, 1, 2].map(cells), [5 * 4, 6 * 4, 6 * 5]);
         }
     }
 }

@@ -3,19 +3,26 @@
 //! They are exchanged axis by axis. Cells received along one axis are sent on along the next, so that edges and corners
 //! need no messages of their own.
 
-use super::{AxisNeighbours, Communicator};
+use super::{AxisNeighbours, Communicator, Message};
 use crate::domain::Subdomain;
 use crate::grid::Field;
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// The neighbours of a rank, and the buffers of the exchange.
+/// The neighbours of a rank, and the messages between them.
 #[derive(Clone, Debug)]
 pub(crate) struct FieldHalo {
     rank: usize,
     neighbours: [AxisNeighbours; 3],
-    outgoing: [Vec<u8>; 2],
-    incoming: [Vec<u8>; 2],
+    messages: [AxisMessages; 3],
+}
+
+/// The messages to and from the neighbours along an axis: to each rank one, also if it is the neighbour on both sides.
+#[derive(Clone, Debug)]
+struct AxisMessages {
+    neighbours: AxisNeighbours,
+    outgoing: Vec<Message>,
+    incoming: Vec<Message>,
 }
 
 /// Layers of cells along an axis, at the lower and the upper end.
@@ -31,21 +38,44 @@ impl Slabs {
     }
 }
 
+/// What lies across an axis when halos are copied along it.
+#[derive(Clone, Copy)]
+struct Across {
+    neighbours: [AxisNeighbours; 3],
+    axis: usize,
+}
+
+impl Across {
+    /// Ranges of indices of the rows in `layers` along the axis: with the halos along the axes before it, which are filled by
+    /// then, and without those that are filled when their own axis comes; and with the cells above an upper face of the box.
+    fn rows<T: Pod>(
+        self,
+        field: &Field<T>,
+        layers: Range<isize>,
+    ) -> impl Iterator<Item = Range<usize>> + use<T> {
+        field.rows_within(std::array::from_fn(|other| {
+            if other == self.axis {
+                return layers.clone();
+            }
+            let count = field.count()[other] as isize;
+            let filled = if other < self.axis { field.halo() as isize } else { 0 };
+            let [below, above] = self.neighbours[other].map(|neighbour| neighbour.is_some());
+            let from = if below { -filled } else { 0 };
+            from..count + if above { filled } else { 1 }
+        }))
+    }
+}
+
 impl FieldHalo {
     /// For the fields of a subdomain.
     pub(crate) fn new(subdomain: Subdomain) -> Self {
         let neighbours = [0, 1, 2].map(|axis| subdomain.neighbours(axis));
-        Self {
-            rank: subdomain.rank,
-            neighbours,
-            outgoing: Default::default(),
-            incoming: Default::default(),
-        }
+        Self { rank: subdomain.rank, neighbours, messages: neighbours.map(AxisMessages::new) }
     }
 
     /// Fills the halos from the owners. This call is collective. Cells beyond a face of the box that is not periodic
-    /// have no owner: there a halo stays as it is, except that it takes from the neighbours along the face what they
-    /// hold beyond it.
+    /// have no owner: there a halo stays as it is, except that it takes from the neighbours along an upper face what they
+    /// hold in the cells above it, since the lower faces of these lie in that face.
     ///
     /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
     /// After: halo cells equal those of their owners.
@@ -55,17 +85,19 @@ impl FieldHalo {
         ranks: &dyn Communicator,
     ) {
         for axis in 0..3 {
+            let across = Across { neighbours: self.neighbours, axis };
             if self.neighbours[axis] == [Some(self.rank); 2] {
-                fields.iter_mut().for_each(|field| copy_images(field, axis));
+                fields.iter_mut().for_each(|field| copy_images(field, across));
                 continue;
             }
             let rows = |layers: fn(Slabs) -> [Range<isize>; 2]| {
                 move |field: &Field<T>, side: usize| {
-                    field.layers(axis, layers(Slabs::of(field, axis))[side].clone())
+                    across.rows(field, layers(Slabs::of(field, axis))[side].clone())
                 }
             };
-            self.send(axis, fields, ranks, rows(|slabs| slabs.inner));
-            self.receive(axis, fields, rows(|slabs| slabs.halo), |value, sent| *value = sent);
+            let (inner, halo) = (rows(|slabs| slabs.inner), rows(|slabs| slabs.halo));
+            self.messages[axis].exchange(fields, inner, ranks);
+            self.messages[axis].receive(fields, halo, |value, sent| *value = sent);
         }
     }
 
@@ -83,58 +115,74 @@ impl FieldHalo {
                     field.slab(axis, layers(Slabs::of(field, axis))[side].clone())
                 }
             };
-            self.send(axis, fields, ranks, rows(|slabs| slabs.halo));
-            self.receive(axis, fields, rows(|slabs| slabs.inner), |value, sent| *value += sent);
+            let (inner, halo) = (rows(|slabs| slabs.inner), rows(|slabs| slabs.halo));
+            self.messages[axis].exchange(fields, halo, ranks);
+            self.messages[axis].receive(fields, inner, |value, sent| *value += sent);
             for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
                 for field in fields.iter_mut() {
-                    for row in rows(|slabs| slabs.halo)(field, side) {
+                    for row in halo(field, side) {
                         field.values_mut()[row].fill(0.0);
                     }
                 }
             }
         }
     }
+}
 
-    /// Sends rows of all fields to the neighbours below and above.
-    fn send<T: Pod, R: Iterator<Item = Range<usize>>>(
+impl AxisMessages {
+    fn new(neighbours: AxisNeighbours) -> Self {
+        let mut ranks: Vec<usize> = neighbours.into_iter().flatten().collect();
+        ranks.dedup();
+        let empty = || ranks.iter().map(|&rank| Message { rank, bytes: Vec::new() }).collect();
+        Self { neighbours, outgoing: empty(), incoming: empty() }
+    }
+
+    /// The place of the message to or from the neighbour on a side, if there is one.
+    fn place(&self, side: usize) -> Option<usize> {
+        self.neighbours[side].map(|_| if side == 0 { 0 } else { self.outgoing.len() - 1 })
+    }
+
+    /// Sends rows of all fields to the neighbours below and above, and waits for as many from these. Collective.
+    fn exchange<T: Pod, R: Iterator<Item = Range<usize>>>(
         &mut self,
-        axis: usize,
         fields: &[&mut Field<T>],
-        ranks: &dyn Communicator,
         rows: impl Fn(&Field<T>, usize) -> R,
+        ranks: &dyn Communicator,
     ) {
-        let neighbours = self.neighbours[axis];
-        if neighbours == [None, None] {
-            return;
-        }
-        for (side, buffer) in self.outgoing.iter_mut().enumerate() {
-            buffer.clear();
-            for field in fields.iter().filter(|_| neighbours[side].is_some()) {
-                for row in rows(field, side) {
-                    append(buffer, &field.values()[row]);
-                }
+        self.outgoing.iter_mut().for_each(|message| message.bytes.clear());
+        for side in 0..2 {
+            let Some(place) = self.place(side) else { continue };
+            let bytes = &mut self.outgoing[place].bytes;
+            for field in fields {
+                rows(field, side).for_each(|row| append(bytes, &field.values()[row]));
             }
         }
-        let outgoing = [&self.outgoing[0][..], &self.outgoing[1][..]];
-        ranks.exchange(neighbours, outgoing, &mut self.incoming);
+        for (incoming, outgoing) in self.incoming.iter_mut().zip(&self.outgoing) {
+            incoming.bytes.resize(outgoing.bytes.len(), 0);
+        }
+        ranks.exchange_during(&self.outgoing, &mut self.incoming, &mut || ());
     }
 
     /// Combines what was received from below and above with rows of the fields.
     fn receive<T: Pod, R: Iterator<Item = Range<usize>>>(
         &self,
-        axis: usize,
         fields: &mut [&mut Field<T>],
         rows: impl Fn(&Field<T>, usize) -> R,
         combine: impl Fn(&mut T, T),
     ) {
-        for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
-            let mut numbers = self.incoming[side]
-                .chunks_exact(size_of::<T>())
-                .map(bytemuck::pod_read_unaligned::<T>);
+        let mut bytes: Vec<&[u8]> =
+            self.incoming.iter().map(|message| &message.bytes[..]).collect();
+        // What a rank sends downwards comes first in its message, and from above.
+        for side in [1, 0] {
+            let Some(place) = self.place(side) else { continue };
             for field in fields.iter_mut() {
                 for row in rows(field, side) {
+                    let (sent, rest) = bytes[place].split_at(row.len() * size_of::<T>());
+                    bytes[place] = rest;
+                    let numbers = sent.chunks_exact(size_of::<T>());
+                    let numbers = numbers.map(bytemuck::pod_read_unaligned::<T>);
                     let row = field.values_mut()[row].iter_mut();
-                    row.zip(&mut numbers).for_each(|(value, sent)| combine(value, sent));
+                    row.zip(numbers).for_each(|(value, sent)| combine(value, sent));
                 }
             }
         }
@@ -163,13 +211,14 @@ fn image_layers<T: Pod>(
     (-halo..0).chain(count..count + halo).map(move |layer| (layer, layer.rem_euclid(count)))
 }
 
-fn copy_images<T: Pod>(field: &mut Field<T>, axis: usize) {
+fn copy_images<T: Pod>(field: &mut Field<T>, across: Across) {
+    let axis = across.axis;
     if axis == field.order()[0] {
         return copy_images_along_rows(field);
     }
     for (image, original) in image_layers(field, axis) {
-        let sources = field.layers(axis, original..original + 1);
-        for (source, target) in sources.zip(field.layers(axis, image..image + 1)) {
+        let sources = across.rows(field, original..original + 1);
+        for (source, target) in sources.zip(across.rows(field, image..image + 1)) {
             field.values_mut().copy_within(source, target.start);
         }
     }

@@ -13,7 +13,7 @@
 //! | forces on ghosts ([`ParticleHalo::exchange_return`]) | `GhostForces` | 48 per particle | owners of the originals | [`exchange_during`] |
 //! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
 //! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact_during`] |
-//! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange`] |
+//! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange_during`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
