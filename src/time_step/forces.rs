@@ -9,7 +9,7 @@ use crate::contact::{
 };
 use crate::domain::PosedWalls;
 use crate::parallel::Communicator;
-use crate::particles::{Half, PairGroup};
+use crate::particles::{PairGroup, Part};
 use crate::state::{Domain, EnergyLedger, Models, State, Workspace};
 use crate::timers::Phase;
 
@@ -23,10 +23,10 @@ pub(super) enum PairsDue {
 }
 
 impl PairsDue {
-    fn halves_of_own(self) -> &'static [Half] {
+    fn part_of_own(self) -> Part {
         match self {
-            Self::All => &Half::BOTH,
-            Self::SharedAndSecondHalf => &[Half::Second],
+            Self::All => Part::WHOLE,
+            Self::SharedAndSecondHalf => Part::HALVES[1],
         }
     }
 }
@@ -53,7 +53,7 @@ pub(super) fn add_own_pairs(
     time_contacts(work, || {
         prepare_pairs(particles, contacts, &laws);
         find_contacts(particles, contacts, &laws, PairGroup::Own)?;
-        add_contact_forces(particles, contacts, &laws, (PairGroup::Own, Half::First))
+        add_contact_forces(particles, contacts, &laws, (PairGroup::Own, Part::HALVES[0]))
     });
     PairsDue::SharedAndSecondHalf
 }
@@ -92,12 +92,12 @@ pub(super) fn add_forces_of_contacts(
         }
         find_pairs(found_first, state, &laws)?;
         account.into_iter().for_each(|ledger| account_for_contacts(ledger, state, &laws));
-        add_forces_of_pairs((PairGroup::Shared, &Half::BOTH), state, &laws)
+        add_forces_of_pairs((PairGroup::Shared, Part::WHOLE), state, &laws)
     });
     while_forces_return(state, work, ranks, |state, work| {
         time_contacts(work, || {
             find_pairs(found_last, state, &laws)?;
-            add_forces_of_pairs((PairGroup::Own, pairs.halves_of_own()), state, &laws)
+            add_forces_of_pairs((PairGroup::Own, pairs.part_of_own()), state, &laws)
         });
         add_forces_of_walls(state, domain, &laws, work);
     });
@@ -135,11 +135,11 @@ fn find_pairs(
 }
 
 fn add_forces_of_pairs(
-    (group, halves): (PairGroup, &[Half]),
+    pairs: (PairGroup, Part),
     State { particles, contacts, .. }: &mut State,
     laws: &ForceLaws,
 ) -> Result<(), ForceOutOfRange> {
-    halves.iter().try_for_each(|&half| add_contact_forces(particles, contacts, laws, (group, half)))
+    add_contact_forces(particles, contacts, laws, pairs)
 }
 
 fn account_for_contacts(ledger: &mut EnergyLedger, state: &State, laws: &ForceLaws) {
