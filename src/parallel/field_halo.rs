@@ -13,7 +13,6 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(crate) struct FieldHalo {
     rank: usize,
-    neighbours: [AxisNeighbours; 3],
     messages: [AxisMessages; 3],
 }
 
@@ -69,8 +68,12 @@ impl Across {
 impl FieldHalo {
     /// For the fields of a subdomain.
     pub(crate) fn new(subdomain: Subdomain) -> Self {
-        let neighbours = [0, 1, 2].map(|axis| subdomain.neighbours(axis));
-        Self { rank: subdomain.rank, neighbours, messages: neighbours.map(AxisMessages::new) }
+        let messages = [0, 1, 2].map(|axis| AxisMessages::new(subdomain.neighbours(axis)));
+        Self { rank: subdomain.rank, messages }
+    }
+
+    fn neighbours(&self) -> [AxisNeighbours; 3] {
+        self.messages.each_ref().map(|messages| messages.neighbours)
     }
 
     /// Fills the halos from the owners. This call is collective. Cells beyond a face of the box that is not periodic
@@ -84,9 +87,10 @@ impl FieldHalo {
         fields: &mut [&mut Field<T>],
         ranks: &dyn Communicator,
     ) {
+        let neighbours = self.neighbours();
         for axis in 0..3 {
-            let across = Across { neighbours: self.neighbours, axis };
-            if self.neighbours[axis] == [Some(self.rank); 2] {
+            let across = Across { neighbours, axis };
+            if neighbours[axis] == [Some(self.rank); 2] {
                 fields.iter_mut().for_each(|field| copy_images(field, across));
                 continue;
             }
@@ -105,8 +109,9 @@ impl FieldHalo {
     /// the box that are not periodic. The values must be multiples of one quantum, so that their sums are exact. This
     /// call is collective.
     pub(crate) fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
+        let neighbours = self.neighbours();
         for axis in (0..3).rev() {
-            if self.neighbours[axis] == [Some(self.rank); 2] {
+            if neighbours[axis] == [Some(self.rank); 2] {
                 fields.iter_mut().for_each(|field| fold_images(field, axis));
                 continue;
             }
@@ -118,7 +123,7 @@ impl FieldHalo {
             let (inner, halo) = (rows(|slabs| slabs.inner), rows(|slabs| slabs.halo));
             self.messages[axis].exchange(fields, halo, ranks);
             self.messages[axis].receive(fields, inner, |value, sent| *value += sent);
-            for side in (0..2).filter(|&side| self.neighbours[axis][side].is_some()) {
+            for side in (0..2).filter(|&side| neighbours[axis][side].is_some()) {
                 for field in fields.iter_mut() {
                     for row in halo(field, side) {
                         field.values_mut()[row].fill(0.0);

@@ -92,12 +92,14 @@ pub(super) fn add_forces_of_contacts(
         }
         find_pairs(found_first, state, &laws)?;
         account.into_iter().for_each(|ledger| account_for_contacts(ledger, state, &laws));
-        add_forces_of_pairs((PairGroup::Shared, Part::WHOLE), state, &laws)
+        let State { particles, contacts, .. } = state;
+        add_contact_forces(particles, contacts, &laws, (PairGroup::Shared, Part::WHOLE))
     });
     while_forces_return(state, work, ranks, |state, work| {
         time_contacts(work, || {
             find_pairs(found_last, state, &laws)?;
-            add_forces_of_pairs((PairGroup::Own, pairs.part_of_own()), state, &laws)
+            let State { particles, contacts, .. } = state;
+            add_contact_forces(particles, contacts, &laws, (PairGroup::Own, pairs.part_of_own()))
         });
         add_forces_of_walls(state, domain, &laws, work);
     });
@@ -132,14 +134,6 @@ fn find_pairs(
     laws: &ForceLaws,
 ) -> Result<(), ForceOutOfRange> {
     groups.iter().try_for_each(|&group| find_contacts(particles, contacts, laws, group))
-}
-
-fn add_forces_of_pairs(
-    pairs: (PairGroup, Part),
-    State { particles, contacts, .. }: &mut State,
-    laws: &ForceLaws,
-) -> Result<(), ForceOutOfRange> {
-    add_contact_forces(particles, contacts, laws, pairs)
 }
 
 fn account_for_contacts(ledger: &mut EnergyLedger, state: &State, laws: &ForceLaws) {
