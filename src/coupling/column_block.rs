@@ -9,6 +9,7 @@ pub(crate) type Lanes = [f64; LANES];
 /// Where the particles of a block are in the column, and what the gas needs of them. Lanes beyond the last particle
 /// repeat it.
 #[derive(Clone, Debug, Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 pub(crate) struct ColumnBlock {
     /// Interval of the grid.
     pub(crate) interval: [u32; LANES],

@@ -96,6 +96,7 @@ impl SizesOfPairs for OneSize {
 
 /// Particles of different sizes.
 #[derive(Clone, Copy, Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 pub(crate) struct ManySizes {
     radii: [Lanes; 2],
     masses: [Lanes; 2],
@@ -138,6 +139,7 @@ impl SizesOfPairs for ManySizes {
 
 /// Particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
 #[derive(Clone, Copy, Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 pub(crate) struct SizesAtWall {
     pub(crate) radius: Lanes,
     pub(crate) mass: Lanes,

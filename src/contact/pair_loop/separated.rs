@@ -83,6 +83,7 @@ impl SeparatedLoop<'_> {
 
 /// A block of separated pairs. Lanes beyond the last pair repeat it.
 #[derive(Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 struct SeparatedBlock {
     overlap: Lanes,
     normal: [Lanes; 3],

@@ -44,6 +44,7 @@ impl SuperficialVelocity<'_> {
 
 /// Fields and drag at the particles of a block.
 #[derive(Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 pub(super) struct GasBlock {
     solids_fraction: Lanes,
     solids_velocity: Lanes,

@@ -23,6 +23,7 @@ pub(super) struct DragAtPlace<'a> {
 
 /// The gas at the places of a block of particles. Lanes beyond the last particle repeat it.
 #[derive(Default)]
+#[repr(align(64))] // a cache line, as blocks of contacts
 pub(super) struct GasAtParticles {
     /// Velocity of the gas less that of the particle.
     slip: [Lanes; 3],
