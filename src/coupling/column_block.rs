@@ -2,14 +2,12 @@
 
 use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, four, four_mut};
-use crate::particles::{Body, LANES};
-
-pub(crate) type Lanes = [f64; LANES];
+use crate::particles::{Body, LANES, Lanes};
 
 /// Where the particles of a block are in the column, and what the gas needs of them. Lanes beyond the last particle
 /// repeat it.
 #[derive(Clone, Debug, Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 pub(crate) struct ColumnBlock {
     /// Interval of the grid.
     pub(crate) interval: [u32; LANES],

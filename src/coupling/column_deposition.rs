@@ -1,11 +1,11 @@
 //! Particles to grid: solids fraction and velocity by hat weights, Moon 2006 eqs (8)-(10).
 
 use super::DragShare;
-use super::column_block::{ColumnBlock, Lanes};
+use super::column_block::ColumnBlock;
 use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, Quantum, SimdKernel, four, with_simd};
 use crate::parallel::Communicator;
-use crate::particles::{Body, LANES, Particles, sphere_volume};
+use crate::particles::{Body, LANES, Lanes, Particles, sphere_volume};
 use std::f64::consts::PI;
 
 /// The bed as the gas sees it: fields at the nodes of the column grid.

@@ -12,7 +12,7 @@ mod four_fields;
 mod means;
 
 pub(crate) use cells::CellTransfer;
-pub(crate) use column_block::{ColumnBlock, Lanes, interval_fields};
+pub(crate) use column_block::{ColumnBlock, interval_fields};
 pub use column_deposition::{Bed, ColumnDeposition, NodeSums};
 pub(crate) use corners::{Corners, deposit, interpolate};
 pub use drag_share::DragShare;

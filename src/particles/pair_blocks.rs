@@ -8,11 +8,15 @@ use std::ops::Range;
 /// it into vector instructions.
 pub(crate) const LANES: usize = 32;
 
+/// A number for each pair or particle of a block. A structure of these that lies on the stack is aligned to a cache line: where the
+/// stack of a process lies differs from run to run, and in half of all runs every second vector of four numbers would lie in two lines.
+pub(crate) type Lanes = [f64; LANES];
+
 /// Tangential springs of the pairs of a block, axis by axis.
-pub(crate) type SpringLanes = [[f64; LANES]; 3];
+pub(crate) type SpringLanes = [Lanes; 3];
 
 /// Deflection angles of rolling springs, axis by axis.
-pub(crate) type AngleLanes = [[f64; LANES]; 3];
+pub(crate) type AngleLanes = [Lanes; 3];
 
 /// A part of the blocks: one of so many equal pieces. The compiler makes a quicker loop over it than over an enumeration of the whole and
 /// the halves (docs/performance.md).

@@ -1,19 +1,16 @@
 //! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
 
-use super::{ComingBlocks, FourVectors, Lanes, Sizes, SizesOfPairs, overlaps_and_normals};
+use super::{ComingBlocks, FourVectors, Sizes, SizesOfPairs, overlaps_and_normals};
 use crate::contact::force_laws::PairLaws;
 use crate::contact::rolling::Rolling;
 use crate::numbers::{F64x4, four, four_mut};
-use crate::particles::{Body, ForceTorque, LANES};
+use crate::particles::{Body, ForceTorque, LANES, Lanes};
 use nalgebra::Vector3;
 
 /// The pairs of a block, component by component: particles i and j in each lane. Four pairs at a time are gathered from the
 /// particles, and their forces added to them, in registers: only what the law is given and returns is stored.
-///
-/// A block begins with a cache line. Where the stack of a process lies differs from run to run: without this, in half of all runs
-/// every second vector of four numbers would lie in two lines.
 #[derive(Default)]
-#[repr(align(64))]
+#[repr(align(64))] // see `Lanes`
 pub(crate) struct ContactBlock {
     pub(crate) overlap: Lanes,
     pub(crate) normal: [Lanes; 3],

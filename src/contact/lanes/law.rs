@@ -4,11 +4,11 @@
 //! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit, nor
 //! does how the law is called.
 
-use super::{AnySizes, ContactBlock, Lanes, ReducedSizes, Sizes, vector};
+use super::{AnySizes, ContactBlock, ReducedSizes, Sizes, vector};
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{Contact, ContactForce, ContactForceLaw, RollingFriction, TwistingFriction};
 use crate::numbers::{F64x4, VectorWork, any_flagged, in_wide_vectors};
-use crate::particles::{AngleLanes, ContactHistory, LANES, SpringLanes};
+use crate::particles::{AngleLanes, ContactHistory, LANES, Lanes, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
 use std::marker::PhantomData;

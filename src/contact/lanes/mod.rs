@@ -6,8 +6,6 @@ mod law;
 mod sizes;
 mod vectors;
 
-use crate::particles::LANES;
-
 pub(crate) use block::{ContactBlock, ExcessForce, FourForces, require_within};
 pub(crate) use coming::ComingBlocks;
 pub use law::BlockLaw;
@@ -19,6 +17,3 @@ pub(crate) use sizes::{
     AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall, SizesOfPairs,
 };
 pub(crate) use vectors::{FourVectors, overlap_and_normal, overlaps_and_normals, vector};
-
-/// A number for each pair of a block.
-pub(crate) type Lanes = [f64; LANES];

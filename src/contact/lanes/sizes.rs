@@ -1,8 +1,7 @@
 //! Radii and masses of the pairs of a block.
 
-use super::Lanes;
 use crate::numbers::{F64x4, four};
-use crate::particles::Body;
+use crate::particles::{Body, Lanes};
 
 /// Radii and masses of the pairs of a block.
 pub(crate) trait Sizes: Copy {
@@ -96,7 +95,7 @@ impl SizesOfPairs for OneSize {
 
 /// Particles of different sizes.
 #[derive(Clone, Copy, Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 pub(crate) struct ManySizes {
     radii: [Lanes; 2],
     masses: [Lanes; 2],
@@ -139,7 +138,7 @@ impl SizesOfPairs for ManySizes {
 
 /// Particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
 #[derive(Clone, Copy, Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 pub(crate) struct SizesAtWall {
     pub(crate) radius: Lanes,
     pub(crate) mass: Lanes,

@@ -1,7 +1,7 @@
 //! Vectors of pairs: those of a block, stored component by component, and those of four pairs in registers.
 
-use super::Lanes;
 use crate::numbers::{F64x4, Quantum, four, four_mut};
+use crate::particles::Lanes;
 use nalgebra::Vector3;
 
 /// The vectors of four pairs, component by component.

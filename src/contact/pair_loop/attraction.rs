@@ -1,9 +1,9 @@
 //! Attraction of the pairs of a block.
 
-use crate::contact::lanes::{ContactBlock, Lanes, SizesOfPairs};
+use crate::contact::lanes::{ContactBlock, SizesOfPairs};
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
-use crate::particles::LANES;
+use crate::particles::{LANES, Lanes};
 
 /// Sets the attraction of all pairs, if there is any; that of rough particles only with `EXTRAS`.
 #[inline(always)]

@@ -2,13 +2,13 @@
 
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    ExcessForce, FourVectors, Lanes, ManySizes, OneSize, SizesOfPairs, overlaps_and_normals,
+    ExcessForce, FourVectors, ManySizes, OneSize, SizesOfPairs, overlaps_and_normals,
     require_within,
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, four, four_mut};
-use crate::particles::{Candidates, ForceTorque, LANES, Pair, PairsOfKind, Particles};
+use crate::particles::{Candidates, ForceTorque, LANES, Lanes, Pair, PairsOfKind, Particles};
 
 /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
 /// those that have come within the range of contacts, and leaves them to that loop.
@@ -83,7 +83,7 @@ impl SeparatedLoop<'_> {
 
 /// A block of separated pairs. Lanes beyond the last pair repeat it.
 #[derive(Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 struct SeparatedBlock {
     overlap: Lanes,
     normal: [Lanes; 3],

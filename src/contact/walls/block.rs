@@ -3,13 +3,15 @@
 use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, Lanes, LawOnBlock,
-    LoopOverBlocks, PairsOfBlock, SizesAtWall, WithRegisters, require_within, vector,
+    BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, LawOnBlock, LoopOverBlocks,
+    PairsOfBlock, SizesAtWall, WithRegisters, require_within, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
 use crate::numbers::{F64x4, SimdKernel, four_mut};
-use crate::particles::{AngleLanes, ContactHistory, Contacts, LANES, Particles, SpringLanes};
+use crate::particles::{
+    AngleLanes, ContactHistory, Contacts, LANES, Lanes, Particles, SpringLanes,
+};
 use nalgebra::Vector3;
 
 /// Adds the forces and torques of one wall on particles for which one law holds.

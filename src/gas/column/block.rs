@@ -1,9 +1,9 @@
 //! The column gas at a block of particles: fields, drag, and force.
 
-use crate::coupling::{ColumnBlock, DragShare, Lanes};
+use crate::coupling::{ColumnBlock, DragShare};
 use crate::gas::ParticleDrag;
 use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged};
-use crate::particles::{ForceTorque, LANES};
+use crate::particles::{ForceTorque, LANES, Lanes};
 use std::f64::consts::PI;
 
 /// Particles, and the gas between the nodes of its grid.
@@ -44,7 +44,7 @@ impl SuperficialVelocity<'_> {
 
 /// Fields and drag at the particles of a block.
 #[derive(Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 pub(super) struct GasBlock {
     solids_fraction: Lanes,
     solids_velocity: Lanes,

@@ -3,10 +3,10 @@
 use super::local_voidage::LocalVoidage;
 use super::mean_diameter::MeanDiameter;
 use super::own_disturbance::{OwnDisturbance, SeenGas};
-use crate::coupling::{Corners, FourFields, Lanes};
+use crate::coupling::{Corners, FourFields};
 use crate::gas::ParticleDrag;
 use crate::numbers::{F64x4, four_mut};
-use crate::particles::{Body, LANES, Particles};
+use crate::particles::{Body, LANES, Lanes, Particles};
 use nalgebra::Vector3;
 
 /// The drag law, and what is asked of it besides the voidage of the gas's cells.
@@ -23,7 +23,7 @@ pub(super) struct DragAtPlace<'a> {
 
 /// The gas at the places of a block of particles. Lanes beyond the last particle repeat it.
 #[derive(Default)]
-#[repr(align(64))] // a cache line, as blocks of contacts
+#[repr(align(64))] // see `Lanes`
 pub(super) struct GasAtParticles {
     /// Velocity of the gas less that of the particle.
     slip: [Lanes; 3],
