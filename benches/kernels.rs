@@ -96,7 +96,7 @@ fn within_steps(criterion: &mut Criterion) {
             particles,
         );
         time_phase(&mut group, "list check per particle", (&touching, Phase::Decide), particles);
-        time_phase(&mut group, "image refresh per ghost", (&touching, Phase::Halo), ghosts);
+        time_phase(&mut group, "image refresh per ghost", (&touching, Phase::CopyGhosts), ghosts);
         let apart = lattice_bed(edge, APART);
         time_phase(&mut group, "candidate check per pair", (&apart, Phase::Contacts), pairs);
         touching.gas = Some(gas(0.0));

@@ -12,8 +12,10 @@ pub enum Phase {
     Decide,
     /// Migration, new ghosts and new lists.
     Rebuild,
-    /// Ghosts brought up to date, and forces on them brought back.
-    Halo,
+    /// Ghosts brought up to date, and forces on them brought back, but for the messages.
+    CopyGhosts,
+    /// The messages of ghosts, in which ranks wait for each other.
+    ExchangeGhosts,
     /// Particles to grid, superficial velocity.
     Gas,
     /// Pairs of particles.
@@ -30,11 +32,12 @@ pub enum Phase {
 
 impl Phase {
     /// All phases.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Integrate,
         Self::Decide,
         Self::Rebuild,
-        Self::Halo,
+        Self::CopyGhosts,
+        Self::ExchangeGhosts,
         Self::Gas,
         Self::Contacts,
         Self::Walls,
@@ -49,7 +52,8 @@ impl Phase {
             Self::Integrate => "integrate",
             Self::Decide => "decide (wait)",
             Self::Rebuild => "migrate, rebuild lists",
-            Self::Halo => "refresh halo",
+            Self::CopyGhosts => "copy ghosts",
+            Self::ExchangeGhosts => "exchange ghosts (wait)",
             Self::Gas => "coarse-grain, gas",
             Self::Contacts => "contact forces",
             Self::Walls => "wall forces",

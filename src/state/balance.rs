@@ -1,8 +1,8 @@
 //! When cut planes move.
 
 /// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
-/// since the last look, and at the latest after [`Balance::LATEST`] times as many: lists are then rebuilt only if the loads
-/// are uneven.
+/// since the last look. Where lists stay, they look after as many steps at the first of a run, whose loads nobody has measured
+/// yet, and each time after twice as many, up to [`Balance::LATEST`] times: lists are then rebuilt only if the loads are uneven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Least number of steps between looks.
@@ -10,6 +10,8 @@ pub struct Balance {
     /// Largest over mean time that ranks spend on their particles above which planes move.
     pub threshold: f64,
     last_look: u64,
+    /// Most steps until the next look.
+    latest: u64,
 }
 
 impl Balance {
@@ -19,22 +21,22 @@ impl Balance {
     /// The threshold where none is given. Planes that lie on faces of the gas's cells can only move by a layer of these, and with each
     /// layer goes a part of the gas, whose time is not counted: they move for more.
     pub fn usual_threshold(on_cells: bool) -> f64 {
-        if on_cells { 1.05 } else { 1.02 }
+        if on_cells { 1.05 } else { 1.01 }
     }
 
     /// From the least number of steps between looks, and the largest imbalance that is let be.
     pub fn new(every: u64, threshold: f64) -> Self {
-        Self { every, threshold, last_look: 0 }
+        Self { every, threshold, last_look: 0, latest: every }
     }
 
     /// Whether to look although lists are not rebuilt.
     pub fn is_overdue(&self, step: u64) -> bool {
-        step - self.last_look >= Self::LATEST * self.every
+        step - self.last_look >= self.latest
     }
 
     /// Begins to count steps at the first of a run.
     pub fn begin(&mut self, step: u64) {
-        self.last_look = step;
+        *self = Self { last_look: step, ..Self::new(self.every, self.threshold) };
     }
 
     /// Whether to look at this step, if lists are rebuilt.
@@ -42,6 +44,7 @@ impl Balance {
         let due = step - self.last_look >= self.every;
         if due {
             self.last_look = step;
+            self.latest = (2 * self.latest).min(Self::LATEST * self.every);
         }
         due
     }
@@ -55,8 +58,16 @@ mod tests {
     fn ranks_look_neither_too_often_nor_too_rarely() {
         let mut balance = Balance::new(100, 1.1);
         balance.begin(5000);
-        assert!(!balance.is_overdue(5999) && balance.is_overdue(6000));
+        assert!(!balance.is_overdue(5099) && balance.is_overdue(5100));
         assert!(!balance.look(5099) && balance.look(5100) && !balance.look(5199));
-        assert!(!balance.is_overdue(6099) && balance.is_overdue(6100));
+        assert!(!balance.is_overdue(5299) && balance.is_overdue(5300));
+    }
+
+    #[test]
+    fn a_run_begins_with_early_looks() {
+        let mut balance = Balance::new(100, 1.1);
+        balance.begin(5000);
+        let looks = (5000..10_000).filter(|&step| balance.is_overdue(step) && balance.look(step));
+        assert_eq!(looks.collect::<Vec<_>>(), [5100, 5300, 5700, 6500, 7500, 8500, 9500]);
     }
 }

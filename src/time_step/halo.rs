@@ -39,18 +39,18 @@ pub(super) fn while_forces_return(
 
 /// Brings the velocities of ghosts up to date, between two steps. Collective.
 pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
-    work.timers.time(Phase::Halo, || work.halo.refresh(&mut state.particles, ranks));
+    work.timers.time(Phase::ExchangeGhosts, || work.halo.refresh(&mut state.particles, ranks));
 }
 
 /// Does what needs no other rank.
 fn on_halo(work: &mut Workspace, of_halo: impl FnOnce(&mut ParticleHalo)) {
-    work.time(Phase::Halo, |work| of_halo(&mut work.halo));
+    work.time(Phase::CopyGhosts, |work| of_halo(&mut work.halo));
 }
 
 /// An exchange of the halo: it does other work until all has come.
 type Exchange = fn(&mut ParticleHalo, &dyn Communicator, &mut dyn FnMut());
 
-/// Does other work during an exchange; the rest of the time is the halo's. Collective.
+/// Does other work during an exchange; the rest of the time is that of the messages. Collective.
 fn exchange_during<T>(
     exchange: Exchange,
     state: &mut State,
@@ -64,6 +64,6 @@ fn exchange_during<T>(
         || meanwhile(state, work),
     );
     work.halo = halo;
-    work.timers.add(Phase::Halo, took);
+    work.timers.add(Phase::ExchangeGhosts, took);
     result
 }

@@ -121,8 +121,10 @@ pub fn begin(
     if let Some(balance) = &mut work.balance {
         balance.begin(step);
     }
-    work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks))
-        .map_err(|error| StepError::unstable(step, error))
+    let made =
+        work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks));
+    work.step_times.begin(&work.timers);
+    made.map_err(|error| StepError::unstable(step, error))
 }
 
 /// Finds the forces that a new bed begins with, after [`begin`]. Collective.

@@ -117,8 +117,9 @@ const BALANCE: &[Key] = &[
     Key::new(
         "every",
         Kind::Count(1, 1_000_000_000),
-        "Least number of steps between two checks; they take place when neighbour lists are rebuilt, at the latest \
-         after ten times as many steps",
+        "Least number of steps between two checks; they take place when neighbour lists are rebuilt. Where lists stay, \
+         the first comes after as many steps, and each further one after twice as many as the one before, up to ten \
+         times as many",
     )
     .unit("steps")
     .default(Value::Count(100)),
@@ -127,7 +128,7 @@ const BALANCE: &[Key] = &[
         Allowed::at_least(1.0),
         "Cut planes move if the largest over the mean time that ranks spend on their particles is above this",
     )
-    .optionally("1.02; 1.05 with a gas in three dimensions, whose cells they do not cut"),
+    .optionally("1.01; 1.05 with a gas in three dimensions, whose cells they do not cut"),
 ];
 
 /// `[parallel]`.
