@@ -14,7 +14,7 @@ pub enum Phase {
     Rebuild,
     /// Ghosts brought up to date, and forces on them brought back, but for the messages.
     CopyGhosts,
-    /// The messages of ghosts, in which ranks wait for each other.
+    /// The messages of ghosts, in which ranks wait for each other; and all of a refresh between two steps.
     ExchangeGhosts,
     /// Particles to grid, superficial velocity.
     Gas,

@@ -36,8 +36,8 @@ impl LoadTimes {
 /// The times of the last steps. It reads no clock: phases of the step are timed anyway, and none of these holds a message.
 #[derive(Clone, Debug, Default)]
 pub struct StepTimes {
-    /// At the last step, and at the last look.
-    noted: [LoadTimes; 2],
+    /// At the last step, and at the last look; none before the first step of a run.
+    noted: Option<[LoadTimes; 2]>,
     steps: Vec<Duration>,
     /// How many steps have been noted since the last look.
     count: usize,
@@ -49,15 +49,13 @@ impl StepTimes {
     /// Most steps that are kept.
     const MOST: usize = 4096;
 
-    /// Begins a run, in which so much has been spent already: its first lists, which also fetch memory, do not count.
-    pub fn begin(&mut self, timers: &Timers) {
-        *self = Self { noted: [LoadTimes::spent(timers); 2], ..Self::default() };
-    }
-
-    /// Notes the step that has ended.
+    /// Notes that a step begins, and how long the one before took.
     pub fn note(&mut self, timers: &Timers) {
-        let [last_step, _] = &mut self.noted;
         let now = LoadTimes::spent(timers);
+        let Some([last_step, _]) = &mut self.noted else {
+            self.noted = Some([now; 2]);
+            return;
+        };
         let took = now.since(std::mem::replace(last_step, now)).total();
         match self.steps.len() < Self::MOST {
             true => self.steps.push(took),
@@ -72,11 +70,12 @@ impl StepTimes {
     }
 
     /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
-    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look.
+    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. So is work that returns
+    /// in fewer than half of the steps, as when inner lists are made: it is taken to divide over the ranks as the rest does.
     pub fn take_mean(&mut self) -> LoadTimes {
-        let [now, last_look] = self.noted;
+        let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
-        self.noted = [now; 2];
+        self.noted = Some([now; 2]);
         let count = std::mem::take(&mut self.count).max(1);
         let on_lists = std::mem::take(&mut self.on_lists).div_f64(count as f64);
         self.steps.sort_unstable();
@@ -97,14 +96,15 @@ impl StepTimes {
 mod tests {
     use super::*;
 
-    /// The mean after steps of so many microseconds, of which pairs take three quarters and other phases as long again.
+    /// The mean after steps of so many microseconds, of which pairs take three quarters. Ranks wait for as long again.
     fn mean_of(steps: impl IntoIterator<Item = u64>) -> [f64; 2] {
         let (mut timers, mut times) = (Timers::default(), StepTimes::default());
+        times.note(&timers);
         for step in steps {
             timers.add(Phase::Integrate, Duration::from_micros(step).mul_f64(0.125));
-            timers.add(Phase::Walls, Duration::from_micros(step).mul_f64(0.125));
+            timers.add(Phase::CopyGhosts, Duration::from_micros(step).mul_f64(0.125));
             timers.add(Phase::Contacts, Duration::from_micros(step).mul_f64(0.75));
-            timers.add(Phase::Decide, Duration::from_micros(step));
+            timers.add(Phase::ExchangeGhosts, Duration::from_micros(step));
             times.note(&timers);
         }
         let LoadTimes { on_particles, on_pairs } = times.take_mean();
@@ -132,6 +132,7 @@ mod tests {
     #[test]
     fn lists_belong_to_the_mean_although_they_are_rare() {
         let (mut timers, mut times) = (Timers::default(), StepTimes::default());
+        times.note(&timers);
         for step in 0..100 {
             timers.add(Phase::Integrate, Duration::from_micros(100));
             times.note(&timers);
@@ -144,11 +145,10 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_a_run_does_not_count() {
+    fn what_came_before_the_first_step_does_not_count() {
         let (mut timers, mut times) = (Timers::default(), StepTimes::default());
-        timers.add(Phase::Integrate, Duration::from_micros(9_000));
-        times.add_lists(Duration::from_micros(5_000));
-        times.begin(&timers);
+        timers.add(Phase::Contacts, Duration::from_micros(9_000));
+        times.note(&timers);
         timers.add(Phase::Contacts, Duration::from_micros(100));
         times.note(&timers);
         let wanted = LoadTimes { on_pairs: Duration::from_micros(100), ..LoadTimes::default() };

@@ -39,6 +39,7 @@ pub(super) fn while_forces_return(
 
 /// Brings the velocities of ghosts up to date, between two steps. Collective.
 pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
+    // With the copies, which belong to no step and are no load.
     work.timers.time(Phase::ExchangeGhosts, || work.halo.refresh(&mut state.particles, ranks));
 }
 

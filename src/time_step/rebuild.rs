@@ -22,7 +22,7 @@ pub(super) fn rebuild(
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) -> Result<(), CollectiveError> {
-    look_at_loads(state, &domain.bounds, work, ranks);
+    look_at_loads(true, state, &domain.bounds, work, ranks);
     let histories = state.contacts.histories(&state.particles);
     state.particles.drop_ghosts();
     check_speeds(&state.particles, models.limits.speed, ranks)?;
@@ -150,18 +150,24 @@ pub(super) fn is_overdue_and_uneven(
     ranks: &dyn Communicator,
 ) -> bool {
     if work.balance.is_some_and(|balance| balance.is_overdue(state.clock.step)) {
-        look_at_loads(state, bounds, work, ranks);
+        look_at_loads(false, state, bounds, work, ranks);
     }
     work.planned.is_some()
 }
 
-/// Looks at the ranks' loads if it is time for that, and plans other cut planes if they are uneven. Collective.
-fn look_at_loads(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &dyn Communicator) {
+/// Looks at the ranks' loads if it is time for that, and plans other cut planes if they are uneven, given whether lists are rebuilt
+/// anyway. Collective.
+fn look_at_loads(
+    rebuilt_anyway: bool,
+    state: &State,
+    bounds: &Bounds,
+    work: &mut Workspace,
+    ranks: &dyn Communicator,
+) {
     let Some(balance) = work.balance.as_mut() else { return };
     if !balance.look(state.clock.step) {
         return;
     }
-    let threshold = balance.threshold;
     let LoadTimes { on_particles, on_pairs } = work.step_times.take_mean();
     let pairs = state.contacts.active_counts(&state.particles);
     let pair_count = pairs.iter().map(|&count| count as usize).sum();
@@ -171,7 +177,7 @@ fn look_at_loads(state: &State, bounds: &Bounds, work: &mut Workspace, ranks: &d
     if ranks.is_root() {
         log::debug!("step {}: largest over mean load {:.3}", state.clock.step, load.imbalance);
     }
-    if load.imbalance > threshold {
+    if balance.are_uneven(load.imbalance, rebuilt_anyway) {
         let positions = state.particles.body.iter().map(|body| bounds.wrap(body.position));
         let particles = positions.zip(pairs.iter().copied()); // ghosts are left out
         let (now, width) = (&work.decomposition, work.least_width);

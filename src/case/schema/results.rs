@@ -118,15 +118,16 @@ const BALANCE: &[Key] = &[
         "every",
         Kind::Count(1, 1_000_000_000),
         "Least number of steps between two checks; they take place when neighbour lists are rebuilt. Where lists stay, \
-         the first comes after as many steps, and each further one after twice as many as the one before, up to ten \
-         times as many",
+         the first comes after as many steps of a run or restart, and each further one after twice as many as the one \
+         before, up to ten times this number",
     )
     .unit("steps")
     .default(Value::Count(100)),
     Key::number(
         "threshold",
         Allowed::at_least(1.0),
-        "Cut planes move if the largest over the mean time that ranks spend on their particles is above this",
+        "Cut planes move if the largest over the mean time that ranks spend on their particles is above this; where \
+         lists stay, only if that saves more time than new lists take",
     )
     .optionally("1.01; 1.05 with a gas in three dimensions, whose cells they do not cut"),
 ];
