@@ -6,7 +6,7 @@ use std::time::Duration;
 /// Times of the work that cut planes divide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadTimes {
-    /// For motion and lists of particles, copies of ghosts, and the forces of walls and a column gas on particles.
+    /// For motion of particles, copies of ghosts, and the forces of walls and a column gas on particles.
     pub on_particles: Duration,
     /// For pairs of particles.
     pub on_pairs: Duration,
@@ -41,8 +41,6 @@ pub struct StepTimes {
     steps: Vec<Duration>,
     /// How many steps have been noted since the last look.
     count: usize,
-    /// Time for new lists since then.
-    on_lists: Duration,
 }
 
 impl StepTimes {
@@ -64,20 +62,14 @@ impl StepTimes {
         self.count += 1;
     }
 
-    /// Adds the time for new lists of particles. They are rare and take long: they would be left out among the times of steps.
-    pub fn add_lists(&mut self, took: Duration) {
-        self.on_lists += took;
-    }
-
     /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
-    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. So is work that returns
-    /// in fewer than half of the steps, as when inner lists are made: it is taken to divide over the ranks as the rest does.
+    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. So are
+    /// steps at which lists are made: ranks wait for each other at each step, so that it is best if those of the most frequent kind are even.
     pub fn take_mean(&mut self) -> LoadTimes {
         let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
         self.noted = Some([now; 2]);
-        let count = std::mem::take(&mut self.count).max(1);
-        let on_lists = std::mem::take(&mut self.on_lists).div_f64(count as f64);
+        self.count = 0;
         self.steps.sort_unstable();
         let kept = self.steps.len().div_ceil(2);
         let sum: Duration = self.steps.drain(..).take(kept).sum();
@@ -86,7 +78,7 @@ impl StepTimes {
         }
         let part = sum.div_f64(kept as f64).div_duration_f64(all.total());
         LoadTimes {
-            on_particles: all.on_particles.mul_f64(part) + on_lists,
+            on_particles: all.on_particles.mul_f64(part),
             on_pairs: all.on_pairs.mul_f64(part),
         }
     }
@@ -127,21 +119,6 @@ mod tests {
         // The control: what more than half of the steps take belongs to the mean.
         let slow = |n: u64| if n < 160 { 150 } else { 100 };
         assert_close(mean_of((0..200).map(slow)), [0.25 * 130.0, 0.75 * 130.0]);
-    }
-
-    #[test]
-    fn lists_belong_to_the_mean_although_they_are_rare() {
-        let (mut timers, mut times) = (Timers::default(), StepTimes::default());
-        times.note(&timers);
-        for step in 0..100 {
-            timers.add(Phase::Integrate, Duration::from_micros(100));
-            times.note(&timers);
-            if step == 50 {
-                times.add_lists(Duration::from_micros(5_000));
-            }
-        }
-        let mean = times.take_mean().on_particles;
-        assert!((mean.as_secs_f64() - 150.0e-6).abs() < 1.0e-8, "{mean:?}");
     }
 
     #[test]

@@ -101,14 +101,6 @@ impl Workspace {
         }
     }
 
-    /// Makes lists of this rank's particles, waits for no other rank, and adds the time to that of its steps.
-    pub fn on_lists<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let start = Instant::now();
-        let result = work(self);
-        self.step_times.add_lists(start.elapsed());
-        result
-    }
-
     /// Notes how long the step before took, if cut planes follow from it.
     pub fn note_step(&mut self) {
         if self.balance.is_some() {

@@ -17,7 +17,7 @@ pub use staggered::Staggered;
 
 use crate::parallel::{CollectiveError, Communicator};
 use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
-use crate::state::{Domain, Models, Requests, State, StepTimes, Workspace};
+use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
 use forces::{PairsDue, add_forces_of_contacts, add_forces_of_gas, add_own_pairs};
@@ -121,10 +121,8 @@ pub fn begin(
     if let Some(balance) = &mut work.balance {
         balance.begin(step);
     }
-    let made =
-        work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks));
-    work.step_times = StepTimes::default(); // the first lists, which also fetch memory, are no load of a step
-    made.map_err(|error| StepError::unstable(step, error))
+    work.time(Phase::Rebuild, |work| arrange(state, domain, models, work, histories, ranks))
+        .map_err(|error| StepError::unstable(step, error))
 }
 
 /// Finds the forces that a new bed begins with, after [`begin`]. Collective.

@@ -95,16 +95,12 @@ fn rebuild_lists(
 ) -> Result<(), CollectiveError> {
     let State { particles, contacts, sizes, .. } = state;
     let (bounds, width) = (&domain.bounds, work.list_range.ghost_width(sizes.largest_diameter));
-    work.on_lists(|work| {
-        work.neighbours.sort_by_cells(particles, width);
-        work.neighbours.measure_clearance(bounds);
-    });
+    work.neighbours.sort_by_cells(particles, width);
+    work.neighbours.measure_clearance(bounds);
     let subdomain = work.decomposition.subdomain(bounds, ranks.rank());
     work.halo.make_ghosts(particles, subdomain, width, ranks);
-    let rebuilt = work.on_lists(|work| {
-        let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
-        work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories)
-    });
+    let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
+    let rebuilt = work.neighbours.rebuild(particles, contacts, walls, work.list_range, histories);
     agree(rebuilt, ranks)?;
     let are_partners = contacts.are_partners(particles);
     work.halo.follow(particles, |ghost| are_partners[ghost], ranks);
