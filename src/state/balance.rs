@@ -1,7 +1,7 @@
 //! When cut planes move.
 
 /// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
-/// since the last look. Where lists stay, they first look after that many steps of a run, whose loads nobody has measured yet,
+/// since the last look. Where lists stay, ranks first look after that many steps of a run, whose loads nobody has measured yet,
 /// then each time after twice as many as before, up to [`Balance::LATEST`] times the least number. Lists are then rebuilt only if loads
 /// are so uneven that this saves more time than it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +53,8 @@ impl Balance {
         due
     }
 
-    /// Whether loads of this imbalance, largest over mean, are uneven enough for planes to move. Where lists would be rebuilt for nothing
-    /// else, they must cost ranks more time until the next look than new lists take.
+    /// Whether loads of this imbalance, largest over mean, are uneven enough for planes to move. If lists would be rebuilt for nothing
+    /// else, the imbalance must cost more steps until the next look than new lists take.
     pub fn are_uneven(&self, imbalance: f64, rebuilt_anyway: bool) -> bool {
         let saved = (imbalance - 1.0) * self.latest as f64; // steps
         imbalance > self.threshold && (rebuilt_anyway || saved > Self::STEPS_FOR_LISTS)
