@@ -63,8 +63,9 @@ impl StepTimes {
     }
 
     /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
-    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. So are
-    /// steps at which lists are made: ranks wait for each other at each step, so that it is best if those of the most frequent kind are even.
+    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. Steps at
+    /// which inner lists are made are left out with it, as the phase of new lists is: ranks wait for each other at each step, so that
+    /// it is best if the most frequent steps are even.
     pub fn take_mean(&mut self) -> LoadTimes {
         let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
