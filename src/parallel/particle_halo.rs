@@ -12,7 +12,8 @@
 use super::records::{GhostForces, GhostVelocities, NewGhost, Origin};
 use super::{AxisNeighbours, Communicator, Message, records_of_bytes};
 use crate::domain::Subdomain;
-use crate::particles::{Body, ForceTorque, Particles};
+use crate::particles::{DriftStep, ForceTorque, Particles, drift_copies, follow_originals};
+use bytemuck::Pod;
 use nalgebra::Vector3;
 
 /// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
@@ -104,7 +105,12 @@ impl ParticleHalo {
     pub fn refresh(&mut self, particles: &mut Particles, ranks: &dyn Communicator) {
         self.begin(particles);
         self.exchange(ranks, &mut || ());
-        self.finish(particles, |_| ());
+        for (message, copies) in self.with_owners.iter().zip(&self.copies) {
+            for &[place, ghost] in copies {
+                let velocities: GhostVelocities = record_at(message, place as usize);
+                velocities.give_to(&mut particles.body[ghost as usize]);
+            }
+        }
     }
 
     /// Whether a message to this rank comes from another machine, so that it may still be on its way when the ranks have agreed on
@@ -116,19 +122,11 @@ impl ParticleHalo {
     /// Images become like their originals, and what other ranks need is made ready to be sent.
     pub fn begin(&mut self, particles: &mut Particles) {
         for Images { shift, pairs } in &self.images {
-            for &[ghost, original] in pairs {
-                let [position, velocity, spin] = *particles.body[original as usize].vectors();
-                // Exact: both are multiples of the quantum of positions. The fourth number, the radius, has no shift.
-                let position = std::array::from_fn(|axis| position[axis] + shift[axis]);
-                *particles.body[ghost as usize].vectors_mut() = [position, velocity, spin];
-            }
+            follow_originals(&mut particles.body, pairs, *shift);
         }
         for (message, lent) in self.with_borrowers.iter_mut().zip(&self.lent) {
-            message.bytes.clear();
-            for &index in lent {
-                let velocities = GhostVelocities::of(&particles.body[index as usize]);
-                message.bytes.extend_from_slice(bytemuck::bytes_of(&velocities));
-            }
+            let of_particle = |&index| GhostVelocities::of(&particles.body[index as usize]);
+            fill(message, lent.iter().map(of_particle));
         }
     }
 
@@ -137,31 +135,28 @@ impl ParticleHalo {
         ranks.exchange_during(&self.with_borrowers, &mut self.with_owners, meanwhile);
     }
 
-    /// Gives the copies the velocities that have come; `drift` then moves each as its original was moved.
-    pub fn finish(&self, particles: &mut Particles, drift: impl Fn(&mut Body)) {
+    /// Gives the copies the velocities that have come, and moves each as its original was moved.
+    pub(crate) fn finish(&self, particles: &mut Particles, step: DriftStep) {
         for (message, copies) in self.with_owners.iter().zip(&self.copies) {
-            for &[place, ghost] in copies {
-                let from = place as usize * size_of::<GhostVelocities>();
-                let record = &message.bytes[from..][..size_of::<GhostVelocities>()];
-                let velocities: GhostVelocities = bytemuck::pod_read_unaligned(record);
-                let body = &mut particles.body[ghost as usize];
-                velocities.give_to(body);
-                drift(body);
-            }
+            let velocities = |place| {
+                let GhostVelocities { velocity, angular_velocity } = record_at(message, place);
+                [velocity, angular_velocity]
+            };
+            drift_copies(&mut particles.body, copies, velocities, step);
         }
     }
 
     /// Takes the forces off the copies, to be sent to their owners.
     pub fn begin_return(&mut self, particles: &mut Particles) {
         for (message, copies) in self.with_owners.iter_mut().zip(&self.copies) {
-            message.bytes.clear();
-            for of_particle in by_particle(copies) {
+            let taken = |of_particle: &[[u32; 2]]| {
                 let mut sum = ForceTorque::default();
                 for &[_, ghost] in of_particle {
                     sum += std::mem::take(&mut particles.forces[ghost as usize]);
                 }
-                message.bytes.extend_from_slice(bytemuck::bytes_of(&GhostForces::of(&sum)));
-            }
+                GhostForces::of(&sum)
+            };
+            fill(message, by_particle(copies).map(taken));
         }
     }
 
@@ -220,7 +215,7 @@ impl ParticleHalo {
                     false => self.origins[index - owned],
                 };
                 let mut ghost = NewGhost::of(particles, index, origin);
-                ghost.position[axis] += list.shift; // exact, as above
+                ghost.position[axis] += list.shift; // exact: both are multiples of the quantum
                 bytes.extend_from_slice(bytemuck::bytes_of(&ghost));
             }
             bytes
@@ -299,6 +294,21 @@ fn by_particle(copies: &Copies) -> impl Iterator<Item = &[[u32; 2]]> {
     copies.chunk_by(|[one, _], [other, _]| one == other)
 }
 
+/// The record at a place of a message.
+#[inline(always)]
+fn record_at<T: Pod>(message: &Message, place: usize) -> T {
+    let records = message.bytes[place * size_of::<T>()..].get(..size_of::<T>());
+    bytemuck::pod_read_unaligned(records.expect("a message has a record at each place"))
+}
+
+/// Writes records over those of a message, which has as many. To add each to a message that grows takes twice as long.
+#[inline(always)]
+fn fill<T: Pod>(message: &mut Message, records: impl Iterator<Item = T>) {
+    for (room, record) in message.bytes.chunks_exact_mut(size_of::<T>()).zip(records) {
+        room.copy_from_slice(bytemuck::bytes_of(&record));
+    }
+}
+
 /// A message of velocities or of forces, which take the same bytes, of so many particles.
 fn room_for(rank: usize, particles: usize) -> Message {
     const { assert!(size_of::<GhostVelocities>() == size_of::<GhostForces>()) };
@@ -339,6 +349,7 @@ mod tests {
     use super::*;
     use crate::domain::{Bounds, Decomposition, Face, RankGrid};
     use crate::numbers::{Quantum, random_of, uniform};
+    use crate::particles::{Body, Weight};
     use std::collections::BTreeMap;
 
     const WIDTH: f64 = 1.1;
@@ -393,11 +404,9 @@ mod tests {
             }
             halo.begin(&mut particles);
             halo.exchange(ranks, &mut || ());
-            halo.finish(&mut particles, |body| {
-                if moves {
-                    drift(body, quantum)
-                }
-            });
+            let dt = if moves { TIME_STEP } else { 0.0 };
+            let weight = Weight { gravity: 0.0, quantum };
+            halo.finish(&mut particles, DriftStep { dt, quantum, weight });
             let is_wrong = |ghost: &usize| {
                 let (id, body) = (particles.id[*ghost], particles.body[*ghost]);
                 let original = all[&id];

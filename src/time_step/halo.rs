@@ -2,7 +2,7 @@
 
 use super::meanwhile::with_other_work;
 use crate::parallel::{Communicator, ParticleHalo};
-use crate::particles::{self, Body, DriftStep};
+use crate::particles::DriftStep;
 use crate::state::{State, Workspace};
 use crate::timers::Phase;
 
@@ -20,8 +20,7 @@ pub(super) fn while_ghosts_travel<T>(
 
 /// Moves the ghosts of other ranks' particles by the velocities that have come.
 pub(super) fn move_ghosts(state: &mut State, work: &mut Workspace, step: DriftStep) {
-    let drift = |body: &mut Body| particles::drift(body, step);
-    on_halo(work, |halo| halo.finish(&mut state.particles, drift));
+    on_halo(work, |halo| halo.finish(&mut state.particles, step));
 }
 
 /// Takes the forces on particles of other ranks to their owners, and does other work until those on this rank's particles
