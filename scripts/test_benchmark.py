@@ -11,7 +11,9 @@ from unittest import mock
 
 import numpy as np
 
-from benchmark import agreement, coupled, floor, gas, kernels, measures, peers, ranks, runs, scaling, states, tables
+from benchmark import (
+    agreement, coupled, floor, gas, kernels, measures, peers, processor, ranks, runs, scaling, states, tables
+)  # fmt: skip
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
 from made_up_results import ScriptTest
@@ -299,6 +301,37 @@ class TestModels(ScriptTest):
         side = load.sides[0]
         self.assertAlmostEqual(load.shared_pairs, 3.0 / side)
         self.assertAlmostEqual(load.copies, 0.5 * load.density * ((side + 2.0 * scaling.LAYER) ** 3 - side**3))
+
+    def test_samples_in_the_program_are_computing(self) -> None:
+        report = """# Overhead;     Samples;Shared Object  ;Symbol
+ 35.92% ; 6287       ;talcum         ;[.] talcum::numbers::simd::avx2::run
+  3.83% ; 671        ;libc.so.6      ;[.] __memmove_avx_unaligned_erms
+  2.71% ; 13         ;talcum         ;[.] talcum::parallel::particle_halo::ParticleHalo::begin
+"""
+        self.assertEqual(processor.samples(report, "talcum"), 6300)
+        self.assertEqual(processor.samples(report, "libmpi.so"), 0)
+        with self.assertRaisesRegex(runs.BenchmarkError, "no samples"):
+            processor.samples("# no lines", "talcum")
+
+    def test_what_copies_cost_beyond_the_share_of_one_rank(self) -> None:
+        # Of a column of 10 x 10 there are copies in half of the layer around it.
+        around = (10.0 + 2.0 * scaling.LAYER) ** 2 - 10.0**2
+        held = 0.5 * scaling.PART_IN_PAIRS * 60.0 * around
+        self.assertAlmostEqual(processor.copies(4), held)
+        self.assertEqual(processor.copies(1), 0.0)
+        # A particle takes 25 ns, and each copy half of that.
+        lines = processor.table_of({1: 600e-6, 4: 150e-6 + 12.5e-9 * held}).splitlines()
+        self.assertTrue(lines[2].endswith("| 600.0 | 600.0 | 0 | - |"))
+        self.assertTrue(lines[3].endswith(f"| 150.0 | {held:.0f} | 0.50 |"), lines[3])
+
+    def test_copies_cost_the_more_the_smaller_blocks_are(self) -> None:
+        def over_compute(particles: float) -> float:
+            parts = scaling.step_parts(scaling.Load(particles=particles), 64, scaling.Network())
+            return parts["copies"] / parts["compute"]
+
+        load = scaling.Load(particles=1_000.0)
+        self.assertAlmostEqual(over_compute(1_000.0), scaling.COPY_COST * scaling.PART_IN_PAIRS * load.copies / 1_000.0)
+        self.assertGreater(over_compute(1_000.0), 3.0 * over_compute(10_000.0))
 
     def test_the_sweep_over_everything_needs_least(self) -> None:
         self.assertLess(floor.FUSED.size, sum(each.size for each in floor.PASSES))

@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Callable
 
-from . import agreement, coupled, floor, gas, kernels, measures, peers, ranks, scaling, tables
+from . import agreement, coupled, floor, gas, kernels, measures, peers, processor, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
 from .runs import BenchmarkError, execute, on_cores
 from .states import state
@@ -102,6 +102,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "coupled": lambda wanted: coupled.coupled(wanted.rounds, wanted.first),
     "gas": lambda wanted: gas.gas(wanted.rounds, wanted.first),
     "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first, wanted.peers),
+    "processor": lambda wanted: processor.processor(wanted.rounds),
     "model": lambda _: model(),
     "measures": lambda wanted: measures.measures(wanted.rounds, wanted.first),
 }

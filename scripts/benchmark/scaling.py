@@ -4,6 +4,8 @@ Blocks of a bed over a plate, cut into columns or into cubes. With n particles p
 layer of width w and a block of sides l:
 
     compute     n t_p, t_p the time per particle-step of one rank when all cores of the machine are busy
+    copies      packing, moving and adding what the ranks say of them: for each copy that is in a pair as long as a part of a
+                particle's step, by the check with `perf` (processor.py)
     halo        velocities: one message from each of the blocks ahead, half of those around, 48 bytes for each particle of the
                 layer w there that is in a pair; what is left of their way after decide and the forces of half of the pairs
                 of the rank's own particles. Forces: as much the other way, while the other half is computed. And what a
@@ -34,6 +36,8 @@ GHOST_BYTES, NEW_GHOST_BYTES = 48, 112
 DECISION_BYTES, INDEX_BYTES = 8 * 8, 4
 # What part of the particles of the layer are in a pair of the list: of blocks of 1,000 in the settled bed of 24,000, 0.66 to 0.71.
 PART_IN_PAIRS = 0.69
+# What a copy costs its owner and its borrower together, in steps of a particle: docs/performance.md, the check of the model.
+COPY_COST = 0.6
 # What part of a step pairs are (docs/performance.md, settled beds).
 PART_OF_PAIRS = 0.75
 # Whether no particle is too fast, and whether each contact has found its place.
@@ -173,9 +177,10 @@ def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:
     """Seconds of the parts of a step."""
     compute = load.particles * load.particle_step
     if ranks == 1:
-        return {"compute": compute, "halo": 0.0, "decide": 0.0, "gas": 0.0, "rebuild": 0.0}
+        return {"compute": compute, "copies": 0.0, "halo": 0.0, "decide": 0.0, "gas": 0.0, "rebuild": 0.0}
     return {
         "compute": compute,
+        "copies": COPY_COST * load.particle_step * PART_IN_PAIRS * load.copies,
         "halo": halo(load, ranks, network),
         "decide": network.all_reduce(ranks, DECISION_BYTES),
         "gas": gas_sum(load, ranks, network) if load.gas_nodes else 0.0,
@@ -197,5 +202,5 @@ def model_table(load: Load, network: Network = Network()) -> str:
             cells = [f"{1e6 * seconds:.1f}" for seconds in parts.values()]
             sizes = [f"{particles:,.0f}", f"{ranks:,}", f"{particles * ranks:.1e}"]
             rows.append([*sizes, *cells, efficiency(parts)])
-    head = ["particles per rank", "ranks", "particles", "compute, us", "halo", "decide", "gas", "rebuild", "efficiency"]
+    head = ["particles per rank", "ranks", "particles", "compute, us", "copies", "halo", "decide", "gas", "rebuild", "efficiency"]
     return table(head, rows)

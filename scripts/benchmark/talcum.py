@@ -31,16 +31,21 @@ def changes(bed: Bed) -> list[str]:
     return [argument for setting in settings for argument in ("--set", setting)]
 
 
-def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM, core: int = 0) -> Measured:
-    """One measured run from a checkpoint; on one rank on the core of this number."""
+def restart(bed: Bed, state: Path, output: Path, program: Path = PROGRAM) -> list[str]:
+    """The command that does the bed's steps from a checkpoint."""
     with h5py.File(state, "r", locking=False) as file:
         clock = file["clock"].attrs
         steps = int(clock["step"]) - int(clock["origin_step"])
         time_step = float(clock["time_step"])
         now = float(clock["origin_time"]) + steps * time_step
     until = repr(now + bed.steps * time_step)
+    return [str(program), "restart", str(state), "--until", until, "--output", str(output), *changes(bed)]
+
+
+def run_talcum(bed: Bed, state: Path, first: bool, program: Path = PROGRAM, core: int = 0) -> Measured:
+    """One measured run from a checkpoint; on one rank on the core of this number."""
     output = RESULTS / f"again-{os.getpid()}-{core}"
-    command = [str(program), "restart", str(state), "--until", until, "--output", str(output), *changes(bed)]
+    command = restart(bed, state, output, program)
     return measured(read_talcum, on_cores(command, bed.ranks, first, core), bed.ranks, output)
 
 
