@@ -102,7 +102,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "coupled": lambda wanted: coupled.coupled(wanted.rounds, wanted.first),
     "gas": lambda wanted: gas.gas(wanted.rounds, wanted.first),
     "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first, wanted.peers),
-    "processor": lambda wanted: processor.processor(wanted.rounds),
+    "processor": lambda wanted: processor.processor(wanted.rounds, wanted.first),
     "model": lambda _: model(),
     "measures": lambda wanted: measures.measures(wanted.rounds, wanted.first),
 }

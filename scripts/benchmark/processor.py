@@ -39,36 +39,35 @@ def samples(report: str, program: str) -> int:
     return sum(int(count) for count, owner in found if owner == program)
 
 
-def computing(bed: Bed, start: Path) -> float:
+def computing(bed: Bed, start: Path, first: bool) -> float:
     """Processor time of a run in the program's own code, of all ranks together; seconds."""
     record, output = RESULTS / "perf.data", RESULTS / "processor"
     grid = ",".join(map(str, GRIDS[bed.ranks]))
     command = [*restart(bed, start, output), "--set", f"parallel.ranks=[{grid}]"]
     sampled = ["perf", "record", "-q", "-e", "cpu-clock", "-F", str(FREQUENCY), "-o", str(record)]
-    execute([*sampled, *on_cores(command, bed.ranks)], bed.ranks)
+    execute([*sampled, *on_cores(command, bed.ranks, first)], bed.ranks)
     shutil.rmtree(output, ignore_errors=True)
     name = PROGRAM.name
     report = ["perf", "report", "-i", str(record), "--stdio", "-n", "-t", ";", "--sort", "dso,sym", "--comm", name]
-    return samples(execute(report).words, name) / FREQUENCY
+    found = samples(execute(report).words, name)
+    record.unlink()
+    return found / FREQUENCY
 
 
-def of_a_step(bed: Bed, start: Path) -> float:
+def of_a_step(bed: Bed, start: Path, first: bool) -> float:
     """The same of a step and a rank."""
-    longer, shorter = (computing(replace(bed, steps=steps), start) for steps in (LONGER, SHORTER))
+    longer, shorter = (computing(replace(bed, steps=steps), start, first) for steps in (LONGER, SHORTER))
     return (longer - shorter) / (LONGER - SHORTER) / bed.ranks
 
 
 def copies(ranks: int) -> float:
     """Copies that a rank has of other ranks' particles in a pair, by the model's count: half of those around its column."""
-    if ranks == 1:
-        return 0.0
-    sides = [WIDTH / count for count in GRIDS[ranks][:2]]
-    widened = [side + 2.0 * scaling.LAYER * (count > 1) for side, count in zip(sides, GRIDS[ranks])]
-    around = (math.prod(widened) - math.prod(sides)) / WIDTH**2 * BED.particles
-    return 0.5 * scaling.PART_IN_PAIRS * around
+    along = GRIDS[ranks][:2]
+    sides, is_cut = [WIDTH / count for count in along], [count > 1 for count in along]
+    return scaling.PART_IN_PAIRS * scaling.copies_around(sides, is_cut, BED.particles / WIDTH**2)
 
 
-def processor(rounds: int) -> str:
+def processor(rounds: int, first: bool) -> str:
     """A table of what a rank computes in a step, beside its share of what one rank computes alone."""
     if not shutil.which("perf"):
         raise BenchmarkError("perf is not installed: apt-get install linux-perf")
@@ -78,7 +77,7 @@ def processor(rounds: int) -> str:
     least = dict.fromkeys(GRIDS, math.inf)
     for _ in range(rounds):
         for bed in beds:
-            least[bed.ranks] = min(least[bed.ranks], of_a_step(bed, start))
+            least[bed.ranks] = min(least[bed.ranks], of_a_step(bed, start, first))
     return table_of(least)
 
 

@@ -74,6 +74,12 @@ class Network:
         return math.ceil(math.log2(ranks)) * self.message(size) if ranks > 1 else 0.0
 
 
+def copies_around(sides: list[float], is_cut: list[bool], density: float) -> float:
+    """Particles in the half that is ahead of the layer around a block, along the axes that are cut."""
+    widened = [side + 2.0 * LAYER * cut for side, cut in zip(sides, is_cut)]
+    return 0.5 * density * (math.prod(widened) - math.prod(sides))
+
+
 @dataclass(frozen=True)
 class Load:
     """What each rank has to do."""
@@ -115,10 +121,13 @@ class Load:
     @property
     def copies(self) -> float:
         """Particles of other ranks within the layer around the block, in the half that is ahead."""
-        widened = self.sides
-        for axis in range(self.cut_axes):
-            widened[axis] += 2.0 * LAYER
-        return 0.5 * self.density * (math.prod(widened) - math.prod(self.sides))
+        is_cut = [axis < self.cut_axes for axis in range(3)]
+        return copies_around(self.sides, is_cut, self.density)
+
+    @property
+    def copies_in_pairs(self) -> float:
+        """Those of them that are in a pair of the list."""
+        return PART_IN_PAIRS * self.copies
 
     @property
     def shared_pairs(self) -> float:
@@ -154,7 +163,7 @@ def rebuild(load: Load, ranks: int, network: Network) -> float:
 
 def travel(load: Load, network: Network) -> float:
     """Seconds until all velocities of copies have come, or all forces on them."""
-    return network.message(GHOST_BYTES * PART_IN_PAIRS * load.copies, load.cut_axes)
+    return network.message(GHOST_BYTES * load.copies_in_pairs, load.cut_axes)
 
 
 def halo(load: Load, ranks: int, network: Network) -> float:
@@ -180,7 +189,7 @@ def step_parts(load: Load, ranks: int, network: Network) -> dict[str, float]:
         return {"compute": compute, "copies": 0.0, "halo": 0.0, "decide": 0.0, "gas": 0.0, "rebuild": 0.0}
     return {
         "compute": compute,
-        "copies": COPY_COST * load.particle_step * PART_IN_PAIRS * load.copies,
+        "copies": COPY_COST * load.particle_step * load.copies_in_pairs,
         "halo": halo(load, ranks, network),
         "decide": network.all_reduce(ranks, DECISION_BYTES),
         "gas": gas_sum(load, ranks, network) if load.gas_nodes else 0.0,

@@ -13,7 +13,6 @@ use super::records::{GhostForces, GhostVelocities, NewGhost, Origin};
 use super::{AxisNeighbours, Communicator, Message, records_of_bytes};
 use crate::domain::Subdomain;
 use crate::particles::{DriftStep, ForceTorque, Particles, drift_copies, follow_originals};
-use bytemuck::Pod;
 use nalgebra::Vector3;
 
 /// The ghosts of this rank and of others, from one rebuild of the neighbour list to the next.
@@ -107,7 +106,7 @@ impl ParticleHalo {
         self.exchange(ranks, &mut || ());
         for (message, copies) in self.with_owners.iter().zip(&self.copies) {
             for &[place, ghost] in copies {
-                let velocities: GhostVelocities = record_at(message, place as usize);
+                let velocities: GhostVelocities = message.record(place as usize);
                 velocities.give_to(&mut particles.body[ghost as usize]);
             }
         }
@@ -126,7 +125,7 @@ impl ParticleHalo {
         }
         for (message, lent) in self.with_borrowers.iter_mut().zip(&self.lent) {
             let of_particle = |&index| GhostVelocities::of(&particles.body[index as usize]);
-            fill(message, lent.iter().map(of_particle));
+            message.overwrite(lent.iter().map(of_particle));
         }
     }
 
@@ -139,7 +138,7 @@ impl ParticleHalo {
     pub(crate) fn finish(&self, particles: &mut Particles, step: DriftStep) {
         for (message, copies) in self.with_owners.iter().zip(&self.copies) {
             let velocities = |place| {
-                let GhostVelocities { velocity, angular_velocity } = record_at(message, place);
+                let GhostVelocities { velocity, angular_velocity } = message.record(place);
                 [velocity, angular_velocity]
             };
             drift_copies(&mut particles.body, copies, velocities, step);
@@ -156,7 +155,7 @@ impl ParticleHalo {
                 }
                 GhostForces::of(&sum)
             };
-            fill(message, by_particle(copies).map(taken));
+            message.overwrite(by_particle(copies).map(taken));
         }
     }
 
@@ -292,21 +291,6 @@ impl ParticleHalo {
 /// The copies of each particle: they are in the order of their places, so that those of one particle follow each other.
 fn by_particle(copies: &Copies) -> impl Iterator<Item = &[[u32; 2]]> {
     copies.chunk_by(|[one, _], [other, _]| one == other)
-}
-
-/// The record at a place of a message.
-#[inline(always)]
-fn record_at<T: Pod>(message: &Message, place: usize) -> T {
-    let records = message.bytes[place * size_of::<T>()..].get(..size_of::<T>());
-    bytemuck::pod_read_unaligned(records.expect("a message has a record at each place"))
-}
-
-/// Writes records over those of a message, which has as many. To add each to a message that grows takes twice as long.
-#[inline(always)]
-fn fill<T: Pod>(message: &mut Message, records: impl Iterator<Item = T>) {
-    for (room, record) in message.bytes.chunks_exact_mut(size_of::<T>()).zip(records) {
-        room.copy_from_slice(bytemuck::bytes_of(&record));
-    }
 }
 
 /// A message of velocities or of forces, which take the same bytes, of so many particles.

@@ -107,13 +107,9 @@ fn sorted<T: Pod>(own: &[T], messages: &[Message], ids_of: impl Fn(&T) -> [u64; 
     order.sort_unstable_by_key(|&(key, _)| key);
     let record = |[source, index]: [u32; 2]| match source {
         0 => own[index as usize],
-        _ => record_in(&messages[source as usize - 1], index as usize),
+        _ => messages[source as usize - 1].record(index as usize),
     };
     order.into_iter().map(|(_, position)| record(position)).collect()
-}
-
-fn record_in<T: Pod>(message: &Message, index: usize) -> T {
-    bytemuck::pod_read_unaligned(&message.bytes[index * size_of::<T>()..][..size_of::<T>()])
 }
 
 /// The lowest and the highest id of all ranks; zeros if there are no ids.
