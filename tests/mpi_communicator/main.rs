@@ -2,7 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
+#[path = "../beds/mod.rs"]
+mod beds;
+#[path = "../parallel/dense_beds.rs"]
+mod dense_beds;
 mod exchange_during;
+#[path = "../parallel/far_apart.rs"]
+mod far_apart;
+mod machines;
 mod sparse_exchange;
 
 use std::fs::File;
@@ -54,6 +61,7 @@ fn main() -> ExitCode {
             "methods_in_pieces",
             "messages",
             "messages_in_pieces",
+            "machines",
             "write",
             "read",
             "open",
@@ -113,6 +121,7 @@ fn act(role: &str, folder: &Path) {
         "methods_in_pieces" => methods(&ranks.with_longest_message(1000)),
         "messages" => messages(&ranks),
         "messages_in_pieces" => messages(&ranks.with_longest_message(1000)),
+        "machines" => machines::beds_have_the_bits_of_one_rank(&ranks),
         "write" => write(&ranks, folder),
         "read" => read(&ranks, folder),
         "open" => open(&ranks, folder),

@@ -1,4 +1,4 @@
-//! Threads as ranks that say they are on machines of their own.
+//! Ranks, threads or processes, that say they are on machines of their own.
 
 use std::cell::Cell;
 use std::path::Path;
