@@ -114,13 +114,62 @@ pub(super) fn row_starts(
     ranges: [Range<isize>; 3],
     [_, inner, outer]: [usize; 3],
 ) -> impl Iterator<Item = [isize; 3]> {
-    let first = ranges.each_ref().map(|range| range.start);
-    let [rows, layers] = [inner, outer].map(|axis| ranges[axis].clone());
-    layers.flat_map(move |layer| {
-        rows.clone().map(move |row| {
-            let mut start = first;
-            (start[inner], start[outer]) = (row, layer);
-            start
-        })
-    })
+    let [first, end] = [ranges.each_ref().map(|r| r.start), ranges.each_ref().map(|r| r.end)];
+    let layers = if ranges[inner].is_empty() { 0 } else { ranges[outer].len() };
+    RowStarts { inner, outer, next: first, first: first[inner], end: end[inner], layers }
+}
+
+/// Like [`Rows`](super::rows::Rows), without nested iterators, which take as long as the work on a short row.
+struct RowStarts {
+    inner: usize,
+    outer: usize,
+    next: [isize; 3],
+    /// Of a layer, the first row and that after the last.
+    first: isize,
+    end: isize,
+    /// Layers left.
+    layers: usize,
+}
+
+impl Iterator for RowStarts {
+    type Item = [isize; 3];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<[isize; 3]> {
+        if self.layers == 0 {
+            return None;
+        }
+        let start = self.next;
+        self.next[self.inner] += 1;
+        if self.next[self.inner] == self.end {
+            self.next[self.inner] = self.first;
+            self.next[self.outer] += 1;
+            self.layers -= 1;
+        }
+        Some(start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::MEMORY_ORDERS;
+
+    #[test]
+    fn rows_start_in_the_order_in_which_they_lie_in_memory() {
+        for order in MEMORY_ORDERS {
+            let [along, inner, outer] = order;
+            let mut ranges = [0..1, 0..1, 0..1];
+            (ranges[along], ranges[inner], ranges[outer]) = (-2..5, -1..2, 3..5);
+            let starts =
+                row_starts(ranges.clone(), order).map(|start| order.map(|axis| start[axis]));
+            let expected = (3..5).flat_map(|layer| (-1..2).map(move |row| [-2, row, layer]));
+            assert!(starts.eq(expected));
+            for axis in [inner, outer] {
+                let mut none = ranges.clone();
+                none[axis] = 0..0;
+                assert_eq!(row_starts(none, order).count(), 0);
+            }
+        }
+    }
 }

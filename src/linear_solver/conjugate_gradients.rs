@@ -9,10 +9,10 @@
 //! ```
 
 use super::convergence::LinearSolverError;
-use super::dot_product::{DotProduct, RunningDot};
+use super::dot_product::{DotProduct, RunningDot, Values};
 use super::multigrid::Cycle;
 use super::operator::{Equation, apply, residual};
-use super::preconditioner::Preconditioner;
+use super::preconditioner::{Preconditioned, Preconditioner};
 use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
@@ -28,8 +28,6 @@ pub(super) struct ConjugateGradients {
     halo: FieldHalo,
     /// r
     residual: Field,
-    /// z = M r
-    preconditioned: Field,
     /// p
     direction: Field,
     /// q = A p
@@ -86,7 +84,6 @@ impl ConjugateGradients {
         Self {
             halo: FieldHalo::new(subdomain),
             residual: zero(),
-            preconditioned: zero(),
             direction: zero(),
             applied: zero(),
         }
@@ -175,13 +172,13 @@ impl ConjugateGradients {
             if restart.iterations == ITERATION_LIMIT {
                 return Err(failed);
             }
-            let mut product = self.precondition(preconditioner, restart, norm, ranks);
+            let (mut z, mut product) = self.precondition(preconditioner, restart, norm, ranks);
             if product <= 0.0 {
                 restart.cycle = Cycle::V;
                 last_product = f64::INFINITY;
-                product = self.precondition(preconditioner, restart, norm, ranks);
+                (z, product) = self.precondition(preconditioner, restart, norm, ranks);
             }
-            self.update_direction(product / last_product);
+            self.update_direction(z, product / last_product);
             last_product = product;
             self.halo.refresh(&mut [&mut self.direction], ranks);
             let squared_norm = self.update_solution(equation, restart, product, ranks);
@@ -194,22 +191,21 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// z = M r, r being of this norm; returns r . z. This call is collective.
-    fn precondition(
-        &mut self,
-        preconditioner: &mut Preconditioner,
+    /// z = M r, r being of this norm, and r . z. This call is collective.
+    fn precondition<'a>(
+        &self,
+        preconditioner: &'a mut Preconditioner,
         restart: &mut Restart,
         norm: f64,
         ranks: &dyn Communicator,
-    ) -> f64 {
-        let Self { residual, preconditioned, .. } = self;
-        preconditioner.apply(restart.cycle, (residual, norm), preconditioned, ranks);
-        restart.residual_dot_preconditioned.of(residual, preconditioned, ranks)
+    ) -> (Preconditioned<'a>, f64) {
+        let z = preconditioner.apply(restart.cycle, (&self.residual, norm), ranks);
+        (z, restart.residual_dot_preconditioned.of(&self.residual, z, ranks))
     }
 
     /// p <- z + beta p.
-    fn update_direction(&mut self, beta: f64) {
-        let Self { preconditioned, direction, .. } = self;
+    fn update_direction(&mut self, preconditioned: Preconditioned, beta: f64) {
+        let direction = &mut self.direction;
         in_wide_vectors(UpdateDirection { beta, preconditioned, direction });
     }
 
@@ -225,7 +221,7 @@ impl ConjugateGradients {
         let Self { residual, direction, applied, .. } = self;
         let dot = restart.curvature.begin();
         let dot = apply(equation.coefficients, direction, applied, dot);
-        let curvature = restart.curvature.finish(dot, [direction, applied], ranks);
+        let curvature = restart.curvature.finish(dot, (direction, &*applied), ranks);
         let squared_residual = in_wide_vectors(UpdateSolution {
             alpha: residual_dot_preconditioned / curvature,
             direction,
@@ -234,14 +230,14 @@ impl ConjugateGradients {
             residual,
             squared_residual: restart.squared_residual.begin(),
         });
-        restart.squared_residual.finish(squared_residual, [residual, residual], ranks)
+        restart.squared_residual.finish(squared_residual, (residual, &*residual), ranks)
     }
 }
 
 /// p <- z + beta p.
 struct UpdateDirection<'a> {
     beta: f64,
-    preconditioned: &'a Field,
+    preconditioned: Preconditioned<'a>,
     direction: &'a mut Field,
 }
 
@@ -252,7 +248,7 @@ impl VectorWork for UpdateDirection<'_> {
     fn run(self) {
         let length = self.direction.row_length();
         for [row] in rows([self.direction]) {
-            let preconditioned = &self.preconditioned.values()[row..][..length];
+            let preconditioned = self.preconditioned.row(row, length);
             let direction = &mut self.direction.values_mut()[row..][..length];
             for (p, z) in direction.iter_mut().zip(preconditioned) {
                 *p = z + self.beta * *p;
@@ -287,7 +283,7 @@ impl VectorWork for UpdateSolution<'_> {
             for (r, q) in r.iter_mut().zip(q) {
                 *r -= self.alpha * q;
             }
-            self.squared_residual.add_row(r, r);
+            self.squared_residual.add_row(self.residual, &*self.residual, row);
         }
         self.squared_residual
     }

@@ -19,6 +19,19 @@ const HEADROOM: f64 = 4_294_967_296.0; // 2^32
 /// The largest term that a sum may have.
 const LARGEST_TERM: f64 = f64::MAX / 8.0;
 
+/// Numbers in the owned cells of a rank, row by row.
+pub(super) trait Values: Copy {
+    /// Those of `length` cells from an index on, in double precision.
+    fn row(self, start: usize, length: usize) -> impl Iterator<Item = f64>;
+}
+
+impl Values for &Field {
+    #[inline(always)]
+    fn row(self, start: usize, length: usize) -> impl Iterator<Item = f64> {
+        self.values()[start..][..length].iter().copied()
+    }
+}
+
 /// The two quanta of the terms of a sum: 2^-51 and 2^-103 times a bound of their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TermQuanta {
@@ -65,16 +78,9 @@ impl FixedPointSum {
     const INTEGERS: usize = 5;
     const SPLIT: i128 = 1 << 48;
 
-    /// Adds a_i b_i for all i of a row.
+    /// Adds a_i b_i for some i, no more than can be added before the sum is carried over.
     #[inline(always)]
-    fn add_row(&mut self, quanta: TermQuanta, a: &[f64], b: &[f64]) {
-        for (a, b) in a.chunks(TERMS_BETWEEN_CARRIES).zip(b.chunks(TERMS_BETWEEN_CARRIES)) {
-            self.add_chunk(quanta, a, b);
-        }
-    }
-
-    #[inline(always)]
-    fn add_chunk(&mut self, quanta: TermQuanta, a: &[f64], b: &[f64]) {
+    fn add_chunk(&mut self, quanta: TermQuanta, a: &[f64], b: impl Iterator<Item = f64>) {
         let [coarse, fine] = quanta.shifts();
         let (mut high, mut low, mut beyond) = (0_u64, 0_u64, 0_u64);
         for (a, b) in a.iter().zip(b) {
@@ -152,7 +158,7 @@ impl DotProduct {
     pub(super) fn finish(
         &mut self,
         running: RunningDot,
-        [a, b]: [&Field; 2],
+        (a, b): (&Field, impl Values),
         ranks: &dyn Communicator,
     ) -> f64 {
         let value = self.has_quanta().then(|| total(running, ranks)).flatten();
@@ -165,17 +171,22 @@ impl DotProduct {
         value
     }
 
-    /// The dot product of the owned values of two fields. This call is collective.
-    pub(super) fn of(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> f64 {
+    /// The dot product of the owned values of two fields that lie in memory alike. This call is collective.
+    pub(super) fn of(&mut self, a: &Field, b: impl Values, ranks: &dyn Communicator) -> f64 {
         let mut running = self.begin();
         if self.has_quanta() {
             running = in_wide_vectors(AddRows { running, a, b });
         }
-        self.finish(running, [a, b], ranks)
+        self.finish(running, (a, b), ranks)
     }
 
     /// Chooses the quanta from the largest term. `None` if that is infinite or undefined.
-    fn with_new_quanta(&mut self, a: &Field, b: &Field, ranks: &dyn Communicator) -> Option<f64> {
+    fn with_new_quanta(
+        &mut self,
+        a: &Field,
+        b: impl Values,
+        ranks: &dyn Communicator,
+    ) -> Option<f64> {
         let mut largest = [largest_term(a, b)];
         ranks.maximum(&mut largest);
         if largest[0] > LARGEST_TERM {
@@ -187,7 +198,7 @@ impl DotProduct {
 }
 
 /// The largest |a_i b_i| of this rank; infinity if one is infinite or undefined (NaN).
-pub(super) fn largest_term(a: &Field, b: &Field) -> f64 {
+pub(super) fn largest_term(a: &Field, b: impl Values) -> f64 {
     in_wide_vectors(LargestTerm { a, b })
 }
 
@@ -199,10 +210,14 @@ pub(super) struct RunningDot {
 }
 
 impl RunningDot {
-    /// Adds a_i b_i for all i of a row.
+    /// Adds a_i b_i for all cells of the row of a, and of b alike, that begins with this index.
     #[inline(always)]
-    pub(super) fn add_row(&mut self, a: &[f64], b: &[f64]) {
-        self.sum.add_row(self.quanta, a, b);
+    pub(super) fn add_row(&mut self, a: &Field, b: impl Values, start: usize) {
+        let row = &a.values()[start..][..a.row_length()];
+        for (number, a) in row.chunks(TERMS_BETWEEN_CARRIES).enumerate() {
+            let b = b.row(start + number * TERMS_BETWEEN_CARRIES, a.len());
+            self.sum.add_chunk(self.quanta, a, b);
+        }
     }
 }
 
@@ -212,41 +227,39 @@ fn total(running: RunningDot, ranks: &dyn Communicator) -> Option<f64> {
     FixedPointSum::from_integers(integers).value(running.quanta)
 }
 
-struct AddRows<'a> {
+struct AddRows<'a, V> {
     running: RunningDot,
     a: &'a Field,
-    b: &'a Field,
+    b: V,
 }
 
-impl VectorWork for AddRows<'_> {
+impl<V: Values> VectorWork for AddRows<'_, V> {
     type Output = RunningDot;
 
     #[inline(always)]
     fn run(mut self) -> RunningDot {
-        let length = self.a.row_length();
-        for [a, b] in rows([self.a, self.b]) {
-            let (a, b) = (&self.a.values()[a..a + length], &self.b.values()[b..b + length]);
-            self.running.add_row(a, b);
+        for [start] in rows([self.a]) {
+            self.running.add_row(self.a, self.b, start);
         }
         self.running
     }
 }
 
-struct LargestTerm<'a> {
+struct LargestTerm<'a, V> {
     a: &'a Field,
-    b: &'a Field,
+    b: V,
 }
 
-impl VectorWork for LargestTerm<'_> {
+impl<V: Values> VectorWork for LargestTerm<'_, V> {
     type Output = f64;
 
     #[inline(always)]
     fn run(self) -> f64 {
         let length = self.a.row_length();
         let mut largest = Largest::default();
-        for [a, b] in rows([self.a, self.b]) {
-            let (a, b) = (&self.a.values()[a..a + length], &self.b.values()[b..b + length]);
-            for (a, b) in a.iter().zip(b) {
+        for [start] in rows([self.a]) {
+            let a = &self.a.values()[start..][..length];
+            for (a, b) in a.iter().zip(self.b.row(start, length)) {
                 largest.add((a * b).abs());
             }
         }

@@ -234,9 +234,8 @@ impl VectorWork for Apply<'_> {
         let length = p.row_length();
         for [first, row] in rows([&coefficients.diagonal, p]) {
             let stencil = StencilRow::new(coefficients, first, p, row, length);
-            let result = &mut q.values_mut()[row..][..length];
-            stencil.apply_to_row(result);
-            dot.add_row(stencil.centre(), result);
+            stencil.apply_to_row(&mut q.values_mut()[row..][..length]);
+            dot.add_row(p, &*q, row);
         }
         dot
     }

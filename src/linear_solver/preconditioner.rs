@@ -9,6 +9,7 @@
 //! * Goeddeke2007: D. Göddeke, R. Strzodka, S. Turek, "Performance and accuracy of hardware-oriented native-, emulated-
 //!   and mixed-precision solvers in FEM simulations", Int. J. Parallel Emergent Distrib. Syst. 22 (2007) 221-256.
 
+use super::dot_product::Values;
 use super::level_grid::LevelGrid;
 use super::multigrid::{Cycle, Multigrid};
 use super::operator::{Coefficients, Equation};
@@ -70,18 +71,30 @@ impl Preconditioner {
         &mut self,
         cycle: Cycle,
         (r, norm): (&Field, f64),
-        z: &mut Field,
         ranks: &dyn Communicator,
-    ) {
+    ) -> Preconditioned<'_> {
         let scale = to_one(norm);
         let Self { coefficients, right_hand_side, solution, .. } = self;
         let narrowed = |value: f64| (value * scale) as f32;
         in_wide_vectors(Convert { from: r, to: right_hand_side, conversion: narrowed });
         let mut equation = Equation { coefficients, right_hand_side, solution };
         self.multigrid.cycle(&mut equation, cycle, ranks);
-        let back = self.scale / scale;
-        let widened = |value: f32| f64::from(value) * back;
-        in_wide_vectors(Convert { from: solution, to: z, conversion: widened });
+        Preconditioned { solution, scale: self.scale / scale }
+    }
+}
+
+/// z = M r, as the cycle leaves it: in single precision, and scaled. It lies in memory like r.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Preconditioned<'a> {
+    solution: &'a Field<f32>,
+    /// A power of two.
+    scale: f64,
+}
+
+impl Values for Preconditioned<'_> {
+    #[inline(always)]
+    fn row(self, start: usize, length: usize) -> impl Iterator<Item = f64> {
+        self.solution.values()[start..][..length].iter().map(move |&z| f64::from(z) * self.scale)
     }
 }
 

@@ -148,11 +148,11 @@ impl PressureSolver {
             true => remove_mean(right, coefficients, gradients.scratch(), ranks),
             false => 0.0,
         };
-        let mut bounds = [largest_term(right, right), largest([&self.solution])];
+        let mut bounds = [largest_term(right, &*right), largest([&self.solution])];
         ranks.maximum(&mut bounds);
         let [of_squares, of_start] = bounds;
         let mut squared_norm = DotProduct::of_terms_up_to(of_squares);
-        let norm = squared_norm.of(right, right, ranks).sqrt();
+        let norm = squared_norm.of(right, &*right, ranks).sqrt();
         if norm == 0.0 {
             self.solution.values_mut().fill(0.0);
             copy_owned(&self.solution, solution);
@@ -190,12 +190,12 @@ fn remove_mean(
     ranks: &dyn Communicator,
 ) -> f64 {
     coefficients.mark_coupled(marks);
-    let mut cells = DotProduct::default().of(marks, marks, ranks);
+    let mut cells = DotProduct::default().of(marks, &*marks, ranks);
     if cells == 0.0 {
         marks.values_mut().fill(1.0);
-        cells = DotProduct::default().of(marks, marks, ranks);
+        cells = DotProduct::default().of(marks, &*marks, ranks);
     }
-    let mean = DotProduct::default().of(field, marks, ranks) / cells;
+    let mean = DotProduct::default().of(field, &*marks, ranks) / cells;
     let length = field.row_length();
     for [row, mark] in rows([&*field, &*marks]) {
         let marks = &marks.values()[mark..][..length];
