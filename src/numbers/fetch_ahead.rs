@@ -11,14 +11,13 @@ pub(crate) fn fetch_ahead<T>(items: &[T], index: usize) {
     (0..size_of::<T>()).step_by(LINE).for_each(|offset| fetch_line(item.wrapping_add(offset)));
 }
 
-/// Prefetches one of `parts` parts of a value.
+/// Prefetches one of so many parts of a value. All have as many lines, a number that is known to the compiler, so that the last may reach
+/// beyond the value.
 #[inline(always)]
-pub(crate) fn fetch_part_ahead<T>(value: &T, part: usize, parts: usize) {
-    let lines = size_of::<T>().div_ceil(LINE);
-    let first = std::ptr::from_ref(value).cast::<i8>();
-    for line in part * lines / parts..(part + 1) * lines / parts {
-        fetch_line(first.wrapping_add(line * LINE));
-    }
+pub(crate) fn fetch_part_ahead<const PARTS: usize, T>(value: &T, part: usize) {
+    let lines = const { size_of::<T>().div_ceil(LINE).div_ceil(PARTS) };
+    let first = std::ptr::from_ref(value).cast::<i8>().wrapping_add(part * lines * LINE);
+    (0..lines).for_each(|line| fetch_line(first.wrapping_add(line * LINE)));
 }
 
 #[inline(always)]
@@ -47,7 +46,7 @@ mod tests {
         for index in [0, 2, 3, 1 << 40, usize::MAX] {
             fetch_ahead(&items, index);
         }
-        (0..8).for_each(|part| fetch_part_ahead(&items, part, 8));
+        (0..8).for_each(|part| fetch_part_ahead::<8, _>(&items, part));
         assert_eq!(items, [[1.0; 24]; 3]);
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{Body, ForceTorque, Particles};
 use crate::numbers::{F64x4, Quantum, SimdKernel, fetch_ahead, with_simd};
-use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
@@ -113,29 +112,30 @@ struct IntegrateAll<'a, const GAS: bool> {
 }
 
 /// Half a time step over mass and over moment of inertia of a body.
-struct HalfKick {
+struct HalfKick<Q> {
     half: f64,
-    per_mass: f64,
-    per_inertia: f64,
+    per_mass: Q,
+    per_inertia: Q,
 }
 
-impl HalfKick {
+impl<Q: F64x4> HalfKick<Q> {
     #[inline(always)]
     fn new(dt: f64) -> Self {
-        Self { half: 0.5 * dt, per_mass: 0.0, per_inertia: 0.0 }
+        Self { half: 0.5 * dt, per_mass: Q::splat(0.0), per_inertia: Q::splat(0.0) }
     }
 
     #[inline(always)]
     fn set_size(&mut self, body: &Body) {
-        (self.per_mass, self.per_inertia) = (self.half / body.mass, self.half / body.inertia());
+        self.per_mass = Q::splat(self.half / body.mass);
+        self.per_inertia = Q::splat(self.half / body.inertia());
     }
 
     /// The mass, which is stored behind the velocity, does not change: zero is added to it.
     #[inline(always)]
-    fn apply<Q: F64x4>(&self, [velocity, spin]: &mut [Q; 2], forces: &ForceTorque) {
+    fn apply(&self, [velocity, spin]: &mut [Q; 2], forces: &ForceTorque) {
         let [force, torque] = forces.vectors();
-        *velocity = velocity.plus(Q::load(force).times(Q::splat(self.per_mass)));
-        *spin = spin.plus(Q::load(torque).times(Q::splat(self.per_inertia)));
+        *velocity = velocity.plus(Q::load(force).times(self.per_mass));
+        *spin = spin.plus(Q::load(torque).times(self.per_inertia));
     }
 }
 
@@ -184,9 +184,10 @@ struct Integrator<Q> {
     step: KickDrift,
     /// Radius and mass that the kicks and the weight are for.
     size: [f64; 2],
-    pending: HalfKick,
-    kick: HalfKick,
-    weight: ForceTorque,
+    pending: HalfKick<Q>,
+    kick: HalfKick<Q>,
+    /// Its force and its torque.
+    weight: [Q; 2],
     largest_displacement: MaxDisplacement<Q>,
 }
 
@@ -194,7 +195,7 @@ impl<Q: F64x4> Integrator<Q> {
     #[inline(always)]
     fn new(step: KickDrift) -> Self {
         let pending = HalfKick::new(step.pending.unwrap_or(0.0));
-        let (kick, weight) = (HalfKick::new(step.dt), ForceTorque::zeroed());
+        let (kick, weight) = (HalfKick::new(step.dt), [Q::splat(0.0); 2]);
         let largest_displacement = MaxDisplacement::new();
         Self { step, size: [0.0; 2], pending, kick, weight, largest_displacement }
     }
@@ -207,7 +208,9 @@ impl<Q: F64x4> Integrator<Q> {
             self.pending.set_size(body);
             self.kick.set_size(body);
             if let Some(step) = self.step.drift {
-                self.weight = step.weight.force(body.mass);
+                let weight = step.weight.force(body.mass);
+                let [force, torque] = weight.vectors();
+                self.weight = [Q::load(force), Q::load(torque)];
             }
         }
     }
@@ -239,7 +242,9 @@ impl<Q: F64x4> Integrator<Q> {
         let Some(step) = self.step.drift else { return Q::splat(0.0) };
         let displacement = step.displacement(velocities[0]);
         Q::load(position).plus(displacement).store(position);
-        *forces = self.weight;
+        let [force, torque] = forces.vectors_mut();
+        self.weight[0].store(force);
+        self.weight[1].store(torque);
         displacement
     }
 }

@@ -58,6 +58,15 @@ pub(crate) fn require_within<Q: F64x4>(
     }
 }
 
+/// Fours of pairs in a block.
+const FOURS: usize = LANES / 4;
+
+/// The particles of a block, four pairs at a time.
+#[inline(always)]
+fn in_fours(particles: &[u32; LANES]) -> &[[u32; 4]; FOURS] {
+    bytemuck::cast_ref(particles)
+}
+
 impl ContactBlock {
     /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for. Fetches bodies of the next block.
     #[inline(always)]
@@ -71,11 +80,13 @@ impl ContactBlock {
         let zero = [Q::splat(0.0); 4];
         let (mut branch_vector, mut velocity, mut spin, mut relative_spin) =
             (zero, zero, zero, zero);
-        for from in (0..LANES).step_by(4) {
+        let (firsts, seconds) = (in_fours(first), in_fours(second));
+        for number in 0..FOURS {
+            let (first, second, from) = (&firsts[number], &seconds[number], 4 * number);
             coming.fetch_bodies(bodies, from);
             for row in 0..4 {
                 let lane = from + row;
-                let (i, j) = (&bodies[first[lane] as usize], &bodies[second[lane] as usize]);
+                let (i, j) = (&bodies[first[row] as usize], &bodies[second[row] as usize]);
                 sizes.gather(lane, [i, j]);
                 let [radius_i, radius_j] = sizes.radii(lane);
                 let ([position_i, velocity_i, spin_i], [position_j, velocity_j, spin_j]) =
@@ -141,8 +152,10 @@ impl ContactBlock {
         used: usize,
         (forces, coming): (&mut [ForceTorque], ComingBlocks),
     ) -> Result<(), ExcessForce> {
-        for from in (0..used).step_by(4) {
-            coming.fetch_pairs(from / 4);
+        let (firsts, seconds) = (in_fours(first), in_fours(second));
+        for number in 0..used.div_ceil(4).min(FOURS) {
+            let (first, second, from) = (&firsts[number], &seconds[number], 4 * number);
+            coming.fetch_pairs(number);
             coming.fetch_forces(forces, from);
             let FourForces { force_on_j, negative_torques } =
                 self.forces_of_four::<Q, R, S>(from, sizes, laws);
@@ -153,10 +166,10 @@ impl ContactBlock {
                 if from + row >= used {
                     break;
                 }
-                let [force_i, of_i] = forces[first[from + row] as usize].vectors_mut();
+                let [force_i, of_i] = forces[first[row] as usize].vectors_mut();
                 Q::load(force_i).minus(force[row]).store(force_i);
                 Q::load(of_i).minus(torque_i[row]).store(of_i);
-                let [force_j, of_j] = forces[second[from + row] as usize].vectors_mut();
+                let [force_j, of_j] = forces[second[row] as usize].vectors_mut();
                 Q::load(force_j).plus(force[row]).store(force_j);
                 Q::load(of_j).minus(torque_j[row]).store(of_j);
             }
@@ -167,9 +180,8 @@ impl ContactBlock {
     /// Copies the flags of pairs that touch.
     #[inline(always)]
     pub(crate) fn copy_touching(&self, touching: &mut [bool; LANES]) {
-        for (touching, &flag) in touching.iter_mut().zip(&self.touching) {
-            *touching = flag != 0;
-        }
+        // All flags are read before one is written: else the compiler copies them one by one.
+        *touching = self.touching.map(|flag| flag != 0);
     }
 }
 

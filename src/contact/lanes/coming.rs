@@ -44,7 +44,7 @@ impl<'a> ComingBlocks<'a> {
     #[inline(always)]
     pub(crate) fn fetch_pairs(self, four: usize) {
         if let Some(block) = self.after_next {
-            fetch_part_ahead(block, four, PARTS);
+            fetch_part_ahead::<PARTS, _>(block, four);
         }
     }
 }
