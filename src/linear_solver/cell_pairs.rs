@@ -1,5 +1,6 @@
 //! Which cells of a grid are paired along one axis to form the cells of the next coarser grid.
 
+use super::rows::{Rows, row_starts};
 use crate::grid::LocalCells;
 use std::ops::Range;
 
@@ -51,12 +52,12 @@ impl CellPairs {
     }
 
     /// The first cells of the rows of owned fine cells, in the order of `Field::rows`.
-    pub(super) fn fine_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+    pub(super) fn fine_rows(&self) -> Rows<isize, 3> {
         row_starts(self.fine.count.map(|count| 0..count as isize), self.fine.order)
     }
 
     /// The first cells of the rows of owned pairs, in the order of `Field::rows`.
-    pub(super) fn coarse_rows(&self) -> impl Iterator<Item = [isize; 3]> + use<> {
+    pub(super) fn coarse_rows(&self) -> Rows<isize, 3> {
         row_starts(self.coarse.count.map(|count| 0..count as isize), self.coarse.order)
     }
 
@@ -105,71 +106,5 @@ impl CellPairs {
             let count = self.fine.count[axis] as isize;
             if axis > self.axis && !last { -1..count + 1 } else { 0..count }
         })
-    }
-}
-
-/// The first cells of the rows of a block, in the order in which they lie in memory.
-#[inline(always)]
-pub(super) fn row_starts(
-    ranges: [Range<isize>; 3],
-    [_, inner, outer]: [usize; 3],
-) -> impl Iterator<Item = [isize; 3]> {
-    let [first, end] = [ranges.each_ref().map(|r| r.start), ranges.each_ref().map(|r| r.end)];
-    let layers = if ranges[inner].is_empty() { 0 } else { ranges[outer].len() };
-    RowStarts { inner, outer, next: first, first: first[inner], end: end[inner], layers }
-}
-
-/// Like [`Rows`](super::rows::Rows), without nested iterators, which take as long as the work on a short row.
-struct RowStarts {
-    inner: usize,
-    outer: usize,
-    next: [isize; 3],
-    /// Of a layer, the first row and that after the last.
-    first: isize,
-    end: isize,
-    /// Layers left.
-    layers: usize,
-}
-
-impl Iterator for RowStarts {
-    type Item = [isize; 3];
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<[isize; 3]> {
-        if self.layers == 0 {
-            return None;
-        }
-        let start = self.next;
-        self.next[self.inner] += 1;
-        if self.next[self.inner] == self.end {
-            self.next[self.inner] = self.first;
-            self.next[self.outer] += 1;
-            self.layers -= 1;
-        }
-        Some(start)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::MEMORY_ORDERS;
-
-    #[test]
-    fn rows_start_in_the_order_in_which_they_lie_in_memory() {
-        for order in MEMORY_ORDERS {
-            let [along, inner, outer] = order;
-            let mut ranges = [0..1, 0..1, 0..1];
-            (ranges[along], ranges[inner], ranges[outer]) = (-2..5, -1..2, 3..5);
-            let starts =
-                row_starts(ranges.clone(), order).map(|start| order.map(|axis| start[axis]));
-            let expected = (3..5).flat_map(|layer| (-1..2).map(move |row| [-2, row, layer]));
-            assert!(starts.eq(expected));
-            for axis in [inner, outer] {
-                let mut none = ranges.clone();
-                none[axis] = 0..0;
-                assert_eq!(row_starts(none, order).count(), 0);
-            }
-        }
     }
 }

@@ -3,8 +3,9 @@
 //! Prolongation interpolates: p_c = (1 - t_c) p_M + t_c p_N. Restriction is its transpose: a pair receives (1 - t_c)
 //! r_c from its own cells and t_c r_c from the cells beside it.
 
-use super::cell_pairs::{PairRow, row_starts};
+use super::cell_pairs::PairRow;
 use super::interpolation::Interpolation;
+use super::rows::row_starts;
 use crate::grid::Field;
 use crate::numbers::{VectorWork, in_wide_vectors};
 

@@ -1,7 +1,7 @@
 //! Levels that every rank holds as a whole: gathering the cells of all ranks, and taking a rank's own back.
 
-use super::cell_pairs::row_starts;
 use super::operator::Coefficients;
+use super::rows::row_starts;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
 

@@ -1,24 +1,25 @@
-//! Rows of owned cells in several fields at once.
+//! Rows of cells: of owned ones in several fields at once, and of blocks.
 
 use crate::grid::Field;
 use bytemuck::Pod;
+use std::ops::{AddAssign, Range};
 
-/// Iterates over the rows: for each field the index at which the row starts.
+/// Iterates over rows: where each starts, as N numbers. It has no nested iterators, which take as long as the work on a short row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rows<const N: usize> {
-    row: [usize; N],
-    layer: [usize; N],
+pub(super) struct Rows<I, const N: usize> {
+    row: [I; N],
+    layer: [I; N],
     /// From a row to the next, and from a layer to the next.
-    strides: [[usize; N]; 2],
+    strides: [[I; N]; 2],
     rows_in_layer: usize,
     rows_left: usize,
     layers_left: usize,
 }
 
-/// The rows of fields on the same cells, whose halos may differ in width. The order is that of [`Field::rows`], but
-/// without its nested iterators, which take as long as the work on a short row.
+/// The rows of fields on the same cells, whose halos may differ in width: for each field the index at which the row starts. The order is
+/// that of [`Field::rows`].
 #[inline(always)]
-pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<N> {
+pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<usize, N> {
     let first = fields.map(|field| field.index([0; 3]));
     let [_, rows, layers] = fields[0].order().map(|axis| fields[0].count()[axis]);
     Rows {
@@ -31,11 +32,30 @@ pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<N> {
     }
 }
 
-impl<const N: usize> Iterator for Rows<N> {
-    type Item = [usize; N];
+/// The first cells of the rows of a block, in the order in which they lie in memory.
+#[inline(always)]
+pub(super) fn row_starts(
+    ranges: [Range<isize>; 3],
+    [_, inner, outer]: [usize; 3],
+) -> Rows<isize, 3> {
+    let first = ranges.each_ref().map(|range| range.start);
+    let one_along = |axis: usize| std::array::from_fn(|other| isize::from(other == axis));
+    let [rows, layers] = [inner, outer].map(|axis| ranges[axis].len());
+    Rows {
+        row: first,
+        layer: first,
+        strides: [one_along(inner), one_along(outer)],
+        rows_in_layer: rows,
+        rows_left: rows,
+        layers_left: if rows == 0 { 0 } else { layers },
+    }
+}
+
+impl<I: Copy + AddAssign, const N: usize> Iterator for Rows<I, N> {
+    type Item = [I; N];
 
     #[inline(always)]
-    fn next(&mut self) -> Option<[usize; N]> {
+    fn next(&mut self) -> Option<[I; N]> {
         if self.layers_left == 0 {
             return None;
         }
@@ -44,13 +64,13 @@ impl<const N: usize> Iterator for Rows<N> {
         if self.rows_left == 0 {
             self.rows_left = self.rows_in_layer;
             self.layers_left -= 1;
-            for field in 0..N {
-                self.layer[field] += self.strides[1][field];
+            for number in 0..N {
+                self.layer[number] += self.strides[1][number];
             }
             self.row = self.layer;
         } else {
-            for field in 0..N {
-                self.row[field] += self.strides[0][field];
+            for number in 0..N {
+                self.row[number] += self.strides[0][number];
             }
         }
         Some(starts)
@@ -77,6 +97,24 @@ mod tests {
             let [narrow, wide] = [1, 2].map(|halo| Field::<f64>::new(&cells, halo));
             let expected: Vec<_> = narrow.rows().zip(wide.rows()).map(|(a, b)| [a, b]).collect();
             assert_eq!(rows([&narrow, &wide]).collect::<Vec<_>>(), expected);
+        }
+    }
+
+    #[test]
+    fn rows_start_in_the_order_in_which_they_lie_in_memory() {
+        for order in MEMORY_ORDERS {
+            let [along, inner, outer] = order;
+            let mut ranges = [0..1, 0..1, 0..1];
+            (ranges[along], ranges[inner], ranges[outer]) = (-2..5, -1..2, 3..5);
+            let starts =
+                row_starts(ranges.clone(), order).map(|start| order.map(|axis| start[axis]));
+            let expected = (3..5).flat_map(|layer| (-1..2).map(move |row| [-2, row, layer]));
+            assert!(starts.eq(expected));
+            for axis in [inner, outer] {
+                let mut none = ranges.clone();
+                none[axis] = 0..0;
+                assert_eq!(row_starts(none, order).count(), 0);
+            }
         }
     }
 }

@@ -51,13 +51,13 @@ pub(crate) trait F64x4: Copy {
     fn transposed(rows: [Self; 4]) -> [Self; 4];
 }
 
-/// Four consecutive numbers of a slice.
+/// Four consecutive items of a slice.
 #[inline(always)]
-pub(crate) fn four(numbers: &[f64], from: usize) -> &[f64; 4] {
-    numbers[from..].first_chunk().expect("the slice has four numbers from there on")
+pub(crate) fn four<T>(items: &[T], from: usize) -> &[T; 4] {
+    items[from..].first_chunk().expect("the slice has four items from there on")
 }
 
-/// The same, to be changed.
+/// Four consecutive numbers, to be changed.
 #[inline(always)]
 pub(crate) fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")

@@ -58,15 +58,6 @@ pub(crate) fn require_within<Q: F64x4>(
     }
 }
 
-/// Fours of pairs in a block.
-const FOURS: usize = LANES / 4;
-
-/// The particles of a block, four pairs at a time.
-#[inline(always)]
-fn in_fours(particles: &[u32; LANES]) -> &[[u32; 4]; FOURS] {
-    bytemuck::cast_ref(particles)
-}
-
 impl ContactBlock {
     /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for. Fetches bodies of the next block.
     #[inline(always)]
@@ -80,9 +71,8 @@ impl ContactBlock {
         let zero = [Q::splat(0.0); 4];
         let (mut branch_vector, mut velocity, mut spin, mut relative_spin) =
             (zero, zero, zero, zero);
-        let (firsts, seconds) = (in_fours(first), in_fours(second));
-        for number in 0..FOURS {
-            let (first, second, from) = (&firsts[number], &seconds[number], 4 * number);
+        for from in (0..LANES).step_by(4) {
+            let [first, second] = [first, second].map(|particles| four(particles, from));
             coming.fetch_bodies(bodies, from);
             for row in 0..4 {
                 let lane = from + row;
@@ -152,10 +142,9 @@ impl ContactBlock {
         used: usize,
         (forces, coming): (&mut [ForceTorque], ComingBlocks),
     ) -> Result<(), ExcessForce> {
-        let (firsts, seconds) = (in_fours(first), in_fours(second));
-        for number in 0..used.div_ceil(4).min(FOURS) {
-            let (first, second, from) = (&firsts[number], &seconds[number], 4 * number);
-            coming.fetch_pairs(number);
+        for from in (0..used).step_by(4) {
+            let [first, second] = [first, second].map(|particles| four(particles, from));
+            coming.fetch_pairs(from / 4);
             coming.fetch_forces(forces, from);
             let FourForces { force_on_j, negative_torques } =
                 self.forces_of_four::<Q, R, S>(from, sizes, laws);
