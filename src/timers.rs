@@ -70,6 +70,14 @@ pub struct Timers {
     spent: [Duration; Phase::ALL.len()],
 }
 
+/// How long the last steps took. Of more than [`RecentDurations::MOST`] the oldest are forgotten.
+#[derive(Clone, Debug, Default)]
+pub struct RecentDurations {
+    kept: Vec<Duration>,
+    /// How many have been noted.
+    count: usize,
+}
+
 /// One phase over all ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseTime {
@@ -114,5 +122,54 @@ impl Timers {
             PhaseTime { phase, mean: mean_of(index), largest: largest[index] }
         };
         Phase::ALL.map(row).to_vec()
+    }
+}
+
+impl RecentDurations {
+    /// Most durations that are kept.
+    pub const MOST: usize = 4096;
+
+    /// Adds that of one step.
+    pub fn note(&mut self, took: Duration) {
+        match self.kept.len() < Self::MOST {
+            true => self.kept.push(took),
+            false => self.kept[self.count % Self::MOST] = took,
+        }
+        self.count += 1;
+    }
+
+    /// All of them, the shortest first.
+    pub fn sorted(&self) -> Vec<Duration> {
+        let mut sorted = self.kept.clone();
+        sorted.sort_unstable();
+        sorted
+    }
+
+    /// The median, the longer of two; none before the first step.
+    pub fn median(&self) -> Option<Duration> {
+        self.sorted().get(self.kept.len() / 2).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_durations_are_forgotten() {
+        let mut durations = RecentDurations::default();
+        assert_eq!(durations.median(), None);
+        let note = |durations: &mut RecentDurations, count: usize, milliseconds: u64| {
+            (0..count).for_each(|_| durations.note(Duration::from_millis(milliseconds)));
+        };
+        note(&mut durations, RecentDurations::MOST, 5);
+        note(&mut durations, RecentDurations::MOST / 2 - 1, 9);
+        assert_eq!(durations.median(), Some(Duration::from_millis(5)));
+        note(&mut durations, 1, 9);
+        assert_eq!(durations.median(), Some(Duration::from_millis(9)));
+        note(&mut durations, RecentDurations::MOST / 2, 1);
+        assert_eq!(durations.sorted().len(), RecentDurations::MOST);
+        assert_eq!(durations.sorted()[0], Duration::from_millis(1));
+        assert_eq!(durations.median(), Some(Duration::from_millis(9)));
     }
 }

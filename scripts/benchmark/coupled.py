@@ -10,7 +10,7 @@ from statistics import median
 from .beds import ROOT, Bed
 from .runs import Measured, execute, on_cores
 from .states import STATES, is_kept, run_to
-from .tables import ratio, rounded, table
+from .tables import efficiency_at_median, ratio, rounded, table
 from .talcum import PROGRAM, rate_of_copies, run_talcum
 
 MOST_RANKS = 2
@@ -64,8 +64,9 @@ def line(
         100.0 * median(run.stages.get(name, 0.0) for run in runs)
         for name in ("contact forces", "coarse-grain, gas", "gas force", "migrate, rebuild lists", "integrate")
     ]
+    at_median = efficiency_at_median(runs, alone, ranks)
     of_copies = ratio(copies, [run.rate for run in alone])
-    rates = map(rounded, (rate, rate / ranks, gained, of_copies))
+    rates = map(rounded, (rate, rate / ranks, gained, at_median, of_copies))
     return [bed.name, str(ranks), *rates, *(rounded(share, 1) for share in shares)]
 
 
@@ -85,6 +86,6 @@ def coupled(rounds: int, first: bool) -> str:
     rows = [
         line(bed, ranks, found, runs[bed, 1], copies.get((bed, ranks), [])) for (bed, ranks), found in runs.items()
     ]
-    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency", "of copies", "contacts, %",
-            "gas, %", "gas force, %", "lists, %", "integration, %"]  # fmt: skip
+    head = ["bed", "ranks", "million particle-steps/s", "per rank", "efficiency",
+            "at the median step", "of copies", "contacts, %", "gas, %", "gas force, %", "lists, %", "integration, %"]  # fmt: skip
     return table(head, rows)

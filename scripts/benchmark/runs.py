@@ -32,6 +32,7 @@ class Measured:
     """One run of one program on one bed."""
 
     rate: float  # million particle-steps per second, of all ranks
+    median_rate: float | None = None  # the same at the median step, if it is told
     share_of_cores: float = 1.0
     largest_memory: float = 0.0  # bytes, of the largest process
     usual_memory: float = 0.0  # bytes, in the steps, of the process started
@@ -151,7 +152,9 @@ def watch(pid: int) -> tuple[Watched, int, resource.struct_rusage]:
 
 
 STAGE_LINE = re.compile(r"^(?P<name>\S.*?)\s+[\d.]+\s+(?P<share>[\d.]+) %\s+(?P<imbalance>[\d.]+)$", re.MULTILINE)
-STAGE_END = re.compile(r'stage "[^"]*" ends: (\d+) steps, ([\d.]+) million particle-steps/s')
+STAGE_END = re.compile(
+    r'stage "[^"]*" ends: \d+ steps, ([\d.]+) million particle-steps/s(?:, ([\d.]+) at the median step)?'
+)
 
 
 def read_talcum(words: str) -> Measured:
@@ -162,7 +165,8 @@ def read_talcum(words: str) -> Measured:
         raise BenchmarkError(f"talcum did not say its rate:\n{words[-2000:]}")
     rows = STAGE_LINE.findall(words)
     return Measured(
-        rate=float(rates[-1][1]),
+        rate=float(rates[-1][0]),
+        median_rate=float(rates[-1][1]) if rates[-1][1] else None,
         stages={name: float(share) / 100.0 for name, share, _ in rows},
         imbalance={name: float(imbalance) for name, _, imbalance in rows},
         digest=digest[1],

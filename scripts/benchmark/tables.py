@@ -11,6 +11,7 @@ from statistics import median
 from typing import Any
 
 from .beds import BEDS, ROOT, Bed
+from .runs import Measured
 
 # Runs of one bed by program: [{"rate": ..., ...}, ...], one of each program in each round.
 Runs = dict[str, list[dict[str, Any]]]
@@ -28,6 +29,13 @@ def ratio(above: list[float], below: list[float]) -> float | None:
     """Median of the ratios of runs of the same round."""
     ratios = [a / b for a, b in zip(above, below)]
     return median(ratios) if ratios else None
+
+
+def efficiency_at_median(runs: list[Measured], alone: list[Measured], ranks: int) -> float | None:
+    """Rates per rank over those on one rank, at the median step, which steps that other programs disturb do not change."""
+    rates_of = [(run.median_rate, one.median_rate) for run, one in zip(runs, alone)]
+    efficiencies = [of_run / of_one / ranks for of_run, of_one in rates_of if of_run and of_one]
+    return median(efficiencies) if efficiencies else None
 
 
 def rounded(number: float | None, digits: int = 2) -> str:

@@ -9,6 +9,7 @@ mod measuring;
 mod outputs;
 mod particle_columns;
 mod running;
+mod stage_rate;
 mod start;
 
 pub use folder::{FolderLock, OutputFolder};

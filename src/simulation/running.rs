@@ -6,6 +6,7 @@ use super::folder::{OutputFolder, make_folder, mark_complete};
 use super::measuring::{Beginning, Measuring};
 use super::outputs::Outputs;
 use super::particle_columns::{self, snapshot_format};
+use super::stage_rate::StageRate;
 use super::start::{InitialState, Origin};
 use crate::analysis::{BedProfile, MomentumProbe, RunView, measure, wall_forces};
 use crate::case::Case;
@@ -28,12 +29,6 @@ use std::time::Instant;
 /// Steps between looks at the wall-clock time, and between reports of the progress.
 pub(super) const WATCH_EVERY: u64 = 64;
 
-/// When the present stage of the case was entered.
-struct StageStart {
-    instant: Instant,
-    step: u64,
-}
-
 /// A run between two steps.
 pub(super) struct Simulation<'a> {
     case: &'a Case,
@@ -41,7 +36,7 @@ pub(super) struct Simulation<'a> {
     work: &'a mut Workspace,
     models: Models,
     stage: usize,
-    stage_start: StageStart,
+    stage_rate: StageRate,
     profile: BedProfile,
     folder: OutputFolder,
     provenance: Provenance,
@@ -79,7 +74,7 @@ impl<'a> Simulation<'a> {
         let mut simulation = Self {
             case,
             stage,
-            stage_start: StageStart { instant: Instant::now(), step: state.clock.step },
+            stage_rate: StageRate::begin(state.clock.step, &models.physics.gas),
             expected_particles: here + state.departed.count,
             state: Staggered::new(state),
             work,
@@ -161,6 +156,7 @@ impl<'a> Simulation<'a> {
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, self.work, self.ranks)?;
         let measures_start = Instant::now();
+        self.stage_rate.note_step(self.state.clock().step, measures_start);
         self.measure_due()?;
         self.work.timers.add(Phase::Measures, measures_start.elapsed());
         let output_start = Instant::now();
@@ -186,6 +182,7 @@ impl<'a> Simulation<'a> {
         self.stage = stage;
         let stored = self.stored_for_ledger();
         self.models = self.case.stages[stage].models(self.state.sizes());
+        self.stage_rate = StageRate::begin(self.steps_done(), &self.models.physics.gas);
         log::info!("stage \"{}\" begins", self.case.stages[stage].name);
         self.work.prepare(&self.case.domain, &self.models, self.state.sizes());
         let domain = &self.case.domain;
@@ -219,15 +216,11 @@ impl<'a> Simulation<'a> {
         is_kept.then(|| stored_energy(state, &self.case.domain, &self.models, self.work))
     }
 
-    /// Logs the rate of the stage that ends; the next one starts.
-    fn report_stage(&mut self) {
-        let now = StageStart { instant: Instant::now(), step: self.state.clock().step };
-        let StageStart { instant, step } = std::mem::replace(&mut self.stage_start, now);
-        let steps = self.state.clock().step - step;
+    /// Logs the rate of the stage that ends.
+    fn report_stage(&self) {
         let particles = (self.expected_particles - self.state.departed().count) as f64;
-        let rate = steps as f64 * particles / instant.elapsed().as_secs_f64().max(1.0e-9) * 1.0e-6;
-        let name = &self.case.stages[self.stage].name;
-        log::info!("stage \"{name}\" ends: {steps} steps, {rate:.2} million particle-steps/s");
+        let report = self.stage_rate.report(self.steps_done(), particles);
+        log::info!("stage \"{}\" ends: {report}", self.case.stages[self.stage].name);
     }
 
     /// Rows, profiles and snapshots that are due at this step. Collective.

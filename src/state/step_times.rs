@@ -1,6 +1,6 @@
 //! How long this rank's steps take where it waits for no other.
 
-use crate::timers::{Phase, Timers};
+use crate::timers::{Phase, RecentDurations, Timers};
 use std::time::Duration;
 
 /// Times of the work that cut planes divide.
@@ -38,15 +38,11 @@ impl LoadTimes {
 pub struct StepTimes {
     /// At the last step, and at the last look; none before the first step of a run.
     noted: Option<[LoadTimes; 2]>,
-    steps: Vec<Duration>,
-    /// How many steps have been noted since the last look.
-    count: usize,
+    /// Since the last look.
+    steps: RecentDurations,
 }
 
 impl StepTimes {
-    /// Most steps that are kept.
-    const MOST: usize = 4096;
-
     /// Notes that a step begins, and how long the one before took.
     pub fn note(&mut self, timers: &Timers) {
         let now = LoadTimes::spent(timers);
@@ -55,11 +51,7 @@ impl StepTimes {
             return;
         };
         let took = now.since(std::mem::replace(last_step, now)).total();
-        match self.steps.len() < Self::MOST {
-            true => self.steps.push(took),
-            false => self.steps[self.count % Self::MOST] = took,
-        }
-        self.count += 1;
+        self.steps.note(took);
     }
 
     /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
@@ -70,10 +62,9 @@ impl StepTimes {
         let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
         self.noted = Some([now; 2]);
-        self.count = 0;
-        self.steps.sort_unstable();
-        let kept = self.steps.len().div_ceil(2);
-        let sum: Duration = self.steps.drain(..).take(kept).sum();
+        let steps = std::mem::take(&mut self.steps).sorted();
+        let kept = steps.len().div_ceil(2);
+        let sum: Duration = steps.iter().take(kept).sum();
         if all.total().is_zero() || kept == 0 {
             return LoadTimes::default();
         }
@@ -135,7 +126,8 @@ mod tests {
 
     #[test]
     fn of_very_many_steps_the_last_are_kept() {
-        let steps = (0..2 * StepTimes::MOST).map(|n| if n < StepTimes::MOST { 500 } else { 100 });
+        let steps = (0..2 * RecentDurations::MOST)
+            .map(|n| if n < RecentDurations::MOST { 500 } else { 100 });
         assert_close(mean_of(steps), [25.0, 75.0]);
     }
 }
