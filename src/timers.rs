@@ -2,6 +2,7 @@
 
 use crate::parallel::Communicator;
 use std::time::{Duration, Instant};
+use std::vec::Drain;
 
 /// The phases of a step, in the order of the step, and the rest of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,16 +139,11 @@ impl RecentDurations {
         self.count += 1;
     }
 
-    /// All of them, the shortest first.
-    pub fn sorted(&self) -> Vec<Duration> {
-        let mut sorted = self.kept.clone();
-        sorted.sort_unstable();
-        sorted
-    }
-
-    /// The median, the longer of two; none before the first step.
-    pub fn median(&self) -> Option<Duration> {
-        self.sorted().get(self.kept.len() / 2).copied()
+    /// All of them, the shortest first; none are left, but the memory is.
+    pub fn take_sorted(&mut self) -> Drain<'_, Duration> {
+        self.count = 0;
+        self.kept.sort_unstable();
+        self.kept.drain(..)
     }
 }
 
@@ -158,18 +154,23 @@ mod tests {
     #[test]
     fn the_oldest_durations_are_forgotten() {
         let mut durations = RecentDurations::default();
-        assert_eq!(durations.median(), None);
+        let middle = |mut durations: RecentDurations| {
+            let sorted = durations.take_sorted();
+            sorted.as_slice().get(sorted.len() / 2).copied()
+        };
+        assert_eq!(middle(durations.clone()), None);
         let note = |durations: &mut RecentDurations, count: usize, milliseconds: u64| {
             (0..count).for_each(|_| durations.note(Duration::from_millis(milliseconds)));
         };
         note(&mut durations, RecentDurations::MOST, 5);
         note(&mut durations, RecentDurations::MOST / 2 - 1, 9);
-        assert_eq!(durations.median(), Some(Duration::from_millis(5)));
+        assert_eq!(middle(durations.clone()), Some(Duration::from_millis(5)));
         note(&mut durations, 1, 9);
-        assert_eq!(durations.median(), Some(Duration::from_millis(9)));
+        assert_eq!(middle(durations.clone()), Some(Duration::from_millis(9)));
         note(&mut durations, RecentDurations::MOST / 2, 1);
-        assert_eq!(durations.sorted().len(), RecentDurations::MOST);
-        assert_eq!(durations.sorted()[0], Duration::from_millis(1));
-        assert_eq!(durations.median(), Some(Duration::from_millis(9)));
+        assert_eq!(middle(durations.clone()), Some(Duration::from_millis(9)));
+        assert_eq!(durations.clone().take_sorted().len(), RecentDurations::MOST);
+        assert_eq!(durations.take_sorted().next(), Some(Duration::from_millis(1)));
+        assert_eq!(middle(durations), None);
     }
 }

@@ -10,7 +10,7 @@ from statistics import median
 from .beds import ROOT, Bed
 from .runs import Measured, execute, on_cores
 from .states import STATES, is_kept, run_to
-from .tables import efficiency_at_median, ratio, rounded, table
+from .tables import efficiency, median_rates, ratio, rounded, table
 from .talcum import PROGRAM, rate_of_copies, run_talcum
 
 MOST_RANKS = 2
@@ -58,16 +58,16 @@ def line(
 ) -> list[str]:
     """A row of the table; `alone` are the runs on one rank, round by round, `copies` the rates of as many such runs at once as
     there are ranks."""
-    rate = median(run.rate for run in runs)
-    gained = median(run.rate / one.rate for run, one in zip(runs, alone)) / ranks
+    rates, rates_alone = ([run.rate for run in of] for of in (runs, alone))
+    rate = median(rates)
     shares = [
         100.0 * median(run.stages.get(name, 0.0) for run in runs)
         for name in ("contact forces", "coarse-grain, gas", "gas force", "migrate, rebuild lists", "integrate")
     ]
-    at_median = efficiency_at_median(runs, alone, ranks)
-    of_copies = ratio(copies, [run.rate for run in alone])
-    rates = map(rounded, (rate, rate / ranks, gained, at_median, of_copies))
-    return [bed.name, str(ranks), *rates, *(rounded(share, 1) for share in shares)]
+    gained = efficiency(rates, rates_alone, ranks)
+    at_median = efficiency(median_rates(runs), median_rates(alone), ranks)
+    numbers = (rate, rate / ranks, gained, at_median, ratio(copies, rates_alone))
+    return [bed.name, str(ranks), *map(rounded, numbers), *(rounded(share, 1) for share in shares)]
 
 
 def coupled(rounds: int, first: bool) -> str:

@@ -10,7 +10,7 @@ from . import peers
 from .beds import BEDS, Bed
 from .runs import BenchmarkError, Measured, execute
 from .states import state
-from .tables import LAMMPS, TALCUM, efficiency_at_median, ratio, rounded, table
+from .tables import LAMMPS, TALCUM, efficiency, median_rates, ratio, rounded, table
 from .talcum import PROGRAM, rate_of_copies, run_talcum
 
 STRONG = next(bed for bed in BEDS if bed.name == "24,000 settled")
@@ -89,10 +89,9 @@ def scaling_table(wanted: list[Row], runs: Rates) -> str:
         bed = row.bed
         ours, theirs = (rates.get((name, bed), []) for name in (TALCUM, LAMMPS))
         alone = [rates.get((name, replace(row.beside, ranks=1)), []) for name in (TALCUM, LAMMPS)]
-        of_one = [ratio(of_bed, of_beside) for of_bed, of_beside in zip((ours, theirs), alone)]
-        efficiencies = [None if each is None else each / bed.ranks for each in of_one]
-        runs_beside = runs.get((TALCUM, replace(row.beside, ranks=1)), [])
-        at_median = efficiency_at_median(runs[TALCUM, bed], runs_beside, bed.ranks)
+        efficiencies = [efficiency(of_bed, of_beside, bed.ranks) for of_bed, of_beside in zip((ours, theirs), alone)]
+        beside = runs.get((TALCUM, replace(row.beside, ranks=1)), [])
+        at_median = efficiency(median_rates(runs[TALCUM, bed]), median_rates(beside), bed.ranks)
         of_copies = ratio(rates.get((COPIES, bed), []), alone[0])
         waiting = median(run.stages.get("decide (wait)", 0.0) for run in runs[TALCUM, bed])
         lines.append([bed.name, str(bed.ranks), f"{median(ours):.2f}", f"{median(ours) / bed.ranks:.2f}", row.beside.name,

@@ -31,11 +31,15 @@ def ratio(above: list[float], below: list[float]) -> float | None:
     return median(ratios) if ratios else None
 
 
-def efficiency_at_median(runs: list[Measured], alone: list[Measured], ranks: int) -> float | None:
-    """Rates per rank over those on one rank, at the median step, which steps that other programs disturb do not change."""
-    rates_of = [(run.median_rate, one.median_rate) for run, one in zip(runs, alone)]
-    efficiencies = [of_run / of_one / ranks for of_run, of_one in rates_of if of_run and of_one]
-    return median(efficiencies) if efficiencies else None
+def efficiency(rates_on_ranks: list[float], alone: list[float], ranks: int) -> float | None:
+    """Rate per rank over the rate on one rank."""
+    gained = ratio(rates_on_ranks, alone)
+    return None if gained is None else gained / ranks
+
+
+def median_rates(runs: list[Measured]) -> list[float]:
+    """Rates at the median step, round by round, which steps that other programs disturb do not change; none if no run tells it."""
+    return [run.median_rate for run in runs if run.median_rate is not None]
 
 
 def rounded(number: float | None, digits: int = 2) -> str:

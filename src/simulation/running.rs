@@ -156,7 +156,9 @@ impl<'a> Simulation<'a> {
         let requests =
             time_step::advance(&mut self.state, domain, &self.models, self.work, self.ranks)?;
         let measures_start = Instant::now();
-        self.stage_rate.note_step(self.state.clock().step, measures_start);
+        if self.models.physics.gas.is_due(self.steps_done()) {
+            self.stage_rate.note(measures_start);
+        }
         self.measure_due()?;
         self.work.timers.add(Phase::Measures, measures_start.elapsed());
         let output_start = Instant::now();
@@ -217,9 +219,10 @@ impl<'a> Simulation<'a> {
     }
 
     /// Logs the rate of the stage that ends.
-    fn report_stage(&self) {
+    fn report_stage(&mut self) {
         let particles = (self.expected_particles - self.state.departed().count) as f64;
-        let report = self.stage_rate.report(self.steps_done(), particles);
+        let steps_done = self.steps_done();
+        let report = self.stage_rate.report(steps_done, particles);
         log::info!("stage \"{}\" ends: {report}", self.case.stages[self.stage].name);
     }
 

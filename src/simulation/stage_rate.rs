@@ -1,8 +1,9 @@
 //! How fast a stage of a case is computed.
 
+use crate::analysis::statistics::median;
 use crate::gas::GasModel;
 use crate::timers::RecentDurations;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The present stage since it was entered.
 pub(super) struct StageRate {
@@ -26,11 +27,8 @@ impl StageRate {
         }
     }
 
-    /// Notes when the present step of the particles ended.
-    pub(super) fn note_step(&mut self, step: u64, now: Instant) {
-        if !step.is_multiple_of(self.together) {
-            return;
-        }
+    /// Notes when the last of the steps that are timed together ended.
+    pub(super) fn note(&mut self, now: Instant) {
         if let Some(last) = self.last_timed.replace(now) {
             self.durations.note(now - last);
         }
@@ -38,17 +36,18 @@ impl StageRate {
 
     /// The steps so far, of so many particles: how many, their rate, and that of the median step. Other programs on the machine, new
     /// lists and results, which delay few steps, change the former alone.
-    pub(super) fn report(&self, step: u64, particles: f64) -> String {
-        let rate = |steps: u64, took: Duration| {
-            steps as f64 * particles / took.as_secs_f64().max(1.0e-9) * 1.0e-6
-        };
+    pub(super) fn report(&mut self, step: u64, particles: f64) -> String {
+        let rate =
+            |steps: u64, seconds: f64| steps as f64 * particles / seconds.max(1.0e-9) * 1.0e-6;
         let steps = step - self.first_step;
-        let all = rate(steps, self.begin.elapsed());
+        let all = rate(steps, self.begin.elapsed().as_secs_f64());
         let counted = format!("{steps} steps, {all:.2} million particle-steps/s");
-        match self.durations.median() {
+        let seconds: Vec<f64> =
+            self.durations.take_sorted().map(|took| took.as_secs_f64()).collect();
+        match median(&seconds) {
             None => counted,
-            Some(median) => {
-                format!("{counted}, {:.2} at the median step", rate(self.together, median))
+            Some(usual) => {
+                format!("{counted}, {:.2} at the median step", rate(self.together, usual))
             }
         }
     }
@@ -57,6 +56,7 @@ impl StageRate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     #[test]
     fn few_long_steps_do_not_change_the_rate_at_the_median_step() {
@@ -64,7 +64,7 @@ mod tests {
         let mut now = Instant::now();
         for step in 8..=108 {
             now += Duration::from_millis(if step % 3 == 0 { 50 } else { 1 });
-            rate.note_step(step, now);
+            rate.note(now);
         }
         let report = rate.report(108, 20_000.0);
         assert!(report.starts_with("101 steps, "), "{report}");
@@ -80,7 +80,9 @@ mod tests {
         let mut now = Instant::now();
         for step in 1..=100 {
             now += Duration::from_millis(if step % 2 == 0 { 3 } else { 1 });
-            rate.note_step(step, now);
+            if step % 2 == 0 {
+                rate.note(now);
+            }
         }
         assert!(rate.report(100, 20_000.0).ends_with(", 10.00 at the median step"));
     }

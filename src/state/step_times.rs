@@ -62,9 +62,9 @@ impl StepTimes {
         let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
         self.noted = Some([now; 2]);
-        let steps = std::mem::take(&mut self.steps).sorted();
+        let steps = self.steps.take_sorted();
         let kept = steps.len().div_ceil(2);
-        let sum: Duration = steps.iter().take(kept).sum();
+        let sum: Duration = steps.take(kept).sum();
         if all.total().is_zero() || kept == 0 {
             return LoadTimes::default();
         }
