@@ -9,7 +9,9 @@ mod beds;
 use beds::{Bench, PERIODIC, PLATE, gas, shaken};
 use std::cell::Cell;
 use talcum::domain::RankGrid;
-use talcum::parallel::{AxisNeighbours, Communicator, FileAccess, Message, run_on_threads};
+use talcum::parallel::{
+    AxisNeighbours, Communicator, Exchange, FileAccess, Message, Pending, run_on_threads,
+};
 
 const STEPS: u64 = 4_000;
 const GRIDS: [[usize; 3]; 4] = [[1, 1, 2], [2, 2, 1], [2, 2, 2], [4, 4, 1]];
@@ -72,17 +74,13 @@ impl Communicator for Counting<'_> {
         self.inner.exchange(neighbours, outgoing, incoming);
     }
 
-    fn exchange_during(
-        &self,
-        outgoing: &[Message],
-        incoming: &mut [Message],
-        meanwhile: &mut dyn FnMut(),
-    ) {
+    fn start_exchange(&self, exchange: Exchange) -> Pending<'_, Exchange> {
+        let Exchange { outgoing, .. } = &exchange;
         self.count(|counts| {
             counts.messages += outgoing.len() as u64;
             counts.bytes += outgoing.iter().map(|message| message.bytes.len() as u64).sum::<u64>();
         });
-        self.inner.exchange_during(outgoing, incoming, meanwhile);
+        self.inner.start_exchange(exchange)
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
@@ -101,9 +99,9 @@ impl Communicator for Counting<'_> {
         self.inner.sum_exact(values);
     }
 
-    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
-        self.reduction(values);
-        self.inner.sum_exact_during(values, meanwhile);
+    fn start_sum_exact(&self, values: Vec<f64>) -> Pending<'_, Vec<f64>> {
+        self.reduction(&values);
+        self.inner.start_sum_exact(values)
     }
 
     fn sum_integers(&self, values: &mut [i64]) {

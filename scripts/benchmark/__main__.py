@@ -99,6 +99,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "floor": lambda _: floor.floor(latest_rate(LARGE)),
     "kernels": lambda _: kernels.kernels(),
     "messages": lambda _: kernels.messages(),
+    "machines": lambda _: kernels.machines(),
     "coupled": lambda wanted: coupled.coupled(wanted.rounds, wanted.first),
     "gas": lambda wanted: gas.gas(wanted.rounds, wanted.first),
     "scaling": lambda wanted: ranks.scaling(wanted.rounds, wanted.first, wanted.peers),

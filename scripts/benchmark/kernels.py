@@ -43,10 +43,20 @@ def kernels() -> str:
     return kernel_table(read_criterion(CRITERION))
 
 
-def messages() -> str:
-    """Counts what ranks say to each other."""
-    said = execute(["cargo", "bench", "--bench", "messages"]).words
+def printed_table(bench: str) -> str:
+    """The table that a bench of the crate prints."""
+    said = execute(["cargo", "bench", "--bench", bench]).words
     rows = [line for line in said.splitlines() if line.startswith("|")]
     if not rows:
-        raise BenchmarkError(f"the bench of messages has printed no table:\n{said[-2000:]}")
+        raise BenchmarkError(f"the bench {bench} has printed no table:\n{said[-2000:]}")
     return "\n".join(rows)
+
+
+def messages() -> str:
+    """Counts what ranks say to each other."""
+    return printed_table("messages")
+
+
+def machines() -> str:
+    """Microseconds of a step of ranks whose messages are delayed, as between machines."""
+    return printed_table("machines")

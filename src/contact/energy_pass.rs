@@ -7,7 +7,7 @@ use super::rolling::Rolling;
 use super::walls::{contact_with, total_force};
 use super::{Contact, ContactForceLaw, ContactModel, ContactStep, ContactWork, VanDerWaalsNow};
 use crate::domain::PosedWalls;
-use crate::particles::{Contacts, Particles, Remembered};
+use crate::particles::{Contacts, PairGroup, Particles, Remembered};
 use nalgebra::Vector3;
 
 /// What a wall does with the energy of a particle in a step.
@@ -21,14 +21,15 @@ pub(crate) struct WallWork {
     pub(crate) force: Vector3<f64>,
 }
 
-/// Work of all contacts of two particles over a step; histories are those before it, positions those at its end.
+/// Work of the contacts of a group of pairs over a step; histories are those before it, positions those at its end.
 pub(crate) fn work_of_pairs(
     particles: &Particles,
     contacts: &Contacts,
     laws: &ForceLaws,
+    group: PairGroup,
     mut sink: impl FnMut(ContactWork),
 ) {
-    for (kind, pair, before) in contacts.inner.active_pairs() {
+    for (kind, pair, before) in contacts.inner.active_pairs(group) {
         let laws = laws.of_kind(kind);
         let contact = contact_of_pair(particles, pair, laws.cohesion);
         if let Some((work, _)) = work_over_step(laws.contact, &contact, &before, laws.dt) {
@@ -184,7 +185,8 @@ pub(crate) fn elastic_energy(
         let spin = energy_of_spin(model, contact, stiffness, before);
         springs.normal + springs.tangential + spin
     };
-    for (kind, pair, before) in contacts.inner.active_pairs() {
+    let groups = PairGroup::ALL.into_iter();
+    for (kind, pair, before) in groups.flat_map(|group| contacts.inner.active_pairs(group)) {
         if before.touching {
             let PairLaws { contact, cohesion, .. } = laws.of_kind(kind);
             sink(stored(contact, &contact_of_pair(particles, pair, cohesion), &before));
@@ -205,7 +207,7 @@ pub(crate) fn attraction_energy(
     laws: &ForceLaws,
     mut sink: impl FnMut(f64),
 ) {
-    let Some(cohesion) = laws.cohesion else { return };
+    let Some(cohesion) = &laws.cohesion else { return };
     for [i, j] in contacts.listed_pairs() {
         let [one, other] = [i, j].map(|index| &particles.body[index as usize]);
         let (overlap, _) =

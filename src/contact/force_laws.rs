@@ -26,7 +26,7 @@ pub(crate) struct ForceOutOfRange {
 }
 
 /// The laws of all forces at contacts at one instant, with their limits and rounding.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ForceLaws<'a> {
     /// Contact models of two particles.
     pub(crate) contact: &'a ByPair<ContactModel>,
@@ -34,7 +34,7 @@ pub(crate) struct ForceLaws<'a> {
     /// the same species hold.
     pub(crate) at_walls: &'a [BySpecies<ContactModel>],
     /// Attraction at this instant; that of two particles of the same species says how it is at walls.
-    pub(crate) cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
+    pub(crate) cohesion: Option<ByPair<VanDerWaalsNow>>,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
     pub(crate) ranges: InteractionRanges,
     /// Time by which contact histories are advanced; zero to evaluate forces without advancing them.
@@ -78,14 +78,14 @@ impl<'a> ForceLaws<'a> {
     pub(crate) fn of_kind(&self, kind: usize) -> PairLaws<'a> {
         let Self { dt, limit, force_quantum, torque_quantum, .. } = *self;
         let contact = self.contact.of_kind(kind);
-        let cohesion = self.cohesion.map(|cohesion| *cohesion.of_kind(kind));
+        let cohesion = self.cohesion.as_ref().map(|cohesion| *cohesion.of_kind(kind));
         PairLaws { contact, cohesion, dt, limit, force_quantum, torque_quantum }
     }
 
     /// The laws of a species at a wall.
     #[inline(always)]
     pub(crate) fn at_wall(&self, wall: usize, species: usize) -> WallLaws<'a> {
-        WallLaws::of(wall, species, (self.contact, self.at_walls), self.cohesion)
+        WallLaws::of(wall, species, (self.contact, self.at_walls), self.cohesion.as_ref())
     }
 }
 

@@ -29,7 +29,7 @@ pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
 pub(crate) use energy_pass::{
     WallWork, attraction_energy, elastic_energy, work_of_pairs, work_of_walls,
 };
-pub(crate) use force_laws::{ForceLaws, ForceOutOfRange, WallLaws};
+pub(crate) use force_laws::{ForceLaws, WallLaws};
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
 pub use kinematics::{Contact, ContactForce};

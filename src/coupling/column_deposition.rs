@@ -39,10 +39,17 @@ pub struct ColumnDeposition {
 #[derive(Debug)]
 pub struct NodeSums(Vec<f64>);
 
-impl NodeSums {
-    /// The sums, to be added over the ranks by [`Communicator::sum_exact`].
-    pub fn numbers_mut(&mut self) -> &mut [f64] {
-        &mut self.0
+/// The sums of one rank, to be added over the ranks by [`Communicator::sum_exact`].
+impl From<NodeSums> for Vec<f64> {
+    fn from(sums: NodeSums) -> Self {
+        sums.0
+    }
+}
+
+/// Numbers that have been added over the ranks.
+impl From<Vec<f64>> for NodeSums {
+    fn from(numbers: Vec<f64>) -> Self {
+        Self(numbers)
     }
 }
 
@@ -87,7 +94,7 @@ impl ColumnDeposition {
         ranks: &dyn Communicator,
     ) {
         let mut sums = self.sum_own(particles, grid);
-        ranks.sum_exact(sums.numbers_mut());
+        ranks.sum_exact(&mut sums.0);
         self.fill(bed, grid, &sums);
     }
 

@@ -3,7 +3,7 @@
 //! They are exchanged axis by axis. Cells received along one axis are sent on along the next, so that edges and corners
 //! need no messages of their own.
 
-use super::{AxisNeighbours, Communicator, Message};
+use super::{AxisNeighbours, Communicator, Exchange};
 use crate::domain::Subdomain;
 use crate::grid::Field;
 use bytemuck::Pod;
@@ -20,8 +20,7 @@ pub(crate) struct FieldHalo {
 #[derive(Clone, Debug)]
 struct AxisMessages {
     neighbours: AxisNeighbours,
-    outgoing: Vec<Message>,
-    incoming: Vec<Message>,
+    exchange: Exchange,
 }
 
 /// Layers of cells along an axis, at the lower and the upper end.
@@ -138,13 +137,13 @@ impl AxisMessages {
     fn new(neighbours: AxisNeighbours) -> Self {
         let mut ranks: Vec<usize> = neighbours.into_iter().flatten().collect();
         ranks.dedup();
-        let empty = || ranks.iter().map(|&rank| Message { rank, bytes: Vec::new() }).collect();
-        Self { neighbours, outgoing: empty(), incoming: empty() }
+        let empty = || ranks.iter().map(|&rank| (rank, 0));
+        Self { neighbours, exchange: Exchange::with_lengths(empty(), empty()) }
     }
 
     /// The place of the message to or from the neighbour on a side, if there is one.
     fn place(&self, side: usize) -> Option<usize> {
-        self.neighbours[side].map(|_| if side == 0 { 0 } else { self.outgoing.len() - 1 })
+        self.neighbours[side].map(|_| if side == 0 { 0 } else { self.exchange.outgoing.len() - 1 })
     }
 
     /// Sends rows of all fields to the neighbours below and above, and waits for as many from these. Collective.
@@ -154,18 +153,19 @@ impl AxisMessages {
         rows: impl Fn(&Field<T>, usize) -> R,
         ranks: &dyn Communicator,
     ) {
-        self.outgoing.iter_mut().for_each(|message| message.bytes.clear());
+        self.exchange.outgoing.iter_mut().for_each(|message| message.bytes.clear());
         for side in 0..2 {
             let Some(place) = self.place(side) else { continue };
-            let bytes = &mut self.outgoing[place].bytes;
+            let bytes = &mut self.exchange.outgoing[place].bytes;
             for field in fields {
                 rows(field, side).for_each(|row| append(bytes, &field.values()[row]));
             }
         }
-        for (incoming, outgoing) in self.incoming.iter_mut().zip(&self.outgoing) {
+        let Exchange { outgoing, incoming } = &mut self.exchange;
+        for (incoming, outgoing) in incoming.iter_mut().zip(outgoing) {
             incoming.bytes.resize(outgoing.bytes.len(), 0);
         }
-        ranks.exchange_during(&self.outgoing, &mut self.incoming, &mut || ());
+        self.exchange.complete(ranks);
     }
 
     /// Combines what was received from below and above with rows of the fields.
@@ -176,7 +176,7 @@ impl AxisMessages {
         combine: impl Fn(&mut T, T),
     ) {
         let mut bytes: Vec<&[u8]> =
-            self.incoming.iter().map(|message| &message.bytes[..]).collect();
+            self.exchange.incoming.iter().map(|message| &message.bytes[..]).collect();
         // What a rank sends downwards comes first in its message, and from above.
         for side in [1, 0] {
             let Some(place) = self.place(side) else { continue };

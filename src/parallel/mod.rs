@@ -9,11 +9,11 @@
 //!
 //! | what | record | bytes | to whom | how |
 //! | --- | --- | --- | --- | --- |
-//! | velocities of ghosts ([`ParticleHalo::exchange`]) | `GhostVelocities` | 48 per particle | ranks with copies of it in a pair | [`exchange_during`] |
-//! | forces on ghosts ([`ParticleHalo::exchange_return`]) | `GhostForces` | 48 per particle | owners of the originals | [`exchange_during`] |
+//! | velocities of ghosts ([`ParticleHalo::send_velocities`]) | `GhostVelocities` | 48 per particle | ranks with copies of it in a pair | [`start_exchange`] |
+//! | forces on ghosts ([`ParticleHalo::return_forces`]) | `GhostForces` | 48 per particle | owners of the originals | [`start_exchange`] |
 //! | what is done next (`time_step::decide`) | 8 numbers | 64 | all | [`maximum`] |
-//! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`sum_exact_during`] |
-//! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`exchange_during`] |
+//! | column gas: volume, velocity and drag of the solids on the grid | numbers | 8 each | all | [`start_sum_exact`] |
+//! | volume-averaged gas: halos of fields (`FieldHalo`) | numbers | 8 per cell | neighbours, axis by axis | [`start_exchange`] |
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
@@ -33,11 +33,11 @@
 //! sorted by id over the ranks ([`sort_by_id`]).
 //!
 //! [`exchange`]: Communicator::exchange
-//! [`exchange_during`]: Communicator::exchange_during
+//! [`start_exchange`]: Communicator::start_exchange
 //! [`sparse_exchange`]: Communicator::sparse_exchange
 //! [`maximum`]: Communicator::maximum
 //! [`sum_exact`]: Communicator::sum_exact
-//! [`sum_exact_during`]: Communicator::sum_exact_during
+//! [`start_sum_exact`]: Communicator::start_sum_exact
 //! [`sum_integers`]: Communicator::sum_integers
 
 use bytemuck::Pod;
@@ -56,6 +56,7 @@ mod migration_message;
 mod mpi_ranks;
 mod one_rank;
 mod particle_halo;
+mod pending;
 mod records;
 mod sort_by_id;
 mod thread_ranks;
@@ -70,6 +71,7 @@ pub use migrate::{migrate, send_to_owners, share_with_all};
 pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator, mpi_library};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
+pub use pending::{Exchange, Pending};
 pub use records::{
     CellRecord, CellSample, ComputedRecords, ContactRecord, ParticleRecord, Records,
     WallContactRecord, records_of_bytes,
@@ -130,7 +132,7 @@ impl Message {
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind`, `is_near` and `is_root`
+/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind` and `is_root`
 /// is collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
 /// ranks.
 pub trait Communicator {
@@ -151,14 +153,9 @@ pub trait Communicator {
         incoming: &mut [Vec<u8>; 2],
     );
 
-    /// Sends messages to other ranks, one to each at most, does `meanwhile`, and waits for those from other ranks. Of
-    /// these, sender and length are known: the bytes of `incoming` have that length before, and are the message after.
-    fn exchange_during(
-        &self,
-        outgoing: &[Message],
-        incoming: &mut [Message],
-        meanwhile: &mut dyn FnMut(),
-    );
+    /// Begins to send messages to other ranks, and to receive those from other ranks. Until it is finished, ranks may
+    /// call all other methods, but begin no second exchange.
+    fn start_exchange(&self, exchange: Exchange) -> Pending<'_, Exchange>;
 
     /// Sends at most one message to each rank, this one included, and returns the messages to this rank in the order of
     /// their senders. An empty message is not sent. Ranks need not know who sends to them. The cost grows with the
@@ -171,9 +168,9 @@ pub trait Communicator {
     /// [quantum]: crate::numbers::Quantum
     fn sum_exact(&self, values: &mut [f64]);
 
-    /// As [`Communicator::sum_exact`], and does `meanwhile` while the numbers travel; it may exchange messages and reduce other
-    /// numbers, but not by another call of this method.
-    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut());
+    /// Begins what [`Communicator::sum_exact`] does. Until it is finished, ranks may call all other methods, but begin no
+    /// second sum.
+    fn start_sum_exact(&self, values: Vec<f64>) -> Pending<'_, Vec<f64>>;
 
     /// Replaces each integer by its sum over ranks, modulo 2^64.
     fn sum_integers(&self, values: &mut [i64]);
@@ -197,11 +194,6 @@ pub trait Communicator {
     /// How many processes the ranks are in; fewer than ranks where these are threads.
     fn processes(&self) -> usize {
         self.size()
-    }
-
-    /// Whether a rank is on the same machine as this one.
-    fn is_near(&self, _rank: usize) -> bool {
-        true
     }
 
     /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.

@@ -2,6 +2,7 @@
 
 mod file_errors;
 mod sparse_exchange;
+mod travelling;
 
 use std::cell::{Cell, RefCell};
 use std::path::Path;
@@ -12,11 +13,15 @@ use mpi::collective::SystemOperation;
 use mpi::datatype::Equivalence;
 use mpi::environment::{Threading, Universe};
 use mpi::point_to_point::{Message as MatchedMessage, Status};
-use mpi::request::{WaitGuard, scope};
+use mpi::request::{StaticScope, WaitGuard, scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw, Communicator as _, CommunicatorCollectives, Destination, Root, Source};
 
-use super::{AxisNeighbours, Communicator, FileAccess, Message, allocator, flush_standard_streams};
+use self::travelling::Travelling;
+use super::{
+    AxisNeighbours, Communicator, Exchange, FileAccess, Message, Pending, allocator,
+    flush_standard_streams,
+};
 
 /// The communicator in the form that the HDF5 library needs.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
@@ -27,8 +32,8 @@ const DOWNWARDS: Tag = 1;
 const UPWARDS: Tag = 2;
 /// Messages of collective operations.
 const COLLECTIVE: Tag = 3;
-/// Messages that travel while other work is done.
-const DURING: Tag = 6;
+/// Messages that travel while ranks compute.
+const UNDER_WAY: Tag = 6;
 
 /// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
 const PANIC_CODE: i32 = 101;
@@ -53,9 +58,9 @@ const FILE_ACCESS: [(&str, &str); 2] =
 const SENT_AT_ONCE: [(&str, &str); 2] =
     [("OMPI_MCA_btl_vader_eager_limit", "32768"), ("OMPI_MCA_btl_sm_eager_limit", "32768")];
 
-/// Largest number of bytes in one message that travels while other work is done, which Open MPI thus sends at once, its header
-/// included: an announced message waits for the other rank to look after its messages, which that does only when its work is done.
-const LONGEST_DURING: usize = 32_000;
+/// Largest number of bytes in one message that travels while ranks compute, which Open MPI thus sends at once, its header
+/// included: an announced message waits until the other rank calls MPI again, after its computation.
+const LONGEST_UNDER_WAY: usize = 32_000;
 
 /// Whether MPI may be called: it was initialised and is not being finalised.
 static RUNNING: AtomicBool = AtomicBool::new(false);
@@ -69,14 +74,10 @@ pub struct MpiRanks {
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
-    /// Of each rank, the lowest rank on its machine.
-    machines: Vec<i32>,
     longest_message: usize,
     /// Which of the two tags the next sparse exchange uses.
     next_tag: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
-    /// Of sums that travel while others are taken.
-    scratch_during: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
 }
@@ -103,12 +104,10 @@ impl MpiRanks {
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
-            machines: machines(&world),
             longest_message: LONGEST_MESSAGE,
             world,
             next_tag: Cell::default(),
             scratch: RefCell::default(),
-            scratch_during: RefCell::default(),
             integer_scratch: RefCell::default(),
             universe,
         })
@@ -135,6 +134,25 @@ impl MpiRanks {
         whole.chain(std::iter::once(rest))
     }
 
+    /// Begins to receive and to send the messages of an exchange.
+    fn requests_of(&self, exchange: &'static mut Exchange) -> Vec<WaitGuard<'static, [u8]>> {
+        let Exchange { outgoing, incoming } = exchange;
+        let longest = self.longest_message.min(LONGEST_UNDER_WAY);
+        let mut requests = Vec::with_capacity(incoming.len() + outgoing.len());
+        for Message { rank, bytes } in incoming {
+            let process = self.world.process_at_rank(*rank as i32);
+            let receive =
+                |piece| process.immediate_receive_into_with_tag(StaticScope, piece, UNDER_WAY);
+            requests.extend(bytes.chunks_mut(longest).map(receive).map(WaitGuard::from));
+        }
+        for Message { rank, bytes } in outgoing {
+            let process = self.world.process_at_rank(*rank as i32);
+            let send = |piece| process.immediate_send_with_tag(StaticScope, piece, UNDER_WAY);
+            requests.extend(bytes.chunks(longest).map(send).map(WaitGuard::from));
+        }
+        requests
+    }
+
     /// Receives all pieces of a message into a buffer.
     fn receive(&self, source: usize, tag: Tag, incoming: &mut Vec<u8>) {
         incoming.clear();
@@ -159,15 +177,6 @@ impl MpiRanks {
         message.matched_receive_into(&mut incoming[before..]);
         length == self.longest_message
     }
-}
-
-/// The lowest rank on the machine of each rank: of those with which it shares memory. Collective.
-fn machines(world: &SimpleCommunicator) -> Vec<i32> {
-    let mut lowest = world.rank();
-    world.split_shared(lowest).process_at_rank(0).broadcast_into(&mut lowest);
-    let mut machines = vec![0; world.size() as usize];
-    world.all_gather_into(&lowest, &mut machines[..]);
-    machines
 }
 
 /// The name and version of the library of MPI that the program was built with.
@@ -239,30 +248,9 @@ impl Communicator for MpiRanks {
         });
     }
 
-    fn exchange_during(
-        &self,
-        outgoing: &[Message],
-        incoming: &mut [Message],
-        meanwhile: &mut dyn FnMut(),
-    ) {
-        let longest = self.longest_message.min(LONGEST_DURING);
-        scope(|scope| {
-            let process = |rank: usize| self.world.process_at_rank(rank as i32);
-            let mut underway: Vec<WaitGuard<_, _>> = Vec::with_capacity(incoming.len());
-            for Message { rank, bytes } in incoming {
-                let pieces = bytes.chunks_mut(longest);
-                let receive =
-                    |piece| process(*rank).immediate_receive_into_with_tag(scope, piece, DURING);
-                underway.extend(pieces.map(receive).map(WaitGuard::from));
-            }
-            let mut sent: Vec<WaitGuard<_, _>> = Vec::with_capacity(outgoing.len());
-            for Message { rank, bytes } in outgoing {
-                let pieces = bytes.chunks(longest);
-                let send = |piece| process(*rank).immediate_send_with_tag(scope, piece, DURING);
-                sent.extend(pieces.map(send).map(WaitGuard::from));
-            }
-            meanwhile();
-        });
+    fn start_exchange(&self, exchange: Exchange) -> Pending<'_, Exchange> {
+        let travelling = Travelling::begin(exchange, |exchange| self.requests_of(exchange));
+        Pending::new(move || travelling.finish())
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
@@ -277,17 +265,23 @@ impl Communicator for MpiRanks {
         values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
     }
 
-    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
-        let mut summed = self.scratch_during.borrow_mut();
-        summed.resize(values.len(), 0.0);
-        scope(|scope| {
+    fn start_sum_exact(&self, values: Vec<f64>) -> Pending<'_, Vec<f64>> {
+        let summed = vec![0.0; values.len()];
+        let travelling = Travelling::begin([values, summed], |[values, summed]| {
             let sum = SystemOperation::sum();
-            let request =
-                self.world.immediate_all_reduce_into(scope, &*values, &mut summed[..], sum);
-            meanwhile();
-            request.wait();
+            let request = self.world.immediate_all_reduce_into(
+                StaticScope,
+                &values[..],
+                &mut summed[..],
+                sum,
+            );
+            vec![WaitGuard::from(request)]
         });
-        values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
+        Pending::new(move || {
+            let [_, mut summed] = travelling.finish();
+            summed.iter_mut().for_each(|sum| *sum += 0.0);
+            summed
+        })
     }
 
     fn sum_integers(&self, values: &mut [i64]) {
@@ -336,10 +330,6 @@ impl Communicator for MpiRanks {
 
     fn kind(&self) -> &'static str {
         "MPI processes"
-    }
-
-    fn is_near(&self, rank: usize) -> bool {
-        self.machines[rank] == self.machines[self.rank]
     }
 }
 

@@ -10,7 +10,7 @@
 //! bit. The forces on copies then go back the other way.
 
 use super::records::{GhostForces, GhostVelocities, NewGhost, Origin};
-use super::{AxisNeighbours, Communicator, Message, records_of_bytes};
+use super::{AxisNeighbours, Communicator, Exchange, Message, Pending, records_of_bytes};
 use crate::domain::Subdomain;
 use crate::particles::{DriftStep, ForceTorque, Particles, drift_copies, follow_originals};
 use nalgebra::Vector3;
@@ -23,11 +23,12 @@ pub struct ParticleHalo {
     images: Vec<Images>,
     copies: Vec<Copies>,
     /// For each rank that has copies of this rank's particles, which particles these are.
-    lent: Vec<Vec<u32>>,
-    /// Between this rank and those: velocities go out, forces come back.
-    with_borrowers: Vec<Message>,
-    /// Between this rank and the owners of the copies, in their order: velocities come in, forces go back.
-    with_owners: Vec<Message>,
+    exported: Vec<Vec<u32>>,
+    /// Velocities of these particles go to those ranks, velocities of the copies come from their owners, in the order of
+    /// `exported` and of `copies`.
+    velocities: Exchange,
+    /// Forces on the copies go to their owners, forces on exported particles come back.
+    forces: Exchange,
 }
 
 /// Periodic images of owned particles, by one shift: ghost and original.
@@ -90,9 +91,9 @@ impl ParticleHalo {
         is_followed: impl Fn(usize) -> bool,
         ranks: &dyn Communicator,
     ) {
-        self.divide(particles, is_followed, ranks.rank() as u32);
+        let asked = self.divide(particles, is_followed, ranks.rank() as u32);
         if ranks.size() > 1 {
-            self.ask_owners(ranks);
+            self.ask_owners(&asked, ranks);
         }
     }
 
@@ -102,9 +103,9 @@ impl ParticleHalo {
     /// Before: owned particles are current, the ghosts are those of the last rebuild, and copies are where their
     /// originals are.
     pub fn refresh(&mut self, particles: &mut Particles, ranks: &dyn Communicator) {
-        self.begin(particles);
-        self.exchange(ranks, &mut || ());
-        for (message, copies) in self.with_owners.iter().zip(&self.copies) {
+        self.pack_velocities(particles);
+        self.velocities.complete(ranks);
+        for (message, copies) in self.velocities.incoming.iter().zip(&self.copies) {
             for &[place, ghost] in copies {
                 let velocities: GhostVelocities = message.record(place as usize);
                 velocities.give_to(&mut particles.body[ghost as usize]);
@@ -112,31 +113,30 @@ impl ParticleHalo {
         }
     }
 
-    /// Whether a message to this rank comes from another machine, so that it may still be on its way when the ranks have agreed on
-    /// something else.
-    pub fn comes_from_far(&self, ranks: &dyn Communicator) -> bool {
-        self.with_owners.iter().any(|message| !ranks.is_near(message.rank))
-    }
-
-    /// Images become like their originals, and what other ranks need is made ready to be sent.
-    pub fn begin(&mut self, particles: &mut Particles) {
+    /// Images become like their originals; the velocities that other ranks need go into the messages to them.
+    pub fn pack_velocities(&mut self, particles: &mut Particles) {
         for Images { shift, pairs } in &self.images {
             follow_originals(&mut particles.body, pairs, *shift);
         }
-        for (message, lent) in self.with_borrowers.iter_mut().zip(&self.lent) {
+        for (message, exported) in self.velocities.outgoing.iter_mut().zip(&self.exported) {
             let of_particle = |&index| GhostVelocities::of(&particles.body[index as usize]);
-            message.overwrite(lent.iter().map(of_particle));
+            message.overwrite(exported.iter().map(of_particle));
         }
     }
 
-    /// Sends it, and does other work until all has come. This call is collective.
-    pub fn exchange(&mut self, ranks: &dyn Communicator, meanwhile: &mut dyn FnMut()) {
-        ranks.exchange_during(&self.with_borrowers, &mut self.with_owners, meanwhile);
+    /// Sends the velocities. This call is collective, as is [`ParticleHalo::receive_velocities`].
+    pub fn send_velocities<'r>(&mut self, ranks: &'r dyn Communicator) -> Pending<'r, Exchange> {
+        self.velocities.start(ranks)
+    }
+
+    /// Waits for the velocities of the copies.
+    pub fn receive_velocities(&mut self, velocities: Pending<'_, Exchange>) {
+        self.velocities = velocities.finish();
     }
 
     /// Gives the copies the velocities that have come, and moves each as its original was moved.
-    pub(crate) fn finish(&self, particles: &mut Particles, step: DriftStep) {
-        for (message, copies) in self.with_owners.iter().zip(&self.copies) {
+    pub(crate) fn drift_copies(&self, particles: &mut Particles, step: DriftStep) {
+        for (message, copies) in self.velocities.incoming.iter().zip(&self.copies) {
             let velocities = |place| {
                 let GhostVelocities { velocity, angular_velocity } = message.record(place);
                 [velocity, angular_velocity]
@@ -145,9 +145,9 @@ impl ParticleHalo {
         }
     }
 
-    /// Takes the forces off the copies, to be sent to their owners.
-    pub fn begin_return(&mut self, particles: &mut Particles) {
-        for (message, copies) in self.with_owners.iter_mut().zip(&self.copies) {
+    /// Takes the forces off the copies, into the messages to their owners.
+    pub fn pack_forces(&mut self, particles: &mut Particles) {
+        for (message, copies) in self.forces.outgoing.iter_mut().zip(&self.copies) {
             let taken = |of_particle: &[[u32; 2]]| {
                 let mut sum = ForceTorque::default();
                 for &[_, ghost] in of_particle {
@@ -159,15 +159,20 @@ impl ParticleHalo {
         }
     }
 
-    /// Sends them, and does other work until all have come. This call is collective.
-    pub fn exchange_return(&mut self, ranks: &dyn Communicator, meanwhile: &mut dyn FnMut()) {
-        ranks.exchange_during(&self.with_owners, &mut self.with_borrowers, meanwhile);
+    /// Sends the forces. This call is collective, as is [`ParticleHalo::receive_forces`].
+    pub fn return_forces<'r>(&mut self, ranks: &'r dyn Communicator) -> Pending<'r, Exchange> {
+        self.forces.start(ranks)
+    }
+
+    /// Waits for the forces on particles of this rank.
+    pub fn receive_forces(&mut self, forces: Pending<'_, Exchange>) {
+        self.forces = forces.finish();
     }
 
     /// Adds the forces that have come to the owned particles. Sums are exact: the order of the ranks changes no bit.
-    pub fn finish_return(&self, particles: &mut Particles) {
-        for (message, lent) in self.with_borrowers.iter().zip(&self.lent) {
-            for (forces, &index) in records_of_bytes::<GhostForces>(&message.bytes).zip(lent) {
+    pub fn unpack_forces(&self, particles: &mut Particles) {
+        for (message, exported) in self.forces.incoming.iter().zip(&self.exported) {
+            for (forces, &index) in records_of_bytes::<GhostForces>(&message.bytes).zip(exported) {
                 particles.forces[index as usize] += forces.force_and_torque();
             }
         }
@@ -183,14 +188,13 @@ impl ParticleHalo {
             let sums = by_particle(copies).map(of_particle);
             Message::of(message.rank, &sums.collect::<Vec<u32>>())
         };
-        let outgoing = self.with_owners.iter().zip(&self.copies).map(to_owner);
-        let outgoing: Vec<Message> = outgoing.collect();
-        let room = |(message, lent): (&Message, &Vec<u32>)| Message::of(message.rank, lent);
-        let incoming = self.with_borrowers.iter().zip(&self.lent).map(room);
-        let mut incoming: Vec<Message> = incoming.collect();
-        ranks.exchange_during(&outgoing, &mut incoming, &mut || ());
-        for (message, lent) in incoming.iter().zip(&self.lent) {
-            for (count, &index) in records_of_bytes::<u32>(&message.bytes).zip(lent) {
+        let outgoing = self.forces.outgoing.iter().zip(&self.copies).map(to_owner);
+        let room = |(message, exported): (&Message, &Vec<u32>)| Message::of(message.rank, exported);
+        let incoming = self.forces.incoming.iter().zip(&self.exported).map(room);
+        let mut exchange = Exchange { outgoing: outgoing.collect(), incoming: incoming.collect() };
+        exchange.complete(ranks);
+        for (message, exported) in exchange.incoming.iter().zip(&self.exported) {
+            for (count, &index) in records_of_bytes::<u32>(&message.bytes).zip(exported) {
                 counts[index as usize] += count;
             }
         }
@@ -232,8 +236,14 @@ impl ParticleHalo {
         }
     }
 
-    /// Divides the ghosts that are followed into images of owned particles and copies of other ranks'.
-    fn divide(&mut self, particles: &Particles, is_followed: impl Fn(usize) -> bool, here: u32) {
+    /// Divides the ghosts that are followed into images of owned particles and copies of other ranks'. Returns for each owner of
+    /// copies the message that names their originals.
+    fn divide(
+        &mut self,
+        particles: &Particles,
+        is_followed: impl Fn(usize) -> bool,
+        here: u32,
+    ) -> Vec<Message> {
         self.images.clear();
         let mut copies = Vec::new();
         for ghost in
@@ -250,7 +260,7 @@ impl ParticleHalo {
         }
         copies.sort_unstable();
         self.copies.clear();
-        self.with_owners.clear();
+        let mut messages = Vec::new();
         for of_rank in copies.chunk_by(|(one, _), (other, _)| one.rank == other.rank) {
             let mut asked: Vec<u32> = of_rank.iter().map(|(origin, _)| origin.index).collect();
             asked.dedup();
@@ -262,8 +272,9 @@ impl ParticleHalo {
                 [place as u32, ghost]
             };
             self.copies.push(of_rank.iter().map(place_of).collect());
-            self.with_owners.push(Message::of(of_rank[0].0.rank as usize, &asked));
+            messages.push(Message::of(of_rank[0].0.rank as usize, &asked));
         }
+        messages
     }
 
     fn add_image(&mut self, pair: [u32; 2], shift: Vector3<f64>) {
@@ -276,27 +287,24 @@ impl ParticleHalo {
         }
     }
 
-    /// Tells the owners of copies which of their particles these are. This call is collective.
-    fn ask_owners(&mut self, ranks: &dyn Communicator) {
-        let asked = ranks.sparse_exchange(&self.with_owners);
+    /// Sends the owners of copies the indices of the originals, and makes the messages of a step. This call is collective.
+    fn ask_owners(&mut self, asked: &[Message], ranks: &dyn Communicator) {
+        let asked_here = ranks.sparse_exchange(asked);
         let indices = |message: &Message| records_of_bytes(&message.bytes).collect();
-        self.lent = asked.iter().map(indices).collect();
-        let room =
-            |message: &Message| room_for(message.rank, message.bytes.len() / size_of::<u32>());
-        self.with_borrowers = asked.iter().map(room).collect();
-        self.with_owners.iter_mut().for_each(|message| *message = room(message));
+        self.exported = asked_here.iter().map(indices).collect();
+        let lengths = |message: &Message| {
+            (message.rank, message.bytes.len() / size_of::<u32>() * size_of::<GhostVelocities>())
+        };
+        let (of_exported, of_copies) = (asked_here.iter().map(lengths), asked.iter().map(lengths));
+        self.velocities = Exchange::with_lengths(of_exported.clone(), of_copies.clone());
+        const { assert!(size_of::<GhostVelocities>() == size_of::<GhostForces>()) };
+        self.forces = Exchange::with_lengths(of_copies, of_exported);
     }
 }
 
 /// The copies of each particle: they are in the order of their places, so that those of one particle follow each other.
 fn by_particle(copies: &Copies) -> impl Iterator<Item = &[[u32; 2]]> {
     copies.chunk_by(|[one, _], [other, _]| one == other)
-}
-
-/// A message of velocities or of forces, which take the same bytes, of so many particles.
-fn room_for(rank: usize, particles: usize) -> Message {
-    const { assert!(size_of::<GhostVelocities>() == size_of::<GhostForces>()) };
-    Message { rank, bytes: vec![0; particles * size_of::<GhostForces>()] }
 }
 
 /// The particles that become ghosts of the neighbour on one side along an axis; none if there is no neighbour.
@@ -386,11 +394,12 @@ mod tests {
                 body.velocity.x += 1.0;
                 drift(body, quantum);
             }
-            halo.begin(&mut particles);
-            halo.exchange(ranks, &mut || ());
+            halo.pack_velocities(&mut particles);
+            let velocities = halo.send_velocities(ranks);
+            halo.receive_velocities(velocities);
             let dt = if moves { TIME_STEP } else { 0.0 };
             let weight = Weight { gravity: 0.0, quantum };
-            halo.finish(&mut particles, DriftStep { dt, quantum, weight });
+            halo.drift_copies(&mut particles, DriftStep { dt, quantum, weight });
             let is_wrong = |ghost: &usize| {
                 let (id, body) = (particles.id[*ghost], particles.body[*ghost]);
                 let original = all[&id];
@@ -403,7 +412,8 @@ mod tests {
             let copies: usize = halo.copies.iter().map(Vec::len).sum();
             let images: usize = halo.images.iter().map(|images| images.pairs.len()).sum();
             assert_eq!(copies + images, particles.count() - owned);
-            let bytes: usize = halo.with_owners.iter().map(|message| message.bytes.len()).sum();
+            let incoming = &halo.velocities.incoming;
+            let bytes: usize = incoming.iter().map(|message| message.bytes.len()).sum();
             let sent = bytes / size_of::<GhostVelocities>();
             [copies, sent, (owned..particles.count()).filter(is_wrong).count()]
         })
@@ -485,9 +495,10 @@ mod tests {
                 particles.forces[ghost as usize] = of_id(particles.id[ghost as usize]);
                 counts[ghost as usize] = 1;
             }
-            halo.begin_return(&mut particles);
-            halo.exchange_return(ranks, &mut || ());
-            halo.finish_return(&mut particles);
+            halo.pack_forces(&mut particles);
+            let forces = halo.return_forces(ranks);
+            halo.receive_forces(forces);
+            halo.unpack_forces(&mut particles);
             halo.return_counts(&mut counts, ranks);
             let is_wrong = |&i: &usize| {
                 let (mut expected, count) = (ForceTorque::default(), counts[i]);

@@ -17,7 +17,7 @@ use std::thread::{Builder, ScopedJoinHandle};
 
 use self::mailbox::Mailbox;
 use self::waiting::{RankLost, Waiters};
-use super::{AxisNeighbours, Communicator, FileAccess, Message};
+use super::{AxisNeighbours, Communicator, Exchange, FileAccess, Message, Pending};
 
 /// Messages to the neighbour below.
 const DOWNWARDS: usize = 0;
@@ -25,8 +25,8 @@ const DOWNWARDS: usize = 0;
 const UPWARDS: usize = 1;
 /// Messages of collective operations.
 const COLLECTIVE: usize = 2;
-/// Messages that travel while other work is done.
-const DURING: usize = 3;
+/// Messages that travel while ranks compute.
+const UNDER_WAY: usize = 3;
 const MAILBOXES: usize = 4;
 
 /// Bytes of a thread's stack, that of a program's first thread.
@@ -46,13 +46,13 @@ struct Shared {
     waiters: Waiters,
     /// From rank a to rank b in place a * size + b.
     mail: Vec<[Mailbox; MAILBOXES]>,
-    /// Of each rank, for reductions that it waits for at once, and for those during which it does other work.
+    /// Numbers of each rank, for reductions that it waits for at once, and for those during which it computes.
     numbers: Vec<[Published; 2]>,
 }
 
 /// Reductions that a rank waits for at once.
 const AT_ONCE: usize = 0;
-/// Reductions during which it does other work.
+/// Reductions during which it computes.
 const MEANWHILE: usize = 1;
 
 /// Numbers that a rank has published, for two reductions in turn: a rank that is in one reduction has finished the one
@@ -276,17 +276,15 @@ impl Communicator for ThreadRank {
         }
     }
 
-    fn exchange_during(
-        &self,
-        outgoing: &[Message],
-        incoming: &mut [Message],
-        meanwhile: &mut dyn FnMut(),
-    ) {
-        outgoing.iter().for_each(|message| self.send(message.rank, DURING, &message.bytes));
-        meanwhile();
-        incoming.iter_mut().for_each(|message| {
-            self.receive(message.rank, DURING, &mut message.bytes);
-        });
+    fn start_exchange(&self, mut exchange: Exchange) -> Pending<'_, Exchange> {
+        let Exchange { outgoing, .. } = &exchange;
+        outgoing.iter().for_each(|message| self.send(message.rank, UNDER_WAY, &message.bytes));
+        Pending::new(move || {
+            for message in &mut exchange.incoming {
+                self.receive(message.rank, UNDER_WAY, &mut message.bytes);
+            }
+            exchange
+        })
     }
 
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message> {
@@ -308,11 +306,13 @@ impl Communicator for ThreadRank {
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 
-    fn sum_exact_during(&self, values: &mut [f64], meanwhile: &mut dyn FnMut()) {
-        self.publish(MEANWHILE, values);
-        meanwhile();
-        self.combine(MEANWHILE, values, |a, b| a + b);
-        values.iter_mut().for_each(|value| *value += 0.0);
+    fn start_sum_exact(&self, mut values: Vec<f64>) -> Pending<'_, Vec<f64>> {
+        self.publish(MEANWHILE, &values);
+        Pending::new(move || {
+            self.combine(MEANWHILE, &mut values, |a, b| a + b);
+            values.iter_mut().for_each(|value| *value += 0.0);
+            values
+        })
     }
 
     fn sum_integers(&self, values: &mut [i64]) {

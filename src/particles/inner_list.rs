@@ -175,12 +175,7 @@ impl InnerList {
         &mut self.groups[group as usize]
     }
 
-    /// All pairs, each set with the number of its kind.
-    fn numbered(&self) -> impl Iterator<Item = (usize, &PairsOfKind)> + '_ {
-        self.groups.iter().flat_map(|kinds| kinds.iter().enumerate())
-    }
-
-    /// The same without the numbers.
+    /// All pairs.
     fn all(&self) -> impl Iterator<Item = &PairsOfKind> + '_ {
         self.groups.iter().flatten()
     }
@@ -191,11 +186,6 @@ impl InnerList {
         let bodies = [first, second].map(|index| &particles.body[index as usize]);
         let group = PairGroup::of(particles, second);
         self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, history);
-    }
-
-    /// Whether the list is certain to hold every pair within the ranges: then the next update looks at no particle.
-    pub(super) fn is_valid(&self, ranges: InteractionRanges) -> bool {
-        self.validity.covers(ranges)
     }
 
     /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
@@ -251,9 +241,12 @@ impl InnerList {
         })
     }
 
-    /// The active pairs with the number of their kind, and what they remember.
-    pub(crate) fn active_pairs(&self) -> impl Iterator<Item = (usize, [u32; 2], Remembered)> + '_ {
-        self.numbered().flat_map(|(kind, pairs)| {
+    /// The active pairs of a group with the number of their kind, and what they remember.
+    pub(crate) fn active_pairs(
+        &self,
+        group: PairGroup,
+    ) -> impl Iterator<Item = (usize, [u32; 2], Remembered)> + '_ {
+        self.groups[group as usize].iter().enumerate().flat_map(|(kind, pairs)| {
             pairs.active.all().map(move |(pair, remembered)| (kind, pair, remembered))
         })
     }

@@ -30,7 +30,7 @@ pub use membership::Membership;
 pub use neighbour_list::NeighbourList;
 pub use optional_column::OptionalColumn;
 pub(crate) use pair_blocks::{
-    AngleLanes, LANES, Lanes, Pair, PairBlock, PairBlocks, Part, Remembered, SpringLanes,
+    AngleLanes, LANES, Lanes, Pair, PairBlock, PairBlocks, Remembered, SpringLanes,
 };
 pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
 pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};

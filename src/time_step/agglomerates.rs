@@ -1,4 +1,4 @@
-//! Looks at the agglomerates of the particles, where drag follows from them.
+//! Finds the agglomerates of the particles, where drag follows from them.
 
 use crate::gas::{AgglomerateBall, AgglomerateDrag};
 use crate::parallel::Communicator;
@@ -8,12 +8,11 @@ use crate::particle_sets::{
 };
 use crate::state::{Domain, Models, State};
 
-/// Looks, if a look is due before this step of the gas; forgets all looks where drag does not follow from agglomerates.
+/// Finds them if that is due before this step of the gas; forgets them where drag does not follow from agglomerates.
 /// Collective.
 ///
-/// A look is due at the first step of the gas, then each time that its steps come to a multiple of
-/// [`AgglomerateDrag::every`].
-pub(super) fn look_if_due(
+/// It is due at the first step of the gas, then each time that its steps come to a multiple of [`AgglomerateDrag::every`].
+pub(super) fn find_if_due(
     state: &mut State,
     domain: &Domain,
     models: &Models,
@@ -27,13 +26,13 @@ pub(super) fn look_if_due(
     };
     let gas_steps = state.clock.step / models.physics.gas.substeps();
     if state.looked_at.is_none() || gas_steps.is_multiple_of(drag.every) {
-        look(state, domain, drag, ranks);
+        find(state, domain, drag, ranks);
     }
 }
 
-/// Finds the agglomerate of each particle: the connected sets of pairs that touch now and touched at the look before, or touch now
-/// if there was none. Collective.
-fn look(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn Communicator) {
+/// Finds the agglomerate of each particle: the connected sets of pairs that touch now and touched the time before, or touch now
+/// if this is the first time. Collective.
+fn find(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn Communicator) {
     let (samples, indices) = samples(&state.particles, &domain.bounds);
     let owned = Ownership::of(samples.iter().map(|particle| particle.id).collect());
     let touching = touching_pairs(&state.contacts, &state.particles, &owned, ranks);

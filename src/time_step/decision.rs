@@ -4,7 +4,7 @@ use super::StepError;
 use super::rebuild::is_overdue_and_uneven;
 use crate::domain::{Face, PosedWalls};
 use crate::parallel::{CollectiveError, Communicator, agree};
-use crate::particles::{PairCounts, Particles};
+use crate::particles::{DriftStep, PairCounts, Particles};
 use crate::state::{Domain, Requests, State, Workspace};
 use crate::timers::Phase;
 
@@ -16,9 +16,11 @@ pub(super) struct StepDecision {
     pub(super) requests: Requests,
 }
 
-/// How far particles move in a step.
+/// How particles move in a step.
 #[derive(Clone, Copy)]
 pub(super) struct Displacement {
+    /// How velocities become displacements.
+    pub(super) step: DriftStep,
     /// Farthest that any particle of this rank has moved; length.
     pub(super) largest: f64,
     /// Farthest that one may move; length.
@@ -30,7 +32,7 @@ pub(super) struct Displacement {
 /// are made anew at once, where it is found: at the same step with any skin.
 pub(super) fn decide(
     state: &mut State,
-    Displacement { largest: displacement, allowed }: Displacement,
+    Displacement { largest: displacement, allowed, .. }: Displacement,
     domain: &Domain,
     work: &mut Workspace,
     ranks: &dyn Communicator,

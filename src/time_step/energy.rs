@@ -27,16 +27,17 @@ pub(super) fn add_contact_work(ledger: &mut EnergyLedger, work: ContactWork) {
     }
 }
 
-/// Begins an evaluation of forces, before contacts are evaluated: work of walls, and what a ramp of the attraction brings.
+/// Begins an evaluation of forces in the ledger, if one is kept, before contacts are evaluated: work of walls, and what a ramp
+/// of the attraction brings.
 pub(super) fn before_forces(
-    ledger: &mut EnergyLedger,
-    state: &State,
+    state: &mut State,
     domain: &Domain,
     models: &Models,
     work: &Workspace,
     laws: &ForceLaws,
 ) {
-    let State { particles, contacts, clock, .. } = state;
+    let State { particles, contacts, clock, energy, .. } = state;
+    let Some(ledger) = energy else { return };
     ledger.next_evaluation();
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     let step = models.physics.time_step;
@@ -51,9 +52,9 @@ pub(super) fn before_forces(
         }
     });
     let ramped = models.physics.cohesion_at(clock.time() - laws.dt);
-    if ramped.as_ref() != laws.cohesion {
+    if ramped != laws.cohesion {
         let (mut before, mut after) = (StoredSums::default(), StoredSums::default());
-        let earlier = ForceLaws { cohesion: ramped.as_ref(), ..*laws };
+        let earlier = ForceLaws { cohesion: ramped, ..*laws };
         attraction_energy(particles, contacts, walls, &earlier, |energy| {
             before.potential.add(energy)
         });
@@ -71,17 +72,17 @@ pub(super) fn forces_before_gas(particles: &Particles) -> Vec<Vector3<f64>> {
     forces
 }
 
-/// Ends an evaluation of forces: power of the gas and of the weight. `before_gas` are the forces without the gas; velocities
-/// are `behind` the forces by half of this time.
+/// Ends an evaluation of forces in the ledger, if one is kept: power of the gas and of the weight. `before_gas` are the forces
+/// without the gas; velocities are `behind` the forces by half of this time.
 pub(super) fn after_forces(
-    ledger: &mut EnergyLedger,
-    state: &State,
+    state: &mut State,
     models: &Models,
     before_gas: &[Vector3<f64>],
     behind: f64,
 ) {
-    let (particles, step) = (&state.particles, models.physics.time_step);
-    let weight = models.weight_at(state.clock.time());
+    let State { particles, clock, energy, .. } = state;
+    let Some(ledger) = energy else { return };
+    let (weight, step) = (models.weight_at(clock.time()), models.physics.time_step);
     for (i, before_gas) in before_gas.iter().enumerate() {
         let (body, force) = (&particles.body[i], particles.forces[i].force);
         let velocity = body.velocity + force * (0.5 * behind / body.mass);
@@ -109,8 +110,7 @@ pub fn stored_energy(
         sums.kinetic.add(0.5 * translation);
         sums.kinetic.add(0.5 * rotation);
     }
-    let cohesion = models.physics.cohesion_at(state.clock.time());
-    let laws = force_laws(state, models, work, cohesion.as_ref(), 0.0);
+    let laws = force_laws(state, models, work, 0.0);
     let walls = PosedWalls { walls: &domain.walls, poses: &work.wall_poses };
     elastic_energy(particles, contacts, walls, &laws, |energy| sums.elastic.add(energy));
     attraction_energy(particles, contacts, walls, &laws, |energy| sums.potential.add(energy));

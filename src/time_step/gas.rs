@@ -1,34 +1,31 @@
 //! The step of the gas, and what a column gas has to know of the particles of all ranks.
 
 use super::agglomerates;
-use super::meanwhile::with_other_work;
 use crate::gas::{GasStep, NodeSums};
-use crate::parallel::Communicator;
+use crate::parallel::{Communicator, Pending};
 use crate::state::{Domain, Models, State, Workspace};
 use crate::timers::Phase;
 
-/// Adds up over the ranks what a column gas has to know of the particles, and does other work while these numbers travel.
-/// Returns them, unless the gas is another, and what the work returned. Collective.
+/// Sums over the particles of all ranks that are under way; `None` unless the gas is a column gas.
+pub(super) type BedSum<'r> = Option<Pending<'r, Vec<f64>>>;
+
+/// Deposits this rank's particles on the grid of a column gas, and begins to sum the numbers at its nodes over the ranks.
+/// Collective.
 ///
 /// Before: particles are where, and as fast as, the gas is to find them.
-pub(super) fn while_bed_is_summed<T>(
-    state: &mut State,
+pub(super) fn start_bed_sum<'r>(
+    state: &State,
     work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace) -> T,
-) -> (Option<NodeSums>, T) {
-    let sums = work.timers.time(Phase::Gas, || work.gas.sum_bed(&state.particles));
-    let Some(mut sums) = sums else { return (None, meanwhile(state, work)) };
-    let (result, took) = with_other_work(
-        |other_work| ranks.sum_exact_during(sums.numbers_mut(), other_work),
-        || meanwhile(state, work),
-    );
-    work.timers.add(Phase::Gas, took);
-    (Some(sums), result)
+    ranks: &'r dyn Communicator,
+) -> BedSum<'r> {
+    work.time(Phase::Gas, |work| {
+        let sums = work.gas.sum_bed(&state.particles)?;
+        Some(ranks.start_sum_exact(sums.into()))
+    })
 }
 
-/// Looks at the agglomerates before a step of the gas if a look is due, while contacts are those of the step before. Collective.
-pub(super) fn look_at_agglomerates(
+/// Finds the agglomerates if that is due before this step of the gas, while contacts are those of the step before. Collective.
+pub(super) fn find_agglomerates(
     state: &mut State,
     domain: &Domain,
     models: &Models,
@@ -36,23 +33,29 @@ pub(super) fn look_at_agglomerates(
     ranks: &dyn Communicator,
 ) {
     if models.physics.gas.is_due(state.clock.step) {
-        work.timers.time(Phase::Gas, || agglomerates::look_if_due(state, domain, models, ranks));
+        work.timers.time(Phase::Gas, || agglomerates::find_if_due(state, domain, models, ranks));
     }
 }
 
-/// A step of the gas from the particles as they are now, with their sums of [`while_bed_is_summed`] if they still hold. Collective.
+/// A step of the gas, if one is due, from the particles as they are now, with their sums of [`start_bed_sum`] if these still
+/// hold. Collective.
 pub(super) fn advance_gas(
-    bed: Option<NodeSums>,
+    bed: BedSum<'_>,
     state: &mut State,
     models: &Models,
     work: &mut Workspace,
     ranks: &dyn Communicator,
 ) {
     let State { particles, gas, clock, .. } = state;
+    if !models.physics.gas.is_due(clock.step) {
+        return;
+    }
     let time = clock.time();
     let dt = models.physics.time_step * models.physics.gas.substeps() as f64;
     let step = GasStep { time, dt, gravity: models.physics.gravity.at(time) };
-    let advanced =
-        work.timers.time(Phase::Gas, || work.gas.advance(gas, particles, bed, &step, ranks));
+    let advanced = work.time(Phase::Gas, |work| {
+        let bed = bed.map(|sums| NodeSums::from(sums.finish()));
+        work.gas.advance(gas, particles, bed, &step, ranks)
+    });
     work.note_fault(advanced);
 }

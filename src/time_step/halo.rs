@@ -1,69 +1,56 @@
-//! What ranks tell each other about ghosts in a step: velocities of the originals come, forces on copies go back.
+//! Ghosts in a step: velocities of the originals come from their owners, forces on copies go back to them.
 
-use super::meanwhile::with_other_work;
-use crate::parallel::{Communicator, ParticleHalo};
-use crate::particles::DriftStep;
+use super::decision::Displacement;
+use crate::parallel::{Communicator, Exchange, Pending};
 use crate::state::{State, Workspace};
 use crate::timers::Phase;
 
-/// Images become like their originals, and the velocities of other ranks' particles are sent; meanwhile other work is done,
-/// for which these particles are not yet where they should be. Collective.
-pub(super) fn while_ghosts_travel<T>(
+/// Makes images like their originals, and begins to send the velocities of particles of which other ranks have copies.
+/// Collective.
+///
+/// After: nobody reads copies until [`receive_ghosts`].
+pub(super) fn send_ghosts<'r>(
     state: &mut State,
     work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace) -> T,
-) -> T {
-    on_halo(work, |halo| halo.begin(&mut state.particles));
-    exchange_during(ParticleHalo::exchange, state, work, ranks, meanwhile)
+    ranks: &'r dyn Communicator,
+) -> Pending<'r, Exchange> {
+    work.time(Phase::CopyGhosts, |work| work.halo.pack_velocities(&mut state.particles));
+    work.time(Phase::ExchangeGhosts, |work| work.halo.send_velocities(ranks))
 }
 
-/// Moves the ghosts of other ranks' particles by the velocities that have come.
-pub(super) fn move_ghosts(state: &mut State, work: &mut Workspace, step: DriftStep) {
-    on_halo(work, |halo| halo.finish(&mut state.particles, step));
-}
-
-/// Takes the forces on particles of other ranks to their owners, and does other work until those on this rank's particles
-/// have come. Collective.
-pub(super) fn while_forces_return(
+/// Waits for the velocities of the copies, and moves these as their owners moved the originals, to the bit.
+pub(super) fn receive_ghosts(
+    ghosts: Pending<'_, Exchange>,
+    moved: Displacement,
     state: &mut State,
     work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace),
 ) {
-    on_halo(work, |halo| halo.begin_return(&mut state.particles));
-    exchange_during(ParticleHalo::exchange_return, state, work, ranks, meanwhile);
-    on_halo(work, |halo| halo.finish_return(&mut state.particles));
+    work.time(Phase::ExchangeGhosts, |work| work.halo.receive_velocities(ghosts));
+    work.time(Phase::CopyGhosts, |work| work.halo.drift_copies(&mut state.particles, moved.step));
+}
+
+/// Begins to send the forces on copies to the owners of the originals. Collective.
+pub(super) fn return_forces<'r>(
+    state: &mut State,
+    work: &mut Workspace,
+    ranks: &'r dyn Communicator,
+) -> Pending<'r, Exchange> {
+    work.time(Phase::CopyGhosts, |work| work.halo.pack_forces(&mut state.particles));
+    work.time(Phase::ExchangeGhosts, |work| work.halo.return_forces(ranks))
+}
+
+/// Waits for the forces of other ranks' pairs on particles of this rank, and adds them.
+pub(super) fn receive_forces(
+    forces: Pending<'_, Exchange>,
+    state: &mut State,
+    work: &mut Workspace,
+) {
+    work.time(Phase::ExchangeGhosts, |work| work.halo.receive_forces(forces));
+    work.time(Phase::CopyGhosts, |work| work.halo.unpack_forces(&mut state.particles));
 }
 
 /// Brings the velocities of ghosts up to date, between two steps. Collective.
 pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
     // With the copies, which belong to no step and are no load.
     work.timers.time(Phase::ExchangeGhosts, || work.halo.refresh(&mut state.particles, ranks));
-}
-
-/// Does what needs no other rank.
-fn on_halo(work: &mut Workspace, of_halo: impl FnOnce(&mut ParticleHalo)) {
-    work.time(Phase::CopyGhosts, |work| of_halo(&mut work.halo));
-}
-
-/// An exchange of the halo: it does other work until all has come.
-type Exchange = fn(&mut ParticleHalo, &dyn Communicator, &mut dyn FnMut());
-
-/// Does other work during an exchange; the rest of the time is that of the messages. Collective.
-fn exchange_during<T>(
-    exchange: Exchange,
-    state: &mut State,
-    work: &mut Workspace,
-    ranks: &dyn Communicator,
-    meanwhile: impl FnOnce(&mut State, &mut Workspace) -> T,
-) -> T {
-    let mut halo = std::mem::take(&mut work.halo);
-    let (result, took) = with_other_work(
-        |other_work| exchange(&mut halo, ranks, other_work),
-        || meanwhile(state, work),
-    );
-    work.halo = halo;
-    work.timers.add(Phase::ExchangeGhosts, took);
-    result
 }

@@ -1,6 +1,6 @@
 //! The laws of forces at a step.
 
-use crate::contact::{ByPair, ForceLaws, VanDerWaalsNow};
+use crate::contact::ForceLaws;
 use crate::particles::InteractionRanges;
 use crate::state::{Models, State, Workspace};
 
@@ -9,13 +9,12 @@ pub(super) fn force_laws<'a>(
     state: &State,
     models: &'a Models,
     work: &Workspace,
-    cohesion: Option<&'a ByPair<VanDerWaalsNow>>,
     dt: f64,
 ) -> ForceLaws<'a> {
     ForceLaws {
         contact: &models.physics.contact,
         at_walls: &models.physics.at_walls,
-        cohesion,
+        cohesion: models.physics.cohesion_at(state.clock.time()),
         ranges: InteractionRanges {
             contact: models.contact_range(&state.sizes),
             any: work.list_range.interaction,

@@ -7,7 +7,6 @@ mod forces;
 mod gas;
 mod halo;
 mod laws;
-mod meanwhile;
 mod rebuild;
 mod staggered;
 
@@ -16,13 +15,13 @@ pub use halo::refresh_ghosts;
 pub use staggered::Staggered;
 
 use crate::parallel::{CollectiveError, Communicator};
-use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
+use crate::particles::{self, ContactHistories, DriftStep, PairGroup, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
-use forces::{PairsDue, add_forces_of_contacts, add_forces_of_gas, add_own_pairs};
-use gas::{advance_gas, look_at_agglomerates, while_bed_is_summed};
-use halo::{move_ghosts, while_ghosts_travel};
+use forces::{add_gas_forces, add_pair_forces, add_wall_forces, begin_forces};
+use gas::{advance_gas, find_agglomerates, start_bed_sum};
+use halo::{receive_forces, receive_ghosts, return_forces, send_ghosts};
 use rebuild::arrange;
 use thiserror::Error;
 
@@ -70,35 +69,25 @@ pub fn advance(
 ) -> Result<Requests, StepError> {
     let dt = models.physics.time_step;
     // [step]
-    let (state, kick_due) = staggered.take();
-    state.clock.tick();
-    let drift = drift_step(state, domain, models);
-    let displacement = kick_and_drift(state, kick_due, drift, models, work);
+    let (state, kick_due) = staggered.begin_step();
+    let moved = kick_and_drift(state, kick_due, domain, models, work);
     work.move_walls(domain, state.clock.time(), dt);
-    let (bed, decided) = while_bed_is_summed(state, work, ranks, |state, work| {
-        let come_from_far = work.halo.comes_from_far(ranks);
-        let (decision, pairs) = while_ghosts_travel(state, work, ranks, |state, work| {
-            let decision = decide(state, displacement, domain, work, ranks)?;
-            let pairs = match decision.rebuild || !come_from_far {
-                true => PairsDue::All,
-                false => add_own_pairs(state, models, work, dt),
-            };
-            Ok((decision, pairs))
-        })?;
-        move_ghosts(state, work, drift);
-        if decision.rebuild {
-            rebuild(state, domain, models, work, ranks)?;
-        }
-        look_at_agglomerates(state, domain, models, work, ranks);
-        add_forces_of_contacts(pairs, state, domain, models, work, ranks, dt);
-        Ok(decision)
-    });
-    let decision = decided?;
-    let bed = bed.filter(|_| !decision.rebuild); // else particles are with other ranks, and in another order
-    if models.physics.gas.is_due(state.clock.step) {
-        advance_gas(bed, state, models, work, ranks);
+    let bed = start_bed_sum(state, work, ranks);
+    let ghosts = send_ghosts(state, work, ranks);
+    let decision = decide(state, moved, domain, work, ranks)?;
+    receive_ghosts(ghosts, moved, state, work);
+    if decision.rebuild {
+        rebuild(state, domain, models, work, ranks)?;
     }
-    add_forces_of_gas(state, models, work, dt);
+    find_agglomerates(state, domain, models, work, ranks);
+    let laws = begin_forces(state, domain, models, work, dt);
+    add_pair_forces(PairGroup::Shared, &laws, state, work);
+    let forces = return_forces(state, work, ranks);
+    add_pair_forces(PairGroup::Own, &laws, state, work);
+    add_wall_forces(&laws, state, domain, work);
+    receive_forces(forces, state, work);
+    advance_gas(bed.filter(|_| !decision.rebuild), state, models, work, ranks);
+    add_gas_forces(state, models, work, dt);
     staggered.leave_kick(dt);
     // [/step]
     Ok(decision.requests)
@@ -134,10 +123,15 @@ pub fn find_first_forces(
     ranks: &dyn Communicator,
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
-    look_at_agglomerates(state, domain, models, work, ranks);
-    add_forces_of_contacts(PairsDue::All, state, domain, models, work, ranks, 0.0);
+    find_agglomerates(state, domain, models, work, ranks);
+    let laws = begin_forces(state, domain, models, work, 0.0);
+    add_pair_forces(PairGroup::Shared, &laws, state, work);
+    let forces = return_forces(state, work, ranks);
+    add_pair_forces(PairGroup::Own, &laws, state, work);
+    add_wall_forces(&laws, state, domain, work);
+    receive_forces(forces, state, work);
     advance_gas(None, state, models, work, ranks);
-    add_forces_of_gas(state, models, work, 0.0);
+    add_gas_forces(state, models, work, 0.0);
 }
 
 /// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.
@@ -172,25 +166,21 @@ pub fn confirm(
     Err(StepError::Unstable { step: state.clock.step, message })
 }
 
-/// How particles move at this step.
-fn drift_step(state: &State, domain: &Domain, models: &Models) -> DriftStep {
-    let quantum = domain.bounds.position_quantum();
-    let weight = models.weight_at(state.clock.time());
-    DriftStep { dt: models.physics.time_step, quantum, weight }
-}
-
 /// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
-/// the weight, and of a gas in three dimensions as of its last step. Returns how far particles have moved.
+/// the weight, and of a volume-averaged gas as of its last step. Returns how far particles have moved.
 fn kick_and_drift(
     state: &mut State,
     kick_due: Option<f64>,
-    step: DriftStep,
+    domain: &Domain,
     models: &Models,
     work: &mut Workspace,
 ) -> Displacement {
     work.note_step();
+    let quantum = domain.bounds.position_quantum();
+    let weight = models.weight_at(state.clock.time());
+    let step = DriftStep { dt: models.physics.time_step, quantum, weight };
     let particles = &mut state.particles;
     let largest =
         work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step));
-    Displacement { largest, allowed: step.dt * models.limits.speed }
+    Displacement { step, largest, allowed: step.dt * models.limits.speed }
 }

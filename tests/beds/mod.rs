@@ -1,6 +1,8 @@
 //! Small beds for tests: shorthand for the setups of the library, whose errors fail the test.
 #![allow(dead_code, reason = "each test file uses a part")]
 
+pub(crate) mod delayed;
+
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::{Deref, DerefMut};

@@ -7,7 +7,6 @@ mod beds;
 mod contact_set;
 mod contacts_on_ranks;
 mod dense_beds;
-mod far_apart;
 mod measures;
 mod rank_equality;
 #[path = "../mpi_communicator/sparse_exchange.rs"]

@@ -3,11 +3,11 @@
 //! Equal means equal in every bit, so there are no tolerances. Each scene is dense: in a dilute one an
 //! error in the order of sums stays unseen.
 
+use crate::beds::delayed::{Delayed, Network};
 use crate::beds::{Bench, PERIODIC, PLATE, Run, Snapshot, law};
 use crate::dense_beds::{bed_of_two_species, polydisperse_bed, vibrated_bed};
-use crate::far_apart::FarApart;
-use std::cell::Cell;
 use std::collections::BTreeSet;
+use std::time::Instant;
 use talcum::analysis::{Digest, StateRecords};
 use talcum::domain::{EffectiveGravity, RankGrid};
 use talcum::parallel::{OneRank, run_on_threads};
@@ -73,20 +73,24 @@ fn blocks_give_the_same_bits_as_one() {
 }
 
 #[test]
-fn ranks_on_machines_of_their_own_give_the_same_bits() {
-    // They evaluate half of their own pairs while velocities are on their way.
+fn messages_that_take_time_change_no_bit() {
+    const LATENCY: f64 = 20.0; // microseconds
+    let network = Network { latency: LATENCY, bandwidth: 1250.0 };
     for bench in [vibrated_bed(), polydisperse_bed(), bed_of_two_species()] {
         let reference = after(&bench, [1, 1, 1], STEPS);
         for grid in [[1, 1, 3], [2, 1, 2]] {
             let grid = RankGrid(grid);
             let mut found = run_on_threads(grid.size(), |ranks| {
-                let far_apart = FarApart { ranks, asked: Cell::default() };
-                let state = bench.start(grid, &far_apart).steps(STEPS).snapshot();
-                (state, far_apart.asked.get())
+                let delayed = Delayed { ranks, network };
+                let mut run = bench.start(grid, &delayed);
+                let begin = Instant::now();
+                let state = run.steps(STEPS).snapshot();
+                (state, begin.elapsed())
             });
-            let (state, asked) = found.swap_remove(0);
-            assert_same_bits(&reference, &state, &format!("far apart, {grid:?}"));
-            assert!(asked > 100, "a control: rank 0 was asked {asked} times");
+            let (state, took) = found.swap_remove(0);
+            assert_same_bits(&reference, &state, &format!("delayed, {grid:?}"));
+            // The control: each step waits for a maximum over three or four ranks, two messages one after another.
+            assert!(took.as_secs_f64() > 2.0e-6 * LATENCY * STEPS as f64, "{took:?}");
         }
     }
 }

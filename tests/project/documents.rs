@@ -114,6 +114,14 @@ fn the_step_that_architecture_shows_is_that_of_the_source() {
     let shown = first_block(text.split_once("## One step").unwrap().1);
     assert_eq!(shown, step_in_source());
     // Negative control: a line less is seen.
-    let drifted = text.replacen("    state.clock.tick();\n", "", 1);
+    let drifted = text.replacen("    staggered.leave_kick(dt);\n", "", 1);
     assert_ne!(first_block(drifted.split_once("## One step").unwrap().1), step_in_source());
+}
+
+#[test]
+fn the_step_is_a_flat_list() {
+    let step = step_in_source();
+    let is_nested = |line: &str| line.starts_with("         ") || line.contains("|state");
+    let lines = step.lines().count();
+    assert!(lines <= 20 && !step.lines().any(is_nested), "{lines} lines:\n{step}");
 }

@@ -11,14 +11,13 @@ use crate::contact::rolling::{
 };
 use crate::contact::{ContactModel, RollingKind};
 use crate::numbers::{F64x4, SimdKernel};
-use crate::particles::{LANES, PairBlock, PairBlocks, Part, Particles};
+use crate::particles::{LANES, PairBlock, PairBlocks, Particles};
 
 /// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
 /// too: they have a loop of their own, so that the common one stays small.
 pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
-    pub(super) part: Part,
     /// Radius and mass, if all particles have the same.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) laws: PairLaws<'a>,
@@ -80,19 +79,16 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, pairs, part, laws, .. } = self;
+        let Self { particles, pairs, laws, .. } = self;
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
         let fetches = particles.exceed_caches();
         let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
-        let range = part.of(blocks.len());
-        let (first, blocks) = (range.start, &mut blocks[range]);
-        for number in 0..blocks.len() {
-            let index = first + number;
-            let (done, coming) = blocks.split_at_mut(number + 1);
-            let pairs = &mut done[number];
+        for index in 0..blocks.len() {
+            let (done, coming) = blocks.split_at_mut(index + 1);
+            let pairs = &mut done[index];
             let ends = [&pairs.first, &pairs.second];
             let coming = match fetches {
                 true => ComingBlocks::first_of(coming),

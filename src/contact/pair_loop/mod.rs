@@ -7,7 +7,7 @@ mod separated;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
 use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
 use crate::numbers::with_simd;
-use crate::particles::{Contacts, InnerList, PairGroup, Part, Particles};
+use crate::particles::{Contacts, InnerList, PairGroup, Particles};
 use contacts::ContactLoop;
 use separated::{SeparatedLoop, SeparatedReach};
 
@@ -31,7 +31,7 @@ pub(crate) fn find_contacts(
     group: PairGroup,
 ) -> Result<(), ForceOutOfRange> {
     let inner = &mut contacts.inner;
-    match laws.cohesion {
+    match &laws.cohesion {
         None => inner.find_promotions(particles, group),
         Some(_) => attract_separated(particles, inner, laws, group)?,
     }
@@ -39,7 +39,7 @@ pub(crate) fn find_contacts(
     Ok(())
 }
 
-/// Adds the forces and torques of a part of the contacts of a group to both their particles.
+/// Adds the forces and torques of the contacts of a group to both their particles.
 ///
 /// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
 /// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
@@ -54,14 +54,14 @@ pub(crate) fn add_contact_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
-    (group, part): (PairGroup, Part),
+    group: PairGroup,
 ) -> Result<(), ForceOutOfRange> {
     let one_size = contacts.inner.one_size;
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
         match needs_extras(&laws) {
-            true => with_simd(ContactLoop::<true> { particles, pairs, part, one_size, laws })?,
-            false => with_simd(ContactLoop::<false> { particles, pairs, part, one_size, laws })?,
+            true => with_simd(ContactLoop::<true> { particles, pairs, one_size, laws })?,
+            false => with_simd(ContactLoop::<false> { particles, pairs, one_size, laws })?,
         }
     }
     Ok(())

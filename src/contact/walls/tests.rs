@@ -113,7 +113,7 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     let laws = ForceLaws {
         contact: &contact,
         at_walls: &[],
-        cohesion: cohesion.as_ref(),
+        cohesion,
         ranges: InteractionRanges { contact: 0.0, any: range, diameter: 2.0 * RADIUS },
         dt: DT,
         limit: 1.0e6,

@@ -1,0 +1,64 @@
+//! Communication that has begun and not ended: ranks compute while it travels.
+
+use super::{Communicator, Message};
+
+/// Communication that is under way. It owns the buffers that travel until [`Pending::finish`] has waited for the other ranks
+/// and returns what came. A value that is dropped waits too, so that an error between begin and end leaves no message behind.
+#[must_use = "what is not finished is waited for at once"]
+pub struct Pending<'a, T>(Option<Box<dyn FnOnce() -> T + 'a>>);
+
+/// The messages of one exchange: at most one to each rank and one from each. Sender and length of those that come are known
+/// before: the bytes of `incoming` have that length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exchange {
+    /// Messages to other ranks.
+    pub outgoing: Vec<Message>,
+    /// Messages from other ranks.
+    pub incoming: Vec<Message>,
+}
+
+impl Exchange {
+    /// Buffers for messages to and from these ranks, of these lengths in bytes.
+    pub(super) fn with_lengths(
+        outgoing: impl Iterator<Item = (usize, usize)>,
+        incoming: impl Iterator<Item = (usize, usize)>,
+    ) -> Self {
+        let buffer = |(rank, length)| Message { rank, bytes: vec![0; length] };
+        Self { outgoing: outgoing.map(buffer).collect(), incoming: incoming.map(buffer).collect() }
+    }
+
+    /// Begins the exchange; the buffers come back with the messages.
+    pub(super) fn start<'r>(&mut self, ranks: &'r dyn Communicator) -> Pending<'r, Self> {
+        ranks.start_exchange(std::mem::take(self))
+    }
+
+    /// Exchanges the messages at once. Collective.
+    pub(super) fn complete(&mut self, ranks: &dyn Communicator) {
+        *self = self.start(ranks).finish();
+    }
+}
+
+impl<'a, T> Pending<'a, T> {
+    /// Communication that ends when `wait` returns; `wait` is called once.
+    pub fn new(wait: impl FnOnce() -> T + 'a) -> Self {
+        Self(Some(Box::new(wait)))
+    }
+
+    /// Waits for the other ranks.
+    pub fn finish(mut self) -> T {
+        let wait =
+            self.0.take().expect("only this method and drop take it, and both end the value");
+        wait()
+    }
+}
+
+impl<T> Drop for Pending<'_, T> {
+    fn drop(&mut self) {
+        // After a panic the others may never answer.
+        if let Some(wait) = self.0.take()
+            && !std::thread::panicking()
+        {
+            wait();
+        }
+    }
+}
