@@ -116,6 +116,7 @@ pub mod command_line;
 pub mod contact;
 pub mod coupling;
 pub mod domain;
+pub mod fields;
 pub mod gas;
 pub mod grid;
 pub mod linear_solver;

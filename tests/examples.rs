@@ -94,3 +94,31 @@ fn on_mpi_ranks_prints_the_same_digest_on_one_and_two_ranks() {
     assert_eq!(one.lines().last(), two.lines().last());
     assert!(one.contains("digest "), "{one}");
 }
+
+#[test]
+fn own_field_has_one_answer_on_any_ranks_and_through_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs: Vec<String> = (1..=4)
+        .map(|ranks| {
+            let results = folder.path().join(ranks.to_string());
+            run("own_field", ranks, &[results.to_str().unwrap()])
+        })
+        .collect();
+    assert!(outputs.iter().all(|output| *output == outputs[0]), "{outputs:?}");
+    let results = folder.path().join("3");
+    let middle = hdf5::File::open(results.join("middle.h5")).unwrap();
+    let temperatures = middle.dataset("particles/temperature").unwrap().read_raw::<f64>().unwrap();
+    let between = temperatures.iter().filter(|&&kelvin| kelvin > 301.0 && kelvin < 399.0).count();
+    assert!(temperatures.len() == 300 && between > 30, "heat has flowed: {temperatures:?}");
+    // Heat is conserved to the rounding of 300 particles' temperatures at each of 10,000 steps, half a unit in the last place each.
+    let heat: f64 = temperatures.iter().sum();
+    // Four layers of 25 lattice sites are below the height of 4.
+    let at_start = 100.0 * 400.0 + 200.0 * 300.0;
+    assert!((heat - at_start).abs() < 10_000.0 * 300.0 * 400.0 * f64::EPSILON, "{heat} {at_start}");
+    let shown = hdf5::File::open(results.join("particles.vtkhdf")).unwrap();
+    let shown = shown.dataset("VTKHDF/PointData/temperature").unwrap();
+    assert_eq!(shown.read_raw::<f64>().unwrap()[..300], temperatures);
+    // The program itself does not know the field, and says so.
+    let middle = results.join("middle.h5").display().to_string();
+    assert!(talcum(0, &["info", &middle]).output.contains("temperature of the particle"));
+}

@@ -1,14 +1,17 @@
 //! A number that tells two states apart: what is compared over ranks, restarts and machines.
 
 use std::fmt;
+use std::ops::Range;
 
 use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_128;
 
+use crate::fields::{Field, groups};
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, WallContactRecord,
 };
 use crate::particle_sets::Pair;
+use crate::particles::{ContactState, OwnFields};
 use crate::state::Clock;
 
 /// Hash of the physical state: clock, particles, and contact histories.
@@ -22,11 +25,9 @@ use crate::state::Clock;
 /// not.) Unlike an exclusive or, a sum also sees a record that is there twice. The sums are at last
 /// hashed together with the number of records, the step and the time.
 ///
-/// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. The angle of a rolling
-/// or twisting spring that is not bent is left out, and what only some gases have, cells or a plenum and a force on
-/// particles that is kept, where there is none, the number of the first species, and agglomerates where drag does not follow from
-/// them: the digest of a state without them is
-/// that of the time before there were any.
+/// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. Fields that come with something that
+/// not every run has are skipped while they are zero, from the end of a record; so are tables without rows and a user's own
+/// fields. The digest of a state therefore stays what it is when a program learns of further fields.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -34,6 +35,8 @@ pub struct Digest([u8; 16]);
 pub struct StateRecords<'a, P: ?Sized> {
     /// Particles, positions wrapped into the box.
     pub particles: &'a P,
+    /// A user's own fields of these particles, in the same order.
+    pub own: &'a OwnFields,
     /// Touching pairs.
     pub contacts: &'a [ContactRecord],
     /// Particles that touch a wall.
@@ -55,16 +58,19 @@ impl Digest {
         records: &StateRecords<'_, impl Records<ParticleRecord> + ?Sized>,
         ranks: &dyn Communicator,
     ) -> Self {
-        let StateRecords { particles, contacts, wall_contacts, cells, looked_at } = *records;
-        let [a, b, c] = [
-            sum(b'p', 1, &[3, 1, 3], particles),
-            sum(b'c', 2, &[1, 3], contacts),
-            sum(b'w', 2, &[1, 3], wall_contacts),
-        ];
-        let mut sums = [a, b, c, sum(b'g', 1, &[], cells), sum(b'l', 2, &[], looked_at)].concat();
+        let StateRecords { particles, own, contacts, wall_contacts, cells, looked_at } = *records;
+        let mut sums = [
+            sum(b'p', (1, ParticleRecord::FIELDS), particles),
+            sum(b'c', (2, ContactState::FIELDS), contacts),
+            sum(b'w', (2, ContactState::FIELDS), wall_contacts),
+            sum(b'g', (1, CellRecord::FIELDS), cells),
+            sum(b'l', (2, &[]), looked_at),
+            sum_of_own(particles, own),
+        ]
+        .concat();
         ranks.sum_integers(&mut sums);
-        // What is not there at all is left out: cells of a gas, pairs that were looked at.
-        for first in [12, 9] {
+        // What is not there at all is left out: cells of a gas, pairs that were looked at, a user's fields that are all zero.
+        for first in [15, 12, 9] {
             if sums[first] == 0 {
                 sums.drain(first..first + 3);
             }
@@ -80,25 +86,22 @@ impl Digest {
     }
 }
 
-/// Number of records and sum of their hashes. The first `ids` words of a record are integers, the
-/// others doubles. Of the last ones, groups of as many as `optional` says, from the end, are left out until one of
-/// them is not all zero.
+/// Number of records and sum of their hashes. The first `ids` words of a record are integers, the others doubles. Of the last
+/// fields, those that come together are left out until one of them is not zero.
 fn sum<T: Pod>(
     kind: u8,
-    ids: usize,
-    optional: &[usize],
+    (ids, fields): (usize, &[Field]),
     records: &(impl Records<T> + ?Sized),
 ) -> [i64; 3] {
+    let optional = optional_widths(fields);
     let mut sum = [records.count() as i64, 0, 0];
     let mut bytes = vec![kind; 1 + size_of::<T>()];
     for index in 0..records.count() {
         let mut record = records.at(index);
         let words: &mut [u64] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut record));
-        for number in &mut words[ids..] {
-            *number = if *number == NEGATIVE_ZERO { 0 } else { *number };
-        }
+        words[ids..].iter_mut().for_each(|word| *word = without_sign_of_zero(*word));
         let mut words = &*words;
-        for &group in optional {
+        for &group in &optional {
             let (before, last) = words.split_at(words.len() - group);
             if last.iter().any(|&word| word != 0) {
                 break;
@@ -106,14 +109,69 @@ fn sum<T: Pod>(
             words = before;
         }
         let end = 1 + size_of_val(words);
-        for (bytes, word) in bytes[1..end].chunks_exact_mut(8).zip(words) {
-            bytes.copy_from_slice(&word.to_le_bytes());
-        }
-        let hash = xxh3_128(&bytes[..end]);
-        sum[1] = sum[1].wrapping_add(hash as i64);
-        sum[2] = sum[2].wrapping_add((hash >> 64) as i64);
+        put(&mut bytes[1..end], words);
+        add_hash(&mut sum, &bytes[..end]);
     }
     sum
+}
+
+/// Numbers of the last fields that come together, from the end: those before the last field that every run has do not count.
+fn optional_widths(fields: &[Field]) -> Vec<usize> {
+    let last = fields.iter().rposition(|field| field.comes_with.is_none());
+    let optional = &fields[last.map_or(0, |last| last + 1)..];
+    let width = |group: Range<usize>| optional[group].iter().map(Field::width).sum();
+    let mut widths: Vec<usize> = groups(optional).map(|(_, group)| width(group)).collect();
+    widths.reverse();
+    widths
+}
+
+/// Number of values of a user's own fields that are not zero, and sum of the hashes of each with its particle's id and the name of its
+/// field: in whatever order the fields are.
+fn sum_of_own(particles: &(impl Records<ParticleRecord> + ?Sized), own: &OwnFields) -> [i64; 3] {
+    let mut sum = [0; 3];
+    for (number, field) in own.fields.iter().enumerate() {
+        let numbers = own.column(number);
+        add_own_field(&mut sum, particles, (field, &numbers));
+    }
+    sum
+}
+
+fn add_own_field(
+    sum: &mut [i64; 3],
+    particles: &(impl Records<ParticleRecord> + ?Sized),
+    (field, numbers): (&Field, &[f64]),
+) {
+    let mut bytes = Vec::new();
+    for (index, numbers) in numbers.chunks_exact(field.width()).enumerate() {
+        let mut words = vec![particles.at(index).id];
+        words.extend(numbers.iter().map(|number| without_sign_of_zero(number.to_bits())));
+        if words[1..].iter().any(|&word| word != 0) {
+            let end = 1 + size_of_val(&words[..]);
+            bytes.clear();
+            bytes.resize(end, b'f');
+            put(&mut bytes[1..], &words);
+            bytes.extend_from_slice(field.name.as_bytes());
+            sum[0] += 1;
+            add_hash(sum, &bytes);
+        }
+    }
+}
+
+/// The bits of a number, of zero without its sign.
+fn without_sign_of_zero(word: u64) -> u64 {
+    if word == NEGATIVE_ZERO { 0 } else { word }
+}
+
+fn put(bytes: &mut [u8], words: &[u64]) {
+    for (bytes, word) in bytes.chunks_exact_mut(8).zip(words) {
+        bytes.copy_from_slice(&word.to_le_bytes());
+    }
+}
+
+fn add_hash(sum: &mut [i64; 3], bytes: &[u8]) {
+    let hash = xxh3_128(bytes);
+    sum[1] = sum[1].wrapping_add(hash as i64);
+    sum[2] = sum[2].wrapping_add((hash >> 64) as i64);
 }
 
 fn first_bytes(hash: &blake3::Hash) -> [u8; 16] {
@@ -149,10 +207,12 @@ mod tests {
         ContactRecord {
             lower,
             higher: lower + 1,
-            tangential_spring: [0.1; 3],
-            largest_overlap: 0.2,
-            rolling_angle: [0.3; 3],
-            twisting_angle: 0.4,
+            state: ContactState {
+                tangential_spring: [0.1; 3],
+                largest_overlap: 0.2,
+                rolling_angle: [0.3; 3],
+                twisting_angle: 0.4,
+            },
         }
     }
 
@@ -174,13 +234,18 @@ mod tests {
         digest_at(&Clock::new(0.1), particles, contacts)
     }
 
+    fn of_particles(particles: &[ParticleRecord]) -> StateRecords<'_, [ParticleRecord]> {
+        static NONE: OwnFields = OwnFields { fields: Vec::new(), numbers: Vec::new() };
+        let (contacts, wall_contacts, cells, looked_at) = (&[], &[], &[], &[]);
+        StateRecords { particles, own: &NONE, contacts, wall_contacts, cells, looked_at }
+    }
+
     fn digest_at(
         clock: &Clock,
         particles: &[ParticleRecord],
         contacts: &[ContactRecord],
     ) -> Digest {
-        let records =
-            StateRecords { particles, contacts, wall_contacts: &[], cells: &[], looked_at: &[] };
+        let records = StateRecords { contacts, ..of_particles(particles) };
         Digest::of(clock, &records, &OneRank)
     }
 
@@ -193,7 +258,8 @@ mod tests {
         let cells: Vec<_> = (0..5).map(cell).collect();
         let looked_at: Vec<_> = (0..7).map(|lower| Pair { lower, higher: 9 }).collect();
         let whole = StateRecords {
-            particles: &particles,
+            particles: &particles[..],
+            own: &OwnFields::default(),
             contacts: &contacts,
             wall_contacts: &walls,
             cells: &cells,
@@ -208,6 +274,7 @@ mod tests {
                 }
                 let records = StateRecords {
                     particles: &share(&particles, ranks),
+                    own: &OwnFields::default(),
                     contacts: &share(&contacts, ranks),
                     wall_contacts: &share(&walls, ranks),
                     cells: &share(&cells, ranks),
@@ -238,8 +305,7 @@ mod tests {
         assert_ne!(digest(&particles, &[contacts[0], contacts[0], contacts[0]]), original);
         let with_pairs = |looked_at: &[Pair]| {
             let (particles, contacts) = (&particles[..], &contacts[..]);
-            let records =
-                StateRecords { particles, contacts, wall_contacts: &[], cells: &[], looked_at };
+            let records = StateRecords { contacts, looked_at, ..of_particles(particles) };
             Digest::of(&Clock::new(0.1), &records, &OneRank)
         };
         let looked_at = [Pair::of(0, 1), Pair::of(2, 3)].map(|pair| with_pairs(&[pair]));

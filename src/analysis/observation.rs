@@ -5,6 +5,7 @@ use super::{BedProfile, MomentumProbe};
 use crate::domain::BASE_PLATE;
 use crate::gas::GasObservables;
 use crate::parallel::Communicator;
+use crate::particles::{AGGLOMERATE, AgglomerateOfParticle};
 use crate::state::{Domain, Models, State, Workspace};
 
 /// A run at the end of a step, to be read.
@@ -144,7 +145,10 @@ impl ParticleSums {
             // Those of all particles of the rank, counted once.
             let neighbours = if i == 0 { 2 * state.contacts.touching_count() } else { 0 };
             let energy = 0.5 * m * v.norm_squared();
-            let (volume, xi) = (particles.volume(i), particles.membership.get(i).drag_factor);
+            let (volume, xi) = (
+                particles.volume(i),
+                particles.columns.at(AGGLOMERATE).get::<AgglomerateOfParticle>(i).drag_factor,
+            );
             [1.0, m, m * height(i), m * v.z, energy, volume, neighbours as f64, xi]
         };
         let [count, mass, moment, vertical_momentum, energy, volume, neighbours, drag_factors] =

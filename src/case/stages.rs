@@ -11,7 +11,7 @@ use super::section::Section;
 use super::species::SharedSection;
 use super::stage::Stage;
 use super::walls::contacts_of;
-use crate::contact::{ByPair, ContactModel, VanDerWaals};
+use crate::contact::{ByPair, ContactModel, Exchanges, VanDerWaals};
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use crate::state::Physics;
@@ -129,6 +129,7 @@ fn read_physics(
         contact: contact.particles,
         at_walls: contact.at_walls,
         cohesion,
+        exchanges: Exchanges::default(),
         gas: gas.unwrap_or(Some(GasModel::None))?,
         gravity: EffectiveGravity { magnitude, vibration },
         time_step: step?,

@@ -5,6 +5,7 @@ use super::run::say;
 use crate::numbers::instruction_set;
 use crate::output::{checkpoint, hdf5_version};
 use crate::parallel::{Communicator, mpi_library};
+use crate::state::Departed;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -49,7 +50,14 @@ pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Re
         format!("{} (step {}, step length {})", clock.time(), clock.step, clock.time_step),
     );
     line("particles", particles.to_string());
-    line("left the box", checkpoint.departed.count.to_string());
+    for counter in Departed::COUNTERS {
+        let [group, name] = counter.place;
+        let value = (counter.get)(&checkpoint.departed);
+        line(&format!("{} {name}", &group[1..]), format!("{value} ({})", counter.meaning));
+    }
+    for field in &checkpoint.own.fields {
+        line(field.name, format!("field of a user's own: {}", field.meaning));
+    }
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));
     line("diameters at the start", diameters(sizes.smallest_diameter, sizes.largest_diameter));
     line("written by", format!("talcum {}, commit {}", provenance.version, provenance.commit));

@@ -7,7 +7,7 @@ use super::rolling::Rolling;
 use super::walls::{contact_with, total_force};
 use super::{Contact, ContactForceLaw, ContactModel, ContactStep, ContactWork, VanDerWaalsNow};
 use crate::domain::PosedWalls;
-use crate::particles::{Contacts, PairGroup, Particles, Remembered};
+use crate::particles::{ContactState, Contacts, PairGroup, Particles};
 use nalgebra::Vector3;
 
 /// What a wall does with the energy of a particle in a step.
@@ -32,7 +32,7 @@ pub(crate) fn work_of_pairs(
     for (kind, pair, before) in contacts.inner.active_pairs(group) {
         let laws = laws.of_kind(kind);
         let contact = contact_of_pair(particles, pair, laws.cohesion);
-        if let Some((work, _)) = work_over_step(laws.contact, &contact, &before, laws.dt) {
+        if let Some((work, _)) = work_over_step(laws.contact, &contact, before, laws.dt) {
             sink(work);
         }
     }
@@ -49,17 +49,17 @@ pub(crate) fn work_of_walls(
     for slot in 0..contacts.wall_pairs.len() {
         let WallContact { wall, contact, before, model } =
             wall_contact(particles, contacts, walls, laws, slot);
-        let (work, force) = work_over_step(model, &contact, &before, laws.dt).unwrap_or_default();
+        let (work, force) = work_over_step(model, &contact, before, laws.dt).unwrap_or_default();
         let total = total_force(&contact, force.normal, force.tangential);
         sink(WallWork { wall, work, force: laws.force_quantum.round_vector(total) });
     }
 }
 
-/// A particle near a wall: the contact as it is now, what it remembers of the step before, and its model.
+/// A particle near a wall: the contact as it is now, what it carries from the step before if the two touched then, and its model.
 struct WallContact<'a> {
     wall: usize,
     contact: Contact,
-    before: Remembered,
+    before: Option<ContactState>,
     model: &'a ContactModel,
 }
 
@@ -77,12 +77,7 @@ fn wall_contact<'a>(
     WallContact {
         wall,
         contact: contact_with(body, pose, particles, particle, at_wall.cohesion),
-        before: Remembered {
-            history: contacts.wall_history[slot],
-            rolling_angle: contacts.wall_rolling_angle[slot],
-            twisting_angle: contacts.wall_twisting_angle[slot],
-            touching: contacts.wall_touching[slot],
-        },
+        before: contacts.wall_touching[slot].then(|| contacts.wall_state[slot]),
         model: at_wall.contact,
     }
 }
@@ -98,30 +93,32 @@ struct LawForce {
 fn work_over_step(
     model: &ContactModel,
     contact: &Contact,
-    before: &Remembered,
+    before: Option<ContactState>,
     dt: f64,
 ) -> Option<(ContactWork, LawForce)> {
     let ContactModel { law, rolling, twisting, .. } = model;
-    if !law.touches(contact, &before.history) {
-        return before
-            .touching
-            .then(|| (work_of_parting(model, contact, before, dt), LawForce::default()));
+    let (touched, before) = (before.is_some(), before.unwrap_or_default());
+    let history_before = before.history();
+    if !law.touches(contact, &history_before) {
+        return touched
+            .then(|| (work_of_parting(model, contact, &before, dt), LawForce::default()));
     }
-    let mut history = before.history;
+    let mut history = history_before;
     let force = law.force(contact, &mut history, dt);
     let mut work = law.work(&ContactStep {
         contact,
-        before: &before.history,
+        before: &history_before,
         after: &history,
         force: &force,
-        began: !before.touching,
+        began: !touched,
         dt,
     });
     if let Some(rolling) = rolling {
         let stiffness = law.stiffness_over(contact, dt);
-        let mut angle = before.rolling_angle;
+        let angle_before = Vector3::from(before.rolling_angle);
+        let mut angle = angle_before;
         let torque = rolling.torque(contact, force.friction_normal, stiffness, &mut angle, dt);
-        let angles = [before.rolling_angle, angle];
+        let angles = [angle_before, angle];
         work = work + rolling.work(contact, stiffness, angles, torque, dt);
     }
     if let Some(twisting) = twisting {
@@ -138,7 +135,7 @@ fn work_over_step(
 fn work_of_parting(
     model: &ContactModel,
     contact: &Contact,
-    before: &Remembered,
+    before: &ContactState,
     dt: f64,
 ) -> ContactWork {
     let law = &model.law;
@@ -148,8 +145,8 @@ fn work_of_parting(
     let stiffness = law.stiffness(overlap, contact.reduced_radius);
     let spin = energy_of_spin(model, contact, stiffness, before);
     ContactWork {
-        friction: -law.stored_energy(&last, &before.history).tangential - spin,
-        plasticity: -law.stored_energy(&end, &before.history).normal,
+        friction: -law.stored_energy(&last, &before.history()).tangential - spin,
+        plasticity: -law.stored_energy(&end, &before.history()).normal,
         ..ContactWork::default()
     }
 }
@@ -159,11 +156,11 @@ fn energy_of_spin(
     model: &ContactModel,
     contact: &Contact,
     stiffness: f64,
-    before: &Remembered,
+    before: &ContactState,
 ) -> f64 {
-    let rolling = model
-        .rolling
-        .map_or(0.0, |rolling| rolling.stored_energy(contact, stiffness, &before.rolling_angle));
+    let rolling = model.rolling.map_or(0.0, |rolling| {
+        rolling.stored_energy(contact, stiffness, &before.rolling_angle.into())
+    });
     let twisting = model
         .twisting
         .map_or(0.0, |twisting| twisting.stored_energy(contact, stiffness, before.twisting_angle));
@@ -178,24 +175,23 @@ pub(crate) fn elastic_energy(
     laws: &ForceLaws,
     mut sink: impl FnMut(f64),
 ) {
-    let stored = |model: &ContactModel, contact: &Contact, before: &Remembered| {
+    let stored = |model: &ContactModel, contact: &Contact, before: &ContactState| {
         let law = &model.law;
-        let springs = law.stored_energy(contact, &before.history);
+        let springs = law.stored_energy(contact, &before.history());
         let stiffness = law.stiffness(contact.overlap, contact.reduced_radius);
         let spin = energy_of_spin(model, contact, stiffness, before);
         springs.normal + springs.tangential + spin
     };
     let groups = PairGroup::ALL.into_iter();
     for (kind, pair, before) in groups.flat_map(|group| contacts.inner.active_pairs(group)) {
-        if before.touching {
-            let PairLaws { contact, cohesion, .. } = laws.of_kind(kind);
-            sink(stored(contact, &contact_of_pair(particles, pair, cohesion), &before));
-        }
+        let Some(before) = before else { continue };
+        let PairLaws { contact, cohesion, .. } = laws.of_kind(kind);
+        sink(stored(contact, &contact_of_pair(particles, pair, cohesion), &before));
     }
     for slot in (0..contacts.wall_pairs.len()).filter(|&slot| contacts.wall_touching[slot]) {
         let WallContact { contact, before, model, .. } =
             wall_contact(particles, contacts, walls, laws, slot);
-        sink(stored(model, &contact, &before));
+        sink(stored(model, &contact, &before.unwrap_or_default()));
     }
 }
 

@@ -1,6 +1,6 @@
 //! What acts between particles, and between particles and walls, at one instant.
 
-use super::{ByPair, BySpecies, ContactModel, VanDerWaalsNow};
+use super::{ByPair, BySpecies, ContactModel, Exchanges, VanDerWaalsNow};
 use crate::numbers::Quantum;
 use crate::particles::InteractionRanges;
 use nalgebra::Vector3;
@@ -35,6 +35,8 @@ pub(crate) struct ForceLaws<'a> {
     pub(crate) at_walls: &'a [BySpecies<ContactModel>],
     /// Attraction at this instant; that of two particles of the same species says how it is at walls.
     pub(crate) cohesion: Option<ByPair<VanDerWaalsNow>>,
+    /// What touching particles exchange beside momentum.
+    pub(crate) exchanges: &'a Exchanges,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
     pub(crate) ranges: InteractionRanges,
     /// Time by which contact histories are advanced; zero to evaluate forces without advancing them.

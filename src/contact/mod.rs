@@ -5,6 +5,7 @@ mod by_species;
 mod coarse_graining;
 mod energy;
 mod energy_pass;
+mod exchange;
 mod force_laws;
 mod force_loop;
 mod invalid_law;
@@ -29,6 +30,8 @@ pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
 pub(crate) use energy_pass::{
     WallWork, attraction_energy, elastic_energy, work_of_pairs, work_of_walls,
 };
+pub use exchange::{ContactExchange, Exchanges, TouchingParticles};
+pub(crate) use exchange::{add_flows, advance_fields};
 pub(crate) use force_laws::{ForceLaws, WallLaws};
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;

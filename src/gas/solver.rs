@@ -10,7 +10,7 @@ use crate::coupling::NodeSums;
 use crate::domain::{Decomposition, Subdomain, Wall};
 use crate::numbers::Quantum;
 use crate::parallel::{CellRecord, CellSample, CollectiveError, Communicator};
-use crate::particles::Particles;
+use crate::particles::{GAS_FORCE, Particles};
 use nalgebra::Vector3;
 
 /// The gas of the present stage on one rank. Disposable.
@@ -99,7 +99,7 @@ impl GasSolver {
         }
         if *state != GasState::None {
             *state = GasState::None;
-            particles.gas_force.reset();
+            particles.columns.at_mut(GAS_FORCE).reset();
         }
         Ok(())
     }
@@ -157,7 +157,7 @@ impl GasSolver {
         match self {
             Self::None => vec![Vector3::zeros(); particles.owned_count()],
             Self::Column(solver) => solver.forces_on(particles),
-            Self::VolumeAveraged(_) => particles.gas_force.iter().collect(),
+            Self::VolumeAveraged(_) => particles.columns.at(GAS_FORCE).iter().collect(),
         }
     }
 

@@ -42,6 +42,22 @@ impl GasState {
         }
     }
 
+    /// Makes sure that the cells of a checkpoint are in the grid of the gas.
+    ///
+    /// # Errors
+    /// The first that is not; may differ between ranks.
+    pub fn require_cells(model: &GasModel, records: &[CellRecord]) -> Result<(), String> {
+        let GasModel::VolumeAveraged(model) = model else { return Ok(()) };
+        let cells: u64 = model.grid.counts().iter().map(|&count| count as u64).product();
+        let is_outside = |record: &&CellRecord| record.cell >= cells && !ColumnState::has(record);
+        match records.iter().find(is_outside) {
+            Some(CellRecord { cell, .. }) => Err(format!(
+                "the checkpoint has cell {cell} of the gas, and the grid {cells} cells"
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// The state of the volume-averaged gas, if it is that.
     pub fn volume_averaged(&self) -> Option<&VolumeAveragedState> {
         match self {

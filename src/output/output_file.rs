@@ -63,7 +63,7 @@ pub struct Head<'a> {
 
 impl Head<'_> {
     /// Units of the case, for the columns.
-    pub(super) fn units(&self) -> ColumnUnits {
+    pub fn units(&self) -> ColumnUnits {
         ColumnUnits::of_system(&self.provenance.units)
     }
 }

@@ -13,7 +13,7 @@ use super::{
     ColumnUnits, Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind,
     Sample, SnapshotFormat, metadata_copy, on_root,
 };
-use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id};
+use crate::parallel::{Communicator, ParticleRecord, Records, sort_by_id, sort_numbers_by_id};
 
 /// The kinds of cells that PolyData may have. Each snapshot has one cell, a vertex of all its particles, so that it is drawn by
 /// default; the groups of the other kinds must be there.
@@ -161,8 +161,9 @@ impl ParticleSnapshots {
         file.write_rows(&point_data("angular_velocity"), first, &spins)?;
         file.write_rows(&point_data("radius"), first, &radii)?;
         for (column, values) in self.format.columns.iter().zip(columns) {
-            let values = sorted_values(particles, values, column.width, ranks);
-            file.write_rows(&point_data(column.name), first, &values)?;
+            let ids = (0..particles.count()).map(|index| particles.at(index).id);
+            let sorted = sort_numbers_by_id(ids, values, column.width, ranks);
+            file.write_rows(&point_data(column.name), first, &sorted.rows)?;
         }
         file.close()?;
         let (path, rows) = (&self.path, SnapshotRows { step: self.steps, first: begin, count });
@@ -195,26 +196,6 @@ impl Output for ParticleSnapshots {
 
 fn point_data(name: &str) -> String {
     format!("/VTKHDF/PointData/{name}")
-}
-
-/// The numbers of a column, sorted by id as the particles' rows are.
-fn sorted_values(
-    particles: &(impl Records<ParticleRecord> + ?Sized),
-    values: &[f64],
-    width: usize,
-    ranks: &dyn Communicator,
-) -> Vec<f64> {
-    /// Most numbers of a column for each particle.
-    const WIDEST: usize = 3;
-    let record = |(index, numbers): (usize, &[f64])| {
-        let number = |place: usize| numbers.get(place).map_or(0, |number| number.to_bits());
-        let [first, second, third]: [u64; WIDEST] = std::array::from_fn(number);
-        [particles.at(index).id, first, second, third]
-    };
-    let records: Vec<[u64; 4]> = values.chunks_exact(width).enumerate().map(record).collect();
-    let sorted = sort_by_id(&records, |record| [record[0], 0], ranks);
-    let numbers = sorted.rows.iter().flat_map(|record| &record[1..=width]);
-    numbers.map(|&bits| f64::from_bits(bits)).collect()
 }
 
 /// Names of the datasets with a row for each particle at each time, but for the positions.

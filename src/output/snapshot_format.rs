@@ -1,8 +1,9 @@
 //! How snapshots hold numbers, and what they show beside what they always show.
 
-use super::MessageResult;
 use super::hdf5_file::SerialFile;
 use super::table::{Rows, TableHead};
+use super::{ColumnUnits, MessageResult};
+use crate::fields::{Field, Kind};
 
 /// How snapshots hold numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,6 +51,19 @@ pub struct PointColumn {
     pub unit: &'static str,
     /// What they mean.
     pub description: &'static str,
+}
+
+impl PointColumn {
+    /// The column of a field of the particles.
+    pub fn of_field(field: &Field, units: &ColumnUnits) -> Self {
+        Self {
+            name: field.name,
+            width: field.width(),
+            is_whole: field.kind == Kind::Integer,
+            unit: units.of_unit(field.unit),
+            description: field.meaning,
+        }
+    }
 }
 
 /// What is common to all snapshots of a run.

@@ -1,6 +1,7 @@
 //! Names of units in the headers of tables and at every dataset.
 
 use crate::analysis::Quantity;
+use crate::fields::Unit;
 
 /// The name of the unit of each kind of quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +104,23 @@ impl ColumnUnits {
             Quantity::Rate => self.rate,
             Quantity::Degrees => "degree",
             Quantity::Number => self.number,
+        }
+    }
+
+    /// The unit of a field.
+    pub fn of_unit(&self, unit: Unit) -> &'static str {
+        match unit {
+            Unit::One => self.number,
+            Unit::Length => self.length,
+            Unit::Speed => self.speed,
+            Unit::Angle => self.angle,
+            Unit::AngularSpeed => self.angular_speed,
+            Unit::Mass => self.mass,
+            Unit::Force => self.force,
+            Unit::Torque => self.torque,
+            Unit::Pressure => self.pressure,
+            Unit::Volume => self.volume,
+            Unit::Named(name) => name,
         }
     }
 

@@ -12,7 +12,7 @@
 use super::migrate::deliver;
 use super::sort_by_id::IdRange;
 use super::{Communicator, ContactRecord, Message, WallContactRecord, records_of_bytes};
-use crate::particles::{ContactHistories, PairHistory, WallHistory};
+use crate::particles::ContactHistories;
 use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -39,11 +39,7 @@ pub fn send_histories_to_owners(
         contacts = to_owners(contacts, ids_of_pair, &owners, ranks);
         wall_contacts = to_owners(wall_contacts, ids_at_wall, &owners, ranks);
     }
-    ContactHistories {
-        pairs: contacts.into_iter().map(PairHistory::from).collect(),
-        walls: wall_contacts.into_iter().map(WallHistory::from).collect(),
-        partners: Vec::new(),
-    }
+    ContactHistories { pairs: contacts, walls: wall_contacts, partners: Vec::new() }
 }
 
 /// The owners of the particles with these ids; those without an owner are left out. This call is collective.

@@ -3,7 +3,7 @@
 use super::migration_message::MigrationMessage;
 use super::{Communicator, Message, ParticleRecord, records_of_bytes};
 use crate::domain::Decomposition;
-use crate::particles::{ContactHistories, PairHistory, Particles, WallHistory};
+use crate::particles::{ContactHistories, OwnFields, Particles};
 use bytemuck::Pod;
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -42,27 +42,39 @@ pub fn migrate(
     let messages: Vec<Message> =
         messages.iter().map(|(&rank, message)| message.message_to(rank)).collect();
     for message in ranks.sparse_exchange(&messages) {
-        let message = MigrationMessage::of(&message);
-        message.particles.iter().for_each(|record| record.push_to(particles));
-        histories.pairs.extend(message.pairs.into_iter().map(PairHistory::from));
-        histories.walls.extend(message.walls.into_iter().map(WallHistory::from));
+        let width = particles.columns.own_width();
+        let message = MigrationMessage::of(&message, width);
+        for (number, record) in message.particles.iter().enumerate() {
+            record.push_to(particles);
+            let index = particles.count() - 1;
+            particles.set_own_row(index, &message.own[number * width..][..width]);
+        }
+        histories.pairs.extend(message.pairs);
+        histories.walls.extend(message.walls);
     }
 }
 
-/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles. This call is collective.
+/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles, with the rows of a user's own fields.
+/// This call is collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
+    own: OwnFields,
     decomposition: &Decomposition,
     ranks: &dyn Communicator,
-) -> Vec<ParticleRecord> {
+) -> (Vec<ParticleRecord>, OwnFields) {
     if ranks.size() == 1 {
-        return records;
+        return (records, own);
     }
     let mut outgoing = vec![Vec::new(); ranks.size()];
-    for record in records {
-        outgoing[decomposition.owner_of(&Vector3::from(record.position))].push(record);
+    let mut rows = vec![Vec::new(); ranks.size()];
+    for (index, record) in records.into_iter().enumerate() {
+        let owner = decomposition.owner_of(&Vector3::from(record.position));
+        outgoing[owner].push(record);
+        rows[owner].extend_from_slice(own.row(index));
     }
-    deliver(outgoing, ranks)
+    // Both in the order of the senders.
+    let numbers = if own.fields.is_empty() { Vec::new() } else { deliver(rows, ranks) };
+    (deliver(outgoing, ranks), OwnFields { numbers, ..own })
 }
 
 /// Returns the records of all ranks, in the order of the ranks, on every rank; there must be few. They are gathered on
@@ -102,14 +114,14 @@ fn pack_histories(
         let owners = [owner(pair.lower), owner(pair.higher)];
         let to = if owners[0] == owners[1] { &owners[..1] } else { &owners[..] };
         for &rank in to.iter().flatten() {
-            messages.entry(rank).or_default().pairs.push(pair.into());
+            messages.entry(rank).or_default().pairs.push(pair);
         }
         owners.contains(&None)
     });
     walls.retain(|&contact| {
         let to = owner(contact.particle);
         if let Some(rank) = to {
-            messages.entry(rank).or_default().walls.push(contact.into());
+            messages.entry(rank).or_default().walls.push(contact);
         }
         to.is_none()
     });
@@ -123,7 +135,9 @@ fn pack_particles(
     here: usize,
 ) {
     for (index, &rank) in owner.iter().enumerate().filter(|&(_, &rank)| rank != here) {
-        messages.entry(rank).or_default().particles.push(ParticleRecord::of(particles, index));
+        let message = messages.entry(rank).or_default();
+        message.particles.push(ParticleRecord::of(particles, index));
+        particles.append_own_row(index, &mut message.own);
     }
     let staying: Vec<u32> =
         (0..owner.len() as u32).filter(|&index| owner[index as usize] == here).collect();

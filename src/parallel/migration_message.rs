@@ -7,6 +7,8 @@ use bytemuck::{Pod, cast_slice};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MigrationMessage {
     pub(super) particles: Vec<ParticleRecord>,
+    /// Numbers of these particles in a user's own fields.
+    pub(super) own: Vec<f64>,
     pub(super) pairs: Vec<ContactRecord>,
     pub(super) walls: Vec<WallContactRecord>,
 }
@@ -14,19 +16,25 @@ pub(super) struct MigrationMessage {
 impl MigrationMessage {
     /// The message: the numbers of records of each kind (3 x 8 bytes), then the records.
     pub(super) fn message_to(&self, rank: usize) -> Message {
-        let Self { particles, pairs, walls } = self;
+        let Self { particles, own, pairs, walls } = self;
         let counts = [particles.len(), pairs.len(), walls.len()].map(|count| count as u64);
-        let parts =
-            [cast_slice(&counts), cast_slice(particles), cast_slice(pairs), cast_slice(walls)];
+        let parts = [
+            cast_slice(&counts),
+            cast_slice(particles),
+            cast_slice(own),
+            cast_slice(pairs),
+            cast_slice(walls),
+        ];
         Message { rank, bytes: parts.concat() }
     }
 
-    /// The contents of a message.
-    pub(super) fn of(message: &Message) -> Self {
+    /// The contents of a message; `own_width` is the number of own numbers of a particle.
+    pub(super) fn of(message: &Message, own_width: usize) -> Self {
         let mut rest = &message.bytes[..];
         let counts: Vec<u64> = take_records(&mut rest, 3);
         Self {
             particles: take_records(&mut rest, counts[0]),
+            own: take_records(&mut rest, counts[0] * own_width as u64),
             pairs: take_records(&mut rest, counts[1]),
             walls: take_records(&mut rest, counts[2]),
         }
@@ -50,15 +58,16 @@ mod tests {
         let particle = |id| ParticleRecord { id, mass: 0.5, ..Zeroable::zeroed() };
         let pair = |lower| ContactRecord { lower, higher: 9, ..Zeroable::zeroed() };
         let wall = |particle| WallContactRecord { particle, wall: 2, ..Zeroable::zeroed() };
-        for counts in [[0, 0, 0], [3, 0, 1], [1, 4, 2], [2, 1, 0]] {
+        for (counts, width) in [([0, 0, 0], 0), ([3, 0, 1], 2), ([1, 4, 2], 0), ([2, 1, 0], 1)] {
             let packed = MigrationMessage {
                 particles: (0..counts[0]).map(particle).collect(),
+                own: (0..counts[0] * width).map(|number| number as f64).collect(),
                 pairs: (0..counts[1]).map(pair).collect(),
                 walls: (0..counts[2]).map(wall).collect(),
             };
             let message = packed.message_to(7);
             assert_eq!(message.rank, 7);
-            assert_eq!(MigrationMessage::of(&message), packed);
+            assert_eq!(MigrationMessage::of(&message, width as usize), packed);
         }
     }
 }

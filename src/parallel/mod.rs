@@ -17,6 +17,9 @@
 //! | pressure equation: each dot product | 5 integers | 40 | all | [`sum_integers`] |
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
+//! Columns of particles that travel ([`Travel`](crate::fields::Travel)) follow the records of velocities, of forces and of new ghosts in
+//! the same messages, 8 bytes for each number; a user's own fields follow the records of particles.
+//!
 //! When the neighbour list is rebuilt:
 //!
 //! | what | record | bytes | to whom | how |
@@ -61,6 +64,7 @@ mod records;
 mod sort_by_id;
 mod thread_ranks;
 
+pub use crate::particles::{ContactRecord, ParticleRecord, WallContactRecord};
 pub use allocator::AllocatorOfRanks;
 pub use balance::{RankLoad, RankWork};
 pub(crate) use cell_migration::send_cells_to_owners;
@@ -72,11 +76,8 @@ pub use mpi_ranks::{AlreadyStarted, MpiRanks, RawCommunicator, mpi_library};
 pub use one_rank::OneRank;
 pub use particle_halo::ParticleHalo;
 pub use pending::{Exchange, Pending};
-pub use records::{
-    CellRecord, CellSample, ComputedRecords, ContactRecord, ParticleRecord, Records,
-    WallContactRecord, records_of_bytes,
-};
-pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks};
+pub use records::{CellRecord, CellSample, ComputedRecords, Records, records_of_bytes};
+pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks, sort_numbers_by_id};
 pub use thread_ranks::{is_on_root, run_on_threads, start_on_threads};
 
 /// Without MPI there is no such communicator.

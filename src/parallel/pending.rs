@@ -20,11 +20,14 @@ pub struct Exchange {
 impl Exchange {
     /// Buffers for messages to and from these ranks, of these lengths in bytes.
     pub(super) fn with_lengths(
-        outgoing: impl Iterator<Item = (usize, usize)>,
-        incoming: impl Iterator<Item = (usize, usize)>,
+        outgoing: impl IntoIterator<Item = (usize, usize)>,
+        incoming: impl IntoIterator<Item = (usize, usize)>,
     ) -> Self {
         let buffer = |(rank, length)| Message { rank, bytes: vec![0; length] };
-        Self { outgoing: outgoing.map(buffer).collect(), incoming: incoming.map(buffer).collect() }
+        Self {
+            outgoing: outgoing.into_iter().map(buffer).collect(),
+            incoming: incoming.into_iter().map(buffer).collect(),
+        }
     }
 
     /// Begins the exchange; the buffers come back with the messages.

@@ -148,6 +148,28 @@ impl IdRange {
     }
 }
 
+/// Sorts numbers of particles by their ids over the ranks: `width` numbers for each id, at most six. The numbers of the rows of this
+/// rank come back one after another, without ids. Collective.
+pub fn sort_numbers_by_id(
+    ids: impl Iterator<Item = u64>,
+    numbers: &[f64],
+    width: usize,
+    ranks: &dyn Communicator,
+) -> SortedRows<f64> {
+    /// Most numbers of a field.
+    const WIDEST: usize = 6;
+    let record = |(id, numbers): (u64, &[f64])| {
+        let mut record = [id; 1 + WIDEST];
+        record[1..=width].copy_from_slice(bytemuck::cast_slice(numbers));
+        record
+    };
+    let records: Vec<[u64; 1 + WIDEST]> =
+        ids.zip(numbers.chunks_exact(width)).map(record).collect();
+    let SortedRows { rows, offset, total } = sort_by_id(&records, |record| [record[0], 0], ranks);
+    let numbers = rows.iter().flat_map(|record| &record[1..=width]);
+    SortedRows { rows: numbers.map(|&bits| f64::from_bits(bits)).collect(), offset, total }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

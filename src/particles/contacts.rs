@@ -7,14 +7,14 @@
 //! [`Contacts::histories`] takes the histories out of it, and `Contacts::restore` puts them back, over a rebuild, on another
 //! rank, and through a checkpoint.
 
-use super::contact_history::{ContactHistories, ContactHistory, PairHistory, WallHistory};
+use super::contact_state::{
+    ContactHistories, ContactHistory, ContactRecord, ContactState, WallContactRecord,
+};
 use super::inner_list::{Rows, pair_of};
-use super::pair_blocks::OrientedHistory;
 use super::places::Places;
 use super::range::ListRange;
 use super::{InnerList, InteractionRanges, PairCounts, Particles};
 use crate::domain::PosedWalls;
-use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
 use std::ops::Range;
 use thiserror::Error;
@@ -58,50 +58,12 @@ pub struct Contacts {
     pub(crate) inner: InnerList,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
-    pub(crate) wall_history: Vec<ContactHistory>,
-    pub(crate) wall_rolling_angle: Vec<Vector3<f64>>,
-    pub(crate) wall_twisting_angle: Vec<f64>,
+    /// What these contacts carry; zero for those that do not touch.
+    pub(crate) wall_state: Vec<ContactState>,
 }
 
 /// Of a slot whose pair has no history.
 const NO_HISTORY: u32 = u32::MAX;
-
-/// A history seen from the other body.
-fn reversed(history: ContactHistory) -> ContactHistory {
-    ContactHistory { tangential_spring: -history.tangential_spring, ..history }
-}
-
-/// The vector without negative zeros: the difference of two equal numbers is +0 from both sides, so the sign of
-/// a zero says only from which side the pair was evaluated.
-fn without_negative_zeros(vector: Vector3<f64>) -> Vector3<f64> {
-    vector.map(|component| component + 0.0)
-}
-
-impl PairHistory {
-    /// The history of the particles `here` and `there`, given as seen from `here`.
-    fn of([here, there]: [u64; 2], oriented: OrientedHistory) -> Self {
-        // An angle about the normal is the same from both sides: normal and spin change their signs together.
-        let OrientedHistory { mut history, mut rolling_angle, twisting_angle } = oriented;
-        if here > there {
-            (history, rolling_angle) = (reversed(history), -rolling_angle);
-        }
-        history.tangential_spring = without_negative_zeros(history.tangential_spring);
-        rolling_angle = without_negative_zeros(rolling_angle);
-        let (lower, higher, twisting_angle) =
-            (here.min(there), here.max(there), twisting_angle + 0.0);
-        Self { lower, higher, history, rolling_angle, twisting_angle }
-    }
-
-    /// The history as seen from the particle `here`.
-    fn seen_from(&self, here: u64) -> OrientedHistory {
-        let Self { history, rolling_angle, twisting_angle, .. } = *self;
-        let (history, rolling_angle) = match here == self.lower {
-            true => (history, rolling_angle),
-            false => (reversed(history), -rolling_angle),
-        };
-        OrientedHistory { history, rolling_angle, twisting_angle }
-    }
-}
 
 impl Contacts {
     /// Number of slots.
@@ -172,7 +134,7 @@ impl Contacts {
         &self,
     ) -> impl Iterator<Item = (u32, u32, Option<ContactHistory>)> + '_ {
         self.wall_pairs.iter().enumerate().map(|(slot, pair)| {
-            let history = self.wall_touching[slot].then(|| self.wall_history[slot]);
+            let history = self.wall_touching[slot].then(|| self.wall_state[slot].history());
             (pair.particle, pair.wall, history)
         })
     }
@@ -211,10 +173,10 @@ impl Contacts {
             walls: self.wall_histories(particles),
             ..ContactHistories::default()
         };
-        for (pair, oriented) in self.inner.touching() {
+        for (pair, state) in self.inner.touching() {
             let [first, second] = pair.map(|index| index as usize);
             let ids = [particles.id[first], particles.id[second]];
-            histories.pairs.push(PairHistory::of(ids, oriented));
+            histories.pairs.push(ContactRecord::of(ids, state));
             if particles.owned_original(second).is_none() {
                 histories.partners.push((ids[1], particles.body[second].position));
             }
@@ -222,16 +184,13 @@ impl Contacts {
         histories
     }
 
-    fn wall_histories(&self, particles: &Particles) -> Vec<WallHistory> {
+    fn wall_histories(&self, particles: &Particles) -> Vec<WallContactRecord> {
         (0..self.wall_pairs.len())
             .filter(|&slot| self.wall_touching[slot])
             .map(|slot| {
                 let WallPair { particle, wall, .. } = self.wall_pairs[slot];
-                let particle = particles.id[particle as usize];
-                let (history, rolling_angle) =
-                    (self.wall_history[slot], self.wall_rolling_angle[slot]);
-                let twisting_angle = self.wall_twisting_angle[slot];
-                WallHistory { particle, wall, history, rolling_angle, twisting_angle }
+                let (particle, wall) = (particles.id[particle as usize], u64::from(wall));
+                WallContactRecord { particle, wall, state: self.wall_state[slot] }
             })
             .collect()
     }
@@ -255,12 +214,8 @@ impl Contacts {
         self.wall_pairs.sort_unstable(); // in a bed of one species they are sorted already
         self.wall_touching.clear();
         self.wall_touching.resize(self.wall_pairs.len(), false);
-        self.wall_history.clear();
-        self.wall_history.resize(self.wall_pairs.len(), ContactHistory::default());
-        self.wall_rolling_angle.clear();
-        self.wall_rolling_angle.resize(self.wall_pairs.len(), Vector3::zeros());
-        self.wall_twisting_angle.clear();
-        self.wall_twisting_angle.resize(self.wall_pairs.len(), 0.0);
+        self.wall_state.clear();
+        self.wall_state.resize(self.wall_pairs.len(), ContactState::default());
     }
 
     /// Gives the pairs of a new list their histories back; those of pairs that other ranks evaluate are dropped. A pair that
@@ -281,8 +236,8 @@ impl Contacts {
         for row in 0..particles.owned_count() {
             for slot in self.slots_of(row).filter(|&slot| of_slots[slot] != NO_HISTORY) {
                 let pair = pair_of(particles, [row as u32, self.partner[slot]]);
-                let history = pairs[of_slots[slot] as usize].seen_from(particles.id[row]);
-                self.inner.restore(particles, pair, history);
+                let state = pairs[of_slots[slot] as usize].seen_from(particles.id[row]);
+                self.inner.restore(particles, pair, state);
             }
         }
         self.restore_walls(particles, &places, walls);
@@ -300,7 +255,7 @@ impl Contacts {
         particles: &Particles,
         places: &Places,
         interaction_range: f64,
-        pairs: &[PairHistory],
+        pairs: &[ContactRecord],
     ) -> Result<Vec<u32>, LostContact> {
         let owned = particles.owned_count();
         let ghosts: FxHashSet<u64> = particles.id[owned..].iter().copied().collect();
@@ -336,14 +291,17 @@ impl Contacts {
     }
 
     /// The same with walls: a particle that has no pair with the wall is away from it.
-    fn restore_walls(&mut self, particles: &Particles, places: &Places, walls: &[WallHistory]) {
+    fn restore_walls(
+        &mut self,
+        particles: &Particles,
+        places: &Places,
+        walls: &[WallContactRecord],
+    ) {
         for contact in walls {
             let Some(index) = places.get(contact.particle) else { continue };
-            let pair = WallPair::of(particles, contact.wall, index as u32);
+            let pair = WallPair::of(particles, contact.wall as u32, index as u32);
             let Ok(slot) = self.wall_pairs.binary_search(&pair) else { continue };
-            self.wall_history[slot] = contact.history;
-            self.wall_rolling_angle[slot] = contact.rolling_angle;
-            self.wall_twisting_angle[slot] = contact.twisting_angle;
+            self.wall_state[slot] = contact.state;
             self.wall_touching[slot] = true;
         }
     }

@@ -11,8 +11,8 @@
 //! The pairs of each two species are held apart, so that one law holds for all pairs of a block; and so are those with a
 //! particle of another rank, so that all others can be evaluated while such particles' motion is on its way.
 
-use super::contact_history::ContactHistory;
-use super::pair_blocks::{OrientedHistory, Pair, Remembered};
+use super::contact_state::{ContactHistory, ContactState};
+use super::pair_blocks::Pair;
 use super::pair_kind::kind_of_bodies;
 use super::pairs_of_kind::PairsOfKind;
 use super::proximity::{FourPairs, SetBits, is_close};
@@ -180,12 +180,12 @@ impl InnerList {
         self.groups.iter().flatten()
     }
 
-    /// Adds a touching pair with its history.
-    pub(super) fn restore(&mut self, particles: &Particles, pair: Pair, history: OrientedHistory) {
+    /// Adds a touching pair with what its contact carries.
+    pub(super) fn restore(&mut self, particles: &Particles, pair: Pair, state: ContactState) {
         let [first, second, _] = pair;
         let bodies = [first, second].map(|index| &particles.body[index as usize]);
         let group = PairGroup::of(particles, second);
-        self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, history);
+        self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, state);
     }
 
     /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
@@ -216,8 +216,8 @@ impl InnerList {
         self.kinds_mut(group).iter_mut().for_each(PairsOfKind::promote);
     }
 
-    /// The touching pairs, first and second particle, and their histories.
-    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], OrientedHistory)> + '_ {
+    /// The touching pairs, first and second particle, and what their contacts carry.
+    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], ContactState)> + '_ {
         self.all().flat_map(|pairs| pairs.active.touching())
     }
 
@@ -241,13 +241,13 @@ impl InnerList {
         })
     }
 
-    /// The active pairs of a group with the number of their kind, and what they remember.
+    /// The active pairs of a group with the number of their kind, and what the contact carries of those that touch.
     pub(crate) fn active_pairs(
         &self,
         group: PairGroup,
-    ) -> impl Iterator<Item = (usize, [u32; 2], Remembered)> + '_ {
+    ) -> impl Iterator<Item = (usize, [u32; 2], Option<ContactState>)> + '_ {
         self.groups[group as usize].iter().enumerate().flat_map(|(kind, pairs)| {
-            pairs.active.all().map(move |(pair, remembered)| (kind, pair, remembered))
+            pairs.active.all().map(move |(pair, state)| (kind, pair, state))
         })
     }
 

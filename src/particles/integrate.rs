@@ -1,6 +1,6 @@
 //! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half of the kick.
 
-use super::{Body, ForceTorque, Particles};
+use super::{Body, ForceTorque, GAS_FORCE, Particles};
 use crate::numbers::{F64x4, Quantum, SimdKernel, fetch_ahead, with_simd};
 use nalgebra::Vector3;
 
@@ -31,7 +31,9 @@ pub(crate) fn set_first_forces(particles: &mut Particles, weight: Weight) {
     for (body, load) in particles.body[..owned].iter().zip(&mut particles.forces[..owned]) {
         *load = weight.force(body.mass);
     }
-    for (load, force) in particles.forces.iter_mut().zip(particles.gas_force.held()) {
+    for (load, force) in
+        particles.forces.iter_mut().zip(particles.columns.at(GAS_FORCE).held::<Vector3<f64>>())
+    {
         load.force += force;
     }
 }
@@ -83,7 +85,7 @@ impl Weight {
 fn integrate(particles: &mut Particles, step: KickDrift) -> f64 {
     let (owned, fetches) = (particles.owned_count(), particles.exceed_caches());
     let (bodies, forces) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
-    match particles.gas_force.held() {
+    match particles.columns.at(GAS_FORCE).held() {
         [] => with_simd(IntegrateAll::<false> { bodies, forces, gas_force: &[], fetches, step }),
         gas_force => with_simd(IntegrateAll::<true> { bodies, forces, gas_force, fetches, step }),
     }
@@ -303,7 +305,9 @@ mod tests {
         };
         kick_and_drift(&mut particles, None, DriftStep { weight, ..step(0.013, quantum) });
         assert_eq!(forces(&particles), [[0.0, 0.0, -2.0]; 7]);
-        for (number, force) in particles.gas_force.hold().iter_mut().enumerate() {
+        for (number, force) in
+            particles.columns.at_mut(GAS_FORCE).hold::<Vector3<f64>>().iter_mut().enumerate()
+        {
             *force = Vector3::new(number as f64, 0.5, 3.0);
         }
         let expected = [0, 1, 2, 3, 4, 5, 6].map(|number| [f64::from(number), 0.5, 1.0]);

@@ -1,7 +1,7 @@
 //! The neighbour list: how far it looks, when it is outdated, and how it is built.
 
 use super::cell_grid::Neighbourhood;
-use super::contact_history::ContactHistories;
+use super::contact_state::ContactHistories;
 use super::contacts::LostContact;
 use super::proximity::{FourPairs, push_set_bits};
 use super::range::ListRange;

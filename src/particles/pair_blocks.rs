@@ -1,7 +1,7 @@
 //! Pairs side by side in blocks, with their contact histories: the memory that the loop over forces streams through.
 
-use super::contact_history::ContactHistory;
-use nalgebra::Vector3;
+use super::contact_state::{ContactHistory, ContactState};
+use crate::fields::Field;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
 /// it into vector instructions.
@@ -37,41 +37,116 @@ pub(crate) struct PairBlock {
 /// A pair: its first and its second particle, and the particle that the force on the second is added to.
 pub(crate) type Pair = [u32; 3];
 
-/// The history of a touching pair, seen from its first particle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OrientedHistory {
-    pub(super) history: ContactHistory,
-    /// Zero without a rolling spring.
-    pub(super) rolling_angle: Vector3<f64>,
-    /// Zero without a twisting spring.
-    pub(super) twisting_angle: f64,
-}
-
-/// What a contact remembers from the last step; all zero if the bodies did not touch.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Remembered {
-    pub(crate) history: ContactHistory,
-    pub(crate) rolling_angle: Vector3<f64>,
-    pub(crate) twisting_angle: f64,
-    /// Whether the bodies touched.
-    pub(crate) touching: bool,
-}
-
 /// Pairs in blocks. Unused lanes of the last block hold a pair whose results are not used.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PairBlocks {
     /// The blocks.
     pub(crate) blocks: Vec<PairBlock>,
-    /// Largest overlaps; empty while all are zero, as with a law that does not keep them.
-    pub(crate) largest_overlap: Vec<[f64; LANES]>,
-    /// Angles of rolling springs, seen from the first particle; empty without such springs.
-    pub(crate) rolling_angle: Vec<AngleLanes>,
-    /// Angles of twisting springs; empty without such springs.
-    pub(crate) twisting_angle: Vec<[f64; LANES]>,
-    /// Whether there are rolling springs, and twisting springs.
-    holds: [bool; 2],
+    /// What else contacts carry.
+    pub(crate) columns: ContactColumns,
     count: usize,
 }
+
+/// What contacts carry beside the tangential spring, seen from the first particle: a column for each further field of
+/// [`ContactState`], which takes no memory while all its numbers are zero and no law holds it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactColumns {
+    /// The lanes of each number of the field, block after block; empty while the column is not held.
+    lanes: [Vec<Lanes>; COLUMNS.len()],
+    held: [bool; COLUMNS.len()],
+}
+
+/// The fields that have columns.
+const COLUMNS: &[Field] = ContactState::FIELDS.split_at(1).1;
+/// The columns that loops over pairs read.
+const LARGEST_OVERLAP: usize = 0;
+const ROLLING_ANGLE: usize = 1;
+const TWISTING_ANGLE: usize = 2;
+
+/// The columns of the blocks that a contact law advances.
+pub(crate) struct LawColumns<'a> {
+    pub(crate) largest_overlap: &'a mut [Lanes],
+    pub(crate) rolling_angle: &'a mut [AngleLanes],
+    pub(crate) twisting_angle: &'a mut [Lanes],
+}
+
+impl ContactColumns {
+    /// What a law advances; nothing of columns that are not held.
+    #[inline(always)]
+    pub(crate) fn of_law(&mut self) -> LawColumns<'_> {
+        let [largest_overlap, rolling_angle, twisting_angle, ..] = &mut self.lanes;
+        LawColumns {
+            largest_overlap,
+            rolling_angle: rolling_angle.as_chunks_mut().0,
+            twisting_angle,
+        }
+    }
+
+    /// Holds the largest overlaps of so many blocks, and sets those of one.
+    #[cold]
+    pub(crate) fn begin_largest_overlaps(&mut self, blocks: usize, index: usize, lanes: Lanes) {
+        self.hold(LARGEST_OVERLAP, blocks);
+        self.lanes[LARGEST_OVERLAP][index] = lanes;
+    }
+
+    /// Makes room for the numbers of a column, all zero before.
+    fn hold(&mut self, column: usize, blocks: usize) {
+        self.held[column] = true;
+        self.lanes[column].resize(blocks * COLUMNS[column].width(), [0.0; LANES]);
+    }
+
+    /// Holds a column or drops it.
+    fn hold_if(&mut self, holds: bool, column: usize, blocks: usize) {
+        match holds {
+            true => self.hold(column, blocks),
+            false => (self.held[column], self.lanes[column]) = (false, Vec::new()),
+        }
+    }
+
+    /// Keeps the columns of so many blocks, or makes room for more.
+    fn resize(&mut self, blocks: usize) {
+        (0..COLUMNS.len()).filter(|&column| self.held[column]).for_each(|column| {
+            self.lanes[column].resize(blocks * COLUMNS[column].width(), [0.0; LANES]);
+        });
+    }
+
+    fn clear(&mut self) {
+        self.held = Default::default();
+        self.lanes.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Puts the numbers of a contact into a lane.
+    fn put(&mut self, blocks: usize, (index, lane): (usize, usize), state: &ContactState) {
+        let mut numbers = &state.numbers()[SPRING_WIDTH..];
+        for (column, field) in COLUMNS.iter().enumerate() {
+            let (of_field, others) = numbers.split_at(field.width());
+            numbers = others;
+            if !self.held[column] && of_field.iter().any(|&number| number != 0.0) {
+                self.hold(column, blocks);
+            }
+            if self.held[column] {
+                let lanes = &mut self.lanes[column][index * field.width()..];
+                lanes.iter_mut().zip(of_field).for_each(|(lanes, &number)| lanes[lane] = number);
+            }
+        }
+    }
+
+    /// Takes the numbers of a contact from a lane.
+    fn get(&self, (index, lane): (usize, usize), state: &mut ContactState) {
+        let mut numbers = &mut state.numbers_mut()[SPRING_WIDTH..];
+        for (column, field) in COLUMNS.iter().enumerate() {
+            let (of_field, others) = numbers.split_at_mut(field.width());
+            numbers = others;
+            if self.held[column] {
+                let lanes = &self.lanes[column][index * field.width()..];
+                of_field.iter_mut().zip(lanes).for_each(|(number, lanes)| *number = lanes[lane]);
+            }
+        }
+    }
+}
+
+/// Numbers of the tangential spring, which blocks hold themselves.
+const SPRING_WIDTH: usize = ContactState::FIELDS[0].width();
 
 impl PairBlock {
     /// A block filled with one pair, without history.
@@ -100,23 +175,14 @@ impl PairBlocks {
     /// Makes room for the angles of rolling and of twisting springs, all zero, or drops them: a spring that is switched off
     /// and on again starts without deflection.
     pub(crate) fn hold_angles(&mut self, rolling: bool, twisting: bool) {
-        self.holds = [rolling, twisting];
-        let blocks = |hold: bool| if hold { self.blocks.len() } else { 0 };
-        let [of_rolling, of_twisting] = self.holds.map(blocks);
-        self.rolling_angle.resize(of_rolling, [[0.0; LANES]; 3]);
-        self.twisting_angle.resize(of_twisting, [0.0; LANES]);
-    }
-
-    /// Makes room for the largest overlaps, all zero before.
-    fn hold_largest_overlaps(&mut self) {
-        self.largest_overlap.resize(self.blocks.len(), [0.0; LANES]);
+        let blocks = self.blocks.len();
+        self.columns.hold_if(rolling, ROLLING_ANGLE, blocks);
+        self.columns.hold_if(twisting, TWISTING_ANGLE, blocks);
     }
 
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
-        self.largest_overlap.clear();
-        self.rolling_angle.clear();
-        self.twisting_angle.clear();
+        self.columns.clear();
         self.count = 0;
     }
 
@@ -128,21 +194,14 @@ impl PairBlocks {
         })
     }
 
-    /// All pairs, first and second particle, and what they remember.
-    pub(crate) fn all(&self) -> impl Iterator<Item = ([u32; 2], Remembered)> + '_ {
-        self.pairs().enumerate().map(|(place, pair)| {
-            let known = self.history(place);
-            let OrientedHistory { history, rolling_angle, twisting_angle } =
-                known.unwrap_or(OrientedHistory::ZERO);
-            let touching = known.is_some();
-            (pair, Remembered { history, rolling_angle, twisting_angle, touching })
-        })
+    /// All pairs, first and second particle, and what the contact carries of those that touch.
+    pub(crate) fn all(&self) -> impl Iterator<Item = ([u32; 2], Option<ContactState>)> + '_ {
+        self.pairs().enumerate().map(|(place, pair)| (pair, self.state(place)))
     }
 
-    /// The touching pairs, first and second particle, and their histories.
-    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], OrientedHistory)> + '_ {
-        let pairs = self.pairs().enumerate();
-        pairs.filter_map(|(place, pair)| self.history(place).map(|history| (pair, history)))
+    /// The touching pairs, first and second particle, and what their contacts carry.
+    pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], ContactState)> + '_ {
+        self.all().filter_map(|(pair, state)| state.map(|state| (pair, state)))
     }
 
     /// First and second particle of the touching pairs.
@@ -155,76 +214,42 @@ impl PairBlocks {
         })
     }
 
-    /// All pairs, and the histories of those that touch, without angles of rolling.
+    /// All pairs, and the histories of those that touch as their law sees them.
     pub(super) fn with_histories(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
-        self.pairs()
-            .enumerate()
-            .map(|(place, pair)| (pair, self.history(place).map(|oriented| oriented.history)))
+        self.all().map(|(pair, state)| (pair, state.map(|state| state.history())))
     }
 
-    /// The history of the pair at a place, if it touches.
-    fn history(&self, place: usize) -> Option<OrientedHistory> {
+    /// What the contact of the pair at a place carries, if it touches.
+    fn state(&self, place: usize) -> Option<ContactState> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);
-        let number = |column: &[[f64; LANES]]| column.get(place / LANES).map_or(0.0, |of| of[lane]);
-        block.touching[lane].then(|| OrientedHistory {
-            history: ContactHistory {
-                tangential_spring: block.tangential_spring.map(|axis| axis[lane]).into(),
-                largest_overlap: number(&self.largest_overlap),
-            },
-            rolling_angle: match self.rolling_angle.get(place / LANES) {
-                Some(angle) => Vector3::from_fn(|axis, _| angle[axis][lane]),
-                None => Vector3::zeros(),
-            },
-            twisting_angle: number(&self.twisting_angle),
+        block.touching[lane].then(|| {
+            let tangential_spring = block.tangential_spring.map(|axis| axis[lane]);
+            let mut state = ContactState { tangential_spring, ..ContactState::default() };
+            self.columns.get((place / LANES, lane), &mut state);
+            state
         })
     }
 
-    pub(super) fn push(&mut self, pair: Pair, history: Option<OrientedHistory>) {
+    pub(super) fn push(&mut self, pair: Pair, state: Option<ContactState>) {
         if self.count.is_multiple_of(LANES) {
             self.blocks.push(PairBlock::of(pair));
-            if !self.largest_overlap.is_empty() {
-                self.largest_overlap.push([0.0; LANES]);
-            }
-            let [rolling, twisting] = self.holds;
-            if rolling {
-                self.rolling_angle.push([[0.0; LANES]; 3]);
-            }
-            if twisting {
-                self.twisting_angle.push([0.0; LANES]);
-            }
+            self.columns.resize(self.blocks.len());
         }
         self.count += 1;
-        self.put(self.count - 1, pair, history);
+        self.put(self.count - 1, pair, state);
     }
 
-    fn put(&mut self, place: usize, pair: Pair, history: Option<OrientedHistory>) {
+    fn put(&mut self, place: usize, pair: Pair, state: Option<ContactState>) {
         let (index, lane) = (place / LANES, place % LANES);
+        let blocks = self.blocks.len();
         let block = &mut self.blocks[index];
         [block.first[lane], block.second[lane], block.target[lane]] = pair;
-        block.touching[lane] = history.is_some();
-        let OrientedHistory { history, rolling_angle, twisting_angle } =
-            history.unwrap_or(OrientedHistory::ZERO);
-        let ContactHistory { tangential_spring, largest_overlap } = history;
-        (0..3).for_each(|axis| block.tangential_spring[axis][lane] = tangential_spring[axis]);
-        if largest_overlap != 0.0 {
-            self.hold_largest_overlaps();
-        }
-        if let Some(overlaps) = self.largest_overlap.get_mut(index) {
-            overlaps[lane] = largest_overlap;
-        }
-        let [rolling, twisting] = self.holds;
-        if rolling_angle != Vector3::zeros() || twisting_angle != 0.0 {
-            let bent = rolling_angle != Vector3::zeros();
-            self.hold_angles(rolling || bent, twisting || twisting_angle != 0.0);
-        }
-        if let Some(angles) = self.rolling_angle.get_mut(index) {
-            (0..3).for_each(|axis| angles[axis][lane] = rolling_angle[axis]);
-        }
-        if let Some(angles) = self.twisting_angle.get_mut(index) {
-            angles[lane] = twisting_angle;
-        }
+        block.touching[lane] = state.is_some();
+        let state = state.unwrap_or_default();
+        (0..3).for_each(|axis| block.tangential_spring[axis][lane] = state.tangential_spring[axis]);
+        self.columns.put(blocks, (index, lane), &state);
     }
 
     /// Drops the pairs that do not touch and for which `keep` does not hold; the others stay in their order.
@@ -235,7 +260,7 @@ impl PairBlocks {
             let pair = [block.first[lane], block.second[lane], block.target[lane]];
             if block.touching[lane] || keep([pair[0], pair[1]]) {
                 if kept != place {
-                    self.put(kept, pair, self.history(place));
+                    self.put(kept, pair, self.state(place));
                 }
                 kept += 1;
             }
@@ -247,9 +272,7 @@ impl PairBlocks {
     fn truncate(&mut self, count: usize) {
         let blocks = count.div_ceil(LANES);
         self.blocks.truncate(blocks);
-        self.largest_overlap.truncate(blocks);
-        self.rolling_angle.truncate(blocks);
-        self.twisting_angle.truncate(blocks);
+        self.columns.resize(blocks);
         self.count = count;
         if let Some(block) = self.blocks.last() {
             let filling = [block.first[0], block.second[0], block.target[0]];
@@ -258,36 +281,30 @@ impl PairBlocks {
     }
 }
 
-impl OrientedHistory {
-    const ZERO: Self = Self {
-        history: ContactHistory {
-            tangential_spring: Vector3::new(0.0, 0.0, 0.0),
-            largest_overlap: 0.0,
-        },
-        rolling_angle: Vector3::new(0.0, 0.0, 0.0),
-        twisting_angle: 0.0,
-    };
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn history(number: u32) -> OrientedHistory {
+    fn state(number: u32) -> ContactState {
         let number = f64::from(number);
-        let history = ContactHistory {
-            tangential_spring: Vector3::new(number, 2.0 * number, 0.0),
+        ContactState {
+            tangential_spring: [number, 2.0 * number, 0.0],
             largest_overlap: 0.5 * number,
-        };
-        let (rolling_angle, twisting_angle) = (Vector3::x() * number, 3.0 * number);
-        OrientedHistory { history, rolling_angle, twisting_angle }
+            rolling_angle: [number, 0.0, 0.0],
+            twisting_angle: 3.0 * number,
+        }
+    }
+
+    /// Blocks for which a column has room.
+    fn held_blocks(pairs: &PairBlocks, column: usize) -> usize {
+        pairs.columns.lanes[column].len() / COLUMNS[column].width()
     }
 
     /// Pairs (k, k + 1000), each third of them touching.
     fn blocks(count: u32) -> PairBlocks {
         let mut pairs = PairBlocks::default();
         for k in 0..count {
-            pairs.push([k, k + 1000, k + 2000], k.is_multiple_of(3).then(|| history(k)));
+            pairs.push([k, k + 1000, k + 2000], k.is_multiple_of(3).then(|| state(k)));
         }
         pairs
     }
@@ -295,33 +312,32 @@ mod tests {
     #[test]
     fn pushed_pairs_are_found_again() {
         let pairs = blocks(100);
-        assert_eq!((pairs.count(), pairs.blocks.len(), pairs.rolling_angle.len()), (100, 4, 4));
-        assert_eq!(pairs.largest_overlap.len(), 4);
+        assert_eq!((pairs.count(), pairs.blocks.len()), (100, 4));
+        assert!((0..COLUMNS.len()).all(|column| held_blocks(&pairs, column) == 4));
+        let names =
+            [LARGEST_OVERLAP, ROLLING_ANGLE, TWISTING_ANGLE].map(|column| COLUMNS[column].name);
+        assert_eq!(names, ["largest_overlap", "rolling_angle", "twisting_angle"]);
         assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
         for ([first, _], found) in pairs.touching() {
-            assert_eq!(found.history, history(first).history);
-            assert_eq!(found.rolling_angle, history(first).rolling_angle);
-            assert_eq!(found.twisting_angle, history(first).twisting_angle);
+            assert_eq!(found, state(first));
         }
         assert_eq!(pairs.touching().count(), 34);
     }
 
     #[test]
-    fn largest_overlaps_take_memory_only_once_one_is_not_zero() {
+    fn columns_take_memory_only_once_a_number_is_not_zero() {
         let mut pairs = PairBlocks::default();
         let elastic = |number: u32| {
-            let tangential_spring = history(number).history.tangential_spring;
-            let history = ContactHistory { tangential_spring, largest_overlap: 0.0 };
-            OrientedHistory { history, ..OrientedHistory::ZERO }
+            let tangential_spring = state(number).tangential_spring;
+            ContactState { tangential_spring, ..ContactState::default() }
         };
         (0..40).for_each(|k| pairs.push([k, k, k], Some(elastic(k))));
-        assert!(pairs.largest_overlap.is_empty());
-        assert!(pairs.touching().all(|(_, found)| found.history.largest_overlap == 0.0));
-        pairs.push([40, 40, 40], Some(history(40)));
-        let overlaps: Vec<f64> =
-            pairs.touching().map(|(_, found)| found.history.largest_overlap).collect();
+        assert!((0..COLUMNS.len()).all(|column| held_blocks(&pairs, column) == 0));
+        assert!(pairs.touching().all(|(_, found)| found.largest_overlap == 0.0));
+        pairs.push([40, 40, 40], Some(state(40)));
+        let overlaps: Vec<f64> = pairs.touching().map(|(_, found)| found.largest_overlap).collect();
         assert_eq!((overlaps[39], overlaps[40]), (0.0, 20.0));
-        assert_eq!(pairs.largest_overlap.len(), pairs.blocks.len());
+        assert_eq!(held_blocks(&pairs, LARGEST_OVERLAP), pairs.blocks.len());
     }
 
     #[test]
@@ -330,13 +346,14 @@ mod tests {
         pairs.retain(|[first, second]| first.is_multiple_of(7) && second == first + 1000);
         let expected = (0..100).filter(|k| k % 3 == 0 || k % 7 == 0);
         assert!(pairs.pairs().map(|[first, _]| first).eq(expected));
-        assert!(pairs.touching().all(|([k, _], found)| found.history == history(k).history));
+        assert!(pairs.touching().all(|([k, _], found)| found == state(k)));
         assert_eq!(pairs.touching().count(), 34);
         let last = pairs.blocks.last().unwrap();
         let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());
         assert!(last.touching[used..].iter().all(|touching| !touching));
         assert!(last.tangential_spring.iter().all(|axis| axis[used..] == [0.0; LANES][used..]));
-        assert_eq!(pairs.largest_overlap.last().unwrap()[used..], [0.0; LANES][used..]);
+        let overlaps = pairs.columns.lanes[LARGEST_OVERLAP].last().unwrap();
+        assert_eq!(overlaps[used..], [0.0; LANES][used..]);
         pairs.retain(|_| false);
         assert_eq!(pairs.count(), 34);
     }

@@ -1,6 +1,7 @@
 //! The pairs of the inner list that two species form: one law holds for all of them.
 
-use super::pair_blocks::{OrientedHistory, Pair, PairBlocks};
+use super::contact_state::ContactState;
+use super::pair_blocks::{Pair, PairBlocks};
 use crate::numbers::{F64x4, SimdKernel, with_simd};
 
 use super::proximity::{FourPairs, SetBits, branch_vector, four_of, push_set_bits};
@@ -31,9 +32,9 @@ impl PairsOfKind {
         self.candidates.clear();
     }
 
-    /// Adds a touching pair with its history.
-    pub(super) fn restore(&mut self, pair: Pair, history: OrientedHistory) {
-        self.active.push(pair, Some(history));
+    /// Adds a touching pair with what its contact carries.
+    pub(super) fn restore(&mut self, pair: Pair, state: ContactState) {
+        self.active.push(pair, Some(state));
     }
 
     /// Drops all candidates, and those active pairs that do not touch and for which `keep` does not hold.

@@ -1,6 +1,6 @@
 //! The particles of a rank: first the owned ones, then the ghosts.
 
-use super::{Body, ForceTorque, Membership, OptionalColumn, kind_of_species, sphere_volume};
+use super::{Body, Columns, ForceTorque, kind_of_species, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
@@ -18,11 +18,9 @@ pub struct Particles {
     /// Force and torque on each; on copies of other ranks' particles, what this rank's pairs put on them until it is sent back,
     /// zero between steps; zero on images, and not kept for those behind the last copy.
     pub forces: Vec<ForceTorque>,
-    /// Force of a gas in three dimensions on owned particles, a multiple of the force quantum, which the total force contains.
-    /// It is that of the last gas step, and constant until the next; zero without such a gas.
-    pub gas_force: OptionalColumn<Vector3<f64>>,
-    /// The agglomerates of owned particles, where drag follows from them.
-    pub membership: OptionalColumn<Membership>,
+    /// Quantities that most runs do not have, and a user's own: the force of a volume-averaged gas, which the total force contains,
+    /// and what a particle knows of its agglomerate.
+    pub columns: Columns,
 }
 
 /// Marks a ghost whose owner is another rank.
@@ -103,8 +101,7 @@ impl Particles {
         debug_assert_eq!(self.owned, self.count(), "owned particles come before ghosts");
         self.push_body(id, Body::new(position, velocity, radius, mass));
         self.forces.push(ForceTorque::zeroed());
-        self.gas_force.push();
-        self.membership.push();
+        self.columns.push();
         self.owned += 1;
     }
 
@@ -125,6 +122,7 @@ impl Particles {
         let original = image_of.and_then(|index| self.owned_original(index));
         self.image_of.push(original.map_or(REMOTE, |index| index as u32));
         self.push_body(id, body);
+        self.columns.push_ghost();
         if original.is_none() {
             self.forces.resize(self.count(), ForceTorque::zeroed());
         }
@@ -137,6 +135,7 @@ impl Particles {
             self.image_of[place] = self.image_of[from - self.owned];
             self.id[to] = self.id[from];
             self.body[to] = self.body[from];
+            self.columns.copy_ghost(from, to);
         }
         self.truncate(self.owned + kept.len());
         let last_copy = self.image_of.iter().rposition(|&original| original == REMOTE);
@@ -156,8 +155,6 @@ impl Particles {
     /// Removes all particles.
     pub fn clear(&mut self) {
         self.owned = 0;
-        self.gas_force.clear();
-        self.membership.clear();
         self.truncate(0);
     }
 
@@ -173,8 +170,7 @@ impl Particles {
         reorder(&mut self.id, order);
         reorder(&mut self.body, order);
         reorder(&mut self.forces, order);
-        self.gas_force.select(order);
-        self.membership.select(order);
+        self.columns.select(order);
         self.owned = order.len();
     }
 
@@ -183,6 +179,7 @@ impl Particles {
         self.image_of.truncate(count - self.owned);
         self.id.truncate(count);
         self.body.truncate(count);
+        self.columns.truncate(count);
         self.forces.truncate(count);
     }
 }

@@ -1,11 +1,12 @@
 //! What is chosen before a run, and its start.
 
 use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
-use crate::contact::{ByPair, BySpecies, ContactModel, VanDerWaals};
+use crate::contact::{ByPair, BySpecies, ContactExchange, ContactModel, VanDerWaals};
 use crate::domain::{Bounds, Face, RankGrid, Vibration, Wall};
+use crate::fields::{Field, Travel};
 use crate::gas::GasModel;
 use crate::parallel::{Communicator, OneRank, ParticleRecord};
-use crate::particles::{ListRange, Skin};
+use crate::particles::{ListRange, OwnFields, Skin};
 use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
 use crate::time_step::{begin, find_first_forces};
 
@@ -15,6 +16,8 @@ pub struct Setup {
     pub(super) domain: Domain,
     pub(super) physics: Physics,
     pub(super) particles: Vec<ParticleRecord>,
+    /// Own fields of the first particles; those added later have zeros.
+    own: OwnFields,
     pub(super) sizes: Option<SizeRange>,
     pub(super) skin: Option<f64>,
     pub(super) force_limit: Option<f64>,
@@ -49,7 +52,8 @@ impl Setup {
     pub fn in_domain(domain: Domain, physics: Physics) -> Self {
         let particles = Vec::new();
         let (sizes, skin, force_limit, balance) = (None, None, None, None);
-        Self { domain, physics, particles, sizes, skin, force_limit, balance }
+        let own = OwnFields::default();
+        Self { domain, physics, particles, own, sizes, skin, force_limit, balance }
     }
 
     /// One more wall, after those in the faces of the box.
@@ -116,6 +120,32 @@ impl Setup {
         self
     }
 
+    /// A field of your own, with its numbers for each of the particles that have been added before; zero for others. It goes with the
+    /// particles from rank to rank, into snapshots and checkpoints, and is part of the digest where it is not zero.
+    #[must_use]
+    pub fn field<const WIDTH: usize>(
+        mut self,
+        field: Field,
+        numbers: impl Fn(&ParticleRecord) -> [f64; WIDTH],
+    ) -> Self {
+        assert_eq!(field.width(), WIDTH, "the numbers of \"{}\"", field.name);
+        let numbers: Vec<f64> = self.particles.iter().flat_map(numbers).collect();
+        self.own.push(field, &numbers);
+        self
+    }
+
+    /// Touching particles exchange the field of this law, which has these numbers at the start, as in [`Setup::field`].
+    #[must_use]
+    pub fn exchange(
+        mut self,
+        law: impl ContactExchange + 'static,
+        number: impl Fn(&ParticleRecord) -> f64,
+    ) -> Self {
+        let field = law.field().travels(Travel::EachStep);
+        self.physics.exchanges.add(law);
+        self.field(field, |record| [number(record)])
+    }
+
     /// Sizes from which the limits of forces and speeds follow, if not those of the particles.
     #[must_use]
     pub fn sizes(mut self, sizes: SizeRange) -> Self {
@@ -162,7 +192,10 @@ impl Setup {
             ..*record
         };
         let particles = self.particles.iter().map(on_lattice).collect();
-        let bed = Snapshot::new_bed(particles, self.size_range()?, self.physics.time_step);
+        let bed = Snapshot {
+            own: self.own.extended(self.particles.len()),
+            ..Snapshot::new_bed(particles, self.size_range()?, self.physics.time_step)
+        };
         let mut run = self.run_from(&bed, grid, ranks)?;
         let Run { state, domain, models, work, .. } = &mut run;
         find_first_forces(state, domain, models, work, ranks);
@@ -189,7 +222,8 @@ impl Setup {
         ranks: &'a dyn Communicator,
     ) -> Result<Run<'a>, SetupError> {
         self.check()?;
-        self.run_from(snapshot, grid, ranks)
+        let own = self.own_of(snapshot)?;
+        self.run_from(&Snapshot { own, ..snapshot.clone() }, grid, ranks)
     }
 
     /// Lists and ghosts of a state that all ranks have whole. Collective.
@@ -211,11 +245,31 @@ impl Setup {
         let share = whole.share_of(ranks);
         let distributed = share.distribute(&domain.bounds, gas, &decomposition, ranks);
         let (mut state, histories) = (distributed.state, distributed.histories);
+        self.physics.exchanges.add_flow_columns(&mut state.particles);
         state.clock = state.clock.with_time_step(models.physics.time_step);
         let mut work = Workspace::new(decomposition, skin, ghost_width, self.balance);
         work.prepare(&domain, &models, &state.sizes);
         begin(&mut state, &domain, &models, &mut work, histories, ranks)?;
         Ok(Run { state, domain, models, work, ranks })
+    }
+
+    /// The own fields of a snapshot as this setup has registered them; a field that the snapshot lacks is zero.
+    ///
+    /// # Errors
+    /// If the snapshot has a field that this setup does not know.
+    fn own_of(&self, snapshot: &Snapshot) -> Result<OwnFields, SetupError> {
+        let has_name = |name| move |field: &&Field| field.name == name;
+        let known = |field: &&Field| self.own.fields.iter().find(has_name(field.name)).is_none();
+        if let Some(unknown) = snapshot.own.fields.iter().find(known) {
+            return Err(SetupError::UnknownField { name: unknown.name });
+        }
+        let mut own = OwnFields::default();
+        for &field in &self.own.fields {
+            let place = snapshot.own.fields.iter().position(|other| other.name == field.name);
+            let zeros = || vec![0.0; snapshot.particles.len() * field.width()];
+            own.push(field, &place.map_or_else(zeros, |place| snapshot.own.column(place)));
+        }
+        Ok(own)
     }
 
     /// What acts on particles of these sizes.

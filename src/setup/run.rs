@@ -4,7 +4,7 @@ use super::Snapshot;
 use crate::analysis::{BedProfile, Digest, RunView, WallForce, measure, wall_forces};
 use crate::grid::ColumnGrid;
 use crate::measures::{Findings, Measure, View};
-use crate::parallel::{Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::parallel::{Communicator, ParticleRecord};
 use crate::particles::ContactHistories;
 use crate::state::{
     Domain, EnergyBalance, EnergyLedger, Models, SizeRange, State, StoredEnergy, Workspace,
@@ -159,8 +159,9 @@ impl Run<'_> {
             departed: *departed,
             sizes: *sizes,
             particles: self.particles().collect(),
-            pairs: pairs.into_iter().map(ContactRecord::from).collect(),
-            walls: walls.into_iter().map(WallContactRecord::from).collect(),
+            own: particles.own_fields(),
+            pairs,
+            walls,
             cells: self.work.gas.records(gas, self.ranks),
             gas_report: gas.report(),
             looked_at: looked_at.clone(),

@@ -21,6 +21,12 @@ pub enum SetupError {
         /// The axis.
         axis: &'static str,
     },
+    /// A snapshot with a field of a user's own that the setup has not registered.
+    #[error("the snapshot has the field \"{name}\", which this setup does not know: register it")]
+    UnknownField {
+        /// Name of the field.
+        name: &'static str,
+    },
     /// A periodic box in which a particle would meet two images of another at once.
     #[error(
         "box: the length along {axis} is {length}: must be at least {least}, twice the largest diameter with skin and range \

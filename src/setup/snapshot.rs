@@ -8,7 +8,7 @@ use crate::parallel::{
     send_histories_to_owners, send_to_owners, share_with_all,
 };
 use crate::particle_sets::Pair;
-use crate::particles::{ContactHistories, Contacts, Particles};
+use crate::particles::{AGGLOMERATE, ContactHistories, Contacts, GAS_FORCE, OwnFields, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 
 /// A state as records: of all particles, or of those that one rank has. A run that goes on from it comes to the same
@@ -23,6 +23,8 @@ pub struct Snapshot {
     pub sizes: SizeRange,
     /// Particles.
     pub particles: Vec<ParticleRecord>,
+    /// A user's own fields of these particles, in the same order.
+    pub own: OwnFields,
     /// Histories of touching pairs.
     pub pairs: Vec<ContactRecord>,
     /// Histories of contacts with walls.
@@ -51,6 +53,7 @@ impl Snapshot {
             departed: Departed::default(),
             sizes,
             particles,
+            own: OwnFields::default(),
             pairs: Vec::new(),
             walls: Vec::new(),
             cells: Vec::new(),
@@ -64,8 +67,10 @@ impl Snapshot {
         fn share<T: Copy>(all: &[T], ranks: &dyn Communicator) -> Vec<T> {
             all.iter().copied().skip(ranks.rank()).step_by(ranks.size()).collect()
         }
+        let here = (ranks.rank()..self.particles.len()).step_by(ranks.size());
         Self {
             particles: share(&self.particles, ranks),
+            own: self.own.select(here),
             pairs: share(&self.pairs, ranks),
             walls: share(&self.walls, ranks),
             cells: share(&self.cells, ranks),
@@ -75,18 +80,22 @@ impl Snapshot {
     }
 
     /// The same with the records of all ranks on every rank, sorted by their ids. Collective.
-    pub(super) fn gathered(self, ranks: &dyn Communicator) -> Self {
-        let mut particles = share_with_all(self.particles, ranks);
+    pub fn gathered(self, ranks: &dyn Communicator) -> Self {
+        let particles = share_with_all(self.particles, ranks);
+        let own = OwnFields { numbers: share_with_all(self.own.numbers, ranks), ..self.own };
+        let mut order: Vec<usize> = (0..particles.len()).collect();
+        order.sort_by_key(|&index| particles[index].id);
+        let own = own.select(order.iter().copied());
+        let particles: Vec<ParticleRecord> = order.iter().map(|&index| particles[index]).collect();
         let mut pairs = share_with_all(self.pairs, ranks);
         let mut walls = share_with_all(self.walls, ranks);
         let mut cells = share_with_all(self.cells, ranks);
         let mut looked_at = self.looked_at.map(|pairs| share_with_all(pairs, ranks));
-        particles.sort_by_key(|particle| particle.id);
         pairs.sort_by_key(|pair| (pair.lower, pair.higher));
         walls.sort_by_key(|contact| (contact.particle, contact.wall));
         cells.sort_by_key(|record| record.cell);
         looked_at.iter_mut().for_each(|pairs| pairs.sort_unstable());
-        Self { particles, pairs, walls, cells, looked_at, ..self }
+        Self { particles, own, pairs, walls, cells, looked_at, ..self }
     }
 
     /// Sends the records, each of which is on one rank, to the ranks that own them. Collective.
@@ -98,19 +107,21 @@ impl Snapshot {
         ranks: &dyn Communicator,
     ) -> DistributedState {
         let Self { clock, departed, sizes, gas_report, looked_at, .. } = self;
-        let records = send_to_owners(self.particles, decomposition, ranks);
+        let (records, own) = send_to_owners(self.particles, self.own, decomposition, ranks);
         let mut particles = Particles::with_room_for(records.len());
-        for record in records {
+        own.fields.iter().for_each(|&field| particles.columns.add(field));
+        for (index, record) in records.iter().enumerate() {
             record.push_to(&mut particles);
+            particles.set_own_row(index, own.row(index));
         }
         let histories = send_histories_to_owners(self.pairs, self.walls, &particles.id, ranks);
         let subdomain = decomposition.subdomain(bounds, ranks.rank());
         let gas = GasState::from_records(gas, &self.cells, gas_report, subdomain, ranks);
         if gas == GasState::None {
-            particles.gas_force.reset();
+            particles.columns.at_mut(GAS_FORCE).reset();
         }
         if looked_at.is_none() {
-            particles.membership.reset();
+            particles.columns.at_mut(AGGLOMERATE).reset();
         }
         let contacts = Contacts::default();
         DistributedState {
@@ -130,9 +141,9 @@ impl Snapshot {
 
     /// The records, for a digest.
     pub fn records(&self) -> StateRecords<'_, [ParticleRecord]> {
-        let Self { particles, pairs, walls, cells, looked_at, .. } = self;
+        let Self { particles, own, pairs, walls, cells, looked_at, .. } = self;
         let looked_at = looked_at.as_deref().unwrap_or_default();
-        StateRecords { particles, contacts: pairs, wall_contacts: walls, cells, looked_at }
+        StateRecords { particles, own, contacts: pairs, wall_contacts: walls, cells, looked_at }
     }
 
     /// All bits of it: equal only for equal states.
@@ -144,9 +155,9 @@ impl Snapshot {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.cells));
         let looked_at = self.looked_at.as_deref().unwrap_or_default();
         bytes.extend_from_slice(bytemuck::cast_slice(looked_at));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.own.numbers));
         bytes.extend_from_slice(&clock.step.to_le_bytes());
-        bytes.extend_from_slice(&departed.count.to_le_bytes());
-        bytes.extend_from_slice(&departed.volume.to_le_bytes());
+        departed.bits().for_each(|bits| bytes.extend_from_slice(&bits.to_le_bytes()));
         bytes
     }
 }

@@ -4,8 +4,8 @@ use super::measuring::Measuring;
 use crate::analysis::RunView;
 use crate::case::{Case, ParticleField};
 use crate::output::{ColumnUnits, PointColumn, SnapshotFormat, SnapshotStorage};
-use crate::parallel::Communicator;
-use crate::particles::Body;
+use crate::parallel::{Communicator, ParticleRecord};
+use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, Body};
 
 /// How the snapshots of a case are made.
 pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
@@ -50,14 +50,19 @@ fn column_of(field: ParticleField, units: &ColumnUnits) -> PointColumn {
         unit,
         description,
     };
+    let of_field = |name: &str| {
+        let mut fields = ParticleRecord::FIELDS.iter();
+        let field = fields.find(|field| field.name == name);
+        PointColumn::of_field(field.expect("the list has it"), units)
+    };
     match field {
-        ParticleField::Mass => number("mass", 1, units.mass, "masses"),
+        ParticleField::Mass => of_field("mass"),
         ParticleField::Class => whole("class", "number of the size class, from 0; -1: none"),
-        ParticleField::Species => whole("species", "number of the species, from 0"),
+        ParticleField::Species => of_field("species"),
         ParticleField::Force => number("force", 3, units.force, "all forces, gravity included"),
         ParticleField::GasForce => number("gas_force", 3, units.force, "forces of the gas"),
         ParticleField::Coordination => whole("coordination", "number of touching particles"),
-        ParticleField::DragFactor => number("drag_factor", 1, "1", "drag over that of the law"),
+        ParticleField::DragFactor => of_field("drag_factor"),
     }
 }
 
@@ -91,7 +96,10 @@ fn numbers_of(
         ParticleField::GasForce => {
             run.work.gas.forces_on(particles).into_iter().flat_map(<[f64; 3]>::from).collect()
         }
-        ParticleField::DragFactor => particles.membership.iter().map(|of| of.drag_factor).collect(),
+        ParticleField::DragFactor => {
+            let found = particles.columns.at(AGGLOMERATE).iter::<AgglomerateOfParticle>();
+            found.map(|of| of.drag_factor).collect()
+        }
         ParticleField::Coordination => {
             run.coordination_numbers(ranks).into_iter().map(f64::from).collect()
         }

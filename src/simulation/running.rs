@@ -15,10 +15,7 @@ use crate::grid::ColumnGrid;
 use crate::measures::View;
 use crate::output::checkpoint::{self, Checkpoint, StoredLedger};
 use crate::output::{Head, Opening, OutputError, Provenance, Sample};
-use crate::parallel::{
-    AllocatorOfRanks, Communicator, ComputedRecords, ContactRecord, ParticleRecord, Records,
-    WallContactRecord,
-};
+use crate::parallel::{AllocatorOfRanks, Communicator, ComputedRecords, ParticleRecord, Records};
 use crate::particles::ContactHistories;
 use crate::state::{EnergyRow, Mechanism, Models, SizeRange, State, StoredSums, Workspace};
 use crate::time_step::{self, Staggered, StepError, stored_energy};
@@ -304,8 +301,9 @@ impl<'a> Simulation<'a> {
             case_text: case.text.clone(),
             case_folder: folder.case_folder.display().to_string(),
             particles: records(case, state),
-            contacts: pairs.into_iter().map(ContactRecord::from).collect(),
-            wall_contacts: walls.into_iter().map(WallContactRecord::from).collect(),
+            own: state.particles.own_fields(),
+            contacts: pairs,
+            wall_contacts: walls,
             cells: work.gas.records(&state.gas, *ranks),
             gas_report: state.gas.report(),
             looked_at: state.looked_at.clone(),

@@ -5,10 +5,11 @@ use super::layout::{divide, layout_of, named_grid};
 use crate::analysis::Digest;
 use crate::case::{BedPart, BedStart, Case, CaseErrors, Change, RankLayout, changes};
 use crate::domain::{RankGrid, Wall};
+use crate::gas::GasState;
 use crate::measures::MeasureState;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::parallel::{CollectiveError, Communicator, ParticleRecord, WallContactRecord, agree};
-use crate::particles::ContactHistories;
+use crate::particles::{ContactHistories, OwnFields};
 use crate::setup::{DistributedState, LayoutError, Snapshot};
 use crate::state::{SizeRange, State, Workspace};
 use std::path::Path;
@@ -33,6 +34,20 @@ pub enum StartError {
         change: Change,
         /// Why it cannot be.
         reason: &'static str,
+    },
+    /// A checkpoint with cells that the gas does not have.
+    #[error("{0}")]
+    Cells(CollectiveError),
+    /// The particles of the checkpoint carry a field of a program of the user's own.
+    #[error(
+        "the particles of the checkpoint carry the field \"{name}\" ({meaning}), which this program does not \
+         know: restart it with the program that wrote it"
+    )]
+    UnknownField {
+        /// Name of the field.
+        name: &'static str,
+        /// What it is.
+        meaning: &'static str,
     },
     /// What the case says does not suit the sizes of the particles, or the number of ranks.
     #[error(transparent)]
@@ -84,6 +99,7 @@ pub fn start_from_case(
         BedStart::Run { path } => {
             let (end, _, digest) = checkpoint::read(path, ranks)?;
             require_same_parcels(&changes(&end.case_text, &case.text))?;
+            require_known_fields(&end.own)?;
             begins_with = Some(digest);
             // The gas starts from rest.
             let (pairs, walls, gas_report) = (end.contacts, end.wall_contacts, end.gas_report);
@@ -110,7 +126,10 @@ pub fn start_from_checkpoint(
     ranks: &dyn Communicator,
 ) -> Result<InitialState, StartError> {
     let ledger = checkpoint.energy.as_ref().map(|ledger| Box::new(ledger.restored()));
-    let Checkpoint { clock, departed, sizes, particles, cells, gas_report, looked_at, .. } =
+    require_known_fields(&checkpoint.own)?;
+    agree(GasState::require_cells(case.gas_on_cells(), &checkpoint.cells), ranks)
+        .map_err(StartError::Cells)?;
+    let Checkpoint { clock, departed, sizes, particles, own, cells, gas_report, looked_at, .. } =
         checkpoint;
     let before =
         Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
@@ -121,12 +140,30 @@ pub fn start_from_checkpoint(
         number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
-    let end =
-        Snapshot { clock, departed, sizes, particles, pairs, walls, cells, gas_report, looked_at };
+    let end = Snapshot {
+        clock,
+        departed,
+        sizes,
+        particles,
+        own,
+        pairs,
+        walls,
+        cells,
+        gas_report,
+        looked_at,
+    };
     let measures = checkpoint.measures;
     let mut initial = InitialState { measures, ..distribute(case, end, origin, grid, ranks)? };
     initial.state.energy = ledger;
     Ok(initial)
+}
+
+/// What a program has added to the particles, only that program can advance.
+fn require_known_fields(own: &OwnFields) -> Result<(), StartError> {
+    match own.fields.first() {
+        Some(field) => Err(StartError::UnknownField { name: field.name, meaning: field.meaning }),
+        None => Ok(()),
+    }
 }
 
 /// Parcels stay parcels of as many particles.

@@ -2,7 +2,8 @@
 
 use super::{Limits, SizeRange};
 use crate::contact::{
-    ByPair, BySpecies, CoarseGraining, ContactForceLaw, ContactModel, VanDerWaals, VanDerWaalsNow,
+    ByPair, BySpecies, CoarseGraining, ContactForceLaw, ContactModel, Exchanges, VanDerWaals,
+    VanDerWaalsNow,
 };
 use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
@@ -18,6 +19,8 @@ pub struct Physics {
     pub at_walls: Vec<BySpecies<ContactModel>>,
     /// Attraction; that of two particles of the same species says how it is at walls.
     pub cohesion: Option<ByPair<VanDerWaals>>,
+    /// What touching particles exchange beside momentum.
+    pub exchanges: Exchanges,
     /// Gas.
     pub gas: GasModel,
     /// Gravity along -z in the frame of the plate.
@@ -33,6 +36,7 @@ impl Physics {
             contact: ByPair::of_all(contact.into()),
             at_walls: Vec::new(),
             cohesion: None,
+            exchanges: Exchanges::default(),
             gas: GasModel::None,
             gravity: EffectiveGravity { magnitude: 0.0, vibration: None },
             time_step,

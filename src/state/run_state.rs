@@ -1,17 +1,17 @@
 //! What a checkpoint holds.
 
 use super::{Clock, EnergyLedger, SizeRange};
+use crate::fields::counters;
 use crate::gas::GasState;
 use crate::particle_sets::Pair;
 use crate::particles::{Contacts, Particles};
 
-/// Particles that left through an open face.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Departed {
-    /// How many.
-    pub count: u64,
-    /// Their volume, summed in the order of departure and of ids.
-    pub volume: f64,
+counters! {
+    /// Particles that left through an open face.
+    pub struct Departed in "/departed" {
+        count: Integer, One, "particles that have left";
+        volume: Number, Volume, "their volume, summed in the order of departure and of ids";
+    }
 }
 
 /// What a checkpoint holds: with the models, all that the future depends on. All of it is at the time of the clock;

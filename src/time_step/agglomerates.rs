@@ -6,6 +6,7 @@ use crate::particle_sets::agglomerates::{Agglomerate, Search};
 use crate::particle_sets::{
     Ownership, Pair, Periodicity, Persistence, PersistentContacts, samples, touching_pairs,
 };
+use crate::particles::{AGGLOMERATE, AgglomerateOfParticle};
 use crate::state::{Domain, Models, State};
 
 /// Finds them if that is due before this step of the gas; forgets them where drag does not follow from agglomerates.
@@ -20,7 +21,7 @@ pub(super) fn find_if_due(
 ) {
     let Some(drag) = models.physics.gas.agglomerates() else {
         if state.looked_at.take().is_some() {
-            state.particles.membership.reset();
+            state.particles.columns.at_mut(AGGLOMERATE).reset();
         }
         return;
     };
@@ -49,8 +50,9 @@ fn find(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn C
     let found = search.run(ranks).of_particles(ranks);
     for (index, agglomerate) in indices.into_iter().zip(found) {
         let ball = agglomerate.as_ref().and_then(ball_of);
-        let membership = &mut state.particles.membership.hold()[index];
-        (membership.diameter, membership.packing) =
+        let column = state.particles.columns.at_mut(AGGLOMERATE);
+        let of_particle = &mut column.hold::<AgglomerateOfParticle>()[index];
+        (of_particle.diameter, of_particle.packing) =
             ball.map_or((0.0, 0.0), |ball| (ball.diameter, ball.packing));
     }
     state.looked_at = Some(touching);

@@ -8,7 +8,7 @@ use crate::contact::{
     ContactWork, ForceLaws, WallWork, attraction_energy, elastic_energy, work_of_walls,
 };
 use crate::domain::PosedWalls;
-use crate::particles::Particles;
+use crate::particles::{GAS_FORCE, Particles};
 use crate::state::{Domain, EnergyLedger, Mechanism, Models, State, StoredSums, Workspace};
 use nalgebra::Vector3;
 
@@ -68,7 +68,8 @@ pub(super) fn forces_before_gas(particles: &Particles) -> Vec<Vector3<f64>> {
     let mut forces: Vec<Vector3<f64>> =
         particles.forces[..particles.owned_count()].iter().map(|load| load.force).collect();
     // Multiples of a quantum: exact.
-    forces.iter_mut().zip(particles.gas_force.held()).for_each(|(force, of_gas)| *force -= of_gas);
+    let of_gas = particles.columns.at(GAS_FORCE).held::<Vector3<f64>>();
+    forces.iter_mut().zip(of_gas).for_each(|(force, of_gas)| *force -= of_gas);
     forces
 }
 

@@ -3,7 +3,7 @@
 use super::energy;
 use super::laws::force_laws;
 use crate::contact::{
-    self, ForceLaws, add_contact_forces, find_contacts, prepare_pairs, work_of_pairs,
+    self, ForceLaws, add_contact_forces, add_flows, find_contacts, prepare_pairs, work_of_pairs,
 };
 use crate::domain::PosedWalls;
 use crate::particles::PairGroup;
@@ -31,7 +31,7 @@ pub(super) fn begin_forces<'a>(
 }
 
 /// Finds the pairs of a group that are in contact, enters their work in the ledger of energies, and adds their forces at the
-/// current positions and half-step velocities.
+/// current positions and half-step velocities, and what flows between them.
 pub(super) fn add_pair_forces(
     group: PairGroup,
     laws: &ForceLaws,
@@ -48,6 +48,9 @@ pub(super) fn add_pair_forces(
         add_contact_forces(particles, contacts, laws, group)
     });
     work.note_fault(added);
+    let exchanged =
+        work.timers.time(Phase::Contacts, || add_flows(particles, contacts, laws.exchanges, group));
+    work.note_fault(exchanged);
 }
 
 /// Adds the forces of walls on particles of this rank.
@@ -76,4 +79,12 @@ pub(super) fn add_gas_forces(state: &mut State, models: &Models, work: &mut Work
     if let Some(before_gas) = before_gas {
         energy::after_forces(state, models, &before_gas, dt);
     }
+}
+
+/// Advances the fields that touching particles exchange by what has flowed to each particle in a step of this length.
+pub(super) fn advance_fields(state: &mut State, models: &Models, work: &mut Workspace, dt: f64) {
+    let exchanges = &models.physics.exchanges;
+    work.time(Phase::Contacts, |_| {
+        contact::advance_fields(&mut state.particles, exchanges, dt);
+    });
 }

@@ -14,6 +14,7 @@ pub(super) fn force_laws<'a>(
     ForceLaws {
         contact: &models.physics.contact,
         at_walls: &models.physics.at_walls,
+        exchanges: &models.physics.exchanges,
         cohesion: models.physics.cohesion_at(state.clock.time()),
         ranges: InteractionRanges {
             contact: models.contact_range(&state.sizes),

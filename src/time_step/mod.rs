@@ -19,7 +19,7 @@ use crate::particles::{self, ContactHistories, DriftStep, PairGroup, set_first_f
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
-use forces::{add_gas_forces, add_pair_forces, add_wall_forces, begin_forces};
+use forces::{add_gas_forces, add_pair_forces, add_wall_forces, advance_fields, begin_forces};
 use gas::{advance_gas, find_agglomerates, start_bed_sum};
 use halo::{receive_forces, receive_ghosts, return_forces, send_ghosts};
 use rebuild::arrange;
@@ -70,8 +70,7 @@ pub fn advance(
     let dt = models.physics.time_step;
     // [step]
     let (state, kick_due) = staggered.begin_step();
-    let moved = kick_and_drift(state, kick_due, domain, models, work);
-    work.move_walls(domain, state.clock.time(), dt);
+    let moved = move_bodies(state, kick_due, domain, models, work);
     let bed = start_bed_sum(state, work, ranks);
     let ghosts = send_ghosts(state, work, ranks);
     let decision = decide(state, moved, domain, work, ranks)?;
@@ -86,6 +85,7 @@ pub fn advance(
     add_pair_forces(PairGroup::Own, &laws, state, work);
     add_wall_forces(&laws, state, domain, work);
     receive_forces(forces, state, work);
+    advance_fields(state, models, work, dt);
     advance_gas(bed.filter(|_| !decision.rebuild), state, models, work, ranks);
     add_gas_forces(state, models, work, dt);
     staggered.leave_kick(dt);
@@ -130,6 +130,7 @@ pub fn find_first_forces(
     add_pair_forces(PairGroup::Own, &laws, state, work);
     add_wall_forces(&laws, state, domain, work);
     receive_forces(forces, state, work);
+    advance_fields(state, models, work, 0.0);
     advance_gas(None, state, models, work, ranks);
     add_gas_forces(state, models, work, 0.0);
 }
@@ -167,8 +168,9 @@ pub fn confirm(
 }
 
 /// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
-/// the weight, and of a volume-averaged gas as of its last step. Returns how far particles have moved.
-fn kick_and_drift(
+/// the weight, and of a volume-averaged gas as of its last step. Walls move to where they are at the end of the step. Returns how
+/// far particles have moved.
+fn move_bodies(
     state: &mut State,
     kick_due: Option<f64>,
     domain: &Domain,
@@ -182,5 +184,6 @@ fn kick_and_drift(
     let particles = &mut state.particles;
     let largest =
         work.time(Phase::Integrate, |_| particles::kick_and_drift(particles, kick_due, step));
+    work.move_walls(domain, state.clock.time(), step.dt);
     Displacement { step, largest, allowed: step.dt * models.limits.speed }
 }

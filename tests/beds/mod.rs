@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::ops::{Deref, DerefMut};
 use talcum::contact::{
-    ByPair, BySpecies, CohesionExpression, ContactModel, FrictionCap, LinearSpringDashpot,
-    VanDerWaals,
+    ByPair, BySpecies, CohesionExpression, ContactModel, Exchanges, FrictionCap,
+    LinearSpringDashpot, VanDerWaals,
 };
 use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
@@ -205,7 +205,8 @@ impl Bench {
         let Mixture { contact, at_walls, cohesion } =
             self.mixture.clone().unwrap_or(of_one_species);
         let (gravity, time_step) = (self.gravity, self.time_step);
-        Physics { contact, at_walls, cohesion, gas, gravity, time_step }
+        let exchanges = Exchanges::default();
+        Physics { contact, at_walls, cohesion, exchanges, gas, gravity, time_step }
     }
 
     /// The same for the library.

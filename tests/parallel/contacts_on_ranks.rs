@@ -126,24 +126,24 @@ fn what_contacts_remember_lives_through_restarts() {
         }
         // Negative controls: whatever is forgotten is seen.
         let mut without = halfway.clone();
-        without.pairs.iter_mut().for_each(|pair| pair.tangential_spring = [0.0; 3]);
+        without.pairs.iter_mut().for_each(|pair| pair.state.tangential_spring = [0.0; 3]);
         assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
-        if halfway.pairs.iter().any(|pair| pair.largest_overlap != 0.0) {
+        if halfway.pairs.iter().any(|pair| pair.state.largest_overlap != 0.0) {
             let mut without = halfway.clone();
-            without.pairs.iter_mut().for_each(|pair| pair.largest_overlap = 0.0);
+            without.pairs.iter_mut().for_each(|pair| pair.state.largest_overlap = 0.0);
             assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
         }
-        if halfway.pairs.iter().any(|pair| pair.rolling_angle != [0.0; 3]) {
+        if halfway.pairs.iter().any(|pair| pair.state.rolling_angle != [0.0; 3]) {
             let mut without = halfway.clone();
-            without.pairs.iter_mut().for_each(|pair| pair.rolling_angle = [0.0; 3]);
+            without.pairs.iter_mut().for_each(|pair| pair.state.rolling_angle = [0.0; 3]);
             assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
         }
         let twists = bench.interface.as_ref().is_some_and(|model| model.twisting.is_some());
-        assert_eq!(halfway.pairs.iter().any(|pair| pair.twisting_angle != 0.0), twists);
-        assert_eq!(halfway.walls.iter().any(|contact| contact.twisting_angle != 0.0), twists);
+        assert_eq!(halfway.pairs.iter().any(|pair| pair.state.twisting_angle != 0.0), twists);
+        assert_eq!(halfway.walls.iter().any(|contact| contact.state.twisting_angle != 0.0), twists);
         if twists {
             let mut without = halfway.clone();
-            without.pairs.iter_mut().for_each(|pair| pair.twisting_angle = 0.0);
+            without.pairs.iter_mut().for_each(|pair| pair.state.twisting_angle = 0.0);
             assert!(continued(&bench, &without, [1, 1, 1]).bits() != reference.bits());
         }
     }

@@ -52,8 +52,8 @@ fn energies(bench: &Bench, attraction_force: f64, state: &Snapshot) -> [f64; 6] 
             attractive += attraction_energy(attraction_force, separation);
         }
     }
-    let pairs = state.pairs.iter().map(|pair| pair.tangential_spring);
-    let springs = pairs.chain(state.walls.iter().map(|contact| contact.tangential_spring));
+    let pairs = state.pairs.iter().map(|pair| pair.state.tangential_spring);
+    let springs = pairs.chain(state.walls.iter().map(|contact| contact.state.tangential_spring));
     let kt = LinearSpringDashpot::tangential_stiffness_of(STIFFNESS, 0.3);
     springs.for_each(|spring| tangential += 0.5 * kt * Vector3::from(spring).norm_squared());
     [kinetic, rotational, height, attractive, normal, tangential]

@@ -1,16 +1,18 @@
 //! Checkpoints come back as they were on any number of ranks, and anything else is refused with a message.
 
 use std::path::Path;
-use std::str::FromStr;
 
+use crate::launch::{in_repository, talcum};
 use bytemuck::Zeroable;
 use talcum::analysis::Pair;
+use talcum::fields::{Field, Kind, Record, Unit};
 use talcum::output::Provenance;
 use talcum::output::checkpoint::{Checkpoint, file_name, newest_good, prune, read, write};
 use talcum::parallel::{
     CellRecord, Communicator, ContactRecord, OneRank, ParticleRecord, WallContactRecord,
     run_on_threads,
 };
+use talcum::particles::{ContactState, OwnFields};
 use talcum::state::{Clock, Departed, GasReport, SizeRange};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -29,18 +31,22 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
     let contact = |k: u64| ContactRecord {
         lower: 7 * (k / 3),
         higher: 7 * (k / 3) + 3 - k % 3,
-        tangential_spring: spring,
-        largest_overlap: k as f64,
-        rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
-        twisting_angle: if k.is_multiple_of(3) { 0.0 } else { 0.02 },
+        state: ContactState {
+            tangential_spring: spring,
+            largest_overlap: k as f64,
+            rolling_angle: if k.is_multiple_of(2) { [0.0; 3] } else { [0.1, -0.2, 0.3] },
+            twisting_angle: if k.is_multiple_of(3) { 0.0 } else { 0.02 },
+        },
     };
     let wall_contact = |k| WallContactRecord {
         particle: k / 2,
         wall: 1 - k % 2,
-        tangential_spring: spring,
-        largest_overlap: 0.1,
-        rolling_angle: [0.0, 0.01, 0.0],
-        twisting_angle: -0.03,
+        state: ContactState {
+            tangential_spring: spring,
+            largest_overlap: 0.1,
+            rolling_angle: [0.0, 0.01, 0.0],
+            twisting_angle: -0.03,
+        },
     };
     let cell = |cell: u64| CellRecord {
         cell,
@@ -56,6 +62,7 @@ fn share(count: u64, step: u64, ranks: &dyn Communicator) -> Checkpoint {
         case_text: "title = \"Grüße\"\n".repeat(if count > 5 { 6000 } else { 1 }),
         case_folder: "/some/where".to_owned(),
         particles: (0..count).map(|k| k * 10).filter(mine).map(particle).collect(),
+        own: OwnFields::default(),
         contacts: (0..count / 2).filter(mine).map(contact).collect(),
         wall_contacts: (0..count / 4).filter(mine).map(wall_contact).collect(),
         cells: (0..count / 3).filter(mine).map(cell).collect(),
@@ -236,10 +243,9 @@ fn forge(path: &Path, change: impl FnOnce(&hdf5::File)) {
 #[test]
 fn agglomerates_are_in_checkpoints_where_drag_follows_from_them_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let version_and_groups = |path: &Path| {
+    let groups = |path: &Path| {
         let file = hdf5::File::open(path).unwrap();
-        let version: u64 = file.attr("schema_version").unwrap().read_scalar().unwrap();
-        (version, file.link_exists("looked_at"), file.link_exists("particles/drag_factor"))
+        ["looked_at", "particles/drag_factor"].map(|name| file.link_exists(name))
     };
     let written = |name: &str, ranks: usize, pairs: Option<u64>| {
         let path = folder.path().join(name);
@@ -257,7 +263,7 @@ fn agglomerates_are_in_checkpoints_where_drag_follows_from_them_alone() {
         path
     };
     let path = written("with", 3, Some(20));
-    assert_eq!(version_and_groups(&path), (6, true, true));
+    assert_eq!(groups(&path), [true, true]);
     for ranks in [1, 2, 4] {
         let shares = run_on_threads(ranks, |ranks| read(&path, ranks).unwrap().0);
         let pairs = shares.iter().flat_map(|share| share.looked_at.clone().unwrap());
@@ -269,9 +275,9 @@ fn agglomerates_are_in_checkpoints_where_drag_follows_from_them_alone() {
     // None yet, but a look: the next one must know.
     let none = read(&written("none", 2, Some(0)), &OneRank).unwrap().0;
     assert_eq!(none.looked_at, Some(Vec::new()));
-    // The control: other runs have files of the older schema.
+    // The control: files of other runs have neither.
     let path = written("without", 2, None);
-    assert_eq!(version_and_groups(&path), (5, false, false));
+    assert_eq!(groups(&path), [false, false]);
     assert_eq!(read(&path, &OneRank).unwrap().0.looked_at, None);
 }
 
@@ -285,8 +291,10 @@ fn intact_files_with_inconsistent_content_are_refused() {
         path.as_path()
     };
     read(forged(|_| ()), &OneRank).unwrap();
-    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&7_u64).unwrap());
+    let newer = forged(|file| file.attr("schema_version").unwrap().write_scalar(&8_u64).unwrap());
     assert!(refusal(newer).contains("written by a newer Talcum"));
+    let none = forged(|file| file.attr("schema_version").unwrap().write_scalar(&0_u64).unwrap());
+    assert!(refusal(none).contains("its schema is 0, which no Talcum has written"));
     let moved = forged(|file| {
         let mass = file.dataset("particles/mass").unwrap();
         let mut masses = mass.read_raw::<f64>().unwrap();
@@ -304,74 +312,143 @@ fn intact_files_with_inconsistent_content_are_refused() {
     assert!(refusal(earlier).contains("origin lies after"));
 }
 
-/// As there were no species before schema 5, and no twisting before schema 4.
-fn forget_what_is_new(state: &mut Checkpoint) {
+/// The digest of each file in `checkpoints`, one for each version of the schema, and of the run that goes on from it to t = 2.5;
+/// commit c075153 found them, whose program wrote the files of versions 4 to 6. Those of versions 1 to 3 were made from its files by
+/// taking away what later versions brought.
+const OLD_FILES: [[&str; 2]; 6] = [
+    ["70e45156e11fc25bdbcf23b01b4af4a4", "31e8439719fb6e0ce61321017154a0eb"],
+    ["31b736eb016e45f444c008c212ef2849", "9d6b7ca2103c46ad7738fac0be85f9cc"],
+    ["31b736eb016e45f444c008c212ef2849", "9d6b7ca2103c46ad7738fac0be85f9cc"],
+    ["1eda81a9dad360cab7d1bccee71707d8", "afd9b17e8e794ecbbcb3979dc5122bb7"],
+    ["e66fcf33321117df8cb672c855daae08", "82cd92a1d1b7bc59e01aef72a9562e5b"],
+    ["0ea1cb43921dda58c4ba53e45763fb26", "a840f2833abb111090d6ed22567cb028"],
+];
+
+#[test]
+fn files_of_all_schema_versions_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    for (digests, version) in OLD_FILES.iter().zip(1..) {
+        let file = in_repository(&format!("tests/program/checkpoints/version-{version}.h5"));
+        let (found, _, digest) = read(&file, &OneRank).unwrap();
+        assert_eq!((digest.to_string().as_str(), found.particles.len()), (digests[0], 24));
+        assert_eq!(found.looked_at.is_some(), version == 6);
+        let results = folder.path().join(version.to_string()).display().to_string();
+        let ended = talcum(
+            version % 2,
+            &[
+                "restart",
+                &file.display().to_string(),
+                "--output",
+                &results,
+                "--set",
+                "time.end=2.5",
+            ],
+        );
+        assert_eq!(ended.digest(), digests[1], "version {version}");
+    }
+}
+
+#[test]
+fn cells_beyond_the_grid_of_the_gas_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    // Digests of version 2 are not compared.
+    std::fs::copy(in_repository("tests/program/checkpoints/version-2.h5"), &path).unwrap();
+    forge(&path, |file| {
+        let cells = file.dataset("gas/cell").unwrap();
+        let mut numbers = cells.read_raw::<u64>().unwrap();
+        numbers[3] = 268_435_746;
+        cells.write_raw(&numbers).unwrap();
+    });
+    let results = folder.path().join("results").display().to_string();
+    let ended = talcum(2, &["restart", &path.display().to_string(), "--output", &results]);
+    assert_eq!(ended.code(), Some(1), "{}", ended.errors);
+    assert!(
+        ended.errors.contains("cell 268435746 of the gas, and the grid 16 cells"),
+        "{}",
+        ended.errors
+    );
+}
+
+#[test]
+fn docs_files_has_a_row_for_each_dataset() {
+    fn rows<R: Record>(text: &str) {
+        let names = R::IDS.iter().map(|id| id.name).chain(R::FIELDS.iter().map(|field| field.name));
+        for name in names {
+            let has_it =
+                |row: &str| row.starts_with(&format!("| `{}/", R::GROUP)) && row.contains(name);
+            assert!(text.lines().any(has_it), "{}/{name}", R::GROUP);
+        }
+    }
+    let text = std::fs::read_to_string(in_repository("docs/files.md")).unwrap();
+    rows::<ParticleRecord>(&text);
+    rows::<ContactRecord>(&text);
+    rows::<WallContactRecord>(&text);
+    rows::<CellRecord>(&text);
+}
+
+#[test]
+fn fields_that_are_zero_take_no_dataset_and_those_that_are_not_must_be_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("checkpoint.h5");
+    let mut state = share(20, 12, &OneRank);
+    write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    let names = |group: &str| {
+        hdf5::File::open(&path).unwrap().group(group).unwrap().member_names().unwrap()
+    };
+    let optional = ["rolling_angle", "twisting_angle"];
+    assert!(optional.iter().all(|name| names("contacts").iter().any(|other| other == name)));
+    for name in optional {
+        forge(&path, |file| file.group("contacts").unwrap().unlink(name).unwrap());
+        assert!(refusal(&path).contains("the state's digest is"), "{name}");
+        write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
+    }
+    for contact in &mut state.contacts {
+        (contact.state.rolling_angle, contact.state.twisting_angle) = ([0.0; 3], 0.0);
+    }
     state.particles.iter_mut().for_each(|particle| particle.species = 0.0);
-    state.contacts.iter_mut().for_each(|contact| contact.twisting_angle = 0.0);
-    state.wall_contacts.iter_mut().for_each(|contact| contact.twisting_angle = -0.0);
-}
-
-fn schema_version(path: &Path) -> u64 {
-    hdf5::File::open(path).unwrap().attr("schema_version").unwrap().read_scalar().unwrap()
-}
-
-/// What only schema 4 has.
-fn without_twisting(file: &hdf5::File) {
-    ["energy", "contacts/twisting_angle", "wall_contacts/twisting_angle"]
-        .into_iter()
-        .for_each(|name| file.unlink(name).unwrap());
-}
-
-#[test]
-fn files_of_schema_version_3_are_read_and_their_digest_is_checked() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("checkpoint.h5");
-    let mut state = share(20, 12, &OneRank);
-    let twisted = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
-    assert_eq!(schema_version(&path), 5);
-    forget_what_is_new(&mut state);
     let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
-    assert_ne!(digest, twisted);
-    // A bed of one species is a file that programs of schema 4 read.
-    assert_eq!(schema_version(&path), 4);
-    forge(&path, without_twisting);
-    // Control: the file is one of today's.
-    assert!(refusal(&path).contains("energy"));
-    forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&3_u64).unwrap());
+    assert!(!optional.iter().any(|name| names("contacts").iter().any(|other| other == name)));
+    assert!(!names("particles").iter().any(|name| name == "species"));
+    assert!(names("wall_contacts").iter().any(|name| name == "rolling_angle"), "the control");
     let (found, _, found_digest) = read(&path, &OneRank).unwrap();
     assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));
 }
 
 #[test]
-fn files_of_schema_version_1_are_read() {
+fn own_fields_come_back_on_any_number_of_ranks_and_are_part_of_the_digest() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
-    let mut state = share(20, 12, &OneRank);
-    state.contacts.iter_mut().for_each(|contact| contact.rolling_angle = [0.0; 3]);
-    state.wall_contacts.iter_mut().for_each(|contact| contact.rolling_angle = [-0.0; 3]);
-    forget_what_is_new(&mut state);
-    state.particles.iter_mut().for_each(|particle| particle.gas_force = [0.0; 3]);
-    (state.cells, state.gas_report) = (Vec::new(), GasReport::default());
-    let digest = write(&path, &state, &provenance(&OneRank), &OneRank).unwrap();
-    let without_angles = |file: &hdf5::File| {
-        file.unlink("gas").unwrap();
-        without_twisting(file);
-        file.unlink("particles/gas_force").unwrap();
-        file.unlink("contacts/rolling_angle").unwrap();
-        file.unlink("wall_contacts/rolling_angle").unwrap();
+    let temperature = Field::new("temperature", Kind::Number, Unit::Named("K"), "temperature");
+    let director = Field::new("director", Kind::Vector, Unit::One, "direction of an axis");
+    let with_fields = |ranks: &dyn Communicator| {
+        let mut share = share(40, 12, ranks);
+        let of_each = |number: fn(f64) -> f64| -> Vec<f64> {
+            share.particles.iter().map(|particle| number(particle.id as f64)).collect()
+        };
+        let (kelvins, axes) = (of_each(|id| 300.0 + id), of_each(|id| 0.1 * id));
+        share.own.push(temperature, &kelvins);
+        share.own.push(director, &axes.iter().flat_map(|x| [*x, 0.0, -x]).collect::<Vec<f64>>());
+        share
     };
-    let of_then = |file: &hdf5::File| {
-        let digest = hdf5::types::VarLenUnicode::from_str("9b7025bd5cf6209a24ad1192757b13fe");
-        file.attr("digest").unwrap().write_scalar(&digest.unwrap()).unwrap();
-    };
-    // Controls: the file is one of today's.
-    forge(&path, of_then);
-    assert!(refusal(&path).contains("the state's digest is"));
-    forge(&path, without_angles);
-    assert!(refusal(&path).contains("gas"));
-    forge(&path, |file| file.attr("schema_version").unwrap().write_scalar(&1_u64).unwrap());
-    let (found, _, found_digest) = read(&path, &OneRank).unwrap();
-    assert_eq!((found_digest, whole(vec![found])), (digest, whole(vec![state])));
+    let without = write(&path, &share(40, 12, &OneRank), &provenance(&OneRank), &OneRank).unwrap();
+    let digests = run_on_threads(3, |ranks| {
+        write(&path, &with_fields(ranks), &provenance(ranks), ranks).unwrap()
+    });
+    assert!(digests.iter().all(|digest| *digest == digests[0] && *digest != without));
+    for ranks in [1, 2, 4] {
+        let shares = run_on_threads(ranks, |ranks| read(&path, ranks).unwrap());
+        for (found, _, digest) in shares {
+            assert_eq!(digest, digests[0]);
+            let fields: Vec<_> =
+                found.own.fields.iter().map(|field| (field.name, field.width())).collect();
+            assert_eq!(fields, [("director", 3), ("temperature", 1)]);
+            for (index, particle) in found.particles.iter().enumerate() {
+                let id = particle.id as f64;
+                assert_eq!(found.own.row(index), [0.1 * id, 0.0, -0.1 * id, 300.0 + id]);
+            }
+        }
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::contact::rolling::{
 };
 use crate::contact::{ContactModel, RollingKind};
 use crate::numbers::{F64x4, SimdKernel};
-use crate::particles::{LANES, PairBlock, PairBlocks, Particles};
+use crate::particles::{LANES, LawColumns, PairBlock, PairBlocks, Particles};
 
 /// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
 /// too: they have a loop of their own, so that the common one stays small.
@@ -85,7 +85,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
         let fetches = particles.exceed_caches();
-        let PairBlocks { blocks, largest_overlap, rolling_angle, twisting_angle, .. } = pairs;
+        let PairBlocks { blocks, columns, .. } = pairs;
         for index in 0..blocks.len() {
             let (done, coming) = blocks.split_at_mut(index + 1);
             let pairs = &mut done[index];
@@ -96,13 +96,12 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             };
             block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
-            let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
-            let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
+            let LawColumns { largest_overlap, rolling_angle, twisting_angle } = columns.of_law();
             let histories = BlockHistories {
                 tangential_springs: &mut pairs.tangential_spring,
                 largest_overlaps: largest_overlap.get_mut(index).unwrap_or(&mut no_overlaps),
-                rolling_angles,
-                twisting_angles,
+                rolling_angles: rolling_angle.get_mut(index).unwrap_or(&mut no_angles),
+                twisting_angles: twisting_angle.get_mut(index).unwrap_or(&mut no_twist),
             };
             law.evaluate(PairsOfBlock {
                 rolling,
@@ -113,8 +112,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             });
             if any_is_set(&no_overlaps) {
                 // The first contacts of a law that keeps largest overlaps.
-                largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
-                std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
+                let overlaps = std::mem::replace(&mut no_overlaps, [0.0; LANES]);
+                columns.begin_largest_overlaps(count.div_ceil(LANES), index, overlaps);
             }
             block.copy_touching(&mut pairs.touching);
             let used = PairBlock::used(index, count);

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::contact::{
-    ByPair, ContactLaw, ContactModel, ExampleScales, RollingFriction, RollingKind, VanDerWaals,
+    ByPair, ContactLaw, ContactModel, ExampleScales, Exchanges, RollingFriction, RollingKind,
+    VanDerWaals,
 };
 use crate::numbers::{Quantum, Schedule, random_of, uniform};
 use crate::particles::{ForceTorque, InteractionRanges, PairCounts};
@@ -56,6 +57,7 @@ fn first_difference(share: f64) -> Option<usize> {
     let laws = ForceLaws {
         contact: &contact,
         at_walls: &[],
+        exchanges: &Exchanges::default(),
         cohesion: Some(cohesion),
         ranges: InteractionRanges { contact: 0.0, any: range, diameter: 0.6 },
         dt: 0.0, // no history
@@ -85,6 +87,7 @@ fn forces_of_steps(model: &ContactModel, one_size: bool) -> Vec<Vec<ForceTorque>
     let laws = ForceLaws {
         contact: &contact,
         at_walls: &[],
+        exchanges: &Exchanges::default(),
         cohesion: None,
         ranges: InteractionRanges { contact: 0.0, any: 0.0, diameter: 0.6 },
         dt: 1.0e-2,

@@ -4,15 +4,12 @@ use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, LawOnBlock, LoopOverBlocks,
-    PairsOfBlock, SizesAtWall, WithRegisters, require_within, vector,
+    PairsOfBlock, SizesAtWall, WithRegisters, require_within,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
 use crate::numbers::{F64x4, SimdKernel, four_mut};
-use crate::particles::{
-    AngleLanes, ContactHistory, Contacts, LANES, Lanes, Particles, SpringLanes,
-};
-use nalgebra::Vector3;
+use crate::particles::{AngleLanes, Contacts, LANES, Lanes, Particles, SpringLanes};
 
 /// Adds the forces and torques of one wall on particles for which one law holds.
 pub(super) struct WallLoop<'a> {
@@ -133,7 +130,7 @@ impl WallBlock {
                 let [place, motion, spin] = particles.body[particle as usize].vectors();
                 (places[row], motions[row]) = (Q::load(place), Q::load(motion));
                 spins[row] = Q::load(spin);
-                histories[row] = Q::load(contacts.wall_history[slot].numbers());
+                histories[row] = Q::load(contacts.wall_state[slot].history().numbers());
                 if R::ACTS {
                     self.gather_angles(contacts, lane, slot);
                 }
@@ -176,12 +173,11 @@ impl WallBlock {
     /// Gathers the angles of the springs that resist spin.
     #[inline(always)]
     fn gather_angles(&mut self, contacts: &Contacts, lane: usize, slot: usize) {
-        for (angles, angle) in
-            self.rolling_angles.iter_mut().zip(&contacts.wall_rolling_angle[slot])
-        {
+        let state = &contacts.wall_state[slot];
+        for (angles, angle) in self.rolling_angles.iter_mut().zip(&state.rolling_angle) {
             angles[lane] = *angle;
         }
-        self.twisting_angles[lane] = contacts.wall_twisting_angle[slot];
+        self.twisting_angles[lane] = state.twisting_angle;
     }
 
     /// Sets the attraction, if there is any.
@@ -231,14 +227,12 @@ impl WallBlock {
         let (rolls, twists) = (model.rolling.is_some(), model.twisting.is_some());
         for (lane, slot) in slots.iter().map(|&slot| slot as usize).enumerate() {
             contacts.wall_touching[slot] = self.contacts.touching[lane] != 0;
-            contacts.wall_history[slot] = ContactHistory {
-                tangential_spring: vector(&self.springs, lane),
-                largest_overlap: self.largest_overlaps[lane],
-            };
-            contacts.wall_rolling_angle[slot] =
-                if rolls { vector(&self.rolling_angles, lane) } else { Vector3::zeros() };
-            contacts.wall_twisting_angle[slot] =
-                if twists { self.twisting_angles[lane] } else { 0.0 };
+            let state = &mut contacts.wall_state[slot];
+            state.tangential_spring = self.springs.map(|axis| axis[lane]);
+            state.largest_overlap = self.largest_overlaps[lane];
+            let angles = self.rolling_angles.map(|axis| axis[lane]);
+            state.rolling_angle = if rolls { angles } else { [0.0; 3] };
+            state.twisting_angle = if twists { self.twisting_angles[lane] } else { 0.0 };
         }
     }
 }

@@ -41,12 +41,17 @@ impl ColumnState {
         plenum.into_iter().chain(cells).collect()
     }
 
+    /// Whether a record is one of a column gas.
+    pub(in crate::gas) fn has(record: &CellRecord) -> bool {
+        record.cell >= LOWEST_NUMBER
+    }
+
     /// From the cells of a checkpoint, each on any one rank, whatever gas they are of. Collective.
     pub(in crate::gas) fn from_records(
         records: &[CellRecord],
         ranks: &dyn Communicator,
     ) -> ColumnState {
-        let own = || records.iter().filter(|record| record.cell >= LOWEST_NUMBER);
+        let own = || records.iter().filter(|record| Self::has(record));
         let mut counts = [0, 0];
         for record in own() {
             counts[usize::from(record.cell == PLENUM)] += 1;

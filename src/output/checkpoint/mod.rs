@@ -7,6 +7,7 @@
 use crate::analysis::{Digest, Pair, StateRecords};
 use crate::measures::MeasureState;
 use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, Records, WallContactRecord};
+use crate::particles::OwnFields;
 use crate::state::{Clock, Departed, EnergyLedger, GasReport, SizeRange, StoredEnergy};
 
 mod folder;
@@ -38,6 +39,8 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
+    /// A user's own fields of these particles, in the same order.
+    pub own: OwnFields,
     /// Histories of touching pairs, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,
     /// Histories of contacts with walls, each on one rank, in any order.
@@ -80,6 +83,7 @@ impl<P: Records<ParticleRecord>> Checkpoint<P> {
     pub fn digest(&self, ranks: &dyn crate::parallel::Communicator) -> Digest {
         let records = StateRecords {
             particles: &self.particles,
+            own: &self.own,
             contacts: &self.contacts,
             wall_contacts: &self.wall_contacts,
             cells: &self.cells,

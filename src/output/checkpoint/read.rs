@@ -4,12 +4,17 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::measures::{self, MeasureHead};
-use super::schema::{FORMAT, LEDGER, Table, VERSION, columns_of};
+use super::schema::{
+    FIRST_WITH_DIGEST, FORMAT, FieldsInFile, LEDGER, VERSION, fields_in_file, has, own_names,
+    path_of,
+};
 use super::{Checkpoint, StoredLedger};
 use crate::analysis::{Digest, Pair};
+use crate::fields::{CounterValue, Field, Kind, Record, Unit};
 use crate::output::hdf5_file::{SerialFile, SharedFile};
 use crate::output::{MessageResult, OutputError, Provenance, agreed, checksum};
-use crate::parallel::Communicator;
+use crate::parallel::{CellRecord, Communicator, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::particles::OwnFields;
 use crate::state::{Clock, Departed, GasReport, SizeRange, StoredEnergy};
 
 /// What stands in a checkpoint beside its rows.
@@ -20,9 +25,20 @@ struct Head {
     digest: String,
     /// Version of the schema that it was written by.
     version: u64,
-    /// Of particles, contacts, wall contacts, cells of the gas, and pairs that were looked at.
-    rows: [u64; 5],
+    particles: TableInFile,
+    contacts: TableInFile,
+    wall_contacts: TableInFile,
+    /// None without a gas that has cells.
+    cells: Option<TableInFile>,
+    /// None where drag does not follow from agglomerates.
+    looked_at: Option<TableInFile>,
     measures: Vec<MeasureHead>,
+}
+
+/// The rows of a record in a file, and which fields they have.
+struct TableInFile {
+    rows: u64,
+    fields: FieldsInFile,
 }
 
 /// Reads a checkpoint, on each rank an even share of its rows; returns also who wrote it, and the
@@ -44,29 +60,30 @@ pub(super) fn read_whole(
     path: &Path,
     ranks: &dyn Communicator,
 ) -> Result<(Checkpoint, Provenance, Digest), OutputError> {
-    let Head { mut checkpoint, provenance, digest: stored, version, rows, measures } =
-        agreed(path, read_head(path), ranks)?;
+    let head = agreed(path, read_head(path), ranks)?;
+    let mut checkpoint = head.checkpoint;
     let file = SharedFile::open_to_read(path, ranks)?;
     // Rank 0 has the sums of all ranks.
     if let Some(ledger) = checkpoint.energy.as_mut().filter(|_| !ranks.is_root()) {
         ledger.sums.clear();
     }
-    checkpoint.particles = read_rows(&file, version, rows[0], ranks)?;
-    checkpoint.contacts = read_rows(&file, version, rows[1], ranks)?;
-    checkpoint.wall_contacts = read_rows(&file, version, rows[2], ranks)?;
-    if rows[3] > 0 {
-        checkpoint.cells = read_rows(&file, version, rows[3], ranks)?;
+    checkpoint.own.numbers = read_own(&file, &checkpoint.own.fields, head.particles.rows, ranks)?;
+    checkpoint.particles = read_rows(&file, &head.particles, ranks)?;
+    checkpoint.contacts = read_rows(&file, &head.contacts, ranks)?;
+    checkpoint.wall_contacts = read_rows(&file, &head.wall_contacts, ranks)?;
+    if let Some(cells) = &head.cells {
+        checkpoint.cells = read_rows(&file, cells, ranks)?;
     }
-    if version >= VERSION {
-        checkpoint.looked_at = Some(read_rows(&file, version, rows[4], ranks)?);
+    if let Some(pairs) = &head.looked_at {
+        checkpoint.looked_at = Some(read_rows(&file, pairs, ranks)?);
     }
-    checkpoint.measures = measures::read(&file, measures, |rows| share_of(rows, ranks))?;
+    checkpoint.measures = measures::read(&file, head.measures, |rows| share_of(rows, ranks))?;
     file.close()?;
     let digest = checkpoint.digest(ranks);
-    let same = version < 3 || digest.to_string() == stored;
-    let message = || format!("the state's digest is {digest}, but the file says {stored}");
+    let same = head.version < FIRST_WITH_DIGEST || digest.to_string() == head.digest;
+    let message = || format!("the state's digest is {digest}, but the file says {}", head.digest);
     agreed(path, if same { Ok(()) } else { Err(message()) }, ranks)?;
-    Ok((checkpoint, provenance, digest))
+    Ok((checkpoint, head.provenance, digest))
 }
 
 fn read_head(path: &Path) -> MessageResult<Head> {
@@ -75,6 +92,9 @@ fn read_head(path: &Path) -> MessageResult<Head> {
         return Err("this is not a checkpoint of Talcum".to_owned());
     }
     let version: u64 = file.number("/", "schema_version")?;
+    if version == 0 {
+        return Err("its schema is 0, which no Talcum has written".to_owned());
+    }
     if version > VERSION {
         return Err(format!(
             "the checkpoint was written by a newer Talcum ({}): its schema is {version}, and this \
@@ -82,26 +102,25 @@ fn read_head(path: &Path) -> MessageResult<Head> {
             file.text("/", "talcum_version").unwrap_or_default()
         ));
     }
+    let particles = table_in_file::<ParticleRecord>(&file)?;
     let head = Head {
-        checkpoint: read_small(&file, version)?,
+        checkpoint: read_small(&file, particles.rows)?,
         provenance: read_provenance(&file)?,
         digest: file.text("/", "digest")?,
         version,
         measures: measures::read_heads(&file)?,
-        rows: [
-            rows_of::<crate::parallel::ParticleRecord>(&file, version)?,
-            rows_of::<crate::parallel::ContactRecord>(&file, version)?,
-            rows_of::<crate::parallel::WallContactRecord>(&file, version)?,
-            if version < 2 { 0 } else { rows_of::<crate::parallel::CellRecord>(&file, version)? },
-            if version < VERSION { 0 } else { rows_of::<Pair>(&file, version)? },
-        ],
+        particles,
+        contacts: table_in_file::<ContactRecord>(&file)?,
+        wall_contacts: table_in_file::<WallContactRecord>(&file)?,
+        cells: table_if_there::<CellRecord>(&file)?,
+        looked_at: table_if_there::<Pair>(&file)?,
     };
     file.close()?;
     Ok(head)
 }
 
 /// Everything but the rows.
-fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
+fn read_small(file: &SerialFile, particles: u64) -> MessageResult<Checkpoint> {
     let case_text = file.text("/", "case")?;
     if file.text("/", "case_blake3")? != blake3::hash(case_text.as_bytes()).to_hex().as_str() {
         return Err("the text of the case is damaged".to_owned());
@@ -117,10 +136,7 @@ fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
     }
     Ok(Checkpoint {
         clock,
-        departed: Departed {
-            count: file.number("/departed", "count")?,
-            volume: file.number("/departed", "volume")?,
-        },
+        departed: read_counters(file),
         sizes: SizeRange {
             smallest_diameter: file.number("/sizes", "smallest_diameter")?,
             largest_diameter: file.number("/sizes", "largest_diameter")?,
@@ -129,14 +145,47 @@ fn read_small(file: &SerialFile, version: u64) -> MessageResult<Checkpoint> {
         case_text,
         case_folder: file.text("/", "case_folder")?,
         particles: Vec::new(),
+        own: OwnFields { fields: own_fields(file, particles)?, numbers: Vec::new() },
         contacts: Vec::new(),
         wall_contacts: Vec::new(),
         cells: Vec::new(),
         looked_at: None,
         measures: Vec::new(),
-        gas_report: if version < 2 { GasReport::default() } else { read_report(file)? },
-        energy: if version < 4 { None } else { read_ledger(file)? },
+        gas_report: if has(file, "/", "gas") { read_report(file)? } else { GasReport::default() },
+        energy: if has(file, "/", "energy") { read_ledger(file)? } else { None },
     })
+}
+
+fn read_counters(file: &SerialFile) -> Departed {
+    let mut counters = Departed::default();
+    for counter in Departed::COUNTERS {
+        let [group, name] = counter.place;
+        let value = match (counter.get)(&counters) {
+            CounterValue::Integer(_) => file.number(group, name).map(CounterValue::Integer),
+            CounterValue::Number(_) => file.number(group, name).map(CounterValue::Number),
+        };
+        // A counter that is younger than the file has counted nothing.
+        value.into_iter().for_each(|value| (counter.set)(&mut counters, value));
+    }
+    counters
+}
+
+/// A user's own fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
+fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
+    let field = |name: String| {
+        let path = path_of::<ParticleRecord>(&name);
+        let kind = match file.shape(&path)? {
+            (rows, 1) if rows == particles => Kind::Number,
+            (rows, 3) if rows == particles => Kind::Vector,
+            (rows, 6) if rows == particles => Kind::SymmetricTensor,
+            shape => return Err(format!("{path} has the shape {shape:?}: it is no field")),
+        };
+        let (unit, meaning) = (file.unit(&path)?, file.description(&path)?);
+        // Names of fields live as long as the program; a file has few.
+        let [name, unit, meaning] = [name, unit, meaning].map(|text| &*text.leak());
+        Ok(Field::new(name, kind, Unit::Named(unit), meaning))
+    };
+    own_names(file)?.into_iter().map(field).collect()
 }
 
 fn read_report(file: &SerialFile) -> MessageResult<GasReport> {
@@ -176,18 +225,25 @@ fn read_provenance(file: &SerialFile) -> MessageResult<Provenance> {
     })
 }
 
-/// The number of rows of a table; all its columns of this version must have it, and their widths.
-fn rows_of<R: Table>(file: &SerialFile, version: u64) -> MessageResult<u64> {
-    let (rows, _) = file.shape(R::IDS[0].name)?;
-    let ids = R::IDS.iter().map(|column| (column.name, 1));
-    let numbers = columns_of::<R>(version).map(|column| (column.name, column.width));
-    for (name, width) in ids.chain(numbers) {
-        let shape = file.shape(name)?;
+/// The rows and fields of a record; all its datasets must have as many rows, and their widths.
+fn table_in_file<R: Record>(file: &SerialFile) -> MessageResult<TableInFile> {
+    let fields = fields_in_file::<R>(file)?;
+    let (rows, _) = file.shape(&path_of::<R>(R::IDS[0].name))?;
+    let ids = R::IDS.iter().map(|id| (id.name, 1));
+    for (name, width) in ids.chain(fields.iter().map(|(_, field)| (field.name, field.width()))) {
+        let name = path_of::<R>(name);
+        let shape = file.shape(&name)?;
         if shape != (rows, width) {
             return Err(format!("{name} has the shape {shape:?} instead of {:?}", (rows, width)));
         }
     }
-    Ok(rows)
+    Ok(TableInFile { rows, fields })
+}
+
+/// The same of a record that not every file has.
+fn table_if_there<R: Record>(file: &SerialFile) -> MessageResult<Option<TableInFile>> {
+    let is_there = has(file, "/", &R::GROUP[1..]) && has(file, R::GROUP, R::IDS[0].name);
+    is_there.then(|| table_in_file::<R>(file)).transpose()
 }
 
 /// This rank's even share of so many rows.
@@ -197,26 +253,47 @@ fn share_of(total: u64, ranks: &dyn Communicator) -> Range<u64> {
 }
 
 /// This rank's even share of a table's rows.
-fn read_rows<R: Table>(
+fn read_rows<R: Record>(
     file: &SharedFile<'_>,
-    version: u64,
-    total: u64,
+    table: &TableInFile,
     ranks: &dyn Communicator,
 ) -> Result<Vec<R>, OutputError> {
-    let Range { start: first, end } = share_of(total, ranks);
+    let Range { start: first, end } = share_of(table.rows, ranks);
     let count = end - first;
     let mut records = vec![R::zeroed(); count as usize];
-    for column in R::IDS {
-        let values: Vec<u64> = file.read_rows(column.name, first, count)?;
+    for (place, id) in R::IDS.iter().enumerate() {
+        let values: Vec<u64> = file.read_rows(&path_of::<R>(id.name), first, count)?;
         for (record, value) in records.iter_mut().zip(values) {
-            *(column.get_mut)(record) = value;
+            record.words_mut()[place] = value;
         }
     }
-    for column in columns_of::<R>(version) {
-        let values: Vec<f64> = file.read_rows(column.name, first, count)?;
-        for (record, value) in records.iter_mut().zip(values.chunks_exact(column.width)) {
-            (column.get_mut)(record).copy_from_slice(value);
+    for &(place, field) in &table.fields {
+        let values: Vec<f64> = file.read_rows(&path_of::<R>(field.name), first, count)?;
+        for (record, value) in records.iter_mut().zip(values.chunks_exact(field.width())) {
+            record.words_mut()[place..][..field.width()]
+                .copy_from_slice(bytemuck::cast_slice(value));
         }
     }
     Ok(records)
+}
+
+/// This rank's even share of the rows of a user's own fields.
+fn read_own(
+    file: &SharedFile<'_>,
+    fields: &[Field],
+    rows: u64,
+    ranks: &dyn Communicator,
+) -> Result<Vec<f64>, OutputError> {
+    let Range { start: first, end } = share_of(rows, ranks);
+    let count = (end - first) as usize;
+    let mut columns = Vec::new();
+    for field in fields {
+        let path = path_of::<ParticleRecord>(field.name);
+        columns.push(file.read_rows::<f64>(&path, first, count as u64)?);
+    }
+    let row = |index: usize| {
+        let columns = columns.iter().zip(fields);
+        columns.flat_map(move |(column, field)| &column[index * field.width()..][..field.width()])
+    };
+    Ok((0..count).flat_map(row).copied().collect())
 }

@@ -1,251 +1,110 @@
-//! What stands where in a checkpoint.
-
-use std::slice::{from_mut, from_ref};
-
-use bytemuck::Pod;
+//! What stands where in a checkpoint: a dataset for each id and each field of a record, and one for each of a user's own fields.
 
 use crate::analysis::Pair;
-use crate::output::ColumnUnits;
-use crate::parallel::{CellRecord, ContactRecord, ParticleRecord, WallContactRecord};
+use crate::fields::{Field, Id, Record, groups};
+use crate::output::MessageResult;
+use crate::output::hdf5_file::SerialFile;
+use crate::parallel::{Communicator, ParticleRecord, Records};
+use crate::particles::OwnFields;
 
 /// What the root's attribute `format` says.
 pub(super) const FORMAT: &str = "talcum checkpoint";
-/// Version of this schema. A change that older programs would misread raises it.
+/// Version of this schema. A change that older programs would misread raises it; what a file has is read off the file itself.
 ///
-/// 2: rolling angles of contacts, and a gas in three dimensions; in files of version 1 there are none.
+/// 2: rolling angles of contacts, and a volume-averaged gas.
 /// 3: the digest adds hashes by XXH3; those of earlier versions cannot be found again.
-/// 4: twisting angles of contacts, and a ledger of energies; in older files there are none.
-/// 5: species; written only where there are several, so that older programs read all other files.
-/// 6: agglomerates of particles; written only where drag follows from them.
-pub(super) const VERSION: u64 = 6;
-/// Version of files of several species without them.
-pub(super) const VERSION_OF_SPECIES: u64 = 5;
-/// Version of files of one species.
-pub(super) const VERSION_OF_ONE_SPECIES: u64 = 4;
+/// 4: twisting angles of contacts, and a ledger of energies.
+/// 5: species, where there are several.
+/// 6: agglomerates of particles, where drag follows from them.
+/// 7: any field that not every run has is left out where it is zero; a user's own fields.
+pub(super) const VERSION: u64 = 7;
+/// The first version whose digests are those of today.
+pub(super) const FIRST_WITH_DIGEST: u64 = 3;
 
 /// The sums of a ledger of energies.
 pub(super) const LEDGER: &str = "/energy/work";
 
-/// A column of integers.
-pub(super) struct IdColumn<R> {
-    pub(super) name: &'static str,
-    pub(super) description: &'static str,
-    pub(super) get: fn(&R) -> u64,
-    pub(super) get_mut: fn(&mut R) -> &mut u64,
+impl Record for Pair {
+    const GROUP: &'static str = "/looked_at";
+    const IDS: &'static [Id] = &[
+        Id {
+            name: "lower",
+            meaning: "lower id of a pair that touched when agglomerates were last found",
+        },
+        Id { name: "higher", meaning: "higher id of the pair" },
+    ];
+    const FIELDS: &'static [Field] = &[];
 }
 
-/// A column of numbers or of vectors.
-pub(super) struct NumberColumn<R> {
-    pub(super) name: &'static str,
-    pub(super) width: usize,
-    pub(super) unit: fn(&ColumnUnits) -> &'static str,
-    pub(super) description: &'static str,
-    /// Version of the schema that brought it; zero in older files.
-    pub(super) since: u64,
-    pub(super) get: fn(&R) -> &[f64],
-    pub(super) get_mut: fn(&mut R) -> &mut [f64],
+/// The fields of a record that a file has, with the place of the first word of each.
+pub(super) type FieldsInFile = Vec<(usize, &'static Field)>;
+
+/// The path of a dataset.
+pub(super) fn path_of<R: Record>(name: &str) -> String {
+    format!("{}/{name}", R::GROUP)
 }
 
-/// Records of one kind: a dataset for each column, all with equally many rows. Rows are sorted by the
-/// first column, then by the second.
-pub(super) trait Table: Pod {
-    const IDS: &'static [IdColumn<Self>];
-    const NUMBERS: &'static [NumberColumn<Self>];
+/// Whether a file has a dataset.
+pub(super) fn has(file: &SerialFile, group: &str, name: &str) -> bool {
+    file.names(group).is_ok_and(|names| names.iter().any(|other| other == name))
 }
 
-/// The columns of numbers that a file of this version has.
-pub(super) fn columns_of<R: Table>(version: u64) -> impl Iterator<Item = &'static NumberColumn<R>> {
-    R::NUMBERS.iter().filter(move |column| column.since <= version)
-}
-
-macro_rules! vector {
-    ($name:literal, $field:ident, $unit:ident, $description:literal) => {
-        vector!($name, $field, $unit, $description, 1)
+/// The fields that every run has, and those that come together and of which one is not zero on some rank. Collective.
+pub(super) fn fields_in_use<R: Record>(
+    records: &impl Records<R>,
+    ranks: &dyn Communicator,
+) -> FieldsInFile {
+    let places: FieldsInFile = R::places().collect();
+    let groups: Vec<_> = groups(R::FIELDS).map(|(_, fields)| fields).collect();
+    let mut used = vec![0; groups.len()];
+    let words_of = |group: usize| {
+        let end = |field: usize| places[field].0 + places[field].1.width();
+        places[groups[group].start].0..end(groups[group].end - 1)
     };
-    ($name:literal, $field:ident, $unit:ident, $description:literal, $since:literal) => {
-        NumberColumn {
-            name: $name,
-            width: 3,
-            unit: |units| units.$unit,
-            description: $description,
-            since: $since,
-            get: |record| &record.$field,
-            get_mut: |record| &mut record.$field,
+    for index in 0..records.count() {
+        let record = records.at(index);
+        for group in (0..groups.len()).filter(|&group| used[group] == 0).collect::<Vec<_>>() {
+            used[group] = i64::from(record.words()[words_of(group)].iter().any(|&word| word != 0));
         }
-    };
-}
-
-macro_rules! number {
-    ($name:literal, $field:ident, $unit:ident, $description:literal) => {
-        number!($name, $field, $unit, $description, 1)
-    };
-    ($name:literal, $field:ident, $unit:ident, $description:literal, $since:literal) => {
-        NumberColumn {
-            name: $name,
-            width: 1,
-            unit: |units| units.$unit,
-            description: $description,
-            since: $since,
-            get: |record| from_ref(&record.$field),
-            get_mut: |record| from_mut(&mut record.$field),
+        if used.iter().all(|&used| used != 0) {
+            break;
         }
+    }
+    ranks.sum_integers(&mut used);
+    let is_in_use = |field: usize| {
+        let group = groups.iter().position(|fields| fields.contains(&field));
+        group.is_none_or(|group| used[group] != 0)
     };
+    (0..places.len()).filter(|&field| is_in_use(field)).map(|field| places[field]).collect()
 }
 
-macro_rules! id {
-    ($name:literal, $field:ident, $description:literal) => {
-        IdColumn {
-            name: $name,
-            description: $description,
-            get: |record| record.$field,
-            get_mut: |record| &mut record.$field,
-        }
+/// A user's own fields of which one number is not zero on some rank. Collective.
+pub(super) fn own_fields_in_use(own: &OwnFields, ranks: &dyn Communicator) -> Vec<usize> {
+    let is_used = |field| own.column(field).iter().any(|number| number.to_bits() != 0);
+    let mut used: Vec<i64> = (0..own.fields.len()).map(|field| i64::from(is_used(field))).collect();
+    ranks.sum_integers(&mut used);
+    (0..used.len()).filter(|&field| used[field] != 0).collect()
+}
+
+/// The fields of a record that a file has: all that every run has must be there.
+pub(super) fn fields_in_file<R: Record>(file: &SerialFile) -> MessageResult<FieldsInFile> {
+    let names = file.names(R::GROUP)?;
+    let is_there = |field: &Field| names.iter().any(|name| name == field.name);
+    let needed = R::FIELDS.iter().filter(|field| field.comes_with.is_none());
+    if let Some(missing) = needed.clone().find(|field| !is_there(field)) {
+        return Err(format!("{} is missing", path_of::<R>(missing.name)));
+    }
+    Ok(R::places().filter(|(_, field)| is_there(field)).collect())
+}
+
+/// Names of datasets of particles that are none of the built-in fields: a user's own.
+pub(super) fn own_names(file: &SerialFile) -> MessageResult<Vec<String>> {
+    let mut names = file.names(ParticleRecord::GROUP)?;
+    let is_built_in = |name: &String| {
+        let ids = ParticleRecord::IDS.iter().map(|id| id.name);
+        ids.chain(ParticleRecord::FIELDS.iter().map(|field| field.name)).any(|other| other == name)
     };
-}
-
-impl Table for ParticleRecord {
-    const IDS: &'static [IdColumn<Self>] = &[id!("/particles/id", id, "global id, ascending")];
-    const NUMBERS: &'static [NumberColumn<Self>] = &[
-        vector!("/particles/position", position, length, "centre, wrapped into the box"),
-        vector!("/particles/velocity", velocity, speed, "velocity of the centre"),
-        vector!("/particles/angular_velocity", angular_velocity, angular_speed, "angular velocity"),
-        vector!("/particles/force", force, force, "total force at the end of the last step"),
-        vector!("/particles/torque", torque, torque, "total torque at the end of the last step"),
-        number!("/particles/radius", radius, length, "radius"),
-        number!("/particles/mass", mass, mass, "mass"),
-        vector!(
-            "/particles/gas_force",
-            gas_force,
-            force,
-            "force of a gas in three dimensions as of its last step, which holds until the next",
-            2
-        ),
-        number!("/particles/species", species, number, "number of the species, from 0", 5),
-        number!(
-            "/particles/agglomerate_diameter",
-            agglomerate_diameter,
-            length,
-            "diameter of the particle's agglomerate as of the last look; 0: alone",
-            6
-        ),
-        number!(
-            "/particles/agglomerate_packing",
-            agglomerate_packing,
-            number,
-            "volume of its members over that of a sphere of this diameter",
-            6
-        ),
-        number!(
-            "/particles/drag_factor",
-            drag_factor,
-            number,
-            "drag over that of the law in the last step of the gas",
-            6
-        ),
-    ];
-}
-
-impl Table for Pair {
-    const IDS: &'static [IdColumn<Self>] = &[
-        id!(
-            "/looked_at/lower",
-            lower,
-            "lower id of a pair that touched at the last look at agglomerates"
-        ),
-        id!("/looked_at/higher", higher, "higher id of the pair"),
-    ];
-    const NUMBERS: &'static [NumberColumn<Self>] = &[];
-}
-
-impl Table for ContactRecord {
-    const IDS: &'static [IdColumn<Self>] = &[
-        id!("/contacts/lower", lower, "lower id of a touching pair, ascending"),
-        id!("/contacts/higher", higher, "higher id of the pair, ascending for one lower id"),
-    ];
-    const NUMBERS: &'static [NumberColumn<Self>] = &[
-        vector!(
-            "/contacts/tangential_spring",
-            tangential_spring,
-            length,
-            "tangential displacement of the higher relative to the lower since the contact began"
-        ),
-        number!(
-            "/contacts/largest_overlap",
-            largest_overlap,
-            length,
-            "largest overlap since the contact began"
-        ),
-        vector!(
-            "/contacts/rolling_angle",
-            rolling_angle,
-            angle,
-            "angle that the higher has rolled relative to the lower, if a rolling spring holds it",
-            2
-        ),
-        number!(
-            "/contacts/twisting_angle",
-            twisting_angle,
-            angle,
-            "angle that the higher has twisted relative to the lower, if a twisting spring holds it",
-            4
-        ),
-    ];
-}
-
-impl Table for WallContactRecord {
-    const IDS: &'static [IdColumn<Self>] = &[
-        id!("/wall_contacts/particle", particle, "id of a particle at a wall, ascending"),
-        id!("/wall_contacts/wall", wall, "number of the wall: faces of the box, then the case's"),
-    ];
-    const NUMBERS: &'static [NumberColumn<Self>] = &[
-        vector!(
-            "/wall_contacts/tangential_spring",
-            tangential_spring,
-            length,
-            "tangential displacement of the wall relative to the particle since the contact began"
-        ),
-        number!(
-            "/wall_contacts/largest_overlap",
-            largest_overlap,
-            length,
-            "largest overlap since the contact began"
-        ),
-        vector!(
-            "/wall_contacts/rolling_angle",
-            rolling_angle,
-            angle,
-            "angle that the wall has rolled relative to the particle, if a rolling spring holds it",
-            2
-        ),
-        number!(
-            "/wall_contacts/twisting_angle",
-            twisting_angle,
-            angle,
-            "angle that the wall has twisted relative to the particle, if a twisting spring holds it",
-            4
-        ),
-    ];
-}
-
-impl Table for CellRecord {
-    const IDS: &'static [IdColumn<Self>] =
-        &[id!("/gas/cell", cell, "number of the cell, x fastest, then y, then z, ascending")];
-    const NUMBERS: &'static [NumberColumn<Self>] = &[
-        vector!(
-            "/gas/lower_velocity",
-            lower_velocity,
-            speed,
-            "velocity at the lower face along x, y, z",
-            2
-        ),
-        vector!(
-            "/gas/upper_velocity",
-            upper_velocity,
-            speed,
-            "velocity at the upper face along x, y, z",
-            2
-        ),
-        number!("/gas/pressure", pressure, pressure, "pressure less the hydrostatic head", 2),
-        number!("/gas/voidage", voidage, number, "volume of gas per volume", 2),
-    ];
+    names.retain(|name| !is_built_in(name));
+    names.sort_unstable();
+    Ok(names)
 }

@@ -6,11 +6,11 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::schema::{
-    FORMAT, LEDGER, NumberColumn, Table, VERSION, VERSION_OF_ONE_SPECIES, VERSION_OF_SPECIES,
-    columns_of,
+    FORMAT, FieldsInFile, LEDGER, VERSION, fields_in_use, has, own_fields_in_use, path_of,
 };
 use super::{Checkpoint, measures};
 use crate::analysis::{Digest, Pair};
+use crate::fields::{CounterValue, Field, Record};
 use crate::output::hdf5_file::{SerialFile, SharedDataset, SharedFile};
 use crate::output::table::{Rows, TableHead};
 use crate::output::{
@@ -19,9 +19,9 @@ use crate::output::{
 };
 use crate::parallel::{
     CellRecord, Communicator, ContactRecord, ParticleRecord, Records, SortedRows,
-    WallContactRecord, sort_by_id_in_chunks,
+    WallContactRecord, sort_by_id_in_chunks, sort_numbers_by_id,
 };
-use crate::state::StoredEnergy;
+use crate::state::{Departed, StoredEnergy};
 
 /// Between two syncs of a file that is being written; short beside the time in which a disk writes much.
 const PAUSE_OF_SYNCING: Duration = Duration::from_millis(50);
@@ -48,36 +48,42 @@ pub fn write(
         [particles.count(), contacts.len(), wall_contacts.len(), cells.len(), looked_at.len()];
     let rows = rows.map(|count| Rows::Fixed(ranks.total(count) as u64));
     let kept = measures::row_counts(&checkpoint.measures, ranks);
-    let version = match pairs {
-        Some(_) => VERSION,
-        None => version_for(particles, ranks),
-    };
+    let of_particles = fields_in_use(particles, ranks);
+    let own_in_use = own_fields_in_use(&checkpoint.own, ranks);
+    let of_contacts = fields_in_use(contacts, ranks);
+    let of_wall_contacts = fields_in_use(wall_contacts, ranks);
+    let of_cells = fields_in_use(cells, ranks);
     let partial = with_suffix(path, ".partial");
     on_root(&partial, ranks, || {
         let file = SerialFile::create(&partial)?;
-        file.set_number("/", "schema_version", version)?;
+        file.set_number("/", "schema_version", VERSION)?;
         write_head(&file, checkpoint, provenance, digest)?;
         write_ledger(&file, checkpoint.energy.as_ref().map(|ledger| &ledger.start), sums)?;
         let units = ColumnUnits::of_system(&provenance.units);
-        make_datasets::<ParticleRecord>(&file, rows[0], &units, version)?;
-        make_datasets::<ContactRecord>(&file, rows[1], &units, version)?;
-        make_datasets::<WallContactRecord>(&file, rows[2], &units, version)?;
-        make_datasets::<CellRecord>(&file, rows[3], &units, version)?;
+        make_datasets::<ParticleRecord>(&file, rows[0], &units, &of_particles)?;
+        for &field in &own_in_use {
+            let field = &checkpoint.own.fields[field];
+            make_dataset::<ParticleRecord>(&file, rows[0], &units, field)?;
+        }
+        make_datasets::<ContactRecord>(&file, rows[1], &units, &of_contacts)?;
+        make_datasets::<WallContactRecord>(&file, rows[2], &units, &of_wall_contacts)?;
+        make_datasets::<CellRecord>(&file, rows[3], &units, &of_cells)?;
         if pairs.is_some() {
-            file.make_group("/looked_at")?;
-            make_datasets::<Pair>(&file, rows[4], &units, version)?;
+            file.make_group(Pair::GROUP)?;
+            make_datasets::<Pair>(&file, rows[4], &units, &[])?;
         }
         measures::make(&file, &checkpoint.measures, &kept)?;
         file.close()
     })?;
     let file = SharedFile::open_to_write(&partial, ranks)?;
     let (written, synced) = while_syncing(&partial, || {
-        write_table(&file, particles, version, ranks)?;
-        write_table(&file, contacts, version, ranks)?;
-        write_table(&file, wall_contacts, version, ranks)?;
-        write_table(&file, cells, version, ranks)?;
+        write_table(&file, particles, &of_particles, ranks)?;
+        write_own_fields(&file, checkpoint, &own_in_use, ranks)?;
+        write_table(&file, contacts, &of_contacts, ranks)?;
+        write_table(&file, wall_contacts, &of_wall_contacts, ranks)?;
+        write_table(&file, cells, &of_cells, ranks)?;
         if pairs.is_some() {
-            write_table(&file, &looked_at, version, ranks)?;
+            write_table(&file, &looked_at, &Vec::new(), ranks)?;
         }
         measures::write(&file, &checkpoint.measures, ranks)?;
         file.close()
@@ -90,17 +96,6 @@ pub fn write(
         sync_folder(path)
     })?;
     Ok(digest)
-}
-
-/// The version of the schema that says all there is to say of particles without agglomerates.
-fn version_for(particles: &impl Records<ParticleRecord>, ranks: &dyn Communicator) -> u64 {
-    let species = (0..particles.count()).map(|index| particles.at(index).species);
-    let mut last = [species.fold(0.0, f64::max)];
-    ranks.maximum(&mut last);
-    match last[0] > 0.0 {
-        true => VERSION_OF_SPECIES,
-        false => VERSION_OF_ONE_SPECIES,
-    }
 }
 
 /// Does some writing while a thread brings to the disk, over and over, what was written so far: otherwise the disk
@@ -146,9 +141,16 @@ fn write_head(
     file.set_number("/clock", "origin_step", clock.origin_step)?;
     file.set_number("/clock", "origin_time", clock.origin_time)?;
     file.set_number("/clock", "time_step", clock.time_step)?;
-    file.make_group("/departed")?;
-    file.set_number("/departed", "count", checkpoint.departed.count)?;
-    file.set_number("/departed", "volume", checkpoint.departed.volume)?;
+    for counter in Departed::COUNTERS {
+        let [group, name] = counter.place;
+        if !has(file, "/", &group[1..]) {
+            file.make_group(group)?;
+        }
+        match (counter.get)(&checkpoint.departed) {
+            CounterValue::Integer(count) => file.set_number(group, name, count)?,
+            CounterValue::Number(number) => file.set_number(group, name, number)?,
+        }
+    }
     file.make_group("/sizes")?;
     let sizes = &checkpoint.sizes;
     file.set_number("/sizes", "smallest_diameter", sizes.smallest_diameter)?;
@@ -181,70 +183,101 @@ fn write_ledger(
     file.fill(LEDGER, &sums)
 }
 
-fn make_datasets<R: Table>(
+fn make_datasets<R: Record>(
     file: &SerialFile,
     rows: Rows,
     units: &ColumnUnits,
-    version: u64,
+    fields: &[(usize, &'static Field)],
 ) -> MessageResult<()> {
-    for column in R::IDS {
-        let (name, description) = (column.name, column.description);
+    for id in R::IDS {
+        let (name, description) = (&*path_of::<R>(id.name), id.meaning);
         file.make_table::<u64>(&TableHead { name, width: 1, unit: "1", description }, rows)?;
     }
-    for column in columns_of::<R>(version) {
-        let (name, width, description) = (column.name, column.width, column.description);
-        let unit = (column.unit)(units);
-        file.make_table::<f64>(&TableHead { name, width, unit, description }, rows)?;
-    }
-    Ok(())
+    fields.iter().try_for_each(|(_, field)| make_dataset::<R>(file, rows, units, field))
 }
 
-/// Writes the records of all ranks in the order of the table's first columns.
-fn write_table<R: Table>(
+fn make_dataset<R: Record>(
+    file: &SerialFile,
+    rows: Rows,
+    units: &ColumnUnits,
+    field: &Field,
+) -> MessageResult<()> {
+    let (name, unit) = (&*path_of::<R>(field.name), units.of_unit(field.unit));
+    let head = TableHead { name, width: field.width(), unit, description: field.meaning };
+    file.make_table::<f64>(&head, rows)
+}
+
+/// Writes the records of all ranks in the order of their first ids.
+fn write_table<R: Record>(
     file: &SharedFile<'_>,
     records: &impl Records<R>,
-    version: u64,
+    fields: &FieldsInFile,
     ranks: &dyn Communicator,
 ) -> Result<(), OutputError> {
-    let ids = R::IDS.iter().map(|column| column.name);
-    let names = ids.chain(columns_of::<R>(version).map(|column| column.name));
-    let datasets = names.map(|name| file.dataset(name)).collect::<Result<Vec<_>, _>>()?;
-    let id = |record: &R, place: usize| R::IDS.get(place).map_or(0, |column| (column.get)(record));
+    let ids = R::IDS.iter().map(|id| id.name);
+    let names = ids.chain(fields.iter().map(|(_, field)| field.name));
+    let datasets =
+        names.map(|name| file.dataset(&path_of::<R>(name))).collect::<Result<Vec<_>, _>>()?;
+    let id = |record: &R, place: usize| match R::IDS.get(place) {
+        Some(_) => record.words()[place],
+        None => 0,
+    };
     let ids_of = |record: &R| [id(record, 0), id(record, 1)];
     let mut errors = Vec::new();
     // Also after an error, for the sake of the other ranks.
     sort_by_id_in_chunks(records, ids_of, ranks, |rows| {
-        errors.extend(write_rows(&datasets, &rows, version).err())
+        errors.extend(write_rows(&datasets, &rows, fields).err())
     });
     file.agreed(errors.into_iter().next().map_or(Ok(()), Err))
 }
 
-fn write_rows<R: Table>(
+fn write_rows<R: Record>(
     datasets: &[SharedDataset<'_>],
     rows: &SortedRows<R>,
-    version: u64,
+    fields: &FieldsInFile,
 ) -> MessageResult<()> {
     let (ids, numbers) = datasets.split_at(R::IDS.len());
     let mut written = Ok(());
-    for (column, dataset) in R::IDS.iter().zip(ids) {
-        let values: Vec<u64> = rows.rows.iter().map(column.get).collect();
+    for (place, dataset) in ids.iter().enumerate() {
+        let values: Vec<u64> = rows.rows.iter().map(|record| record.words()[place]).collect();
         written = written.and(dataset.write_rows(rows.offset, &values));
     }
-    for (column, dataset) in columns_of::<R>(version).zip(numbers) {
-        let values = match column.width {
-            1 => values_of::<R, 1>(column, &rows.rows),
-            _ => values_of::<R, 3>(column, &rows.rows),
+    for (&(place, field), dataset) in fields.iter().zip(numbers) {
+        let values = match field.width() {
+            1 => numbers_of::<R, 1>(place, &rows.rows),
+            3 => numbers_of::<R, 3>(place, &rows.rows),
+            _ => numbers_of::<R, 6>(place, &rows.rows),
         };
         written = written.and(dataset.write_rows(rows.offset, &values));
     }
     written
 }
 
-/// A column's numbers. The compiler knows how many a row has, so that it copies them without a call.
-fn values_of<R, const WIDTH: usize>(column: &NumberColumn<R>, records: &[R]) -> Vec<f64> {
+/// The numbers of a field. The compiler knows how many a row has, so that it copies them without a call.
+fn numbers_of<R: Record, const WIDTH: usize>(place: usize, records: &[R]) -> Vec<f64> {
     let mut rows = vec![[0.0; WIDTH]; records.len()];
     for (row, record) in rows.iter_mut().zip(records) {
-        row.copy_from_slice((column.get)(record));
+        *row = std::array::from_fn(|number| f64::from_bits(record.words()[place + number]));
     }
     rows.into_flattened()
+}
+
+/// Writes a user's own fields, in the order of the particles' records.
+fn write_own_fields(
+    file: &SharedFile<'_>,
+    checkpoint: &Checkpoint<impl Records<ParticleRecord>>,
+    in_use: &[usize],
+    ranks: &dyn Communicator,
+) -> Result<(), OutputError> {
+    let Checkpoint { particles, own, .. } = checkpoint;
+    for &number in in_use {
+        let field = &own.fields[number];
+        let ids = (0..particles.count()).map(|index| particles.at(index).id);
+        let SortedRows { rows, offset, .. } =
+            sort_numbers_by_id(ids, &own.column(number), field.width(), ranks);
+        let path = path_of::<ParticleRecord>(field.name);
+        let written = file.dataset(&path)?.write_rows(offset, &rows);
+        file.agreed(written)?;
+    }
+    Ok(())
 }

@@ -162,7 +162,16 @@ impl SerialFile {
 
     /// The unit of a dataset.
     pub(super) fn unit(&self, name: &str) -> MessageResult<String> {
-        let get = || self.0.dataset(name)?.attr("unit")?.read_scalar::<VarLenUnicode>();
+        self.text_at(name, "unit")
+    }
+
+    /// What a dataset is.
+    pub(super) fn description(&self, name: &str) -> MessageResult<String> {
+        self.text_at(name, "description")
+    }
+
+    fn text_at(&self, dataset: &str, name: &str) -> MessageResult<String> {
+        let get = || self.0.dataset(dataset)?.attr(name)?.read_scalar::<VarLenUnicode>();
         described(get()).map(|text| text.as_str().to_owned())
     }
 

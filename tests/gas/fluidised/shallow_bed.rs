@@ -2,8 +2,10 @@
 
 use super::gas_on_cells;
 use crate::beds::{Bench, PERIODIC, PLATE, law};
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 use talcum::gas::{DragLaw, Ergun};
+use talcum::particles::GAS_FORCE;
 
 const DIAMETER: f64 = 1.0e-3;
 const VISCOSITY: f64 = 1.8e-5;
@@ -35,7 +37,8 @@ fn force(cells: usize, filter: f64, local_voidage: Option<usize>) -> f64 {
     bench.volume_averaged = Some(model);
     let mut run = bench.alone();
     run.steps(100);
-    let forces: f64 = run.state.particles.gas_force.iter().map(|force| force.z).sum();
+    let columns = &run.state.particles.columns;
+    let forces: f64 = columns.at(GAS_FORCE).iter::<Vector3<f64>>().map(|force| force.z).sum();
     forces / (GRADIENT * bed * across * across)
 }
 

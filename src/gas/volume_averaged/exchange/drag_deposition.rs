@@ -4,7 +4,7 @@ use super::drag_at_place::{DragAtPlace, GasAtParticles};
 use crate::coupling::{Corners, FourFields};
 use crate::gas::{AgglomerateBall, GasForceOutOfRange, ParticleDrag};
 use crate::numbers::{F64x4, Quantum, SimdKernel};
-use crate::particles::{LANES, Membership, Particles};
+use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, LANES, Particles};
 use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
 
 /// Finds the drag coefficient b of each owned particle, and gives b v and b to the cells around it.
@@ -41,7 +41,8 @@ impl SimdKernel for DepositDrag<'_> {
                 let (i, eps) = (first + lane, gas.voidage[lane]);
                 let body = self.particles.body[i];
                 if self.by_agglomerate {
-                    let of = &mut self.particles.membership.hold()[i];
+                    let column = self.particles.columns.at_mut(AGGLOMERATE);
+                    let of = &mut column.hold::<AgglomerateOfParticle>()[i];
                     let superficial = eps * gas.slip(lane).norm();
                     let diameter = 2.0 * body.radius;
                     drag[lane] *=
@@ -65,7 +66,7 @@ impl SimdKernel for DepositDrag<'_> {
 /// xi of a particle by its agglomerate, which is kept with it.
 #[inline(always)]
 fn in_agglomerate(
-    of: &mut Membership,
+    of: &mut AgglomerateOfParticle,
     law: &ParticleDrag,
     diameter: f64,
     solids_fraction: f64,

@@ -3,7 +3,7 @@
 use crate::coupling::{Corners, FourFields};
 use crate::gas::{GasForceOutOfRange, ParticleLimits};
 use crate::numbers::{F64x4, SimdKernel, within};
-use crate::particles::{Particles, sphere_volume};
+use crate::particles::{GAS_FORCE, Particles, sphere_volume};
 use nalgebra::Vector3;
 
 /// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It takes the place of the former one in the
@@ -31,8 +31,8 @@ impl SimdKernel for SetForces<'_> {
         let Self { corners, velocity, gradient, buoyancy, drag, limits, particles } = self;
         let quantum = limits.force_quantum;
         let head = Q::load(&[0.0, 0.0, buoyancy, 0.0]);
-        let Particles { body, gas_force, forces: loads, id, .. } = particles;
-        let forces = gas_force.hold();
+        let Particles { body, columns, forces: loads, id, .. } = particles;
+        let forces = columns.at_mut(GAS_FORCE).hold::<Vector3<f64>>();
         let (mut total, mut result) = ([0; 3], Ok(()));
         for (i, corners) in corners.iter().enumerate() {
             let gas: Q = velocity.interpolate(corners);

@@ -6,6 +6,7 @@ use crate::domain::{Bounds, Decomposition, Face, RankGrid};
 use crate::gas::{AgglomerateDrag, Beetstra, DragLaw, ParticleDrag};
 use crate::numbers::{ExactSum, random_of, uniform};
 use crate::parallel::{CollectiveError, FieldHalo, agree, run_on_threads};
+use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, GAS_FORCE};
 use std::sync::Mutex;
 
 const COUNTS: [usize; 3] = [7, 5, 12];
@@ -75,7 +76,13 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
             let position = sorted + quantum(drift);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
             // Each in an agglomerate of its own; seen only where drag follows from them.
-            if let Some(of) = particles.membership.hold().last_mut().filter(|_| id % 5 > 0) {
+            if let Some(of) = particles
+                .columns
+                .at_mut(AGGLOMERATE)
+                .hold::<AgglomerateOfParticle>()
+                .last_mut()
+                .filter(|_| id % 5 > 0)
+            {
                 (of.diameter, of.packing) = (DIAMETER * (1.5 + x), 0.3 + 0.3 * y);
             }
         }
@@ -163,7 +170,7 @@ fn couple(
                 columns.each_mut().map(|column| column.next().expect("a number for each cell"));
         }
         for i in 0..particles.owned_count() {
-            found.forces[particles.id[i] as usize] = particles.gas_force.get(i).into();
+            found.forces[particles.id[i] as usize] = particles.columns.at(GAS_FORCE).get(i);
         }
         Ok(())
     });

@@ -1,0 +1,214 @@
+//! What particles, contacts, cells and a run carry from one step to the next, as plain data: each quantity is declared once.
+//!
+//! A [`Field`] is one line in a list: name, kind, unit, meaning, and how it travels. From that line follow its place in records
+//! that ranks send to each other, its dataset in checkpoints, its part of the digest, its history seen from the other body, its
+//! column in memory and what `talcum info` and docs/files.md say about it. The macro `records!` makes a record and its list;
+//! fields of a user's own are added to the list of the particles when a run is set up.
+
+mod counters;
+mod record;
+
+pub(crate) use counters::{counter_type, counters};
+pub use record::{Id, Record, groups};
+pub(crate) use record::{records, seen_from_the_other_side, words_of};
+
+use std::fmt;
+
+/// What a quantity is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One number.
+    Number,
+    /// Three numbers, along x, y and z.
+    Vector,
+    /// Six numbers: xx, yy, zz, yz, xz, xy.
+    SymmetricTensor,
+    /// A whole number, which a double holds exactly.
+    Integer,
+}
+
+/// The unit of a quantity, in the units of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// No unit.
+    One,
+    /// Length.
+    Length,
+    /// Length over time.
+    Speed,
+    /// Angle, in radians.
+    Angle,
+    /// Angle over time.
+    AngularSpeed,
+    /// Mass.
+    Mass,
+    /// Force.
+    Force,
+    /// Force times length.
+    Torque,
+    /// Force over area.
+    Pressure,
+    /// Volume.
+    Volume,
+    /// A unit of this name in any case, such as `K`.
+    Named(&'static str),
+}
+
+/// Where a quantity of a particle is known beside its owner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Travel {
+    /// Nowhere.
+    Stays,
+    /// Ghosts have it from when they are made: for what does not change.
+    WithNewGhosts,
+    /// Ghosts have it as it is at the beginning of each step.
+    EachStep,
+    /// What is added to ghosts goes back to their originals at each step, where it is summed exactly: multiples of one quantum.
+    Returned,
+}
+
+/// How a quantity of a contact changes when it is seen from the other body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// Not at all.
+    Even,
+    /// Its sign changes.
+    Odd,
+}
+
+/// A quantity that a particle, a contact or a cell carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// The name of its dataset, of its column in snapshots and of its place in the record.
+    pub name: &'static str,
+    /// What it is made of.
+    pub kind: Kind,
+    /// Its unit.
+    pub unit: Unit,
+    /// What it is, as files of results say it.
+    pub meaning: &'static str,
+    /// Where it is known beside the owner.
+    pub travel: Travel,
+    /// How it is seen from the other body of a contact.
+    pub parity: Parity,
+    /// What brings it, if not every run has it: then it takes no memory, no message, no dataset and no part of the digest until
+    /// one of its values, or of those that come with it, is not zero.
+    pub comes_with: Option<&'static str>,
+    /// Whether a column of its own holds it, rather than the data that loops over pairs read.
+    pub in_column: bool,
+}
+
+/// A number that a run counts, of all ranks together.
+#[derive(Clone, Copy, Debug)]
+pub struct Counter<C: 'static> {
+    /// Group and name of its attribute in checkpoints.
+    pub place: [&'static str; 2],
+    /// Its unit.
+    pub unit: Unit,
+    /// What it counts, as files of results and `talcum info` say it.
+    pub meaning: &'static str,
+    /// Its value.
+    pub get: fn(&C) -> CounterValue,
+    /// Sets it.
+    pub set: fn(&mut C, CounterValue),
+}
+
+/// The value of a counter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CounterValue {
+    /// A whole number.
+    Integer(u64),
+    /// A number.
+    Number(f64),
+}
+
+impl fmt::Display for CounterValue {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(count) => count.fmt(formatter),
+            Self::Number(number) => number.fmt(formatter),
+        }
+    }
+}
+
+impl Kind {
+    /// How many numbers it has.
+    pub const fn width(self) -> usize {
+        match self {
+            Self::Number | Self::Integer => 1,
+            Self::Vector => 3,
+            Self::SymmetricTensor => 6,
+        }
+    }
+}
+
+impl Field {
+    /// A quantity that every run has, and that stays with its owner.
+    pub const fn new(name: &'static str, kind: Kind, unit: Unit, meaning: &'static str) -> Self {
+        let (travel, parity) = (Travel::Stays, Parity::Even);
+        Self { name, kind, unit, meaning, travel, parity, comes_with: None, in_column: false }
+    }
+
+    /// The same, held by a column of its own, and absent until `what` brings it.
+    #[must_use]
+    pub const fn column_of(mut self, what: &'static str) -> Self {
+        (self.comes_with, self.in_column) = (Some(what), true);
+        self
+    }
+
+    /// The same, absent until `what` brings it.
+    #[must_use]
+    pub const fn comes_with(mut self, what: &'static str) -> Self {
+        self.comes_with = Some(what);
+        self
+    }
+
+    /// The same, but known elsewhere too.
+    #[must_use]
+    pub const fn travels(mut self, travel: Travel) -> Self {
+        self.travel = travel;
+        self
+    }
+
+    /// The same, of the other sign if it is seen from the other body.
+    #[must_use]
+    pub const fn odd(mut self) -> Self {
+        self.parity = Parity::Odd;
+        self
+    }
+
+    /// How many numbers it has.
+    pub const fn width(&self) -> usize {
+        self.kind.width()
+    }
+
+    /// Whether this is its name.
+    pub const fn has_name(&self, name: &str) -> bool {
+        are_equal(self.name, name)
+    }
+
+    /// Whether the same thing brings both.
+    pub const fn comes_together_with(&self, other: &Self) -> bool {
+        match (self.comes_with, other.comes_with) {
+            (Some(one), Some(other)) => are_equal(one, other),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        }
+    }
+}
+
+/// Whether two texts are the same; the operator cannot be used in constants.
+const fn are_equal(one: &str, other: &str) -> bool {
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    if one.len() != other.len() {
+        return false;
+    }
+    let mut byte = 0;
+    while byte < one.len() {
+        if one[byte] != other[byte] {
+            return false;
+        }
+        byte += 1;
+    }
+    true
+}

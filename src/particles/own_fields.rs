@@ -1,0 +1,89 @@
+//! A user's own fields, beside the records of particles.
+
+use super::Particles;
+use crate::fields::Field;
+
+/// Fields that a user has registered, and their numbers: a row for each particle, in the order of the records that they go with.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OwnFields {
+    /// The fields, side by side in a row.
+    pub fields: Vec<Field>,
+    /// The rows, one after another.
+    pub numbers: Vec<f64>,
+}
+
+impl OwnFields {
+    /// Numbers of a row.
+    pub fn width(&self) -> usize {
+        self.fields.iter().map(Field::width).sum()
+    }
+
+    /// The numbers of a particle.
+    pub fn row(&self, index: usize) -> &[f64] {
+        &self.numbers[index * self.width()..][..self.width()]
+    }
+
+    /// The same with rows of zeros for more particles, so many in all.
+    #[must_use]
+    pub fn extended(&self, particles: usize) -> Self {
+        let mut extended = self.clone();
+        extended.numbers.resize(particles * self.width(), 0.0);
+        extended
+    }
+
+    /// The rows of these particles, in this order.
+    #[must_use]
+    pub fn select(&self, order: impl Iterator<Item = usize>) -> Self {
+        let numbers = order.flat_map(|index| self.row(index)).copied().collect();
+        Self { fields: self.fields.clone(), numbers }
+    }
+
+    /// Adds a field with its numbers for each particle, one after another; of particles that have no row yet, all else is zero.
+    pub fn push(&mut self, field: Field, numbers: &[f64]) {
+        let before = self.extended(numbers.len() / field.width());
+        let rows = numbers.chunks_exact(field.width()).enumerate();
+        let all = rows.flat_map(|(index, numbers)| before.row(index).iter().chain(numbers));
+        self.numbers = all.copied().collect();
+        self.fields.push(field);
+    }
+
+    /// The numbers of one field, particle after particle.
+    pub fn column(&self, field: usize) -> Vec<f64> {
+        let first: usize = self.fields[..field].iter().map(Field::width).sum();
+        let end = first + self.fields[field].width();
+        let rows = self.numbers.chunks_exact(self.width().max(1));
+        rows.flat_map(|row| &row[first..end]).copied().collect()
+    }
+}
+
+impl Particles {
+    /// The own fields of the owned particles.
+    pub fn own_fields(&self) -> OwnFields {
+        let fields: Vec<Field> =
+            self.columns.own().flat_map(|column| column.fields()).copied().collect();
+        let mut numbers = Vec::new();
+        if !fields.is_empty() {
+            (0..self.owned_count()).for_each(|index| self.append_own_row(index, &mut numbers));
+        }
+        OwnFields { fields, numbers }
+    }
+
+    /// Appends the numbers of a particle in its own fields.
+    pub(crate) fn append_own_row(&self, index: usize, numbers: &mut Vec<f64>) {
+        for column in self.columns.own() {
+            match column.row(index) {
+                [] => numbers.resize(numbers.len() + column.width(), 0.0),
+                row => numbers.extend_from_slice(row),
+            }
+        }
+    }
+
+    /// Sets the numbers of a particle in its own fields.
+    pub(crate) fn set_own_row(&mut self, index: usize, mut row: &[f64]) {
+        for column in self.columns.own_mut() {
+            let (of_column, rest) = row.split_at(column.width());
+            column.set_row(index, of_column);
+            row = rest;
+        }
+    }
+}
