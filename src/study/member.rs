@@ -156,8 +156,7 @@ impl<'a> MemberFactory<'a> {
             return None;
         }
         let title = format!("{}: {}", case.title().unwrap_or("run"), parts.join(", "));
-        let value = Value::new(&toml_edit::Value::from(title).to_string(), None);
-        Some(Setting { key: "title".to_owned(), value, line: 0 })
+        Some(Setting { key: "title".to_owned(), value: Value::from_text(title), line: 0 })
     }
 
     /// The name of a search: what all its runs set.
@@ -183,7 +182,7 @@ impl<'a> MemberFactory<'a> {
 }
 
 fn start_setting(path: &Path) -> Setting {
-    let value = Value::new(&format!("{:?}", path.display().to_string()), None);
+    let value = Value::from_text(path.display().to_string());
     Setting { key: "particles.start.path".to_owned(), value, line: 0 }
 }
 
@@ -225,6 +224,19 @@ mod tests {
         assert_eq!(short_name(&keys[0], &keys), "cohesion.bond_number");
         assert_eq!(short_name(&keys[2], &keys), "gas.spacing");
         assert_eq!(short_name("stage.2.gas.viscosity", &keys), "viscosity");
+    }
+
+    #[test]
+    fn path_of_a_start_is_a_text_of_toml_whatever_its_characters() {
+        // TOML escapes some characters otherwise than Rust, and others not at all.
+        for name in
+            ["e\u{301}", "a\u{a0}b", "\u{1b}[1m", "\u{7f}", "it's", "\"q\"", "a\\b", "'\"\\\u{1b}"]
+        {
+            let path = format!("../{name}/checkpoint.h5");
+            let setting = start_setting(Path::new(&path));
+            let document: toml::Table = setting.argument().parse().expect("an entry of TOML");
+            assert_eq!(document["particles"]["start"]["path"].as_str(), Some(&path[..]));
+        }
     }
 
     #[test]

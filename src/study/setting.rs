@@ -36,6 +36,11 @@ impl Value {
         Self { written: written.trim().to_owned(), number }
     }
 
+    /// A text, in the quotes of TOML.
+    pub(crate) fn from_text(text: String) -> Self {
+        Self::new(&toml_edit::Value::from(text).to_string(), None)
+    }
+
     /// A floating-point number, in the shortest text that reads back to the same bits.
     pub(crate) fn from_number(number: f64) -> Self {
         Self { written: format!("{number:?}"), number: Some(number) }

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 
 const SLURM: &str = include_str!("templates/study.slurm");
 const ROW: &str = include_str!("templates/workflow.toml");
+/// What row calls for a task, whose name it puts into `{directory}`.
+const ROW_COMMAND: &str = "{program} study {study} --output {root} --run {directory} --at-a-time 1 \
+    --ranks-per-run {ranks} --launcher 'srun -n {ranks}'";
 /// In the folder of a task of row: it is done.
 const DONE: &str = "done";
 
@@ -20,10 +23,10 @@ pub(crate) fn write_slurm(session: &Session<'_>, program: &Path) -> Result<PathB
     let path = root.join("study.slurm");
     let study = session.study;
     let text = SLURM
-        .replace("{file}", &path.display().to_string())
+        .replace("{file}", &in_shell(&path))
         .replace("{tasks}", &session.plan.tasks.len().to_string())
         .replace("{limit}", &study.resources.at_a_time.to_string())
-        .replace("{program}", &program.display().to_string())
+        .replace("{program}", &in_shell(program))
         .replace("{study}", &in_shell(&study.file))
         .replace("{output}", &in_shell(root))
         .replace("{ranks}", &study.resources.ranks.to_string());
@@ -41,12 +44,16 @@ pub(crate) fn write_row(session: &Session<'_>, program: &Path) -> Result<PathBuf
     let path = root.join("workflow.toml");
     let study = session.study;
     // row changes into the folder of the workflow, so that its paths must not depend on where it is called.
+    let ranks = study.resources.ranks.to_string();
+    let command = ROW_COMMAND
+        .replace("{program}", &in_shell(&absolute(program)?))
+        .replace("{study}", &in_shell(&absolute(&study.file)?))
+        .replace("{root}", &in_shell(&absolute(root)?))
+        .replace("{ranks}", &ranks);
     let text = ROW
-        .replace("{program}", &in_toml(program)?)
-        .replace("{study}", &in_toml(&study.file)?)
-        .replace("{root}", &in_toml(root)?)
-        .replace("{output}", &root.display().to_string())
-        .replace("{ranks}", &study.resources.ranks.to_string());
+        .replace("{root}", &in_shell(root))
+        .replace("{ranks}", &ranks)
+        .replace("{command}", &toml_edit::Value::from(command).to_string());
     for task in &session.plan.tasks {
         let folder = task_folder(root, task);
         make_folder(&folder)?;
@@ -87,44 +94,81 @@ fn values(task: &Task) -> String {
 }
 
 fn json_text(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted += &format!("\\u{:04x}", u32::from(c)),
-            c => quoted.push(c),
+    serde_json::Value::from(text).to_string()
+}
+
+/// An absolute path; a bare name is a program that the shell finds, and stays.
+fn absolute(path: &Path) -> Result<PathBuf, String> {
+    if path.components().count() == 1 && !path.exists() {
+        return Ok(path.to_owned());
+    }
+    std::path::absolute(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// A path as one word of bash, on one line and without braces, so that it may stand in a comment and where row, or the
+/// templates here, replace words in braces.
+fn in_shell(path: &Path) -> String {
+    let bytes = path.as_os_str().as_encoded_bytes();
+    let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-+=".contains(byte);
+    let is_shown = |c: char| !c.is_control() && !"{}".contains(c);
+    match std::str::from_utf8(bytes) {
+        Ok(text) if !bytes.is_empty() && bytes.iter().all(is_plain) => text.to_owned(),
+        Ok(text) if text.chars().all(is_shown) => format!("'{}'", text.replace('\'', "'\\''")),
+        _ => in_ansi_c_quotes(bytes),
+    }
+}
+
+/// Any bytes as one word of bash: `$'...'`.
+fn in_ansi_c_quotes(bytes: &[u8]) -> String {
+    let mut word = String::from("$'");
+    for &byte in bytes {
+        match byte {
+            b'\\' | b'\'' | b'{' | b'}' | 0x80.. => word += &format!("\\x{byte:02x}"),
+            byte if byte.is_ascii_control() => word += &format!("\\x{byte:02x}"),
+            byte => word.push(char::from(byte)),
         }
     }
-    quoted + "\""
-}
-
-/// An absolute path in the shell's quotes, inside a text of TOML.
-fn in_toml(path: &Path) -> Result<String, String> {
-    // A bare name is a program that the shell finds.
-    let is_bare = path.components().count() == 1 && !path.exists();
-    let absolute = if is_bare { Ok(path.to_owned()) } else { std::path::absolute(path) };
-    let absolute = absolute.map_err(|error| format!("{}: {error}", path.display()))?;
-    Ok(in_shell(&absolute).replace('\\', "\\\\").replace('"', "\\\""))
-}
-
-/// A path as one word of the shell.
-fn in_shell(path: &Path) -> String {
-    let text = path.display().to_string();
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=".contains(c);
-    match text.chars().all(plain) {
-        true => text,
-        false => format!("'{}'", text.replace('\'', "'\\''")),
-    }
+    word + "'"
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    use std::process::Command;
+
+    /// Names that mean something to a shell, to row, or to the templates, or that no text holds.
+    const NAMES: [&[u8]; 12] = [
+        b"plain/b-c.toml",
+        b"it's here",
+        b"\"quoted\"",
+        b"a}b",
+        b"{study}",
+        b"$(echo executed)",
+        b"`echo executed`",
+        b"a\nb",
+        b"\x1b\x7f\\",
+        "e\u{301}\u{a0}\u{85}".as_bytes(),
+        b"not utf-8: \xff",
+        b"-n",
+    ];
 
     #[test]
-    fn paths_and_texts_are_quoted_where_needed() {
+    fn bash_reads_any_path_back_and_a_comment_keeps_it() {
+        for name in NAMES {
+            let word = in_shell(Path::new(OsStr::from_bytes(name)));
+            let script = format!("# a comment with {word}\nprintf %s {word}");
+            let output = Command::new("bash").args(["-c", &script]).output().unwrap();
+            assert_eq!(output.stdout, name, "{word}");
+            assert!(output.stderr.is_empty(), "{word}");
+        }
+    }
+
+    #[test]
+    fn plain_paths_are_not_quoted() {
         assert_eq!(in_shell(Path::new("a/b-c.toml")), "a/b-c.toml");
         assert_eq!(in_shell(Path::new("it's here")), "'it'\\''s here'");
-        assert_eq!(json_text("a\"b\n"), "\"a\\\"b\\u000a\"");
+        assert_eq!(json_text("a\"b\n"), "\"a\\\"b\\n\"");
     }
 }

@@ -4,5 +4,6 @@ mod expansion;
 mod fakes;
 mod known;
 mod refusals;
+mod scheduler_files;
 mod start;
 mod work;

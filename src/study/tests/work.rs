@@ -184,30 +184,6 @@ fn a_run_that_is_held_elsewhere_is_left_alone() {
 }
 
 #[test]
-fn files_for_schedulers_name_every_task() {
-    let desk = Desk::new(GRID);
-    desk.with_session(|session| {
-        let program = std::path::Path::new("talcum");
-        let slurm = crate::study::templates::write_slurm(session, program).unwrap();
-        let text = std::fs::read_to_string(slurm).unwrap();
-        assert!(text.contains("#SBATCH --array=1-8%3\n"), "{text}");
-        assert!(!text.contains("{tasks}") && !text.contains("{study}"), "{text}");
-        let row = crate::study::templates::write_row(session, program).unwrap();
-        let text = std::fs::read_to_string(row).unwrap();
-        let workflow: toml::Table = text.parse().unwrap();
-        let command = workflow["action"][0]["command"].as_str().unwrap();
-        assert!(command.starts_with("talcum study /") && command.contains("{directory}"));
-        let task = &session.plan.tasks[0];
-        let folder = desk.path("out/tasks").join(&task.name);
-        let values = std::fs::read_to_string(folder.join("value.json")).unwrap();
-        assert!(values.contains("\"cohesion.bond_number\": 2,"), "{values}");
-        assert!(!folder.join("done").exists());
-        crate::study::templates::tell_row(session.folder.root(), task).unwrap();
-        assert!(folder.join("done").exists());
-    });
-}
-
-#[test]
 fn a_summary_of_the_runs_has_the_means_of_the_study() {
     let desk = Desk::new(GRID);
     desk.work(&FakeRunner::new(falling), None);
