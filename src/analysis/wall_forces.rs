@@ -18,7 +18,9 @@ pub struct WallForce {
 /// The force on each wall by all particles, and then, if sizes are in classes, by those of each class: sums over all ranks
 /// of multiples of the force quantum, exact up to their conversion. Collective.
 ///
-/// Forces are those of the last evaluation: before the first step after a restart there are none.
+/// Forces are those of the last evaluation, at the velocities of the half step: before the first step after a restart there are
+/// none. [`View::wall_pair_forces`](crate::measures::View::wall_pair_forces) gives that of each particle, at the velocities of
+/// the whole step.
 pub fn wall_forces(view: RunView<'_>, ranks: &dyn Communicator) -> Vec<WallForce> {
     let RunView { domain, models, work, .. } = view;
     let tallies = &work.on_walls;

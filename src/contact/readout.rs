@@ -36,7 +36,7 @@ pub struct PairForce {
 
 /// A particle and a wall that touch, or attract each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallForce {
+pub struct WallPairForce {
     /// Index of the particle on this rank.
     pub particle: u32,
     /// Number of the wall.
@@ -158,12 +158,12 @@ fn contact_of(
 }
 
 /// The forces of particles and walls that touch or attract each other, by the laws `at_wall` of a wall and a species.
-pub(crate) fn wall_forces<'a>(
+pub(crate) fn wall_pair_forces<'a>(
     particles: &Particles,
     contacts: &Contacts,
     walls: PosedWalls<'_>,
     at_wall: impl Fn(usize, usize) -> WallLaws<'a>,
-) -> Vec<WallForce> {
+) -> Vec<WallPairForce> {
     let mut found = Vec::new();
     for (particle, wall, history) in contacts.near_walls() {
         let (i, number) = (particle as usize, wall as usize);
@@ -177,7 +177,7 @@ pub(crate) fn wall_forces<'a>(
         let force = history
             .map_or_else(ContactForce::zero, |mut history| law.force(&contact, &mut history, 0.0));
         let radius = particles.body[i].radius;
-        found.push(WallForce {
+        found.push(WallPairForce {
             particle,
             wall,
             touching: history.is_some(),

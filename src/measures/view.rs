@@ -2,7 +2,7 @@
 
 use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
 use crate::analysis::{BedProfile, Measures, RunView};
-use crate::contact::{PairForce, WallForce, WallLaws, for_each_pair_force, wall_forces};
+use crate::contact::{PairForce, WallLaws, WallPairForce, for_each_pair_force, wall_pair_forces};
 use crate::domain::{Bounds, PosedWalls};
 use crate::parallel::{CellSample, Communicator};
 use crate::particle_sets::agglomerates::ParticleSample;
@@ -20,7 +20,7 @@ pub struct View<'a> {
     pub series: Option<&'a Measures>,
     /// The volume-averaged gas on this rank's cells, if a measure needs it and the stage has such a gas.
     pub gas_cells: Option<&'a [CellSample]>,
-    wall_forces: OnceCell<Vec<WallForce>>,
+    wall_pair_forces: OnceCell<Vec<WallPairForce>>,
     touching: OnceCell<Vec<Pair>>,
     samples: OnceCell<Vec<ParticleSample>>,
     ownership: OnceCell<Ownership>,
@@ -41,7 +41,7 @@ impl<'a> View<'a> {
             profile,
             series,
             gas_cells,
-            wall_forces: OnceCell::new(),
+            wall_pair_forces: OnceCell::new(),
             touching: OnceCell::new(),
             samples: OnceCell::new(),
             ownership: OnceCell::new(),
@@ -113,7 +113,7 @@ impl<'a> View<'a> {
                 let [contact, cohesive] = pair.on_lower();
                 forces.push(ContactForce { position, branch, contact, cohesive });
             });
-            let walls = self.wall_forces().iter().map(|wall| ContactForce {
+            let walls = self.wall_pair_forces().iter().map(|wall| ContactForce {
                 position: self.position(wall.particle as usize),
                 branch: wall.branch,
                 contact: wall.contact,
@@ -132,9 +132,9 @@ impl<'a> View<'a> {
         for_each_pair_force(&state.particles, &state.contacts, laws, cohesion.as_ref(), take);
     }
 
-    /// The forces of particles and walls that touch or attract each other.
-    pub fn wall_forces(&self) -> &[WallForce] {
-        self.wall_forces.get_or_init(|| {
+    /// The forces of particles and walls that touch or attract each other, one for each such particle and wall.
+    pub fn wall_pair_forces(&self) -> &[WallPairForce] {
+        self.wall_pair_forces.get_or_init(|| {
             let RunView { state, domain, models, work } = self.run;
             let physics = &models.physics;
             let cohesion = physics.cohesion_at(self.time());
@@ -143,7 +143,7 @@ impl<'a> View<'a> {
                 let models = (&physics.contact, &physics.at_walls[..]);
                 WallLaws::of(wall, species, models, cohesion.as_ref())
             };
-            wall_forces(&state.particles, &state.contacts, walls, at_wall)
+            wall_pair_forces(&state.particles, &state.contacts, walls, at_wall)
         })
     }
 

@@ -13,6 +13,7 @@ use talcum::contact::{
 use talcum::domain::{Bounds, EffectiveGravity, Face, RankGrid, Vibration};
 use talcum::gas::volume_averaged::VolumeAveragedModel;
 use talcum::gas::{BaseNode, ColumnGas, DragLaw, DragShare, Drive, GasModel};
+use talcum::measures::{Findings, Layout, Measure, Needs, Stored, View};
 use talcum::numbers::{Schedule, random_of, uniform};
 use talcum::parallel::{Communicator, OneRank, ParticleRecord, run_on_threads};
 pub(crate) use talcum::setup::Snapshot;
@@ -293,5 +294,31 @@ impl Run<'_> {
     /// The whole state on all ranks. Collective.
     pub(crate) fn snapshot(&mut self) -> Snapshot {
         self.0.snapshot().expect("the test's forces have a meaning")
+    }
+}
+
+/// A measure that passes on what it sees of a run, with the numbers of the series and the forces of single contacts.
+pub(crate) struct Reading<F>(pub(crate) F);
+
+impl<F: FnMut(&View<'_>)> Measure for Reading<F> {
+    fn layout(&self) -> Layout {
+        Layout::default()
+    }
+
+    fn needs(&self) -> Needs {
+        Needs { contact_forces: true, series: true, ..Needs::default() }
+    }
+
+    fn look(&mut self, view: &View<'_>, _: &dyn Communicator) -> Findings {
+        (self.0)(view);
+        Findings::default()
+    }
+
+    fn stored(&self, _: &dyn Communicator) -> Stored {
+        Stored::default()
+    }
+
+    fn restore(&mut self, _: &Stored, _: &dyn Communicator) -> Option<()> {
+        Some(())
     }
 }

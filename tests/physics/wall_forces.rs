@@ -1,7 +1,9 @@
 //! The force on every wall: plate and side walls together carry the weight of a bed, and classes of size add up.
 
-use crate::beds::{Bench, PERIODIC, PLATE, law};
+use crate::beds::{Bench, PERIODIC, PLATE, Reading, law};
+use nalgebra::Vector3;
 use talcum::domain::{EffectiveGravity, Face};
+use talcum::measures::View;
 
 /// A bed of three sizes that falls between rough side walls.
 fn bed() -> Bench {
@@ -80,4 +82,42 @@ fn forces_by_size_add_up_and_are_the_same_bits_on_any_ranks() {
     for grid in [[1, 1, 3], [2, 1, 2]] {
         assert_eq!(of(grid), alone, "{grid:?}");
     }
+}
+
+/// The largest difference of the force on a wall from the sum of those of single particles, over the quantum of forces and their
+/// number, at many instants.
+fn difference_from_single_forces(restitution: f64) -> f64 {
+    let mut bench = bed();
+    bench.contact = law(2.0e4, restitution, 0.0);
+    let mut run = bench.alone();
+    let quantum = run.models.force_quantum.spacing();
+    let (mut largest, mut all) = (0.0_f64, 0);
+    for _ in 0..60 {
+        run.steps(50);
+        let (mut sums, mut count) = ([Vector3::zeros(); 3], 0);
+        let sum = |view: &View<'_>| {
+            for pair in view.wall_pair_forces() {
+                sums[pair.wall as usize] -= pair.contact + pair.cohesive;
+                count += 1;
+            }
+        };
+        run.look(&mut Reading(sum)).unwrap();
+        let on_walls = run.wall_forces();
+        let differences = on_walls.iter().zip(sums).map(|(on_wall, sum)| on_wall.force - sum);
+        let difference = differences.map(|difference| difference.norm()).fold(0.0, f64::max);
+        largest = largest.max(difference / quantum / f64::from(count.max(1)));
+        all += count;
+    }
+    assert!(all > 30, "{all}");
+    largest
+}
+
+#[test]
+fn forces_of_single_particles_add_up_to_the_force_on_a_wall() {
+    // Springs alone do not depend on velocities: each component of each force is rounded by half a quantum at most.
+    let springs = difference_from_single_forces(1.0);
+    assert!(springs < 0.5 * 3.0_f64.sqrt(), "{springs}");
+    // Negative control: dashpots do, and the force on the wall is of the half step.
+    let dashpots = difference_from_single_forces(0.5);
+    assert!(dashpots > 1.0e3, "{dashpots}");
 }
