@@ -207,6 +207,10 @@ macro_rules! contact_laws {
                 self.as_law().stiffness(overlap, reduced_radius)
             }
 
+            fn stiffness_over(&self, contact: &$crate::contact::Contact, dt: f64) -> [f64; 2] {
+                self.as_law().stiffness_over(contact, dt)
+            }
+
             fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
                 self.as_law().contact_duration(reduced_mass, reduced_radius)
             }

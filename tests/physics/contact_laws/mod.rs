@@ -6,6 +6,7 @@ mod documentation;
 mod elastic;
 mod hysteretic;
 mod loops;
+mod marked;
 mod rolling;
 mod twisting;
 mod walls;
