@@ -2,7 +2,6 @@
 
 use super::sums::sums;
 use super::{BedProfile, MomentumProbe};
-use crate::domain::BASE_PLATE;
 use crate::gas::GasObservables;
 use crate::parallel::Communicator;
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle};
@@ -171,7 +170,7 @@ impl ExternalForces {
         let on_all_walls =
             |axis: usize| walls().map(|wall| on_walls.on_wall(wall)[axis]).sum::<i64>();
         let external = [0, 1, 2].map(|axis| by_gas[axis] - on_all_walls(axis));
-        let on_plate = walls().filter(|&wall| domain.walls[wall].name == BASE_PLATE);
+        let on_plate = walls().filter(|&wall| domain.walls[wall].is_base_plate());
         let plate = on_plate.map(|wall| -on_walls.on_wall(wall)[2]).sum();
         let mut counts = [external[0], external[1], external[2] - weight, by_gas[2], plate];
         ranks.sum_integers(&mut counts);

@@ -39,8 +39,10 @@ pub(super) fn contacts_of<'a>(root: &'a Node, domain: &Domain) -> Vec<Option<&'a
     let entries = root.get("wall").map(Node::items).unwrap_or_default();
     let is_of = |entry: &Node, wall: &Wall| {
         let text = |key: &str| entry.get(key).and_then(Node::as_text);
-        let of_face = || BoxFace::named(text("face")?).map(Wall::name_in_face);
-        text("name").or_else(of_face) == Some(wall.name.as_str())
+        match wall.face {
+            Some(face) => text("face").and_then(BoxFace::named) == Some(face),
+            None => text("name") == Some(wall.name.as_str()),
+        }
     };
     let of = |wall: &Wall| entries.iter().find(|entry| is_of(entry, wall))?.get("contact");
     domain.walls.iter().map(of).collect()
@@ -63,7 +65,12 @@ fn read_wall(section: &Section<'_>) -> Option<Entry> {
         }
         kind => {
             let shape = if kind == "radius" { read_cylinder(section) } else { read_plane(section) };
-            Some(Entry::Own(Wall { name: section.text("name")?, shape: shape?, motion: motion? }))
+            Some(Entry::Own(Wall {
+                name: section.text("name")?,
+                face: None,
+                shape: shape?,
+                motion: motion?,
+            }))
         }
     }
 }
@@ -109,8 +116,7 @@ fn move_face(
     node: &Node,
     problems: &Problems,
 ) {
-    let name = Wall::name_in_face(face);
-    let Some(wall) = walls.iter_mut().find(|wall| wall.name == name) else {
+    let Some(wall) = walls.iter_mut().find(|wall| wall.face == Some(face)) else {
         problems.add(node.error(format!("there is no wall in the {face} face: [box] says so")));
         return;
     };
@@ -162,8 +168,7 @@ pub(super) fn check_walls(case: &Case, smallest_diameter: f64) -> Vec<(&'static 
                 "a gas of kind \"column\" fills the box: in a round column use \"volume_averaged\"";
             wrong.push(("gas", message.to_owned()));
         }
-        let is_face = BoxFace::ALL.into_iter().any(|face| Wall::name_in_face(face) == name);
-        if with_gas && is_face && speed > 0.0 {
+        if with_gas && wall.face.is_some() && speed > 0.0 {
             let message = format!(
                 "the gas reaches from face to face of the box: {name:?} cannot move inwards, only in its \
                  plane (a plate that vibrates: use [vibration])"

@@ -13,4 +13,4 @@ pub use box_face::BoxFace;
 pub use decomposition::{Decomposition, RankGrid};
 pub use gravity::{EffectiveGravity, Vibration};
 pub use subdomain::Subdomain;
-pub use walls::{BASE_PLATE, PosedWalls, Wall, WallMotion, WallPose, WallShape};
+pub use walls::{PosedWalls, Wall, WallMotion, WallPose, WallShape};

@@ -5,14 +5,16 @@ use crate::numbers::sine;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Name of the wall in the lower z face, whose stress is reported.
-pub const BASE_PLATE: &str = "base plate";
+/// The face of the base plate, whose stress is reported, and its name in results.
+const BASE_PLATE: (BoxFace, &str) = (BoxFace { axis: 2, side: 0 }, "base plate");
 
 /// A wall in a face of the box, or one that the case defines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
     /// Its name in results: "base plate", "x lower", or the name that the case gives.
     pub name: String,
+    /// The face of the box in which it lies; `None` for a wall that the case defines, wherever that is.
+    pub face: Option<BoxFace>,
     /// Its surface while it is at rest.
     pub shape: WallShape,
     /// Its motion.
@@ -137,25 +139,26 @@ impl Wall {
     /// A plane at rest.
     pub fn plane(name: impl Into<String>, point: Vector3<f64>, normal: Vector3<f64>) -> Self {
         let shape = WallShape::Plane { point, normal };
-        Self { name: name.into(), shape, motion: WallMotion::REST }
+        Self { name: name.into(), face: None, shape, motion: WallMotion::REST }
     }
 
     /// A plane at rest in a face of the box.
     pub fn in_face(bounds: &Bounds, face: BoxFace) -> Self {
         let mut point = Vector3::zeros();
         point[face.axis] = bounds.lengths()[face.axis] * face.side as f64;
-        Self::plane(Self::name_in_face(face), point, face.inward_normal())
+        let name = if face == BASE_PLATE.0 { BASE_PLATE.1 } else { face.name() };
+        Self { face: Some(face), ..Self::plane(name, point, face.inward_normal()) }
     }
 
-    /// Name in results of the wall in a face: "base plate" for "z lower", otherwise the name of the face.
-    pub fn name_in_face(face: BoxFace) -> &'static str {
-        if face == (BoxFace { axis: 2, side: 0 }) { BASE_PLATE } else { face.name() }
+    /// Whether it is the base plate: the wall in the lower z face of the box, whatever other walls are called.
+    pub fn is_base_plate(&self) -> bool {
+        self.face == Some(BASE_PLATE.0)
     }
 
     /// A cylinder along z at rest, given by a point of its axis and its radius.
     pub fn cylinder(name: impl Into<String>, centre: Vector3<f64>, radius: f64) -> Self {
         let shape = WallShape::Cylinder { centre, radius };
-        Self { name: name.into(), shape, motion: WallMotion::REST }
+        Self { name: name.into(), face: None, shape, motion: WallMotion::REST }
     }
 
     /// Whether it is a cylinder.

@@ -2,7 +2,7 @@
 
 use crate::beds::{Bench, PERIODIC, PLATE, Reading, law};
 use nalgebra::Vector3;
-use talcum::domain::{EffectiveGravity, Face};
+use talcum::domain::{EffectiveGravity, Face, Wall};
 use talcum::measures::View;
 
 /// A bed of three sizes that falls between rough side walls.
@@ -120,4 +120,33 @@ fn forces_of_single_particles_add_up_to_the_force_on_a_wall() {
     // Negative control: dashpots do, and the force on the wall is of the half step.
     let dashpots = difference_from_single_forces(0.5);
     assert!(dashpots > 1.0e3, "{dashpots}");
+}
+
+/// The stress on the base plate, over the weight, of a particle at rest on a wall at z = 0, where the box has this face.
+fn plate_stress(lower: Face, own: Option<Wall>) -> f64 {
+    let mut bench = Bench::new([4.0; 3], [PERIODIC, PERIODIC, [lower, Face::Open]]);
+    bench.domain.walls.extend(own);
+    bench.gravity = EffectiveGravity { magnitude: 1.0, vibration: None };
+    // m g / k_n: the spring bears the weight.
+    bench.add([2.0, 2.0, 0.5 - std::f64::consts::PI / 6.0 / 2.0e5], [0.0; 3], 0.5);
+    let mut run = bench.alone();
+    run.steps(1);
+    let forces = run.wall_forces();
+    assert_eq!(forces.len(), 1);
+    let weight = std::f64::consts::PI / 6.0;
+    // Overlaps are multiples of the quantum of positions, some 1e-15: a force of 2e-10.
+    assert!((-forces[0].force.z / weight - 1.0).abs() < 1.0e-6, "the wall bears it: {forces:?}");
+    let mut stress = f64::NAN;
+    let read = |view: &View<'_>| stress = view.series.map_or(f64::NAN, |row| row.plate_stress);
+    run.look(&mut Reading(read)).unwrap();
+    stress
+}
+
+#[test]
+fn base_plate_is_the_wall_in_the_lower_face_whatever_others_are_called() {
+    let floor = |name: &str| Wall::plane(name, Vector3::zeros(), Vector3::z());
+    assert!((plate_stress(Face::Wall, None) - 1.0).abs() < 1.0e-6);
+    // Negative controls: a floor that the case defines is none, not even by this name.
+    assert_eq!(plate_stress(Face::Open, Some(floor("base plate"))), 0.0);
+    assert_eq!(plate_stress(Face::Open, Some(floor("floor"))), 0.0);
 }

@@ -109,8 +109,7 @@ impl VolumeAveragedGas {
     /// that particles touch.
     pub fn with_walls(mut self, bounds: &Bounds, walls: &[Wall]) -> Self {
         for face in BoxFace::ALL.into_iter().filter(|&face| bounds.face(face) == Face::Wall) {
-            let mut in_face = walls.iter().filter(|wall| wall.name == Wall::name_in_face(face));
-            if let Some(wall) = in_face.next() {
+            if let Some(wall) = walls.iter().find(|wall| wall.face == Some(face)) {
                 let boundary = &mut self.boundaries[face.axis][face.side];
                 *boundary = std::mem::replace(boundary, Boundary::Periodic).with_wall(wall.motion);
             }
