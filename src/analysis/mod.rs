@@ -45,7 +45,7 @@ pub use crate::particle_sets::{
 };
 pub use crate::state::{EnergyBalance, EnergyLedger, Mechanism, StoredEnergy};
 pub use bed_profile::BedProfile;
-pub use coordination::{Coordination, InRegion, coordination};
+pub use coordination::Coordination;
 pub use digest::{Digest, StateRecords};
 pub use fractal_dimension::{MassRadius, PopulationFit};
 pub use line_fit::LineFit;

@@ -6,7 +6,7 @@ use super::registered::{MeasureValues, RegisteredMeasure};
 use super::stored::Stored;
 use super::view::View;
 use super::{Findings, Measure, Setting};
-use crate::analysis::Quantity;
+use crate::analysis::{Coordination as Distribution, Quantity};
 use crate::parallel::Communicator;
 use crate::schema::{Key, Kind, Value};
 
@@ -104,18 +104,9 @@ impl Measure for Looks {
 impl Looks {
     /// Mean, number of contacts, and parts of the particles with 0, 1, 2 ... neighbours. Collective.
     fn distribution(&self, view: &View<'_>, ranks: &dyn Communicator) -> Vec<f64> {
-        let most = self.settings.most;
-        let mut counts = vec![0_i64; most + 3];
-        for number in view.run().coordination_numbers(ranks) {
-            counts[(number as usize).min(most)] += 1;
-            counts[most + 1] += i64::from(number);
-            counts[most + 2] += 1;
-        }
-        ranks.sum_integers(&mut counts);
-        let particles = counts[most + 2].max(1) as f64;
-        let neighbours = counts[most + 1] as f64;
-        let head = [neighbours / particles, 0.5 * neighbours];
-        let fractions = counts[..=most].iter().map(|&count| count as f64 / particles);
-        head.into_iter().chain(fractions).collect()
+        let numbers = view.run().coordination_numbers(ranks);
+        let whole = Distribution::of(numbers, self.settings.most).total(ranks);
+        let head = [whole.mean(), 0.5 * whole.neighbours as f64];
+        head.into_iter().chain(whole.fractions()).collect()
     }
 }

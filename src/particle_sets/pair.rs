@@ -1,8 +1,6 @@
 //! Pairs of particles.
 
-use super::rendezvous::send_to_rendezvous;
 use crate::numbers::sorted_by_key;
-use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 
 /// Two particles, by their ids.
@@ -34,15 +32,4 @@ pub(crate) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) 
     let of_lower = records.chunk_by_mut(|a, b| ids(a)[0] == ids(b)[0]);
     of_lower.for_each(|group| group.sort_by_key(|record| ids(record)[1]));
     records
-}
-
-/// All ranks' pairs, each once however many ranks know it, on the rendezvous rank of the lower id and in ascending
-/// order. A pair of a particle with its own image is left out. Collective.
-pub(crate) fn at_rendezvous(pairs: &[Pair], ranks: &dyn Communicator) -> Vec<Pair> {
-    let ordered = pairs.iter().map(|pair| Pair::of(pair.lower, pair.higher));
-    let two = ordered.filter(|pair| pair.lower != pair.higher);
-    let mut pairs = send_to_rendezvous(two, |pair| pair.lower, ranks);
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
 }

@@ -1,10 +1,10 @@
 //! Coordination numbers, from checkpoints.
 
-use crate::analysis::{Coordination, InRegion, NoValue, Pair, Quantity, coordination};
+use crate::analysis::{Coordination, NoValue, Quantity};
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{Cells, Column, ResultTable};
-use crate::parallel::OneRank;
 use crate::post_processing::{Findings, Kind, Measure, Results, Unmeasured};
+use rustc_hash::FxHashMap;
 
 pub(super) const MEASURE: Measure = Measure {
     name: "coordination",
@@ -49,13 +49,14 @@ fn find(results: &Results) -> Result<Findings, Unmeasured> {
     Ok(found)
 }
 
+/// A checkpoint holds each touching pair once.
 fn of_checkpoint(checkpoint: &Checkpoint) -> Coordination {
-    let particle = |id: u64| InRegion { id, region: u64::MAX };
-    let particles: Vec<InRegion> =
-        checkpoint.particles.iter().map(|record| particle(record.id)).collect();
-    let contacts = checkpoint.contacts.iter();
-    let touching: Vec<Pair> =
-        contacts.map(|contact| Pair::of(contact.lower, contact.higher)).collect();
-    let mut found = coordination(&particles, &touching, 0, MOST, &OneRank);
-    found.swap_remove(0)
+    let mut numbers: FxHashMap<u64, u32> =
+        checkpoint.particles.iter().map(|particle| (particle.id, 0)).collect();
+    for contact in &checkpoint.contacts {
+        for id in [contact.lower, contact.higher] {
+            numbers.entry(id).and_modify(|number| *number += 1);
+        }
+    }
+    Coordination::of(numbers.into_values(), MOST)
 }
