@@ -22,13 +22,13 @@ def heap(results: Path) -> Section | None:
     if points is None:
         return None
     found = points.estimates("repose.angle")
-    told = "; ".join(f"Bo {float(row['bond_number']):g}: {brief(angle)}" for row, angle in zip(points.rows, found))
+    told = "; ".join(f"Bo {float(row['adhesion_over_weight']):g}: {brief(angle)}" for row, angle in zip(points.rows, found))
     rising = [angle.mean for angle in found if math.isfinite(angle.mean)]
     statements = [Statement("angle of repose [degrees]", "grows with cohesion", told, all(np.diff(rising) > 0.0))]
-    left = "; ".join(f"Bo {float(row['bond_number']):g}: {shortly(points.estimate(row, 'departed').mean)}" for row in points.rows)
+    left = "; ".join(f"Bo {float(row['adhesion_over_weight']):g}: {shortly(points.estimate(row, 'departed').mean)}" for row in points.rows)
     statements.append(Statement("particles that leave the plate, of 5,400", "", left, None))
     figure, (panel,) = panels(1)
-    panel.errorbar(points.numbers("bond_number"), [angle.mean for angle in found],
+    panel.errorbar(points.numbers("adhesion_over_weight"), [angle.mean for angle in found],
                    yerr=[angle.upper - angle.mean for angle in found], fmt="o-", color=BLUE, capsize=3)  # fmt: skip
     panel.set_xlabel("Bond number")
     panel.set_ylabel("angle of repose [degrees]")

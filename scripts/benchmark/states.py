@@ -28,10 +28,10 @@ unloading_stiffness = 2.0e5
 plasticity_index = 0.2
 restitution = 0.9
 friction = 0.1
-bond_number = 20
+adhesion_over_weight = 20
 primary_diameter = 5.0e-4
 [contact.wall]
-bond_number = 0
+adhesion_over_weight = 0
 """
 
 

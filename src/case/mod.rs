@@ -26,6 +26,7 @@ mod particles;
 mod places;
 mod plans;
 mod reference;
+mod renamed;
 mod schedules;
 mod schema;
 mod section;
@@ -122,16 +123,14 @@ impl Case {
     /// # Errors
     /// If it cannot be read.
     pub fn read_text(path: &Path) -> Result<String, CaseErrors> {
-        let text = std::fs::read(path)
-            .map_err(|error| (SourcePlace::File, format!("cannot be read: {error}")))
-            .and_then(|bytes| {
-                utf8_text(bytes).map_err(|line| (SourcePlace::Line(line), NOT_UTF8.to_owned()))
-            });
-        text.map_err(|(place, reason)| {
+        let error = |place, reason: String| {
             let problems = Problems::default();
             problems.add_at(place, reason);
             problems.into_errors(&path.display().to_string())
-        })
+        };
+        let bytes = std::fs::read(path)
+            .map_err(|reason| error(SourcePlace::File, format!("cannot be read: {reason}")))?;
+        utf8_text(bytes).map_err(|line| error(SourcePlace::Line(line), NOT_UTF8.to_owned()))
     }
 
     /// Reads the text of a case, which errors call `file_name`; paths in it are relative to `folder`.
@@ -146,6 +145,7 @@ impl Case {
     ) -> Result<Self, CaseErrors> {
         let problems = Problems::default();
         let case = overrides::apply(text, overrides, &problems)
+            .map(|(text, tree)| (text, renamed::by_present_names(tree, &problems)))
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
         match case {
             Some(mut case) if problems.is_empty() => {

@@ -13,7 +13,7 @@ mod values;
 pub use allowed::Allowed;
 pub use mixing::Mixing;
 pub use schedule::{NOT_NEGATIVE_SCHEDULE, SIGNED_SCHEDULE};
-pub use table::{ActiveKeys, displaced_by, every_key};
+pub use table::{ActiveKeys, displaced_by, every_key, renamed};
 pub use values::KeyValues;
 
 use std::fmt;
@@ -38,6 +38,8 @@ pub struct Key {
     pub with: Option<&'static str>,
     /// How the value for a pair of species follows from those of each.
     pub mixing: Mixing,
+    /// Names that it had before. Who writes one of them is given the present one.
+    pub former: &'static [&'static str],
     /// One sentence, without its full stop.
     pub meaning: &'static str,
 }
@@ -164,6 +166,7 @@ impl Key {
             partners: &[],
             with: None,
             mixing: Mixing::None,
+            former: &[],
             meaning,
         }
     }
@@ -199,6 +202,12 @@ impl Key {
     /// How the value for a pair of species follows from those of each.
     pub const fn mixed(mut self, rule: Mixing) -> Self {
         self.mixing = rule;
+        self
+    }
+
+    /// Names that it had before.
+    pub const fn formerly(mut self, names: &'static [&'static str]) -> Self {
+        self.former = names;
         self
     }
 

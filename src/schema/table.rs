@@ -84,8 +84,15 @@ pub fn every_key(keys: &'static [Key]) -> Vec<&'static Key> {
     all_of(keys)
 }
 
-/// Names of the keys of which a key takes the place when it is set: its partners.
+/// The declaration of which this is a former name; `None` if a key of the table has it now, or none ever had.
+pub fn renamed(keys: &'static [Key], name: &str) -> Option<&'static Key> {
+    let all = all_of(keys);
+    let is_present = all.iter().any(|key| key.name == name);
+    all.into_iter().find(|key| !is_present && key.former.contains(&name))
+}
+
+/// Names of the keys of which a key takes the place when it is set: its partners, and those that it had before.
 pub fn displaced_by(keys: &'static [Key], name: &str) -> Vec<&'static str> {
     let declared = all_of(keys).into_iter().filter(|key| key.name == name);
-    declared.flat_map(|key| key.partners.iter().copied()).collect()
+    declared.flat_map(|key| key.partners.iter().chain(key.former).copied()).collect()
 }

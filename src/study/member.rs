@@ -219,9 +219,9 @@ mod tests {
 
     #[test]
     fn keys_are_shortened_while_they_stay_apart() {
-        let keys = ["cohesion.bond_number", "contact.bond_number", "gas.spacing", "spacing"]
-            .map(str::to_owned);
-        assert_eq!(short_name(&keys[0], &keys), "cohesion.bond_number");
+        let keys =
+            ["cohesion.wall.law", "contact.wall.law", "gas.spacing", "spacing"].map(str::to_owned);
+        assert_eq!(short_name(&keys[0], &keys), "cohesion.wall.law");
         assert_eq!(short_name(&keys[2], &keys), "gas.spacing");
         assert_eq!(short_name("stage.2.gas.viscosity", &keys), "viscosity");
     }

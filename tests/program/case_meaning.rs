@@ -172,6 +172,22 @@ fn another_word_drops_the_keys_that_only_the_old_one_has() {
 }
 
 #[test]
+fn a_key_that_was_renamed_is_refused_with_its_present_name() {
+    let name = "adhesive-elastic-plastic.toml";
+    let error = read(name, &["contact.bond_number=4"]).unwrap_err();
+    let expected =
+        "--set contact.bond_number=4: contact.bond_number = 4: is now contact.adhesion_over_weight";
+    assert!(error.ends_with(expected) && error.lines().count() == 1, "{error}");
+    // The present name takes the place of the former one, in a checkpoint too, whose text nobody can edit.
+    let bad = "../bad/renamed-keys.toml";
+    let set = ["contact.adhesion_over_weight=20", "contact.wall.adhesion_over_weight=0"];
+    let of = |case: Case| case.stages[0].physics.contact.first().law.clone();
+    assert_eq!(of(read(bad, &set).unwrap()), of(read(name, &[]).unwrap()));
+    // Negative control.
+    assert!(read(bad, &set[..1]).unwrap_err().contains("contact.wall.bond_number = 0: is now"));
+}
+
+#[test]
 fn the_grid_of_a_periodic_box_divides_it() {
     let case = read("periodic-box.toml", &[]).unwrap();
     assert!(close(case.stages[0].physics.gas.column().unwrap().spacing, 18.0 / 13.0));

@@ -61,7 +61,7 @@ pub(super) const AT_WALL_CHAPTER: Chapter = Chapter {
     before: "\
 Walls take the keys of `[contact]`. Keys given here replace them at all walls, and those in `contact` of one `[[wall]]`
 at that wall. If `law` is among them, no key is taken over, except that particles keep their own elastic constants. If
-particles have adhesion (`adhesion` or `bond_number`, `adhesion_stiffness`, `surface_energy`), either the adhesion at
+particles have adhesion (`adhesion` or `adhesion_over_weight`, `adhesion_stiffness`, `surface_energy`), either the adhesion at
 walls or a law for them must be given.",
     after: "",
 };

@@ -66,7 +66,7 @@ What two different species do to each other follows from the values of each, unl
 | keys | value of the pair |
 | --- | --- |
 | `restitution`, `friction`, `rolling_friction`, `twisting_friction` | geometric mean, sqrt(a b): no theory, but 0 stays 0 (as in LAMMPS) |
-| `adhesion`, `bond_number` of `[contact]`, `surface_energy`, `hamaker_constant`, `force` | geometric mean (Hamaker constants and works of adhesion: Israelachvili, Intermolecular and Surface Forces, 3rd ed. 2011, section 13.9; Good and Girifalco 1960) |
+| `adhesion`, `adhesion_over_weight`, `surface_energy`, `hamaker_constant`, `force` | geometric mean (Hamaker constants and works of adhesion: Israelachvili, Intermolecular and Surface Forces, 3rd ed. 2011, section 13.9; Good and Girifalco 1960) |
 | `normal_stiffness`, `tangential_stiffness`, `loading_stiffness`, `unloading_stiffness`, `adhesion_stiffness` | 2 a b / (a + b), springs in series |
 | `young_modulus`, `poisson_ratio` of the elastic laws | the law takes those of both bodies |
 | all others, and values that change with time | must be equal, or be given in a `[[pair]]` |

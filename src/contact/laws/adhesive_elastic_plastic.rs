@@ -25,13 +25,14 @@ const ADHESION: Key = Key::number(
     "Adhesion F0 in contact, for particles of all sizes",
 )
 .unit("force")
-.or(&["bond_number"])
+.or(&["adhesion_over_weight"])
 .mixed(Mixing::Geometric);
-const BOND_NUMBER: Key = Key::number(
-    "bond_number",
+const ADHESION_OVER_WEIGHT: Key = Key::number(
+    "adhesion_over_weight",
     Allowed::NOT_NEGATIVE,
-    "F0 over the weight at the reference diameter",
+    "F0 over the weight at the reference diameter, the Bond number before a contact is compressed",
 )
+.formerly(&["bond_number"])
 .or(&["adhesion"])
 .mixed(Mixing::Geometric);
 const PRIMARY_DIAMETER: Key = Key::number(
@@ -227,22 +228,22 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
             plasticity,
             tangential,
             ADHESION,
-            BOND_NUMBER,
+            ADHESION_OVER_WEIGHT,
             PRIMARY_DIAMETER,
             FRICTION_CAP,
             RELOADING,
         ]
     };
     const ADHESION: Adhesion =
-        Adhesion { keys: &[ADHESION.name, BOND_NUMBER.name], replaces_cohesion: true };
+        Adhesion { keys: &[ADHESION.name, ADHESION_OVER_WEIGHT.name], replaces_cohesion: true };
 
     fn from_keys(values: &dyn ContactLawValues) -> Option<Result<Self, InvalidContactLaw>> {
         let parameters = HystereticParameters::from_keys(values);
-        let key = values.given(&["adhesion", "bond_number"]);
+        let key = values.given(&[ADHESION.name, ADHESION_OVER_WEIGHT.name]);
         let given = key.and_then(|key| values.number(key));
         let attraction = match (key, given) {
-            (Some("bond_number"), Some(bond)) if bond != 0.0 => {
-                values.attraction_of_bond_number(bond, "bond_number", "adhesion")
+            (Some(key @ "adhesion_over_weight"), Some(bond)) if bond != 0.0 => {
+                values.attraction_of_bond_number(bond, key, ADHESION.name)
             }
             _ => given,
         };
