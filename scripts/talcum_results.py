@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = np.ndarray
+NUMBERS = "fiu"  # the kinds of numbers that files hold: floating, integer and unsigned
 
 # Colours that stay apart for colour-blind eyes and in grey print (after Okabe and Ito).
 BLUE, ORANGE, GREEN, RED, BLACK, GREY = "#0072b2", "#e69f00", "#009e73", "#d55e00", "#000000", "#8c8c8c"
@@ -211,7 +212,9 @@ def profiles_of(file: Path, contents: h5py.File) -> Profiles:
     absent = [name for name in names if name not in contents]
     if absent:
         raise ResultsError(f"{file}: has no dataset {', '.join(absent)}; is it a profiles.h5 of talcum?")
-    data = {name: np.asarray(contents[name][...], dtype=float) for name in names}
+    data = {name: numbers_of(file, contents[name], 2 if name.startswith("solids") else 1) for name in names}
+    if {data[name].shape[1:] for name in ("solids_fraction", "solids_velocity")} != {data["height"].shape}:
+        raise ResultsError(f"{file}: its profiles do not have a number for each height; is it a profiles.h5 of talcum?")
     units = {name: text_of(contents[name].attrs.get("unit", "")) for name in names}
     rows = min(len(data[name]) for name in names if name != "height")
     while rows > 1 and data["time"][rows - 1] <= data["time"][rows - 2]:
@@ -221,10 +224,21 @@ def profiles_of(file: Path, contents: h5py.File) -> Profiles:
     return Profiles(**columns, units=units, attributes=attributes)
 
 
+def numbers_of(file: Path, dataset: Any, dimensions: int) -> Array:
+    """A dataset of numbers that has so many dimensions."""
+    if not isinstance(dataset, h5py.Dataset) or dataset.ndim != dimensions or dataset.dtype.kind not in NUMBERS:
+        words = f"is no array of numbers with {dimensions} dimension{'s' if dimensions > 1 else ''}"
+        raise ResultsError(f"{file}: {dataset.name} {words}; is it a profiles.h5 of talcum?")
+    return np.asarray(dataset[...], dtype=float)
+
+
 def snapshot_times(vtkhdf: Any) -> Array:
     """The times of a file of VTKHDF; the number of them is written last, when all else is there."""
     steps = vtkhdf["Steps"]
-    return np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
+    times = np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
+    if times.ndim != 1:
+        raise ValueError(f"{steps.name}/Values is no list of times")
+    return times
 
 
 def snapshot_rows(vtkhdf: Any, step: int) -> slice:
@@ -302,12 +316,13 @@ def analyse(results: Path, measures: list[str], start: float | None = None, end:
     """Has the program measure on a folder of results, between two times; what it finds."""
     if not results.is_dir():
         raise ResultsError(f"{results}: there is no such folder; name the output folder of a run")
-    command = [program(), "analyse", str(results)]
+    command = [program(), "analyse"]
     command += [word for name in measures for word in ("--measure", name)]
     command += [f"--from={float(start)!r}"] if start is not None else []
     command += [f"--to={float(end)!r}"] if end is not None else []
     with tempfile.TemporaryDirectory() as folder:
-        ended = subprocess.run([*command, "--output", folder], capture_output=True, text=True)
+        # Behind two dashes a folder is no option, whatever its name.
+        ended = subprocess.run([*command, "--output", folder, "--", str(results)], capture_output=True, text=True)
         if ended.returncode != 0:
             raise ResultsError(ended.stderr.strip().removeprefix("error: ") or "talcum analyse failed")
         return read_analysis(Path(folder) / "analysis.h5")
@@ -408,6 +423,10 @@ def run_script(main: Callable[[list[str] | None], None]) -> NoReturn:
     """Runs a script's main function; errors go to the user in words, with exit code 1."""
     try:
         main(None)
+        sys.stdout.flush()
     except ResultsError as error:
         sys.exit(f"error: {error}")
+    except BrokenPipeError:
+        # A reader that has gone, as `head` does, misses nothing; Python would complain once more as it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(0)

@@ -45,6 +45,24 @@ RANKS_OF_MPI = {
 }
 
 
+def dataset_names(path: Path) -> list[str]:
+    """The datasets of a file, by their paths."""
+    names: list[str] = []
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+    return names
+
+
+def replace_dataset(path: Path, name: str, other: object) -> None:
+    """Puts something else in the place of a dataset: an empty group for `None`."""
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        if other is None:
+            file.create_group(name)
+        else:
+            file[name] = other
+
+
 @contextlib.contextmanager
 def inside(folder: Path):
     """Works in a folder for a while."""
@@ -238,6 +256,35 @@ class TestRun(unittest.TestCase):
         self.assertEqual(talcum.open(copy).particles().rows, 60)
 
     @unittest.skipUnless(HAS_PANDAS, "pandas is not installed")
+    def test_whole_files_of_other_shapes_are_refused_in_words(self) -> None:
+        """A scalar, a group or texts in the place of each array: an error of the package, or the array is not read."""
+        folder = self.folder / "other-shapes"
+        shutil.copytree(self.bed.folder, folder)
+        bed = talcum.open(folder)
+        checkpoint = bed.newest_checkpoint.name
+        readers = {
+            "profiles.h5": lambda: bed.profiles.between(1.0, 2.0),
+            "particles.vtkhdf": lambda: (bed.times, bed.particles(1.0).rows),
+            "measure-grains.h5": lambda: [table.rows for table in bed.measure("grains").tables.values()],
+            "measure-network.vtkhdf": lambda: bed.contacts(4.0).rows,
+            checkpoint: lambda: (bed.checkpoint().contacts.rows, bed.contacts(4.0, checkpoint=True).rows),
+        }
+        for name, read in readers.items():
+            refused = 0
+            for dataset in dataset_names(folder / name):
+                for other in (1.0, None, ["a", "b", "c", "d", "e", "f"]):
+                    shutil.copy(self.bed.folder / name, folder / name)
+                    replace_dataset(folder / name, dataset, other)
+                    with self.subTest(file=name, dataset=dataset, other=other), mock.patch("talcum.files.ATTEMPTS", 1):
+                        try:
+                            read()
+                        except talcum.ResultsError as error:
+                            self.assertIn(name, str(error))
+                            refused += 1
+            shutil.copy(self.bed.folder / name, folder / name)
+            read()
+            self.assertGreater(refused, 10, name)
+
     def test_vectors_in_pandas(self) -> None:
         frame = self.bed.particles().to_pandas()
         np.testing.assert_array_equal(frame["velocity_z"], self.bed.particles().velocity[:, 2])
@@ -357,6 +404,12 @@ class TestCalls(ScriptTest):
                 talcum.check(case, **wish)
         with self.assertRaisesRegex(talcum.TalcumError, "nowhere.toml"):
             talcum.check(self.folder / "nowhere.toml")
+        for call in (talcum.check, talcum.run, talcum.restart, talcum.run_study):
+            with self.assertRaisesRegex(talcum.TalcumError, "-h: "):
+                call("-h")
+        for call in (talcum.run, talcum.restart, talcum.run_study):
+            with self.assertRaisesRegex(talcum.TalcumError, "output = '': must be the name of a folder"):
+                call(case, output="")
 
     def test_a_program_that_is_not_there(self) -> None:
         with mock.patch.dict(os.environ, {"TALCUM": "/nowhere/talcum"}):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import unittest
@@ -76,6 +77,16 @@ class TestReading(ScriptTest):
             usage = subprocess.run([*script, "--help"], capture_output=True, text=True, timeout=120)
             self.assertEqual(usage.returncode, 0)
             self.assertIn("--from", usage.stdout)
+
+    def test_a_reader_that_has_gone_ends_a_script_quietly(self) -> None:
+        code = "from talcum_results import run_script; run_script(lambda _: print('x' * 100000))"
+        reading, writing = os.pipe()
+        os.close(reading)
+        paths = {**os.environ, "PYTHONPATH": str(SCRIPTS)}
+        ended = subprocess.run([sys.executable, "-c", code], stdout=writing, stderr=subprocess.PIPE, env=paths)
+        os.close(writing)
+        self.assertEqual((ended.returncode, ended.stderr), (0, b""))
+
 
 if __name__ == "__main__":
     unittest.main()

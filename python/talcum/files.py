@@ -9,12 +9,14 @@ from typing import Any, Callable, TypeVar
 import h5py
 import numpy as np
 
-from talcum_results import text_of
+from talcum_results import NUMBERS, text_of
 
 from .tables import Array, ResultsError
 
 T = TypeVar("T")
 ATTEMPTS, PAUSE = 5, 0.2  # a run writes for some milliseconds, and seldom
+# What h5py and numpy raise where a file cannot be read, lacks something, or holds it in another shape or kind.
+UNREADABLE = (OSError, RuntimeError, LookupError, TypeError, ValueError, AttributeError)
 
 
 def require(file: Path, maker: str) -> Path:
@@ -32,7 +34,7 @@ def read_hdf5(file: Path, take: Callable[[Any], T]) -> T:
             # Without locks, as the program itself opens its files.
             with h5py.File(file, "r", locking=False) as contents:
                 return take(contents)
-        except (OSError, KeyError, RuntimeError) as reason:
+        except UNREADABLE as reason:
             left -= 1
             if left == 0:
                 words = "is damaged, no such file of talcum, or being written at this moment (then try again)"
@@ -46,5 +48,7 @@ def attributes(item: Any) -> dict[str, Any]:
 
 
 def column(dataset: Any, rows: slice | None = None) -> tuple[Array, str]:
-    """Rows of a dataset, all by default, and their unit."""
+    """Rows of a dataset of numbers, all by default, and their unit."""
+    if not isinstance(dataset, h5py.Dataset) or dataset.ndim == 0 or dataset.dtype.kind not in NUMBERS:
+        raise ValueError(f"{dataset.name} is no array of numbers")
     return np.asarray(dataset[rows if rows is not None else ...]), str(text_of(dataset.attrs.get("unit", "")))

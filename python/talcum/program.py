@@ -27,7 +27,7 @@ class TalcumError(ResultsError):
 
 def check(case: PathText, *, ranks: int = 1, threads: int | None = None, set: Changes | None = None) -> str:
     """Validates a case, and returns the program's report of what would run."""
-    command = [*launch(ranks, threads), "check", str(case), *thread_words(threads), *set_words(set)]
+    command = [*launch(ranks, threads), "check", *thread_words(threads), *set_words(set), *file_words(case)]
     return call(command, quiet=True)
 
 
@@ -49,12 +49,13 @@ def run(
     of the case: `{"time.end": 5.0}`. `output` is the folder of results, results/NAME of the case by default. `resume`,
     `until` and `force` are the program's options of these names. Without `quiet` its messages are printed as they come.
     """
-    folder = Path(output) if output is not None else Path("results") / Path(case).stem
-    options = ["--output", str(folder)]
+    folder = named(output) if output is not None else Path("results") / Path(case).stem
+    options = [f"--output={folder}"]
     options += ["--resume"] if resume else []
     options += ["--force"] if force else []
     options += until_words(until)
-    call([*launch(ranks, threads), "run", str(case), *options, *thread_words(threads), *set_words(set)], quiet)
+    options += [*thread_words(threads), *set_words(set)]
+    call([*launch(ranks, threads), "run", *options, *file_words(case)], quiet)
     return opened(folder)
 
 
@@ -70,12 +71,12 @@ def restart(
     quiet: bool = True,
 ) -> Bed:
     """Goes on from a checkpoint, in its folder or in `output`, and opens the results; the rest is as for `run`."""
-    folder = Path(output) if output is not None else Path(checkpoint).parent
-    options = ["--output", str(folder)] if output is not None else []
+    folder = named(output) if output is not None else Path(checkpoint).parent
+    options = [f"--output={folder}"] if output is not None else []
     options += ["--force"] if force else []
     options += until_words(until)
-    words = [*launch(ranks, threads), "restart", str(checkpoint), *options, *thread_words(threads), *set_words(set)]
-    call(words, quiet)
+    options += [*thread_words(threads), *set_words(set)]
+    call([*launch(ranks, threads), "restart", *options, *file_words(checkpoint)], quiet)
     return opened(folder)
 
 
@@ -97,6 +98,18 @@ def launch(ranks: int, threads: int | None) -> list[str]:
     if shutil.which("mpirun") is None:
         raise TalcumError(f"ranks = {ranks}: there is no mpirun on PATH; threads = {ranks} starts ranks without MPI")
     return ["mpirun", "-n", str(ranks), program()]
+
+
+def named(output: PathText) -> Path:
+    """A folder for results; an empty text is no name for one."""
+    if not str(output):
+        raise TalcumError("output = '': must be the name of a folder")
+    return Path(output)
+
+
+def file_words(file: PathText) -> list[str]:
+    """A file as the last word of a command: behind two dashes it is no option, whatever its name."""
+    return ["--", str(file)]
 
 
 def thread_words(threads: int | None) -> list[str]:

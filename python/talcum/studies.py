@@ -9,7 +9,7 @@ from typing import Union
 
 from talcum_results import program
 
-from .program import call
+from .program import call, file_words, named
 from .study_tables import Estimate, StudyTable, read_study_table
 from .tables import ResultsError
 
@@ -42,12 +42,12 @@ def run_study(
     `output` is the folder of the study, results/NAME of the study file by default; `at_a_time`, `ranks_per_run`,
     `launcher` and `retry` are the program's options of these names. Without `quiet` its messages are printed.
     """
-    folder = Path(output) if output is not None else Path("results") / Path(study).stem
-    options = ["--output", str(folder)]
+    folder = named(output) if output is not None else Path("results") / Path(study).stem
+    options = [f"--output={folder}"]
     numbers = {"--at-a-time": at_a_time, "--ranks-per-run": ranks_per_run, "--launcher": launcher}
     options += [word for name, value in numbers.items() if value is not None for word in (name, str(value))]
     options += ["--retry"] if retry else []
-    call([program(), "study", str(study), *options], quiet)
+    call([program(), "study", *options, *file_words(study)], quiet)
     return read_study(folder)
 
 
