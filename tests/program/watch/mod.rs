@@ -2,6 +2,7 @@
 
 mod page;
 mod report;
+mod terminal;
 
 use crate::analyse::made::{CASE, Made};
 use talcum::analysis::Measures;

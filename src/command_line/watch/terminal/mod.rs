@@ -1,8 +1,10 @@
 //! The run in the terminal, until the user leaves.
 
+mod guard;
 mod plot;
 mod screen;
 
+use self::guard::{guard, has_gone};
 use self::screen::Screen;
 use super::columns::chosen;
 use super::run::WatchedRun;
@@ -10,6 +12,7 @@ use crate::command_line::signals::stop_flag;
 use anyhow::Context;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -18,14 +21,16 @@ const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 /// Between looks at keys and signals.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Shows the run until `q`, Esc, Ctrl-C or a signal; leaves the terminal as it was, after an error too.
+/// Shows the run until `q`, Esc, Ctrl-C, a signal or the end of the terminal; leaves the terminal as it was, after an error too.
 pub(super) fn show(run: &mut WatchedRun, columns: &[String]) -> anyhow::Result<()> {
     let stop = stop_flag()?;
+    guard(Arc::clone(&stop)).context("no thread can be started")?;
     let mut terminal =
         ratatui::try_init().context("the terminal cannot be drawn on; try --once")?;
     let ended = follow(&mut terminal, run, columns, &stop);
-    ratatui::restore();
-    ended
+    // Nothing is left to restore where the terminal has gone, and nobody to be shown an error.
+    let _ = ratatui::try_restore();
+    if ended.is_err() && has_gone() { Ok(()) } else { ended }
 }
 
 fn follow(
