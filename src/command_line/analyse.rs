@@ -1,6 +1,7 @@
 //! `talcum analyse`.
 
-use crate::output::OutputError;
+use super::complain;
+use crate::output::{OutputError, print};
 use crate::post_processing::{
     Findings, MEASURES, Measure, Results, TimeWindow, list, report, write_analysis,
 };
@@ -38,7 +39,7 @@ pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
     let folder = match &options.results {
         Some(folder) if !options.list => folder,
         _ => {
-            print!("{}", list());
+            print(list().trim_end())?;
             return Ok(ExitCode::SUCCESS);
         }
     };
@@ -49,7 +50,7 @@ pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
     for measure in measures {
         match measure.take(&results) {
             Ok(findings) => {
-                println!("{}", report(measure, &findings));
+                print(&report(measure, &findings))?;
                 found.push((measure, findings));
             }
             Err(error) if unreadable.contains(&error) => {}
@@ -60,11 +61,10 @@ pub(super) fn analyse(options: &AnalyseOptions) -> anyhow::Result<ExitCode> {
     std::fs::create_dir_all(output).with_context(|| output.display().to_string())?;
     let path = output.join("analysis.h5");
     let digest = write_analysis(&path, &results, &found)?;
-    println!("wrote {}\ntables {digest}", path.display());
-    for error in &unreadable {
-        eprintln!("error: {error}");
-    }
-    Ok(if unreadable.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    print(&format!("wrote {}\ntables {digest}", path.display()))?;
+    let is_whole = unreadable.is_empty();
+    unreadable.into_iter().for_each(|error| complain(&error.into()));
+    Ok(if is_whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 impl AnalyseOptions {

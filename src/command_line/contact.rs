@@ -52,8 +52,7 @@ pub(super) fn contact(options: &ContactOptions, ranks: &dyn Communicator) -> any
     let stage = stage_of(&case, options.stage.as_deref())?;
     let wall = options.wall.as_deref().map(|name| wall_of(&case, name)).transpose()?;
     let partners = Partners { species: species_of(&case, options)?, wall };
-    say(ranks, table(&case, stage, &partners, options).trim_end());
-    Ok(())
+    say(ranks, table(&case, stage, &partners, options).trim_end())
 }
 
 fn stage_of<'a>(case: &'a Case, name: Option<&str>) -> anyhow::Result<&'a Stage> {

@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Describes how the program was built.
-pub(super) fn of_program(ranks: &dyn Communicator) {
+pub(super) fn of_program(ranks: &dyn Communicator) -> anyhow::Result<()> {
     let mut message = format!("talcum {}\n", env!("CARGO_PKG_VERSION"));
     let ranks_are = match mpi_library() {
         Some(library) => format!("processes of MPI ({library}), or threads (--threads N)"),
@@ -28,7 +28,7 @@ pub(super) fn of_program(ranks: &dyn Communicator) {
     for (name, entry) in entries {
         let _ = writeln!(message, "  {name:<24}{entry}");
     }
-    say(ranks, message.trim_end());
+    say(ranks, message.trim_end())
 }
 
 /// Describes what is in a checkpoint; the last line is the digest of its state.
@@ -65,8 +65,7 @@ pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Re
     let count = count_of(provenance.ranks as usize, "rank");
     line("on", format!("{count}{ranks_are}, {}", provenance.machine));
     line("date", provenance.date);
-    say(ranks, &format!("{message}digest {digest}"));
-    Ok(())
+    say(ranks, &format!("{message}digest {digest}"))
 }
 
 fn diameters(smallest: f64, largest: f64) -> String {

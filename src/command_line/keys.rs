@@ -25,6 +25,5 @@ pub(super) fn keys(options: &KeysOptions, ranks: &dyn Communicator) -> anyhow::R
         KeysOptions { markdown: true, .. } => manual(),
         KeysOptions { section, .. } => terminal(section.as_deref())?,
     };
-    say(ranks, text.trim_end());
-    Ok(())
+    say(ranks, text.trim_end())
 }

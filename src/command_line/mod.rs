@@ -24,7 +24,8 @@ use self::log::start_log;
 use self::ranks::on_ranks;
 use crate::domain::RankGrid;
 use crate::numbers::check_instruction_set;
-use crate::parallel::Communicator;
+use crate::output::unless_closed;
+use crate::parallel::{Communicator, agree};
 use crate::study::{self, StudyOptions, SummaryOptions};
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use std::io::Write;
@@ -181,11 +182,10 @@ fn alone(work: impl FnOnce() -> anyhow::Result<ExitCode>) -> ExitCode {
 /// Prints how commands are written, from one rank.
 fn print_usage(usage: &clap::Error) -> ExitCode {
     let done = on_ranks(None, |ranks| {
-        if ranks.is_root() {
-            // Nothing is left to say if standard output is closed.
-            let _ = usage.print();
-        }
-        Ok(())
+        let printed = if ranks.is_root() { usage.print() } else { Ok(()) };
+        // Nothing is left to say where standard error is closed or full.
+        let printed = if usage.use_stderr() { Ok(()) } else { unless_closed(printed) };
+        Ok(agree(printed, ranks)?)
     });
     if usage.use_stderr() { ExitCode::from(USAGE) } else { done }
 }
@@ -211,10 +211,7 @@ fn dispatch(command: &RankCommand, ranks: &dyn Communicator) -> anyhow::Result<(
         RankCommand::Contact(options) => contact::contact(options, ranks),
         RankCommand::Keys(options) => keys::keys(options, ranks),
         RankCommand::Info { file: Some(file) } => info::of_checkpoint(file, ranks),
-        RankCommand::Info { file: None } => {
-            info::of_program(ranks);
-            Ok(())
-        }
+        RankCommand::Info { file: None } => info::of_program(ranks),
     }
 }
 

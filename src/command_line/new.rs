@@ -1,5 +1,6 @@
 //! `talcum new`: a commented case to begin with, one of those of the gallery (docs/gallery.md).
 
+use crate::output::print;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use std::fs::OpenOptions;
@@ -71,10 +72,6 @@ fn second_line(case: &str) -> &str {
 /// A file that is there stays as it is.
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
     OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes())
-}
-
-fn print(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{text}").context("standard output cannot be written")
 }
 
 #[cfg(test)]

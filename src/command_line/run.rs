@@ -7,6 +7,7 @@ use super::reading::read_case;
 use super::{RunArguments, report, signals};
 use crate::case::{BedStart, Case, changes};
 use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::print;
 use crate::parallel::{Communicator, agree};
 use crate::simulation::{
     self, InitialState, Outcome, OutputFolder, RunError, RunOptions, start_from_case,
@@ -73,12 +74,12 @@ pub(super) fn restart(
     ranks: &dyn Communicator,
 ) -> anyhow::Result<()> {
     let (checkpoint, _, digest) = checkpoint::read(path, ranks)?;
-    say(ranks, &format!("{}: state {digest} at time {}", path.display(), checkpoint.clock.time()));
+    say(ranks, &format!("{}: state {digest} at time {}", path.display(), checkpoint.clock.time()))?;
     let name = format!("the case in {}", path.display());
     let case_folder = PathBuf::from(&checkpoint.case_folder);
     let text = &checkpoint.case_text;
     let mut case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
-    say_changes(&checkpoint.case_text, &case, ranks);
+    say_changes(&checkpoint.case_text, &case, ranks)?;
     let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
     let folder = OutputFolder { path: output, case_folder };
@@ -103,10 +104,9 @@ pub(super) fn restart(
 }
 
 /// Says what is different from the case that a checkpoint was written with.
-fn say_changes(before: &str, case: &Case, ranks: &dyn Communicator) {
-    for change in changes(before, &case.text) {
-        say(ranks, &format!("changed since the checkpoint: {change}"));
-    }
+fn say_changes(before: &str, case: &Case, ranks: &dyn Communicator) -> anyhow::Result<()> {
+    let mut changes = changes(before, &case.text).into_iter();
+    changes.try_for_each(|change| say(ranks, &format!("changed since the checkpoint: {change}")))
 }
 
 /// The start of the case, whose title then says what is not as in its file.
@@ -117,7 +117,7 @@ fn begin(
 ) -> anyhow::Result<InitialState> {
     let initial = start_from_case(case, options.changes.ranks, ranks)?;
     if let (Some(digest), BedStart::Run { path }) = (&initial.begins_with, &case.particles.start) {
-        say(ranks, &format!("begins with {}, state {digest}", path.display()));
+        say(ranks, &format!("begins with {}, state {digest}", path.display()))?;
     }
     name_differences(case, &options.changes.set, initial.begins_with.as_ref())?;
     Ok(initial)
@@ -138,20 +138,23 @@ fn resume(
     match search.found {
         Some((path, checkpoint, _, digest)) => {
             let time = checkpoint.clock.time();
-            say(ranks, &format!("resuming from {} at time {time}, state {digest}", path.display()));
+            say(
+                ranks,
+                &format!("resuming from {} at time {time}, state {digest}", path.display()),
+            )?;
             if let Some(ended) = case_of_complete_run(case, folder, &checkpoint, options, ranks)? {
-                say(ranks, "the run is complete: what has changed in the case has no effect");
+                say(ranks, "the run is complete: what has changed in the case has no effect")?;
                 *case = ended;
             } else {
                 if !adopt_title(case, &options.changes.set, &checkpoint.case_text) {
                     name_differences(case, &options.changes.set, None)?;
                 }
-                say_changes(&checkpoint.case_text, case, ranks);
+                say_changes(&checkpoint.case_text, case, ranks)?;
             }
             Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
-            say(ranks, "no checkpoint to resume from: starting anew");
+            say(ranks, "no checkpoint to resume from: starting anew")?;
             begin(case, options, ranks)
         }
         None => {
@@ -226,7 +229,7 @@ fn run_to_end(
         );
     }
     let particles = ranks.total(initial.state.particles.owned_count());
-    say(ranks, report::head(case, particles, ranks.size()).trim_end());
+    say(ranks, report::head(case, particles, ranks.size()).trim_end())?;
     let stop = agree(signals::stop_flag(), ranks).context("signals cannot be caught")?;
     let mut progress = ProgressReport::new(ranks.is_root());
     let results = folder.path.clone();
@@ -237,8 +240,7 @@ fn run_to_end(
     progress.finish();
     let until = options.until.map(|time| format!(" --until {time}")).unwrap_or_default();
     let resume = resume(&outcome.checkpoint) + &until;
-    say(ranks, &summary(&outcome, &resume, ranks.size()));
-    Ok(())
+    say(ranks, &summary(&outcome, &resume, ranks.size()))
 }
 
 /// A step that failed, and where to go on: what it has begun has no meaning and is written nowhere.
@@ -276,13 +278,12 @@ fn summary(outcome: &Outcome, resume: &str, ranks: usize) -> String {
     format!("{table}{end}\ndigest {}", outcome.digest)
 }
 
-/// Prints a message on standard output, from rank 0.
-pub(super) fn say(ranks: &dyn Communicator, message: &str) {
-    use std::io::Write;
-    if ranks.is_root() {
-        // Nobody reads it if standard output is closed; the run is worth more.
-        let _ = writeln!(std::io::stdout(), "{message}");
-    }
+/// Prints a message on standard output, from rank 0. Collective.
+///
+/// # Errors
+/// If it cannot be written.
+pub(super) fn say(ranks: &dyn Communicator, message: &str) -> anyhow::Result<()> {
+    Ok(agree(if ranks.is_root() { print(message) } else { Ok(()) }, ranks)?)
 }
 
 fn absolute(path: &Path) -> PathBuf {

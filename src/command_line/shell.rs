@@ -1,10 +1,10 @@
 //! `talcum completions` and `talcum manual`: what shells and `man` know of the program. Both are made from the commands
 //! themselves, so packages make them when they are built.
 
+use crate::output::print;
 use anyhow::Context;
 use clap::{Args, Command};
 use clap_complete::Shell;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -28,7 +28,7 @@ pub(super) fn completions(
     // Into memory first: a closed standard output would be a panic of the generator.
     let mut text = Vec::new();
     clap_complete::generate(options.shell, &mut command, "talcum", &mut text);
-    std::io::stdout().write_all(&text).context("the completions cannot be printed")?;
+    print(String::from_utf8_lossy(&text).trim_end())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -25,6 +25,7 @@ pub mod readers;
 mod result_tables;
 mod series;
 mod snapshot_format;
+mod standard_output;
 mod table;
 mod text_table;
 mod units;
@@ -43,6 +44,7 @@ pub use result_tables::{Cells, Column, ResultTable};
 pub use series::Series;
 pub use snapshot_format::{PointColumn, SnapshotFormat, SnapshotStorage};
 pub use units::ColumnUnits;
+pub(crate) use standard_output::{print, unless_closed};
 pub use wall_force_table::WallForceTable;
 
 /// A file that could not be written, or is not what it should be.

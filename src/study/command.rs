@@ -1,7 +1,7 @@
 //! `talcum study`: what the user types, and what the study answers.
 
-use crate::output::ResultTable;
 use crate::output::lock::{Sharing, holder, sign, try_lock, wait_for_lock};
+use crate::output::{ResultTable, print};
 use crate::study::checker::CaseReader;
 use crate::study::definition::{Launcher, Study};
 use crate::study::file;
@@ -91,15 +91,15 @@ impl StudyCommand {
         let starts = starting_states(&study, &CaseReader)?;
         let session = Session::new(&study, &folder, starts, &CaseReader)?;
         if options.only_list {
-            print!("{}", status::list(&session).map_err(anyhow::Error::msg)?);
+            print(status::list(&session).map_err(anyhow::Error::msg)?.trim_end())?;
         } else if options.status {
-            println!("{}", status::status(&session).map_err(anyhow::Error::msg)?);
+            print(&status::status(&session).map_err(anyhow::Error::msg)?)?;
         } else if options.write_slurm {
             let path = templates::write_slurm(&session, &self.program);
-            println!("wrote {}", path.map_err(anyhow::Error::msg)?.display());
+            print(&format!("wrote {}", path.map_err(anyhow::Error::msg)?.display()))?;
         } else if options.write_row {
             let path = templates::write_row(&session, &self.program);
-            println!("wrote {}", path.map_err(anyhow::Error::msg)?.display());
+            print(&format!("wrote {}", path.map_err(anyhow::Error::msg)?.display()))?;
         } else if options.table {
             return self.write_tables(&session).map(|ok| exit_code(ok, false));
         } else {
@@ -143,12 +143,12 @@ impl StudyCommand {
             let finished = progress(session, task)? == Progress::Finished;
             done += usize::from(finished);
         }
-        println!("{done} of {} done", count_of(tasks.len(), "task"));
+        print(&format!("{done} of {} done", count_of(tasks.len(), "task")))?;
         for failure in &outcome.failures {
-            println!("failed: {failure}");
+            print(&format!("failed: {failure}"))?;
         }
         if outcome.stopped {
-            println!("stopped; the same command goes on");
+            print("stopped; the same command goes on")?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! `talcum summary`: a table of means for runs that were made by hand.
 
 use crate::output::readers::SeriesTable;
-use crate::output::{Cells, Column, ResultTable};
+use crate::output::{Cells, Column, ResultTable, print};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
 use crate::study::measure::{Measure, OfResults, Reduction, Statistic, Value, Window, reduced};
@@ -76,7 +76,7 @@ pub fn summary(options: &SummaryOptions) -> anyhow::Result<()> {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
             csv::write(&tables, folder).map_err(anyhow::Error::msg)?;
         }
-        None => print!("{}", csv::text(&tables[usize::from(options.points)])),
+        None => print(csv::text(&tables[usize::from(options.points)]).trim_end())?,
     }
     Ok(())
 }

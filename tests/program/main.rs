@@ -22,6 +22,7 @@ mod left_semaphore;
 mod measures;
 mod mpirun;
 mod new_case;
+mod printing;
 mod restart;
 mod round_column;
 mod shell;

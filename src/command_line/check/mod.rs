@@ -52,10 +52,9 @@ pub(super) fn check(
     let megabytes = 1.0e-6 * memory::needed(&case, Some(particles as f64), ranks);
     let _ = writeln!(message, "memory: about {megabytes:.0} MB in all");
     // Before the trial: what stands here helps where the trial fails.
-    say(ranks, message.trim_end());
+    say(ranks, message.trim_end())?;
     let trials = try_steps(&case, initial, changes.ranks, ranks)?;
-    say(ranks, describe_trials(&case, &trials, ranks).trim_end());
-    Ok(())
+    say(ranks, describe_trials(&case, &trials, ranks).trim_end())
 }
 
 fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> String {

@@ -12,8 +12,9 @@ mod thinning;
 use self::columns::check_columns;
 use self::run::WatchedRun;
 use self::serve::Address;
+use crate::output::print;
 use clap::Args;
-use std::io::{IsTerminal, Write, stdout};
+use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -40,7 +41,7 @@ pub(super) fn watch(options: &WatchOptions) -> anyhow::Result<ExitCode> {
     match options.serve {
         Some(address) => serve::serve(run, options.columns.clone(), address)?,
         None if options.once || !stdout().is_terminal() => {
-            stdout().write_all(plain::report(&run, &options.columns).as_bytes())?;
+            print(plain::report(&run, &options.columns).trim_end())?;
         }
         None => terminal::show(&mut run, &options.columns)?,
     }
