@@ -3,6 +3,7 @@
 mod page;
 mod report;
 mod terminal;
+mod visitors;
 
 use crate::analyse::made::{CASE, Made};
 use talcum::analysis::Measures;

@@ -11,15 +11,19 @@ use std::path::Path;
 use talcum::parallel::ParticleRecord;
 
 /// A server that runs.
-struct Served {
-    program: Running,
+pub(super) struct Served {
+    pub(super) program: Running,
     /// `127.0.0.1:40123`.
-    address: String,
+    pub(super) address: String,
 }
 
 fn serve(folder: &Path) -> Served {
     let folder = folder.display().to_string();
-    let mut program = start(0, &["watch", &folder, "--serve", "0"]);
+    served_by(start(0, &["watch", &folder, "--serve", "0"]))
+}
+
+/// A server that was started, as soon as it says where it is.
+pub(super) fn served_by(mut program: Running) -> Served {
     let line = program.first_line();
     let address = line.strip_prefix("http://").and_then(|rest| rest.split('/').next());
     Served { program, address: address.unwrap_or_else(|| panic!("{line}")).to_owned() }

@@ -16,7 +16,7 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    fn text(status: u16, body: &str) -> Self {
+    pub(super) fn text(status: u16, body: &str) -> Self {
         Self { status, kind: "text/plain; charset=utf-8", body: format!("{body}\n") }
     }
 

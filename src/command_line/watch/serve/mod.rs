@@ -1,65 +1,61 @@
 //! The run as a page in the browser: a small server of one page and the documents that it asks for.
 //!
-//! It reads only, and answers one request after another, so that the files are read by one thread; the answer itself is
-//! sent by another, lest somebody who reads slowly keep the others waiting.
+//! It reads only. Each connection has a thread of its own and brings one request, so that nobody who is slow keeps the
+//! others waiting; the files are read for one request after another. How many connections there are, how long each may
+//! take and what it may send are limited: the server outlives its visitors.
 
 mod address;
 mod answer;
 mod documents;
+mod exchange;
 
 pub(super) use self::address::{Address, DEFAULT};
 
-use self::answer::{Answer, Site};
+use self::answer::Site;
+use self::exchange::{busy, exchange};
 use super::run::WatchedRun;
 use crate::command_line::signals::stop_flag;
+use crate::output::print;
 use anyhow::{Context, anyhow};
-use std::io::{ErrorKind, Write, stdout};
-use std::net::{SocketAddr, TcpListener};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::io::ErrorKind;
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+use std::thread;
 use std::time::Duration;
-use tiny_http::{Header, Request, Response, Server};
 
 /// Between looks at signals.
-const PATIENCE: Duration = Duration::from_millis(200);
-/// The page takes scripts and data from here alone, and belongs into nobody's frame.
-const HEADERS: [(&str, &str); 5] = [
-    (
-        "Content-Security-Policy",
-        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; \
-         connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-    ),
-    ("Cross-Origin-Resource-Policy", "same-origin"),
-    ("X-Content-Type-Options", "nosniff"),
-    ("Referrer-Policy", "no-referrer"),
-    ("Cache-Control", "no-store"),
-];
+const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 200_000_000 };
+/// Before the next attempt where the system gives no connection, for example since there are no file descriptors left.
+const PAUSE: Duration = Duration::from_millis(200);
+/// Connections at a time. A browser opens six; of 64 file descriptors, as few as any system allows, half are left for files.
+const MOST_CONNECTIONS: usize = 32;
 
 /// Serves the page until Ctrl-C, or a signal to end.
 pub(super) fn serve(run: WatchedRun, columns: Vec<String>, address: Address) -> anyhow::Result<()> {
     let stop = stop_flag()?;
-    let (server, bound) = listen(address)?;
-    announce(bound)?;
-    let mut site = Site { run, columns };
+    let listener = listen(address)?;
+    announce(listener.local_addr().context("--serve")?)?;
+    let site = Arc::new(Mutex::new(Site { run, columns }));
     while !stop.load(Ordering::Relaxed) {
-        if let Some(request) = server.recv_timeout(PATIENCE)? {
-            let answer = site.answer(request.method().as_str(), request.url(), host_of(&request));
-            std::thread::spawn(move || send(request, answer));
+        if let Some(visitor) = next_visitor(&listener) {
+            welcome(visitor, &site);
         }
     }
     Ok(())
 }
 
-fn listen(Address(address): Address) -> anyhow::Result<(Server, SocketAddr)> {
+/// A listener whose connections are taken without waiting for them.
+fn listen(Address(address): Address) -> anyhow::Result<TcpListener> {
     let listener = TcpListener::bind(address).map_err(|error| match error.kind() {
         ErrorKind::AddrInUse => anyhow!(
             "--serve {address}: another program has this port; name another, or 0 for any that is free"
         ),
         _ => anyhow!("--serve {address}: {error}"),
     })?;
-    let bound = listener.local_addr().context("--serve")?;
-    let server = Server::from_listener(listener, None)
-        .map_err(|error| anyhow!("--serve {address}: {error}"))?;
-    Ok((server, bound))
+    listener.set_nonblocking(true).with_context(|| format!("--serve {address}"))?;
+    Ok(listener)
 }
 
 /// Says where the page is, and who else can see it.
@@ -67,25 +63,35 @@ fn announce(bound: SocketAddr) -> anyhow::Result<()> {
     if !bound.ip().is_loopback() {
         log::warn!("anybody who can reach {bound} over the network can look at this run");
     }
-    writeln!(stdout(), "http://{bound}/  (Ctrl-C ends it)")?;
-    stdout().flush()?;
-    Ok(())
+    Ok(print(&format!("http://{bound}/  (Ctrl-C ends it)"))?)
 }
 
-fn host_of(request: &Request) -> Option<&str> {
-    let mut headers = request.headers().iter();
-    headers.find(|header| header.field.equiv("Host")).map(|header| header.value.as_str())
-}
-
-fn send(request: Request, answer: Answer) {
-    let kind = ("Content-Type", answer.kind);
-    let allow = (answer.status == 405).then_some(("Allow", "GET"));
-    let mut response = Response::from_data(answer.body).with_status_code(answer.status);
-    for (name, value) in HEADERS.into_iter().chain([kind]).chain(allow) {
-        if let Ok(header) = Header::from_bytes(name, value) {
-            response.add_header(header);
+/// The next connection, if one comes soon.
+fn next_visitor(listener: &TcpListener) -> Option<TcpStream> {
+    let mut waited_for = [PollFd::new(listener, PollFlags::IN)];
+    // A call that a signal interrupts has seen nobody.
+    if poll(&mut waited_for, Some(&PATIENCE)).unwrap_or(0) == 0 {
+        return None;
+    }
+    match listener.accept() {
+        Ok((stream, _)) => Some(stream),
+        Err(error) => {
+            // A visitor who has gone already is no reason to wait.
+            if !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::ConnectionAborted) {
+                thread::sleep(PAUSE);
+            }
+            None
         }
     }
-    // Who has gone misses nothing.
-    let _ = request.respond(response);
+}
+
+/// Has a visitor answered by a thread, or turned away if there are too many. The site is shared by as many as there are
+/// visitors, and by the server.
+fn welcome(visitor: TcpStream, site: &Arc<Mutex<Site>>) {
+    if Arc::strong_count(site) > MOST_CONNECTIONS {
+        return busy(&visitor);
+    }
+    let site = Arc::clone(site);
+    // Where the system refuses a thread, the connection is closed.
+    let _ = thread::Builder::new().spawn(move || exchange(&visitor, &site));
 }
