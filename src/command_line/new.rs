@@ -1,10 +1,8 @@
 //! `talcum new`: a commented case to begin with, one of those of the gallery (docs/gallery.md).
 
-use crate::output::print;
-use anyhow::{Context, anyhow};
+use crate::output::{print, write_whole};
+use anyhow::anyhow;
 use clap::Args;
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -44,7 +42,8 @@ pub(super) fn new(options: &NewOptions) -> anyhow::Result<ExitCode> {
         .find(|(name, _)| name == kind)
         .ok_or_else(|| anyhow!("{kind:?}: there is no such case; there are:\n{}", list()))?;
     let file = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
-    write(&file, case).with_context(|| format!("{}: cannot be written", file.display()))?;
+    write(&file, case)
+        .map_err(|error| anyhow!("{}: cannot be written: {error}", file.display()))?;
     let results = Path::new("results").join(file.file_stem().unwrap_or_default());
     print(&format!(
         "talcum check {file}\ntalcum run {file}        # results go to {results}; --threads N for N threads\n{look}",
@@ -70,8 +69,11 @@ fn second_line(case: &str) -> &str {
 }
 
 /// A file that is there stays as it is.
-fn write(path: &Path, text: &str) -> std::io::Result<()> {
-    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(text.as_bytes())
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    if path.symlink_metadata().is_ok() {
+        return Err("it is there already".to_owned());
+    }
+    write_whole(path, text.as_bytes())
 }
 
 #[cfg(test)]

@@ -12,7 +12,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
-use super::{MessageResult, OutputError, on_root, sync_folder, with_suffix};
+use super::whole_file::make_whole;
+use super::{MessageResult, OutputError, on_root, with_suffix, write_whole};
 use crate::parallel::Communicator;
 
 /// First bytes of a copy.
@@ -35,9 +36,7 @@ pub(super) fn create(
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.to_string()),
         _ => {}
     }
-    let partial = with_suffix(path, ".partial");
-    make(&partial)?;
-    std::fs::rename(&partial, path).map_err(|error| error.to_string())?;
+    make_whole(path, make)?;
     commit(path, tables)
 }
 
@@ -50,8 +49,9 @@ pub(super) fn commit(path: &Path, tables: &[String]) -> MessageResult<()> {
         rows.extend(file.places_of_rows(name, file.shape(name)?.0)?);
     }
     file.close()?;
-    copy_all_but(path, rows).map_err(|error| format!("its metadata cannot be copied: {error}"))?;
-    sync_folder(path)
+    let copy = copy_of_all_but(path, rows).map_err(|error| error.to_string());
+    let copied = copy.and_then(|copy| write_whole(&path_of_copy(path), &copy));
+    copied.map_err(|error| format!("its metadata cannot be copied: {error}"))
 }
 
 /// The same on rank 0. Collective.
@@ -63,7 +63,8 @@ pub(super) fn commit_on_root(
     on_root(path, ranks, || commit(path, tables)).map(|_| ())
 }
 
-fn copy_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<()> {
+/// All of a file but its rows, with the places where it belongs.
+fn copy_of_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     file.sync_all()?;
     let length = file.metadata()?.len();
@@ -81,12 +82,7 @@ fn copy_all_but(path: &Path, rows: Vec<Range<u64>>) -> std::io::Result<()> {
     }
     let hash = blake3::hash(&copy);
     copy.extend_from_slice(hash.as_bytes());
-    let place = path_of_copy(path);
-    let partial = with_suffix(&place, ".partial");
-    let mut file = File::create(&partial)?;
-    file.write_all(&copy)?;
-    file.sync_all()?;
-    std::fs::rename(&partial, &place)
+    Ok(copy)
 }
 
 /// What lies between ranges, from 0 to `length`.

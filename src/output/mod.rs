@@ -30,6 +30,7 @@ mod table;
 mod text_table;
 mod units;
 mod wall_force_table;
+mod whole_file;
 
 pub use energy_table::EnergyTable;
 pub use gas_snapshots::GasSnapshots;
@@ -46,6 +47,7 @@ pub use snapshot_format::{PointColumn, SnapshotFormat, SnapshotStorage};
 pub use units::ColumnUnits;
 pub(crate) use standard_output::{print, unless_closed};
 pub use wall_force_table::WallForceTable;
+pub(crate) use whole_file::{name_when_whole, write_whole};
 
 /// A file that could not be written, or is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

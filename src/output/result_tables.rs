@@ -4,7 +4,8 @@
 
 use super::hdf5_file::SerialFile;
 use super::table::{Rows, TableHead};
-use super::{MessageResult, OutputError, with_suffix};
+use super::whole_file::make_whole;
+use super::{MessageResult, OutputError};
 use std::path::Path;
 
 /// A table with what is needed to understand it alone.
@@ -119,15 +120,8 @@ impl ResultTable {
         provenance: &[(String, String)],
         tables: &[Self],
     ) -> Result<(), OutputError> {
-        let partial = with_suffix(path, &format!(".partial-{}", std::process::id()));
-        let written = write(&partial, provenance, tables).and_then(|()| {
-            std::fs::rename(&partial, path).map_err(|error| format!("cannot be renamed: {error}"))
-        });
-        written.map_err(|message| {
-            // What was begun is of no use; that it stays if it cannot be removed either does no harm.
-            let _ = std::fs::remove_file(&partial);
-            OutputError { path: path.to_owned(), message }
-        })
+        make_whole(path, |partial| write(partial, provenance, tables))
+            .map_err(|message| OutputError { path: path.to_owned(), message })
     }
 }
 

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::output_file::{Obstacle, continue_or_create};
 use super::{
-    Head, MessageResult, Opening, OutputError, free_name, on_root, set_aside, sync_folder,
-    with_suffix,
+    Head, MessageResult, Opening, OutputError, free_name, on_root, set_aside, write_whole,
 };
 use crate::parallel::Communicator;
 
@@ -137,15 +136,7 @@ fn create(path: &Path, head: Head<'_>, format: &TableFormat) -> MessageResult<Fi
 
 /// Replaces a file at one stroke and opens it to append.
 fn replace(path: &Path, text: &str) -> MessageResult<File> {
-    let replace = || {
-        let partial = with_suffix(path, ".partial");
-        let mut file = File::create(&partial)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
-        std::fs::rename(&partial, path)
-    };
-    replace().map_err(|error: std::io::Error| error.to_string())?;
-    sync_folder(path)?;
+    write_whole(path, text.as_bytes())?;
     let opened = OpenOptions::new().read(true).append(true).open(path);
     opened.map_err(|error| error.to_string())
 }

@@ -4,7 +4,7 @@ use super::outputs::LISTED;
 use crate::analysis::Digest;
 use crate::output::checkpoint::{is_checkpoint, is_stage_end};
 use crate::output::lock::{self, Sharing, try_lock};
-use crate::output::{OutputError, on_root};
+use crate::output::{OutputError, name_when_whole, on_root, write_whole};
 use crate::parallel::Communicator;
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
@@ -113,6 +113,7 @@ fn take_lock(path: &Path) -> Result<Option<File>, String> {
 }
 
 fn is_result(name: &str) -> bool {
+    let name = name_when_whole(name);
     let is_listed = |file: &str| LISTED.iter().any(|listed| listed.kind.file_name == file);
     let of_listed = |suffix| name.strip_suffix(suffix).is_some_and(is_listed);
     let fixed = ["case.toml", "analysis.h5", COMPLETE];
@@ -120,14 +121,14 @@ fn is_result(name: &str) -> bool {
         || is_stage_end(name)
         || is_of_measure(name)
         || fixed.contains(&name)
-        || ["", ".metadata", ".partial"].into_iter().any(of_listed)
+        || ["", ".metadata"].into_iter().any(of_listed)
 }
 
 /// Whether a file is one of a measure, whatever its name.
 fn is_of_measure(name: &str) -> bool {
     let of_measure = |name: &str| name.ends_with(".h5") || name.ends_with(".vtkhdf");
     let plain = |suffix| name.strip_suffix(suffix).is_some_and(of_measure);
-    name.starts_with("measure-") && ["", ".metadata", ".partial"].into_iter().any(plain)
+    name.starts_with("measure-") && ["", ".metadata"].into_iter().any(plain)
 }
 
 /// Makes the folder, with the case in effect; a run that goes on is no longer complete.
@@ -142,9 +143,11 @@ pub(super) fn make_folder(
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
             _ => {}
         }
-        std::fs::write(path.join("case.toml"), case_text)
+        Ok(())
     };
-    on_root(path, ranks, || make().map_err(|error| error.to_string())).map(|_| ())
+    on_root(path, ranks, || make().map_err(|error| error.to_string()))?;
+    let case = path.join("case.toml");
+    on_root(&case, ranks, || write_whole(&case, case_text.as_bytes())).map(|_| ())
 }
 
 /// Marks the run as complete: batch scripts need not start it again. Collective.
@@ -154,8 +157,6 @@ pub(super) fn mark_complete(
     ranks: &dyn Communicator,
 ) -> Result<(), OutputError> {
     let mark = path.join(COMPLETE);
-    on_root(&mark, ranks, || {
-        std::fs::write(&mark, format!("digest {digest}\n")).map_err(|error| error.to_string())
-    })
-    .map(|_| ())
+    let text = format!("digest {digest}\n");
+    on_root(&mark, ranks, || write_whole(&mark, text.as_bytes())).map(|_| ())
 }

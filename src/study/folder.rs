@@ -3,6 +3,7 @@
 //! Nothing else keeps the state of a study. A run is complete if Talcum says so in its folder and the case
 //! that was run is the one that the study asks for.
 
+use crate::output;
 use crate::output::lock::{Sharing, try_lock};
 use crate::output::readers::SeriesTable;
 use crate::study::case_text::EffectiveCase;
@@ -207,10 +208,8 @@ pub(crate) fn make_folder(path: &Path) -> Result<(), String> {
 
 /// Writes a file that is there as a whole, or not at all.
 pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), String> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(format!(".partial-{}", std::process::id()));
-    let written = std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path));
-    written.map_err(|error| format!("{} cannot be written: {error}", path.display()))
+    output::write_whole(path, text.as_bytes())
+        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
 }
 
 /// What is known about the runs of a study, from its folder.

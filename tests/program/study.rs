@@ -1,6 +1,7 @@
 //! A study with the real program: interrupted or not, on any ranks, it comes to the same tables; a bad value is refused
 //! before anything runs.
 
+use crate::faults::Fault;
 use crate::launch::{Ended, in_repository, signal, start, talcum, turn_of_mpirun};
 use crate::toml_files::toml_files;
 use std::path::{Path, PathBuf};
@@ -308,4 +309,22 @@ fn a_table_of_another_study_is_refused() {
     assert_code(&refused, 1);
     assert!(refused.error().contains("fig7-runs.csv: measure "), "{}", refused.errors);
     assert!(refused.error().contains("this was not measured"), "{}", refused.errors);
+}
+
+#[test]
+fn a_study_goes_on_after_a_run_was_killed_while_it_wrote_its_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = written(
+        folder.path(),
+        "seeds = 1\n[set]\nstage.fluidise.duration = 0.4\n\
+         [measure.top]\ncolumn = \"bed_top\"\nstatistic = \"last\"\n",
+    );
+    let output = folder.path().join("out");
+    let fault = Fault { call: "write", file: "/case.toml", from: 1, count: Some(1), rank: 0 };
+    let killed = fault.kill(&arguments(&study, &output, &[]));
+    assert_code(&killed, 1);
+    // The case stands under its name as a whole, or not at all.
+    let run_folder = std::fs::read_dir(output.join("runs")).unwrap().flatten().next().unwrap();
+    assert!(!run_folder.path().join("case.toml").exists());
+    assert_code(&run(&study, &output, &["--retry"]), 0);
 }

@@ -22,13 +22,13 @@ fn failing_calls() -> &'static Path {
 }
 
 /// A run in which calls of one rank fail.
-struct Fault<'a> {
-    call: &'a str,
-    file: &'a str,
-    from: usize,
+pub(crate) struct Fault<'a> {
+    pub(crate) call: &'a str,
+    pub(crate) file: &'a str,
+    pub(crate) from: usize,
     /// `None`: all calls from that one on.
-    count: Option<usize>,
-    rank: usize,
+    pub(crate) count: Option<usize>,
+    pub(crate) rank: usize,
 }
 
 impl Fault<'_> {
@@ -36,12 +36,23 @@ impl Fault<'_> {
         let mut environment = vec![
             ("LD_PRELOAD", failing_calls().display().to_string()),
             ("FAULT_CALL", self.call.to_owned()),
+        start_with(&self.environment(), ranks, arguments).wait()
+    }
+
+    /// The process that makes such a call is killed in it.
+    pub(crate) fn kill(&self, arguments: &[&str]) -> Ended {
+        let mut environment = self.environment();
+        environment.push(("FAULT_ERROR", "0".to_owned()));
+        start_with(&environment, 0, arguments).wait()
+    }
+
+    fn environment(&self) -> Vec<(&'static str, String)> {
             ("FAULT_PATH", self.file.to_owned()),
             ("FAULT_FROM", self.from.to_string()),
             ("FAULT_RANK", self.rank.to_string()),
         ];
         environment.extend(self.count.map(|count| ("FAULT_COUNT", count.to_string())));
-        start_with(&environment, ranks, arguments).wait()
+        environment
     }
 }
 
