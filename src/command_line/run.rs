@@ -57,11 +57,12 @@ pub(super) fn run(
         Earlier::Continue => resume(&mut case, &folder, options, ranks)?,
         _ => begin(&mut case, options, ranks)?,
     };
-    let output = folder.path.display().to_string();
+    let [shown, output] = [path, &folder.path].map(|path| in_shell(&path.display().to_string()));
     let resume = |_: &Path| {
+        let changes = options.changes.set.iter();
         let changes: String =
-            options.changes.set.iter().map(|change| format!(" --set '{change}'")).collect();
-        format!("talcum run {} --resume --output {output}{changes}", path.display())
+            changes.map(|change| format!(" --set {}", in_shell(change))).collect();
+        format!("talcum run {shown} --resume --output {output}{changes}")
     };
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
@@ -99,7 +100,9 @@ pub(super) fn restart(
     name_differences(&mut case, &options.changes.set, begins_with)?;
     let grid = options.changes.ranks;
     let initial = start_from_checkpoint(&case, checkpoint, grid, continues, ranks)?;
-    let resume = |checkpoint: &Path| format!("talcum restart {}", checkpoint.display());
+    let resume = |checkpoint: &Path| {
+        format!("talcum restart {}", in_shell(&checkpoint.display().to_string()))
+    };
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
@@ -286,6 +289,15 @@ pub(super) fn say(ranks: &dyn Communicator, message: &str) -> anyhow::Result<()>
     Ok(agree(if ranks.is_root() { print(message) } else { Ok(()) }, ranks)?)
 }
 
+/// A text as one word of a command for a shell.
+fn in_shell(text: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.to_owned(),
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
+}
+
 fn absolute(path: &Path) -> PathBuf {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
@@ -295,4 +307,17 @@ fn same_folder(first: &Path, second: &Path) -> bool {
     let whole =
         |path: &Path| std::fs::canonicalize(absolute(path)).unwrap_or_else(|_| absolute(path));
     whole(first) == whole(second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_shell;
+
+    #[test]
+    fn a_word_that_a_shell_would_take_apart_is_quoted() {
+        assert_eq!(in_shell("results/12:30"), "results/12:30");
+        assert_eq!(in_shell("it's a bed"), r"'it'\''s a bed'");
+        assert_eq!(in_shell("time.end={from=1}"), "'time.end={from=1}'");
+        assert_eq!(in_shell(""), "''");
+    }
 }

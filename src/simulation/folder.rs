@@ -47,10 +47,11 @@ impl OutputFolder {
     /// Makes the folder and keeps other runs out of it. Collective.
     ///
     /// # Errors
-    /// If another run has the folder, or it cannot be made.
+    /// If another run has the folder, or if it cannot be made or its files not be named.
     pub fn lock(&self, ranks: &dyn Communicator) -> Result<FolderLock, OutputError> {
         let path = self.path.join(RUNNING);
         let taken = on_root(&self.path, ranks, || {
+            self.path.to_str().ok_or("HDF5 has no names for files that are not in UTF-8")?;
             std::fs::create_dir_all(&self.path).map_err(|error| error.to_string())?;
             take_lock(&path)
         })?;

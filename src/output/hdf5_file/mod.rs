@@ -343,7 +343,7 @@ impl<'r> SharedFile<'r> {
         path: &Path,
         ranks: &'r dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::open(path, ranks, true, ranks.file_access(path))
+        Self::open(path, ranks, true, access_to(path, ranks))
     }
 
     /// The same where rank 0 writes the rows of all.
@@ -359,7 +359,7 @@ impl<'r> SharedFile<'r> {
         path: &Path,
         ranks: &'r dyn Communicator,
     ) -> Result<Self, OutputError> {
-        Self::open(path, ranks, false, ranks.file_access(path))
+        Self::open(path, ranks, false, access_to(path, ranks))
     }
 
     fn open(
@@ -450,6 +450,15 @@ impl<'r> SharedFile<'r> {
 
 fn missing(group: &str, name: &str, error: &hdf5::Error) -> String {
     format!("attribute {name} of {group} cannot be read: {error}")
+/// How ranks share a file. MPI-IO takes what stands before the first colon of a path for a kind of file system, and cuts it
+/// off: such a file is left to rank 0.
+fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
+    match path.as_os_str().as_encoded_bytes().contains(&b':') {
+        true => FileAccess::Root,
+        false => ranks.file_access(path),
+    }
+}
+
 }
 
 fn set_text(location: &Location, name: &str, text: &str) -> hdf5::Result<()> {

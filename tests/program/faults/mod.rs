@@ -1,5 +1,7 @@
 //! Disks that fail or are full, and two runs in one folder: nothing is lost, nothing hangs.
 
+mod names;
+
 use crate::launch::{Ended, checkpoints, series, smoke, start, start_with, talcum};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,9 +35,6 @@ pub(crate) struct Fault<'a> {
 
 impl Fault<'_> {
     fn run(&self, ranks: usize, arguments: &[&str]) -> Ended {
-        let mut environment = vec![
-            ("LD_PRELOAD", failing_calls().display().to_string()),
-            ("FAULT_CALL", self.call.to_owned()),
         start_with(&self.environment(), ranks, arguments).wait()
     }
 
@@ -47,6 +46,9 @@ impl Fault<'_> {
     }
 
     fn environment(&self) -> Vec<(&'static str, String)> {
+        let mut environment = vec![
+            ("LD_PRELOAD", failing_calls().display().to_string()),
+            ("FAULT_CALL", self.call.to_owned()),
             ("FAULT_PATH", self.file.to_owned()),
             ("FAULT_FROM", self.from.to_string()),
             ("FAULT_RANK", self.rank.to_string()),
