@@ -16,9 +16,9 @@ impl RankGrid {
         Self(counts)
     }
 
-    /// Number of ranks.
+    /// Number of ranks; the largest number there is if it is beyond that.
     pub fn size(self) -> usize {
-        self.0.iter().product()
+        self.0.iter().fold(1, |size: usize, &count| size.saturating_mul(count))
     }
 
     /// Position of a rank in the grid; x varies fastest.

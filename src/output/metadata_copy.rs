@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use super::hdf5_file::SerialFile;
 use super::whole_file::make_whole;
-use super::{MessageResult, OutputError, on_root, with_suffix, write_whole};
+use super::{MessageResult, OutputError, on_root, require_file, with_suffix, write_whole};
 use crate::parallel::Communicator;
 
 /// First bytes of a copy.
@@ -107,7 +107,8 @@ pub(super) fn restore(path: &Path) -> MessageResult<()> {
     if !place.exists() {
         return Ok(());
     }
-    let copy = std::fs::read(&place).map_err(|error| error.to_string())?;
+    let copy = require_file(&place).and_then(|()| std::fs::read(&place));
+    let copy = copy.map_err(|error| format!("{}: {error}", place.display()))?;
     match Copy::of_bytes(&copy) {
         Some(copy) => copy.put_into(path).map_err(|error| error.to_string())?,
         None => log::warn!("{} is damaged: it is not used", place.display()),

@@ -81,6 +81,19 @@ pub(crate) fn on_root<T>(
     agreed(path, result, ranks)
 }
 
+/// An error unless a path leads to a file: to open a pipe is to wait for its other end, perhaps without end.
+pub(crate) fn require_file(path: &Path) -> std::io::Result<()> {
+    match std::fs::metadata(path)?.is_file() {
+        true => Ok(()),
+        false => Err(std::io::Error::other("this is not a file")),
+    }
+}
+
+/// The text of a file.
+pub(crate) fn read_text(path: &Path) -> std::io::Result<String> {
+    require_file(path).and_then(|()| std::fs::read_to_string(path))
+}
+
 /// Whether HDF5 says that a call of the system has failed: then nothing is wrong with the file as far as is known.
 fn is_error_of_system(message: &str) -> bool {
     message.contains("errno = ")

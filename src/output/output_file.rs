@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     ColumnUnits, MessageResult, OutputError, Provenance, SnapshotFormat, is_error_of_system,
-    set_aside,
+    require_file, set_aside,
 };
 use crate::analysis::{BedProfile, Measures, WallForce};
 use crate::grid::{BoxGrid, ColumnGrid};
@@ -152,6 +152,9 @@ pub(super) fn continue_or_create<T>(
 
 /// The length of a file if it is there; an error if it may not be read and written.
 fn found_length(path: &Path) -> std::io::Result<Option<u64>> {
+    if path.exists() {
+        require_file(path)?;
+    }
     match OpenOptions::new().read(true).write(true).open(path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         opened => Ok(Some(opened?.metadata()?.len())),

@@ -9,7 +9,7 @@ use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::readers::{
     GasSnapshotReader, ParticleSnapshotReader, ProfileTable, SeriesTable,
 };
-use crate::output::{ColumnUnits, OutputError};
+use crate::output::{ColumnUnits, OutputError, read_text};
 use crate::parallel::OneRank;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ impl Results {
     /// If it holds no `case.toml`.
     pub fn open(folder: &Path, window: TimeWindow) -> Result<Self, OutputError> {
         let path = folder.join("case.toml");
-        let case_text = std::fs::read_to_string(&path).map_err(|error| OutputError {
+        let case_text = read_text(&path).map_err(|error| OutputError {
             path: path.clone(),
             message: format!("cannot be read: {error}; name the folder of results of a run"),
         })?;
@@ -90,7 +90,7 @@ impl Results {
 
     /// Digest of the last state, if the run came to its end.
     pub fn run_digest(&self) -> Option<String> {
-        let text = std::fs::read_to_string(self.folder.join("complete")).ok()?;
+        let text = read_text(&self.folder.join("complete")).ok()?;
         text.lines().find_map(|line| Some(line.strip_prefix("digest ")?.trim().to_owned()))
     }
 

@@ -141,7 +141,7 @@ impl StudyFolder {
     /// The time of the last row of a run's series.
     pub(crate) fn time_reached(&self, member: &Member) -> Option<f64> {
         // The last line may be half written.
-        let text = std::fs::read_to_string(self.run(member).join("series.csv")).ok()?;
+        let text = output::read_text(&self.run(member).join("series.csv")).ok()?;
         let whole = text.rsplit_once('\n')?.0;
         whole.rsplit('\n').next()?.split(',').next()?.parse().ok()
     }
@@ -163,9 +163,9 @@ impl StudyFolder {
 }
 
 fn read_state(folder: &Path, member: &Member) -> RunState {
-    let case = match std::fs::read_to_string(folder.join("case.toml")) {
+    let case = match output::read_text(&folder.join("case.toml")) {
         Ok(case) => case,
-        Err(_) => match std::fs::read_to_string(folder.join(FAILED)) {
+        Err(_) => match output::read_text(&folder.join(FAILED)) {
             Ok(reason) => return RunState::Failed(reason),
             Err(_) => return RunState::Waiting,
         },
@@ -178,11 +178,11 @@ fn read_state(folder: &Path, member: &Member) -> RunState {
             folder.display()
         ));
     }
-    let complete = std::fs::read_to_string(folder.join(COMPLETE));
+    let complete = output::read_text(&folder.join(COMPLETE));
     if let Some(digest) = complete.ok().and_then(|text| digest_of(&text)) {
         return RunState::Done(digest);
     }
-    match std::fs::read_to_string(folder.join(FAILED)) {
+    match output::read_text(&folder.join(FAILED)) {
         Ok(reason) => RunState::Failed(reason),
         Err(_) => RunState::Begun,
     }

@@ -179,7 +179,8 @@ impl MeasureCells<'_> {
         if measure.texts().is_some() {
             return Ok(Some(Value::Text(cell.to_owned())));
         }
-        let number = cell.parse().map_err(|_| format!("{cell} is not a number"))?;
+        let number = cell.parse().ok().filter(|number: &f64| number.is_finite());
+        let number = number.ok_or_else(|| format!("{cell} is not a finite number"))?;
         Ok(Some(Value::Number(number)))
     }
 }

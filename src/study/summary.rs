@@ -1,7 +1,7 @@
 //! `talcum summary`: a table of means for runs that were made by hand.
 
 use crate::output::readers::SeriesTable;
-use crate::output::{Cells, Column, ResultTable, print};
+use crate::output::{Cells, Column, ResultTable, print, read_text};
 use crate::study::case_text::EffectiveCase;
 use crate::study::folder::{COMPLETE, digest_of};
 use crate::study::measure::{Measure, OfResults, Reduction, Statistic, Value, Window, reduced};
@@ -84,7 +84,7 @@ pub fn summary(options: &SummaryOptions) -> anyhow::Result<()> {
 fn read(folder: &Path) -> anyhow::Result<Run> {
     let text = |name: &str| {
         let path = folder.join(name);
-        std::fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))
+        read_text(&path).with_context(|| format!("{} cannot be read", path.display()))
     };
     let case_text = text("case.toml")?;
     let case = EffectiveCase::parse(&case_text);

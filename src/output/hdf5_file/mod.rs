@@ -23,7 +23,7 @@ pub(super) use self::dimension_scales::ScaledTable;
 use self::rows::{open_together, place_of_piece, read_rows, set_rows, write};
 pub(super) use self::shared_dataset::SharedDataset;
 use super::table::{Rows, TableHead};
-use super::{MessageResult, OutputError, agreed};
+use super::{MessageResult, OutputError, agreed, require_file};
 use crate::parallel::{Communicator, FileAccess};
 
 /// How all files are opened.
@@ -86,11 +86,13 @@ impl SerialFile {
 
     /// A file that is only read.
     pub(super) fn open(path: &Path) -> MessageResult<Self> {
+        require_file(path).map_err(|error| format!("cannot be opened: {error}"))?;
         described(options().open(path)).map(Self)
     }
 
     /// A file that is changed.
     pub(super) fn open_to_change(path: &Path) -> MessageResult<Self> {
+        require_file(path).map_err(|error| format!("cannot be opened: {error}"))?;
         described(options().open_rw(path)).map(Self)
     }
 

@@ -13,7 +13,7 @@ pub use profiles::ProfileTable;
 pub use series::SeriesTable;
 
 use super::hdf5_file::SerialFile;
-use super::{MessageResult, OutputError};
+use super::{MessageResult, OutputError, require_file};
 use std::io::Read;
 use std::path::Path;
 
@@ -40,7 +40,9 @@ fn reading<T>(
 /// The library is shown nothing that is not HDF5 at all.
 fn check_signature(path: &Path) -> MessageResult<()> {
     let mut start = [0; SIGNATURE.len()];
-    let file = std::fs::File::open(path).map_err(|error| format!("cannot be opened: {error}"));
+    let file = require_file(path)
+        .and_then(|()| std::fs::File::open(path))
+        .map_err(|error| format!("cannot be opened: {error}"));
     match file?.read_exact(&mut start) {
         Ok(()) if start == *SIGNATURE => Ok(()),
         _ => Err("this is not an HDF5 file, or it was cut short".to_owned()),

@@ -1,6 +1,6 @@
 //! `series.csv`, read back.
 
-use crate::output::OutputError;
+use crate::output::{OutputError, read_text};
 use std::path::Path;
 
 /// The rows of `series.csv`, and what it says about its run.
@@ -21,7 +21,7 @@ impl SeriesTable {
     /// If it cannot be read, or is not such a table.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let wrong = |message: String| OutputError { path: path.to_owned(), message };
-        let text = std::fs::read_to_string(path);
+        let text = read_text(path);
         let text = text.map_err(|error| wrong(format!("cannot be read: {error}")))?;
         Self::parse(&text).map_err(wrong)
     }

@@ -84,7 +84,10 @@ fn tables_that_do_not_fit_are_refused() {
     assert!(table.contains(value) && table.contains(heading), "{table}");
     let otherwise = table.replace("last of bed_top", "mean of bed_top");
     assert!(refusal(&otherwise).contains("measure top: last of bed_top: this was not measured"));
-    assert!(refusal(&table.replace(value, "high")).contains("top: high is not a number"));
+    for wrong in ["high", "inf", "-infinity", "nan"] {
+        let expected = format!("top: {wrong} is not a finite number");
+        assert!(refusal(&table.replace(value, wrong)).contains(&expected), "{wrong}");
+    }
     assert!(
         refusal(&table.replace("identity_blake3", "hash")).contains("no column identity_blake3")
     );

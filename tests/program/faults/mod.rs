@@ -1,5 +1,6 @@
 //! Disks that fail or are full, and two runs in one folder: nothing is lost, nothing hangs.
 
+mod damage;
 mod names;
 
 use crate::launch::{Ended, checkpoints, series, smoke, start, start_with, talcum};

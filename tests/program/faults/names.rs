@@ -65,3 +65,14 @@ fn a_name_that_is_not_in_utf_8_is_refused_before_anything_is_written() {
     assert!(errors.contains("not in UTF-8"), "{errors}");
     assert!(!output.exists());
 }
+
+#[test]
+fn a_rank_grid_beyond_all_numbers_is_refused_for_its_number_of_ranks() {
+    let ended = talcum(0, &["check", &smoke("walls"), "--ranks", "7,7905747460161236407,1"]);
+    assert_eq!(ended.code(), Some(1));
+    assert!(
+        ended.error().contains("ranks, but 1 were started")
+            || ended.error().contains("but 1 was started"),
+        "{ended:?}"
+    );
+}

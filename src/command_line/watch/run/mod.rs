@@ -18,8 +18,8 @@ use self::listing::Listing;
 use self::pace::Pace;
 use self::state::Marks;
 use crate::case::Case;
-use crate::output::OutputError;
 use crate::output::readers::{ProfileTable, SeriesTable};
+use crate::output::{OutputError, require_file};
 use anyhow::{anyhow, bail};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -73,8 +73,10 @@ impl WatchedRun {
         let (case, series) = (self.file("case.toml"), self.file("series.csv"));
         let folder = &self.folder;
         self.case.renew(case, |path| {
-            let text = Case::read_text(path)?;
-            Case::from_text(&text, &path.display().to_string(), folder, &[])
+            require_file(path).map_err(|error| format!("{}: {error}", path.display()))?;
+            let text = Case::read_text(path).map_err(|error| error.to_string())?;
+            let case = Case::from_text(&text, &path.display().to_string(), folder, &[]);
+            case.map_err(|errors| errors.to_string())
         });
         let rows = self.rows();
         self.series.renew(series, SeriesTable::read);

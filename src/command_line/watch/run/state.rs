@@ -1,7 +1,7 @@
 //! Whether a run goes on.
 
 use crate::command_line::progress::readable;
-use crate::output::lock;
+use crate::output::{lock, read_text};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -98,7 +98,7 @@ impl Marks {
     /// Reads the marks of completion and of the lock. The lock itself is not touched: a run that begins at this instant
     /// must not find it taken.
     pub(super) fn read(folder: &Path) -> Self {
-        let mark = std::fs::read_to_string(folder.join("complete")).ok();
+        let mark = read_text(&folder.join("complete")).ok();
         let digest = |line: &str| Some(line.strip_prefix("digest ")?.trim().to_owned());
         let locked = folder.join("running");
         let holder = locked.exists().then(|| lock::holder(&locked));
