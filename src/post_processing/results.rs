@@ -41,6 +41,8 @@ pub struct Results {
     pub window: TimeWindow,
     case_text: String,
     case: Result<Case, NoValue>,
+    /// Whether a file that the case asks for must be there.
+    is_whole: bool,
     series: Read<SeriesTable>,
     profiles: Read<ProfileTable>,
     checkpoints: Read<Vec<PathBuf>>,
@@ -63,7 +65,14 @@ impl Results {
         });
         let (series, profiles, checkpoints) = Default::default();
         let folder = folder.to_owned();
-        Ok(Self { folder, window, case_text, case, series, profiles, checkpoints })
+        let is_whole = false;
+        Ok(Self { folder, window, case_text, case, is_whole, series, profiles, checkpoints })
+    }
+
+    /// The same results as those of a run that has come to its end: a file that the case asks for and that is not there is
+    /// an error, not the lack of something to measure.
+    pub fn of_complete_run(self) -> Self {
+        Self { is_whole: true, ..self }
     }
 
     /// Where they are.
@@ -211,9 +220,18 @@ impl Results {
     }
 
     /// The path of a file, if it is there.
-    fn file(&self, file: ResultFile) -> Result<PathBuf, NoValue> {
+    fn file(&self, file: ResultFile) -> Result<PathBuf, Unmeasured> {
         let path = self.folder.join(file.name());
-        if path.exists() { Ok(path) } else { Err(file.absent()) }
+        if path.exists() {
+            return Ok(path);
+        }
+        let is_due = |case: &Case| file.require_of(case).is_ok();
+        if self.is_whole && self.case.as_ref().is_ok_and(is_due) {
+            let message =
+                "is not there, though the run is complete and its case asks for it".to_owned();
+            return Err(OutputError { path, message }.into());
+        }
+        Err(file.absent().into())
     }
 
     fn require_times(&self, count: usize, file: ResultFile) -> Result<(), NoValue> {

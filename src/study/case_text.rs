@@ -71,6 +71,18 @@ impl EffectiveCase {
         Some(durations?.iter().sum())
     }
 
+    /// The earliest time that the last row of `series.csv` may have when the run has come to its end. Rows are due at multiples
+    /// of their interval, and stand at the nearest step.
+    pub(crate) fn last_row(&self) -> Option<f64> {
+        /// Of sums of steps; far below any interval.
+        const ROUNDING: f64 = 1.0e-9;
+        let end = self.end_time()?;
+        let interval = number(self.0.get("output")?.get("series")?)?;
+        let step = number(self.0.get("time")?.get("step")?)?;
+        let rows = (end / interval * (1.0 + ROUNDING)).floor();
+        Some(rows * interval - 0.5 * step - ROUNDING * end)
+    }
+
     /// The title.
     pub(crate) fn title(&self) -> Option<&str> {
         self.0.get("title")?.as_str()

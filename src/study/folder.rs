@@ -10,6 +10,7 @@ use crate::study::case_text::EffectiveCase;
 use crate::study::known::{KnownRun, KnownRuns};
 use crate::study::measure::{Measured, NamedMeasure};
 use crate::study::member::Member;
+use crate::study::setting::shortest;
 use crate::study::task::{Records, RunState};
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -146,6 +147,27 @@ impl StudyFolder {
         whole.rsplit('\n').next()?.split(',').next()?.parse().ok()
     }
 
+    /// Refuses the results of a complete run whose series lacks its last rows: they have been lost since.
+    ///
+    /// # Errors
+    /// Where it ends, and where it should.
+    pub(crate) fn require_last_row(&self, member: &Member) -> Result<(), String> {
+        let case = output::read_text(&self.run(member).join("case.toml"));
+        let case = case.ok().and_then(|text| EffectiveCase::parse(&text).ok());
+        let Some(due) = case.and_then(|case| case.last_row()) else { return Ok(()) };
+        match self.time_reached(member) {
+            Some(time) if time >= due => Ok(()),
+            reached => Err(format!(
+                "{} was cut short: its last row is at {}, and the run is complete up to {}",
+                self.run(member).join("series.csv").display(),
+                reached.map_or("no time".to_owned(), |time| format!("time {}", shortest(time))),
+                member
+                    .end_time
+                    .map_or("its end".to_owned(), |end| format!("time {}", shortest(end)))
+            )),
+        }
+    }
+
     /// What a table from elsewhere says about a run that is not complete here.
     pub(crate) fn known(&self, member: &Member) -> Option<&KnownRun> {
         let known = self.known.run(&member.identity)?;
@@ -232,6 +254,7 @@ impl Records for Results<'_> {
         if let Some(known) = self.folder.known(member) {
             return known.measure(name);
         }
+        self.folder.require_last_row(member).map_err(|error| format!("{name}: {error}"))?;
         let measured = measure.measure.value(&self.folder.run(member));
         measured.map_err(|error| format!("{name}: {error}"))
     }

@@ -157,6 +157,42 @@ fn what_talcum_analyse_measures_stands_in_the_tables_of_a_study() {
 }
 
 #[test]
+fn results_of_a_complete_run_that_were_cut_short_or_are_gone_are_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "seeds = 2\nmeasures = [\"bed.height\", \"waves.state\"]\n[set]\noutput.profiles = 0.1\n\
+                stage.pour.duration = 0.4\nstage.fluidise.duration = 0.8\n\
+                [measure.top]\ncolumn = \"bed_top\"\nstatistic = \"last\"\n";
+    let study = written(folder.path(), text);
+    let output = folder.path().join("out");
+    assert_code(&run(&study, &output, &["--at-a-time", "2"]), 0);
+    let first = std::fs::read_dir(output.join("runs")).unwrap().flatten().next().unwrap().path();
+    let (series, profiles) = (first.join("series.csv"), first.join("profiles.h5"));
+    let whole = std::fs::read(&series).unwrap();
+    let last_row =
+        whole.len() - 1 - whole[..whole.len() - 1].iter().rposition(|&b| b == b'\n').unwrap();
+    for lost in [2000, last_row] {
+        std::fs::write(&series, &whole[..whole.len() - lost]).unwrap();
+        for options in [&[][..], &["--table"]] {
+            let ended = run(&study, &output, options);
+            assert_code(&ended, 1);
+            let message = "series.csv was cut short: its last row is at time ";
+            assert!(ended.errors.contains(message), "{lost}: {}", ended.errors);
+        }
+    }
+    std::fs::write(&series, &whole).unwrap();
+    std::fs::rename(&profiles, first.join("elsewhere")).unwrap();
+    let ended = run(&study, &output, &[]);
+    assert_code(&ended, 1);
+    let message = "profiles.h5: is not there, though the run is complete and its case asks for it";
+    assert!(ended.errors.contains(message), "{}", ended.errors);
+    // The control: with both files as they were nothing is wrong, and nothing is if no row is due at the end.
+    std::fs::rename(first.join("elsewhere"), &profiles).unwrap();
+    assert_code(&run(&study, &output, &[]), 0);
+    let study = written(folder.path(), &text.replace("[set]\n", "[set]\noutput.series = 0.7\n"));
+    assert_code(&run(&study, &folder.path().join("between"), &["--at-a-time", "2"]), 0);
+}
+
+#[test]
 fn a_measure_that_no_run_of_the_case_can_give_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("out");

@@ -74,7 +74,7 @@ impl Quantity {
         }
         let whole = Results::open(results, TimeWindow::WHOLE)?;
         let (from, to) = self.window.bounds(whole.last_time()?);
-        let results = Results::open(results, TimeWindow { from, to })?;
+        let results = Results::open(results, TimeWindow { from, to })?.of_complete_run();
         let found = Rc::new(measure.take(&results)?);
         self.found.borrow_mut().insert(key, Rc::clone(&found));
         Ok(found)
