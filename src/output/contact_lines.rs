@@ -124,8 +124,9 @@ fn tables(extent: Extent) -> Vec<(String, u64)> {
     line_tables(extent).into_iter().chain(of_steps).collect()
 }
 
-fn growing() -> Vec<String> {
-    tables(Extent::default()).into_iter().map(|(name, _)| name).collect()
+/// Those of the lines, which are not copied at checkpoints.
+fn bulk() -> Vec<String> {
+    line_tables(Extent::default()).into_iter().map(|(name, _)| name).collect()
 }
 
 impl ContactLines {
@@ -136,14 +137,14 @@ impl ContactLines {
         continue_after: Option<f64>,
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
-        let begin = || metadata_copy::create(path, &growing(), |path| make(path, head));
+        let begin = || metadata_copy::create(path, &bulk(), |path| make(path, head));
         let found = on_root(path, ranks, || {
             let Some(time) = continue_after else { return begin().map(|()| Extent::default()) };
             let go_on = |found| cut_after(path, time, found);
             let kept = continue_or_create(path, go_on, || Ok(Extent::default()))?;
             match kept.steps {
                 0 => begin()?,
-                _ => metadata_copy::commit(path, &growing())?,
+                _ => metadata_copy::commit(path, &bulk())?,
             }
             Ok(kept)
         })?;
@@ -176,7 +177,7 @@ impl ContactLines {
 
     /// Makes safe what was written. Collective.
     pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &growing(), ranks)
+        metadata_copy::commit_on_root(&self.path, &bulk(), ranks)
     }
 }
 
@@ -308,9 +309,13 @@ fn extent_to_keep(path: &Path, time: f64, found_length: u64) -> MessageResult<Ex
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
     let counts: Vec<i64> = file.read("/VTKHDF/Lines/NumberOfCells")?;
+    let firsts: Vec<i64> = file.read(&format!("/VTKHDF/Steps/CellDataOffsets/{}", IDS[0]))?;
     let listed = times.len().min(listed.max(0) as usize);
-    let steps = rows_up_to(&times[..listed], time);
-    let lines = counts.iter().take(steps).try_fold(0_i64, |sum, &count| sum.checked_add(count));
+    let steps = rows_up_to(&times[..listed], time)?;
+    let mut places = firsts.iter().zip(&counts).take(steps);
+    let lines = places.try_fold(0_i64, |sum, (&first, &count)| {
+        sum.checked_add(count).filter(|_| first == sum && count >= 0)
+    });
     let lines = lines.ok_or("its numbers of lines are damaged")?;
     let extent = Extent { steps: steps as u64, lines: lines as u64 };
     for (name, rows) in tables(extent) {

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 
-use super::image_file::{ImageCells, ImageField};
+use super::image_file::{ImageCells, ImageField, bulk};
 use super::output_file::continue_or_create;
 use super::{
     Head, MessageResult, OpenedOutput, Opening, Output, OutputError, OutputKind, Sample,
@@ -80,7 +80,11 @@ impl GasSnapshots {
             let tables = tables();
             let go_on = |found| image_file::cut_after(path, time, &tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
-            if kept > 0 { metadata_copy::commit(path, &tables) } else { create(path, fields, head) }
+            if kept > 0 {
+                metadata_copy::commit(path, &bulk(&tables))
+            } else {
+                create(path, fields, head)
+            }
         })?;
         Ok(Self { path: path.to_owned() })
     }
@@ -115,7 +119,7 @@ impl Output for GasSnapshots {
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
+        metadata_copy::commit_on_root(&self.path, &bulk(&tables()), ranks)
     }
 }
 

@@ -46,6 +46,11 @@ pub(super) fn tables<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String
     of_fields.chain(["/VTKHDF/Steps/Values".to_owned()]).collect()
 }
 
+/// Those of the numbers of cells, which are not copied at checkpoints.
+pub(super) fn bulk(tables: &[String]) -> Vec<String> {
+    tables.iter().filter(|name| name.starts_with(&data(""))).cloned().collect()
+}
+
 /// Begins a file.
 pub(super) fn create(
     path: &Path,
@@ -55,7 +60,7 @@ pub(super) fn create(
     head: Head<'_>,
 ) -> MessageResult<()> {
     let tables = tables(fields.iter().map(|field| field.name));
-    metadata_copy::create(path, &tables, |path| make(path, cells, (fields, storage), head))
+    metadata_copy::create(path, &bulk(&tables), |path| make(path, cells, (fields, storage), head))
 }
 
 fn make(
@@ -149,9 +154,15 @@ fn steps_to_keep(
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
     let listed = times.len().min(listed.max(0) as usize);
-    let steps = rows_up_to(&times[..listed], time) as u64;
+    let steps = rows_up_to(&times[..listed], time)? as u64;
     let require = |name: &String| metadata_copy::require_rows(&file, name, steps, found_length);
     tables.iter().try_for_each(require)?;
+    for name in tables.iter().filter(|name| name.starts_with(&offsets(""))) {
+        let listed = file.read_rows::<i64>(name, 0, steps)?;
+        if !listed.into_iter().eq(0..steps as i64) {
+            return Err(format!("{name} is damaged"));
+        }
+    }
     file.close()?;
     Ok(steps)
 }

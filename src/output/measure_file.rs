@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::hdf5_file::{ScaledTable, SerialFile};
-use super::output_file::{Obstacle, continue_or_create};
+use super::output_file::{Obstacle, continue_or_create, shared_rows_up_to};
 use super::table::{Rows, TableHead};
 use super::{ColumnUnits, Head, MessageResult, OutputError, metadata_copy, on_root};
 use crate::analysis::Quantity;
@@ -94,7 +94,7 @@ impl MeasureFile {
         ranks: &dyn Communicator,
     ) -> Result<Self, OutputError> {
         let begin = || {
-            metadata_copy::create(path, &growing(&layout.tables), |path| {
+            metadata_copy::create(path, &bulk(&layout.tables), |path| {
                 make(path, plan, layout, head)
             })
         };
@@ -103,7 +103,7 @@ impl MeasureFile {
             let tables = &layout.tables;
             let go_on = |found| cut_after(path, time, plan, tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
-            if kept > 0 { metadata_copy::commit(path, &growing(tables)) } else { begin() }
+            if kept > 0 { metadata_copy::commit(path, &bulk(tables)) } else { begin() }
         })?;
         let (path, tables) = (path.to_owned(), layout.tables.clone());
         Ok(Self { path, tables, waiting: Vec::new(), written: Instant::now() })
@@ -132,7 +132,7 @@ impl MeasureFile {
         let path = self.path.clone();
         on_root(&path, ranks, || {
             self.write()?;
-            metadata_copy::commit(&self.path, &growing(&self.tables))
+            metadata_copy::commit(&self.path, &bulk(&self.tables))
         })?;
         Ok(())
     }
@@ -165,13 +165,16 @@ fn path_of(table: &Table, column: &str) -> String {
     format!("/{}/{column}", table.name)
 }
 
-/// Paths of the datasets that grow.
-fn growing(tables: &[Table]) -> Vec<String> {
-    let of_table = |table: &Table| -> Vec<String> {
-        let names = table.columns.iter().map(|column| column.name).chain(["time"]);
-        names.map(|name| path_of(table, name)).collect()
-    };
-    tables.iter().flat_map(of_table).collect()
+/// Paths of the datasets that grow, but for the times: these are copied at checkpoints.
+fn bulk(tables: &[Table]) -> Vec<String> {
+    let of_table =
+        |table: &Table| table.columns.iter().map(|column| path_of(table, column.name)).collect();
+    tables.iter().flat_map::<Vec<String>, _>(of_table).collect()
+}
+
+/// Paths of the datasets of a table that grow.
+fn growing(table: &Table) -> Vec<String> {
+    [bulk(std::slice::from_ref(table)), vec![path_of(table, "time")]].concat()
 }
 
 fn make(path: &Path, plan: &MeasurePlan, layout: &Layout, head: Head<'_>) -> MessageResult<()> {
@@ -258,14 +261,7 @@ fn rows_to_keep(
     }
     let rows_of = |table: &Table| {
         let times: Vec<f64> = file.read(&path_of(table, "time"))?;
-        let mut last = f64::NEG_INFINITY;
-        // Where times do not ascend, the rest is what an interrupted shortening has left.
-        let kept = times.iter().take_while(|&&row_time| {
-            let is_later = row_time >= last;
-            last = row_time;
-            is_later && row_time <= time
-        });
-        Ok(kept.count() as u64)
+        Ok(shared_rows_up_to(&times, time)? as u64)
     };
     let rows = tables.iter().map(rows_of).collect::<MessageResult<_>>()?;
     file.close()?;
@@ -280,7 +276,7 @@ fn require_rows(
 ) -> MessageResult<()> {
     let file = SerialFile::open(path)?;
     for (table, &rows) in tables.iter().zip(rows) {
-        for name in growing(std::slice::from_ref(table)) {
+        for name in growing(table) {
             metadata_copy::require_rows(&file, &name, rows, found_length)?;
         }
     }
@@ -290,7 +286,7 @@ fn require_rows(
 fn cut(path: &Path, tables: &[Table], rows: &[u64]) -> MessageResult<()> {
     let file = SerialFile::open_to_change(path)?;
     for (table, &rows) in tables.iter().zip(rows) {
-        growing(std::slice::from_ref(table)).iter().try_for_each(|name| file.cut(name, rows))?;
+        growing(table).iter().try_for_each(|name| file.cut(name, rows))?;
     }
     file.close()
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::contact_lines::ContactLines;
-use super::image_file::{self, ImageCells, ImageField};
+use super::image_file::{self, ImageCells, ImageField, bulk};
 use super::measure_file::MeasureFile;
 use super::output_file::continue_or_create;
 use super::{Head, MessageResult, OutputError, SnapshotStorage, metadata_copy, on_root};
@@ -80,7 +80,7 @@ impl MeasureOutput {
     /// If a file cannot be brought to the disk.
     pub fn commit(&mut self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         if let Some(image) = &self.image {
-            metadata_copy::commit_on_root(&image.path, &image.tables(), ranks)?;
+            metadata_copy::commit_on_root(&image.path, &bulk(&image.tables()), ranks)?;
         }
         if let Some(lines) = &self.lines {
             lines.commit(ranks)?;
@@ -105,7 +105,7 @@ impl ImageOutput {
             let Some(time) = continue_after else { return self.create(head) };
             let go_on = |found| image_file::cut_after(path, time, &tables, found);
             let kept = continue_or_create(path, go_on, || Ok(0))?;
-            if kept > 0 { metadata_copy::commit(path, &tables) } else { self.create(head) }
+            if kept > 0 { metadata_copy::commit(path, &bulk(&tables)) } else { self.create(head) }
         })?;
         Ok(())
     }

@@ -44,8 +44,8 @@ pub use provenance::Provenance;
 pub use result_tables::{Cells, Column, ResultTable};
 pub use series::Series;
 pub use snapshot_format::{PointColumn, SnapshotFormat, SnapshotStorage};
-pub use units::ColumnUnits;
 pub(crate) use standard_output::{print, unless_closed};
+pub use units::ColumnUnits;
 pub use wall_force_table::WallForceTable;
 pub(crate) use whole_file::{name_when_whole, write_whole};
 

@@ -166,11 +166,32 @@ fn read_through(path: &Path) -> std::io::Result<()> {
     std::io::copy(&mut File::open(path)?, &mut std::io::sink()).map(|_| ())
 }
 
-/// How many rows a run has written up to and including a time, from the times that stand in its file. Times ascend; where
-/// they do not, the rest is what an interrupted shortening has left.
-pub(super) fn rows_up_to(times: &[f64], time: f64) -> usize {
-    let ascending = 1 + times.windows(2).take_while(|pair| pair[0] < pair[1]).count();
-    times.iter().take(ascending).take_while(|&&row_time| row_time <= time).count()
+/// How many rows a run has written up to and including a time, from the times that stand in its file, which ascend. Where
+/// they do not, the rest may be what an interrupted shortening has left: later times, or none.
+///
+/// # Errors
+/// If rows that are to be kept lie behind one whose time is damaged.
+pub(super) fn rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
+    leading_rows(times, time, |before, row_time| before < row_time)
+}
+
+/// The same where several rows may be of one time.
+pub(super) fn shared_rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
+    leading_rows(times, time, |before, row_time| before <= row_time)
+}
+
+fn leading_rows(times: &[f64], time: f64, follows: fn(f64, f64) -> bool) -> MessageResult<usize> {
+    let mut last = f64::NEG_INFINITY;
+    let rows = times.iter().take_while(|&&row_time| {
+        let is_kept = follows(last, row_time) && row_time <= time;
+        last = if is_kept { row_time } else { last };
+        is_kept
+    });
+    let rows = rows.count();
+    match times[rows..].iter().any(|&row_time| last < row_time && row_time <= time) {
+        true => Err(format!("the time of its row {} is damaged: {}", rows + 1, times[rows])),
+        false => Ok(rows),
+    }
 }
 
 #[cfg(test)]
@@ -198,6 +219,20 @@ mod tests {
         assert_eq!(after(0), ("old", false));
         assert_eq!(after(1), ("old", false));
         assert_eq!(after(2), ("new", true));
+    }
+
+    #[test]
+    fn rows_behind_a_damaged_time_are_not_cut_off() {
+        for wrong in [0.0, 0.1, f64::NAN, f64::INFINITY, 1.0e9] {
+            let error = rows_up_to(&[0.0, 0.1, wrong, 0.3, 0.4], 0.35).unwrap_err();
+            assert!(error.contains("the time of its row 3 is damaged"), "{error}");
+        }
+        assert_eq!(rows_up_to(&[0.0, 0.1, 0.2, 0.3, 0.4], 0.3), Ok(4));
+        // What an interrupted shortening leaves, and room that is not filled.
+        assert_eq!(rows_up_to(&[0.0, 0.1, 0.4, 0.5, 0.0, 0.0], 0.3), Ok(2));
+        assert_eq!(rows_up_to(&[], 0.3), Ok(0));
+        assert!(rows_up_to(&[0.0, 0.1, 0.1, 0.2], 0.3).is_err());
+        assert_eq!(shared_rows_up_to(&[0.0, 0.1, 0.1, 0.2], 0.3), Ok(4));
     }
 
     #[test]

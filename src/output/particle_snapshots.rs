@@ -108,7 +108,7 @@ impl ParticleSnapshots {
             )?;
             match kept.steps {
                 0 => create(path, head, format)?,
-                _ => metadata_copy::commit(path, &tables(format))?,
+                _ => metadata_copy::commit(path, &point_tables(format))?,
             }
             let compressed = SerialFile::open(path)?.is_compressed(POINTS)?;
             Ok([kept.steps, kept.points, u64::from(compressed)])
@@ -190,7 +190,7 @@ impl Output for ParticleSnapshots {
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &tables(&self.format), ranks)
+        metadata_copy::commit_on_root(&self.path, &point_tables(&self.format), ranks)
     }
 }
 
@@ -230,7 +230,7 @@ fn tables(format: &SnapshotFormat) -> Vec<String> {
 }
 
 fn create(path: &Path, head: Head<'_>, format: &SnapshotFormat) -> MessageResult<()> {
-    metadata_copy::create(path, &tables(format), |path| make(path, head, format))
+    metadata_copy::create(path, &point_tables(format), |path| make(path, head, format))
 }
 
 fn make(path: &Path, head: Head<'_>, format: &SnapshotFormat) -> MessageResult<()> {
@@ -389,15 +389,17 @@ fn rows_to_keep(
     let listed: i64 = file.number("/VTKHDF/Steps", "NSteps")?;
     let times: Vec<f64> = file.read("/VTKHDF/Steps/Values")?;
     let (firsts, counts) = snapshot_rows(&file)?;
+    let compressed = file.is_compressed(POINTS)?;
     let listed = times.len().min(listed.max(0) as usize);
-    let steps = rows_up_to(&times[..listed], time);
+    let steps = rows_up_to(&times[..listed], time)?;
     let damaged = "its numbers of particles are damaged";
     let mut kept = Kept { steps: steps as u64, ..Kept::default() };
     for step in 0..steps {
         let (Some(&first), Some(&count)) = (firsts.get(step), counts.get(step)) else {
             return Err(damaged.to_owned());
         };
-        kept.points = first.checked_add(count).filter(|&end| end >= kept.points).ok_or(damaged)?;
+        let is_next = first == first_row(kept.points, compressed);
+        kept.points = first.checked_add(count).filter(|_| is_next).ok_or(damaged)?;
         kept.most = kept.most.max(count);
     }
     for (name, rows) in rows_of_tables(kept, format) {

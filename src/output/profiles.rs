@@ -84,7 +84,7 @@ impl Profiles {
             let kept =
                 continue_or_create(path, |found| cut_after(path, time, heights, found), || Ok(0))?;
             if kept > 0 {
-                metadata_copy::commit(path, &tables())
+                metadata_copy::commit(path, &bulk())
             } else {
                 create(path, heights, head)
             }
@@ -130,16 +130,17 @@ impl Output for Profiles {
     }
 
     fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
-        metadata_copy::commit_on_root(&self.path, &tables(), ranks)
+        metadata_copy::commit_on_root(&self.path, &bulk(), ranks)
     }
 }
 
-fn tables() -> Vec<String> {
-    GROWING.map(str::to_owned).to_vec()
+/// Those of them that are not copied at checkpoints: all but the times.
+fn bulk() -> Vec<String> {
+    GROWING[1..].iter().map(|&name| name.to_owned()).collect()
 }
 
 fn create(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
-    metadata_copy::create(path, &tables(), |path| make(path, heights, head))
+    metadata_copy::create(path, &bulk(), |path| make(path, heights, head))
 }
 
 fn make(path: &Path, heights: &[f64], head: Head<'_>) -> MessageResult<()> {
@@ -193,7 +194,7 @@ fn rows_to_keep(path: &Path, time: f64, heights: &[f64], found_length: u64) -> M
         return Err("its heights are others".to_owned());
     }
     let times: Vec<f64> = file.read("/time")?;
-    let rows = rows_up_to(&times, time) as u64;
+    let rows = rows_up_to(&times, time)? as u64;
     let require = |name| metadata_copy::require_rows(&file, name, rows, found_length);
     GROWING.into_iter().try_for_each(require)?;
     file.close()?;

@@ -170,31 +170,18 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
 /// was is kept; a last row that a kill has cut short is not damage. Rows that end too early are told.
 fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
     let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
-    let mut kept = String::new();
+    let (mut kept, rows) = head_and_rows(&text, format).map_err(Obstacle::Unusable)?;
     let mut damaged = Vec::new();
-    let mut columns = None;
     let mut times = Vec::new();
-    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
-        if line.starts_with('#') {
-            kept += line;
-        } else if columns.is_none() {
-            if line.trim_end() != format.header {
-                return Err(Obstacle::Unusable("it has other columns".to_owned()));
+    for (place, row) in rows.iter().enumerate() {
+        let before = times.last().copied().unwrap_or(f64::NEG_INFINITY);
+        match row.time_after(before, &rows[place + 1..]) {
+            Some(row_time) => {
+                kept += if row_time <= time { row.line } else { "" };
+                times.push(row_time);
             }
-            columns = Some(cells(line).len());
-            kept += line;
-        } else if !line.ends_with('\n') {
-            break;
-        } else if !is_row(line, columns, format) {
-            damaged.push(number.to_string());
-        } else {
-            let row_time = line.split(',').next().and_then(|first| first.parse().ok());
-            kept += if row_time <= Some(time) { line } else { "" };
-            times.extend(row_time);
+            None => damaged.push(row.number.to_string()),
         }
-    }
-    if columns.is_none() {
-        return Err(Obstacle::Unusable("it has no header".to_owned()));
     }
     if !damaged.is_empty() {
         keep_copy(path, &damaged.join(", ")).map_err(Obstacle::Failed)?;
@@ -206,6 +193,53 @@ fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Ob
         );
     }
     Ok(kept)
+}
+
+/// A line below the header.
+struct Row<'t> {
+    /// From 1, in the file.
+    number: usize,
+    line: &'t str,
+    /// `None` if it is no row of the table, or has no time that is a number.
+    time: Option<f64>,
+}
+
+impl Row<'_> {
+    /// Its time; `None` if it is damaged: before the time of the row above, or after those of the rows below.
+    fn time_after(&self, before: f64, below: &[Self]) -> Option<f64> {
+        /// One of the rows below may be damaged itself.
+        const ASKED: usize = 2;
+        let own = self.time.filter(|&own| own >= before)?;
+        let mut next = below.iter().filter_map(|row| row.time).take(ASKED).peekable();
+        let is_too_late = next.peek().is_some() && next.all(|next| before <= next && next < own);
+        (!is_too_late).then_some(own)
+    }
+}
+
+/// The comments and the header of a table, and the rows below them without a last one that has no end.
+fn head_and_rows<'t>(text: &'t str, format: &TableFormat) -> MessageResult<(String, Vec<Row<'t>>)> {
+    let mut head = String::new();
+    let mut rows = Vec::new();
+    let mut columns = None;
+    for (number, line) in (1..).zip(text.split_inclusive('\n')) {
+        if line.starts_with('#') {
+            head += line;
+        } else if columns.is_none() {
+            if line.trim_end() != format.header {
+                return Err("it has other columns".to_owned());
+            }
+            columns = Some(cells(line).len());
+            head += line;
+        } else if line.ends_with('\n') {
+            let time = line.split(',').next().and_then(|first| first.parse().ok());
+            let time = time.filter(|time: &f64| time.is_finite() && is_row(line, columns, format));
+            rows.push(Row { number, line, time });
+        }
+    }
+    if columns.is_none() {
+        return Err("it has no header".to_owned());
+    }
+    Ok((head, rows))
 }
 
 /// The last time of rows if there should be another one up to `time`: rows are brought to the disk with each checkpoint. Rows
@@ -260,6 +294,43 @@ fn cells(line: &str) -> Vec<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_row_of_a_time_that_does_not_fit_is_damaged_and_no_other_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("series.csv");
+        let format = TableFormat { header: "time [s],a [1]".to_owned(), texts: &[] };
+        let whole = ["0", "0.1", "0.2", "0.3", "0.4"];
+        for place in 0..whole.len() {
+            for wrong in ["0", "NaN", "inf", "1e9", "-1"] {
+                let mut times = whole;
+                times[place] = wrong;
+                // Rows of several walls are of one time, and a last row may be later than the checkpoint.
+                if times == whole || matches!((place, wrong), (1, "0") | (4, "1e9")) {
+                    continue;
+                }
+                let rows: String = times.iter().map(|time| format!("{time},1\n")).collect();
+                std::fs::write(&path, format!("{}\n{rows}", format.header)).unwrap();
+                let kept = rows_up_to(&path, 0.4, &format).unwrap();
+                let expected: Vec<&str> = whole
+                    .into_iter()
+                    .enumerate()
+                    .filter(|(n, _)| *n != place)
+                    .map(|(_, t)| t)
+                    .collect();
+                let found: Vec<&str> =
+                    kept.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+                let first_is_early = place == 0 && wrong == "-1";
+                assert_eq!(
+                    found,
+                    if first_is_early { times.to_vec() } else { expected },
+                    "{times:?}"
+                );
+                let copy = folder.path().join("series.csv.unreadable-1");
+                assert_eq!(std::fs::remove_file(copy).is_ok(), !first_is_early, "{times:?}");
+            }
+        }
+    }
 
     #[test]
     fn numbers_are_read_back_as_they_were() {

@@ -450,8 +450,6 @@ impl<'r> SharedFile<'r> {
     }
 }
 
-fn missing(group: &str, name: &str, error: &hdf5::Error) -> String {
-    format!("attribute {name} of {group} cannot be read: {error}")
 /// How ranks share a file. MPI-IO takes what stands before the first colon of a path for a kind of file system, and cuts it
 /// off: such a file is left to rank 0.
 fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
@@ -461,6 +459,8 @@ fn access_to(path: &Path, ranks: &dyn Communicator) -> FileAccess {
     }
 }
 
+fn missing(group: &str, name: &str, error: &hdf5::Error) -> String {
+    format!("attribute {name} of {group} cannot be read: {error}")
 }
 
 fn set_text(location: &Location, name: &str, text: &str) -> hdf5::Result<()> {

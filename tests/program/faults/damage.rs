@@ -1,9 +1,103 @@
-//! Files in the place of results that are none.
+//! Results that were damaged between two runs: no row is lost without a word.
 
 use super::{arguments, run_in};
 use crate::launch::{series, smoke, talcum};
 use std::fs;
+use std::path::Path;
 use std::process::Command;
+
+/// Lines of Python with the HDF5 file `f` open to change, and numpy as `np`.
+fn python(file: &Path, lines: &str) -> String {
+    let open = format!("f = h5py.File({:?}, 'r+', locking=False)", file.display().to_string());
+    let script = format!("import h5py\nimport numpy as np\n{open}\n{lines}\nf.close()\n");
+    let mut command = Command::new(crate::snapshots::python());
+    let done = command.args(["-c", &script]).output().unwrap();
+    let errors = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success(), "{errors}");
+    String::from_utf8_lossy(&done.stdout).trim().to_owned()
+}
+
+fn count_unreadable(folder: &Path) -> usize {
+    let entries = fs::read_dir(folder).unwrap().flatten();
+    entries.filter(|entry| entry.file_name().to_string_lossy().contains("unreadable")).count()
+}
+
+/// What is damaged, and how the rows are counted that are there.
+const DAMAGES: [[&str; 3]; 6] = [
+    ["profiles.h5", "f['time'][3] = 0.0", "print(list(f['time'][:]))"],
+    ["profiles.h5", "f['time'][-1] = np.nan", "print(list(f['time'][:]))"],
+    ["profiles.h5", "f['time'][2] = 1e9", "print(list(f['time'][:]))"],
+    [
+        "particles.vtkhdf",
+        "f['VTKHDF/Steps/Values'][2] = 0.0",
+        "print(list(f['VTKHDF/Steps/Values'][:]))",
+    ],
+    [
+        "particles.vtkhdf",
+        "f['VTKHDF/NumberOfPoints'][2:4] = 0",
+        "print(list(f['VTKHDF/NumberOfPoints'][:]))",
+    ],
+    [
+        "particles.vtkhdf",
+        "f['VTKHDF/Steps/PointOffsets'][3] = 7",
+        "print(list(f['VTKHDF/Steps/PointOffsets'][:]))",
+    ],
+];
+
+#[test]
+fn times_and_counts_that_were_damaged_are_mended_from_the_copy_or_the_file_is_set_aside() {
+    let whole = tempfile::tempdir().unwrap();
+    let digest = talcum(0, &arguments(&run_in(whole.path(), &[]))).digest();
+    for [name, damage, count] in DAMAGES {
+        let expected = python(&whole.path().join(name), count);
+        for has_copy in [true, false] {
+            let folder = tempfile::tempdir().unwrap();
+            for entry in fs::read_dir(whole.path()).unwrap().flatten() {
+                fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+            }
+            let path = folder.path().join(name);
+            python(&path, damage);
+            if !has_copy {
+                fs::remove_file(folder.path().join(format!("{name}.metadata"))).unwrap();
+            }
+            let resumed = talcum(0, &arguments(&run_in(folder.path(), &["--resume"])));
+            assert_eq!(resumed.digest(), digest);
+            let is_told = resumed.errors.contains("cannot be continued");
+            // A last time that is no number may be room that was never filled, if nothing says how many rows there were.
+            let is_last = damage.contains("[-1]");
+            assert_eq!(
+                is_told,
+                !has_copy && !is_last,
+                "{damage}, copy: {has_copy}: {}",
+                resumed.errors
+            );
+            assert_eq!(count_unreadable(folder.path()), usize::from(is_told), "{damage}");
+            if has_copy {
+                assert_eq!(python(&path, count), expected, "{damage}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_row_of_the_series_whose_time_is_damaged_is_left_out_with_a_warning() {
+    for wrong in ["NaN", "1e9", "0"] {
+        let folder = tempfile::tempdir().unwrap();
+        let digest = talcum(0, &arguments(&run_in(folder.path(), &[]))).digest();
+        let path = folder.path().join("series.csv");
+        let whole = fs::read_to_string(&path).unwrap();
+        let row = whole.lines().find(|line| line.starts_with("0.05,")).unwrap();
+        fs::write(&path, whole.replace(row, &row.replacen("0.05", wrong, 1))).unwrap();
+        let resumed = talcum(0, &arguments(&run_in(folder.path(), &["--resume"])));
+        assert_eq!(resumed.digest(), digest);
+        assert!(
+            resumed.errors.contains("rows that are damaged are left out"),
+            "{}",
+            resumed.errors
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), whole.replace(&format!("{row}\n"), ""));
+    }
+}
 
 #[test]
 fn a_pipe_in_the_place_of_a_result_is_an_error_and_not_waited_for() {
@@ -34,7 +128,7 @@ fn a_pipe_in_the_place_of_a_result_is_an_error_and_not_waited_for() {
                 || ended.output.contains("this is not a file");
             assert_eq!(said, is_read, "{name}: {command:?}: {ended:?}");
             if command[0] == "run" && name == "case.toml" {
-                assert!(fs::metadata(&path).unwrap().is_file(), "the case is written anew");
+                assert!(fs::metadata(&path).unwrap().is_file(), "the case is written again");
                 assert!(
                     Command::new("mkfifo")
                         .arg(folder.path().join("pipe"))

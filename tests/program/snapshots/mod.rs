@@ -20,7 +20,7 @@ pub(crate) fn time(step: usize) -> f64 {
 }
 
 /// The Python that has VTK: that of `scripts/install`, else the one on the path.
-fn python() -> PathBuf {
+pub(crate) fn python() -> PathBuf {
     let installed = concat!(env!("CARGO_MANIFEST_DIR"), "/.venv/bin/python");
     match std::env::var_os("TALCUM_PYTHON") {
         Some(named) => PathBuf::from(named),
