@@ -148,7 +148,8 @@ impl PowerSpectrum {
     /// Its frequency is the centroid of the density above the surrounding level, over one resolution to either side.
     /// Its standard error is the centroid's spread, sqrt(sum (f - f_0)^2 S / sum S), over the square root of half the
     /// degrees of freedom: for a sine in noise that is too large, for a band of frequencies about right. Fails if no
-    /// peak stands out: if its lower confidence bound is below the upper one of the median density.
+    /// peak stands out: if its lower confidence bound is below the upper one of the median density, or if the density is
+    /// larger below the resolution, where nothing can be distinguished from a drift.
     pub fn dominant(&self) -> Result<DominantFrequency, NoValue> {
         let step = self.frequencies.get(1).copied().unwrap_or(0.0);
         let first = (libm::ceil(self.resolution / step) as usize).max(1);
@@ -162,6 +163,13 @@ impl PowerSpectrum {
                 _ => Some(k),
             })
             .ok_or_else(|| NoValue::because("the spectrum has no peak above its resolution"))?;
+        if self.density[..first].iter().any(|&below| below > self.density[peak]) {
+            return Err(NoValue::because(format!(
+                "the record is too short: the largest density lies below the frequency {:.6}, and slower motion cannot be \
+                 distinguished from a drift",
+                self.frequencies[first]
+            )));
+        }
         let level = median(&self.density).unwrap_or(0.0);
         if self.density[peak] * self.lower_factor <= PROMINENCE * level * self.upper_factor {
             return Err(NoValue::because(format!(
@@ -235,6 +243,27 @@ mod tests {
             assert!((found.rms / (amplitude / 2.0_f64.sqrt()) - 1.0).abs() < 0.08, "{found:?}");
             assert!((spectrum.variance() - 1.0 - 0.5 * amplitude * amplitude).abs() < 0.04);
         }
+    }
+
+    #[test]
+    fn a_swing_too_slow_for_the_segments_hides_behind_no_peak_of_noise() {
+        // Five periods in the record, and segments of a quarter of it, whose 1.25 periods cannot be distinguished from a drift.
+        let (count, interval) = (400, 0.0025);
+        let swings = |periods: f64| -> Vec<f64> {
+            let phase = |index: usize| 2.0 * PI * periods * index as f64 / count as f64;
+            let mut series: Vec<f64> = (0..count).map(|index| phase(index).sin()).collect();
+            // A weak and quick motion, which alone stands out from the median.
+            series.iter_mut().enumerate().for_each(|(index, value)| {
+                *value += 0.01 * (2.0 * PI * 0.2 * index as f64).sin();
+            });
+            series
+        };
+        let reason = |series: &[f64]| welch(series, interval, 100, 0.95).unwrap().dominant();
+        let error = reason(&swings(5.0)).unwrap_err();
+        assert!(error.reason().contains("the record is too short"), "{error}");
+        // The control: four times as fast it is found.
+        let found = reason(&swings(20.0)).unwrap().frequency;
+        assert!((found.value - 20.0).abs() < 1.0, "{found:?}");
     }
 
     #[test]
