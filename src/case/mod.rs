@@ -17,6 +17,7 @@ mod errors;
 mod fluidisation;
 mod forces;
 mod gas;
+mod lightest;
 mod measures;
 mod merging;
 mod mixing;
@@ -54,13 +55,12 @@ pub use species::Species;
 pub use stage::Stage;
 pub use units::Units;
 
-use crate::contact::{BySpecies, CoarseGraining, ContactForceLaw, ContactModel};
+use crate::contact::CoarseGraining;
 use crate::domain::Bounds;
 use crate::gas::GasModel;
 use crate::gas::volume_averaged::VolumeAveragedModel;
 use crate::measures::MeasurePlan;
 use crate::particles::{ListRange, Skin};
-use crate::rules::ReducedBody;
 use crate::state::{Domain, SizeRange};
 use allowed_values::rounded;
 use context::ReadContext;
@@ -222,22 +222,6 @@ impl Case {
     /// If the bed does not fit, if its file is wrong, or if the start is the end of another run; the same for all parts.
     pub fn initial_bed(&self, part: BedPart) -> Result<InitialBed, BedError> {
         bed::build(self, part)
-    }
-
-    /// Duration of the shortest contact in a stage of particles of these sizes: of two of the smallest, or of
-    /// one and a wall.
-    pub fn shortest_contact(&self, stage: &Stage, sizes: &SizeRange) -> f64 {
-        let mass = self.particles.least_mass_of(sizes.smallest_diameter);
-        let radius = 0.5 * sizes.smallest_diameter;
-        let duration = |interface: &ContactModel, bodies: ReducedBody| {
-            interface.law.contact_duration(bodies.mass, bodies.radius)
-        };
-        let pair = ReducedBody::of_equal_spheres(mass, radius);
-        let at_wall = ReducedBody::of_sphere_and_wall(mass, radius);
-        let of_pairs = stage.physics.contact.values().iter().map(|model| duration(model, pair));
-        let models_at_walls = stage.physics.at_walls.iter().flat_map(BySpecies::values);
-        let of_walls = models_at_walls.map(|model| duration(model, at_wall));
-        of_pairs.chain(of_walls).fold(f64::INFINITY, f64::min)
     }
 
     /// Least width of the ghost layer, with the narrowest skin, in the stage that needs the widest: subdomains may not be

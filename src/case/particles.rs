@@ -141,15 +141,17 @@ impl ParticleSetup {
         of_species || self.sizes.as_ref().is_some_and(SizeDistribution::has_densities)
     }
 
-    /// Least mass that a sphere of this diameter can have.
-    pub fn least_mass_of(&self, diameter: f64) -> f64 {
-        let of_classes = self.classes().iter().map(|class| self.density_of(class));
-        let of_species = (0..self.species_count()).map(|species| self.density_of_species(species));
-        let least = match self.classes() {
-            [] => of_species.reduce(f64::min),
-            _ => of_classes.reduce(f64::min),
+    /// Mass and radius of the lightest particle of a species; `smallest` is the least diameter of all particles, which counts
+    /// where sizes are not in classes.
+    pub fn lightest_of_species(&self, species: usize, smallest: f64) -> (f64, f64) {
+        let of_class = |class: &SizeClass| {
+            (sphere_mass(self.density_of(class), class.diameter), 0.5 * class.diameter)
         };
-        sphere_mass(least.unwrap_or(self.density), diameter)
+        let classes = self.classes().iter().filter(|class| class.species == species);
+        let lightest = classes.map(of_class).min_by(|one, other| one.0.total_cmp(&other.0));
+        let of_smallest =
+            || (sphere_mass(self.density_of_species(species), smallest), 0.5 * smallest);
+        lightest.unwrap_or_else(of_smallest)
     }
 
     fn density_of(&self, class: &SizeClass) -> f64 {

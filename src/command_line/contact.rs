@@ -111,7 +111,7 @@ fn table(case: &Case, stage: &Stage, partners: &Partners, options: &ContactOptio
     let masses = species.map(|species| case.particles.reference_mass(species));
     let bodies = match at_wall {
         true => ReducedBody::of_sphere_and_wall(masses[0], radius),
-        false => ReducedBody::of_spheres(masses, radius),
+        false => ReducedBody::of_spheres(masses, [radius; 2]),
     };
     let cohesion = physics.cohesion.as_ref().map(|cohesion| cohesion.of(species).at(stage.start));
     let attraction = |separation: f64| match &cohesion {

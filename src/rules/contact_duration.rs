@@ -20,9 +20,10 @@ impl ReducedBody {
         Self { mass: 0.5 * mass, radius: 0.5 * radius }
     }
 
-    /// Two spheres of these masses and of one radius.
-    pub fn of_spheres([one, other]: [f64; 2], radius: f64) -> Self {
-        Self { mass: one * other / (one + other), radius: 0.5 * radius }
+    /// Two spheres of these masses and radii.
+    pub fn of_spheres(masses: [f64; 2], radii: [f64; 2]) -> Self {
+        let reduced = |[one, other]: [f64; 2]| one * other / (one + other);
+        Self { mass: reduced(masses), radius: reduced(radii) }
     }
 
     /// A sphere and a wall, which is flat and has no end of mass: m* = m, R* = r.

@@ -138,3 +138,38 @@ fn a_mixture_has_one_digest_on_any_ranks_and_through_a_restart() {
     let words = "the bed at the start has 2 species: the case has 1";
     assert!(refused.error().contains(words), "{}", refused.errors);
 }
+
+/// A contact of a linear spring lasts pi sqrt(m* / k), m* = m_1 m_2 / (m_1 + m_2).
+#[test]
+fn check_prints_how_long_contacts_of_the_pairs_last_that_there_are() {
+    let text = std::fs::read_to_string(file()).unwrap();
+    let text = text.replace("values = [1.0, 0.8, 1.0]", "values = [1.0, 0.6, 0.6]").replace(
+        "contact = { normal_stiffness = 6.0e4, friction = 0.8 }",
+        "contact = { friction = 0.8 }",
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case.toml");
+    std::fs::write(&case, text).unwrap();
+    let ended = crate::launch::talcum(0, &["check", &case.display().to_string()]);
+    assert_eq!(ended.code(), Some(0), "{ended:?}");
+    let mass =
+        |density: f64, diameter: f64| density * std::f64::consts::PI * diameter.powi(3) / 6.0;
+    let (silica, titania) = (mass(1.0, 1.0), mass(1.9, 0.6));
+    for (name, one, other, restitution) in [
+        ("of silica ", silica, silica, 0.9),
+        ("of silica and titania", titania, silica, 0.7),
+        ("of titania ", titania, titania, 0.9),
+    ] {
+        let begin = format!("duration of a contact {name}");
+        let line = ended.output.lines().find(|line| line.trim_start().starts_with(&begin));
+        let line = line.unwrap_or_else(|| panic!("{begin}: {}", ended.output));
+        let number = line[line.find(&begin).unwrap() + begin.len()..].split_whitespace().next();
+        // The dashpot makes a contact longer by sqrt(1 + (ln e / pi)^2).
+        let damping = (1.0 + (f64::ln(restitution) / std::f64::consts::PI).powi(2)).sqrt();
+        let reduced = one * other / (one + other);
+        let expected = std::f64::consts::PI * (reduced / 2.0e4_f64).sqrt() * damping;
+        let printed: f64 = number.unwrap().parse().unwrap();
+        // Five digits are printed.
+        assert!((printed / expected - 1.0).abs() < 1.0e-4, "{printed} {expected}: {line}");
+    }
+}

@@ -10,6 +10,8 @@ pub(super) struct Partners<'a> {
     pub(super) name: String,
     pub(super) contact: &'a ContactModel,
     pub(super) bodies: ReducedBody,
+    /// The species of the two particles; of a particle and a wall, twice that of the particle.
+    pub(super) species: [usize; 2],
     /// Number of the wall, if one of the two is one.
     pub(super) wall: Option<usize>,
     cohesion: Option<&'a VanDerWaals>,
@@ -42,7 +44,8 @@ impl<'a> Partners<'a> {
         Self {
             name,
             contact: physics.contact.of(pair),
-            bodies: ReducedBody::of_spheres(masses, radius),
+            bodies: ReducedBody::of_spheres(masses, [radius; 2]),
+            species: pair,
             wall: None,
             cohesion: physics.cohesion.as_ref().map(|cohesion| cohesion.of(pair)),
             radius,
@@ -59,6 +62,7 @@ impl<'a> Partners<'a> {
             name: format!("{of} at wall \"{}\"", case.domain.walls[wall].name),
             contact: physics.at_walls[wall].of(species),
             bodies: ReducedBody::of_sphere_and_wall(mass, radius),
+            species: [species; 2],
             wall: Some(wall),
             cohesion: physics.cohesion.as_ref().map(|cohesion| cohesion.of([species; 2])),
             radius,

@@ -110,26 +110,23 @@ fn bond_numbers(cohesion: &VanDerWaals, particle: &ReferenceParticle) -> [f64; 2
     })
 }
 
-/// How long contacts of the smallest particles last: with each other, and with walls that are otherwise.
+/// How long contacts of the lightest particles of each species last: with each other, and with walls that are otherwise.
 fn describe_contacts(lines: &mut Lines, case: &Case, stage: &Stage, sizes: &SizeRange) {
-    let radius = 0.5 * sizes.smallest_diameter;
-    // Contacts of the lightest of the smallest particles are the shortest.
-    let lightest = case.particles.least_mass_of(sizes.smallest_diameter);
     let unit = ColumnUnits::of_system(case.units.name()).time;
     let mut tell = |name: &str, law: &ContactLaw, bodies: ReducedBody| {
         let duration = law.contact_duration(bodies.mass, bodies.radius);
         let steps = duration / stage.physics.time_step;
         lines.add(name, &format!("{duration:.4e} {unit}, {steps:.1} time steps ({})", law.name()));
     };
-    for Partners { name, contact, wall, .. } in Partners::of_stage(case, stage) {
+    for Partners { name, contact, wall, species, .. } in Partners::of_stage(case, stage) {
         match wall {
             None => {
-                let bodies = ReducedBody::of_equal_spheres(lightest, radius);
+                let bodies = case.lightest_pair(species, sizes);
                 tell(&format!("duration of a contact{name}"), &contact.law, bodies);
             }
             Some(_) if stage.physics.contact.values().contains(contact) => {}
             Some(_) => {
-                let bodies = ReducedBody::of_sphere_and_wall(lightest, radius);
+                let bodies = case.lightest_at_wall(species[0], sizes);
                 tell(&format!("duration{name}"), &contact.law, bodies);
             }
         }
