@@ -13,6 +13,7 @@ mod radix_sort;
 mod random;
 mod schedule;
 mod simd;
+mod vectorised;
 mod wide_vectors;
 
 pub use exact_sum::ExactSum;
@@ -27,5 +28,8 @@ pub(crate) use quick_sum::QuickSum;
 pub(crate) use radix_sort::sorted_by_key;
 pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;
-pub(crate) use simd::{F64x4, SimdKernel, four, four_mut, with_simd};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use simd::avx2_registers;
+pub(crate) use simd::{F64x4, SimdKernel, four, four_mut, portable_registers, with_simd};
+pub(crate) use vectorised::vectorised;
 pub(crate) use wide_vectors::{VectorWork, in_wide_vectors};

@@ -1,7 +1,9 @@
 //! Four numbers side by side, for loops that the compiler does not turn into vector instructions by itself.
 
+use super::vectorised;
 #[cfg(target_arch = "x86_64")]
-use super::{InstructionSet, instruction_set};
+pub(crate) use avx2::avx2_registers;
+use std::marker::PhantomData;
 
 /// Four doubles in one register.
 ///
@@ -63,9 +65,7 @@ pub(crate) fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")
 }
 
-/// Work on four numbers at a time. `run`, and all it calls, must be `#[inline(always)]`, as for
-/// [`VectorWork`](super::VectorWork). Vectors in closures, and therefore in `map` of arrays, are an order of magnitude
-/// slower.
+/// Work on four numbers at a time. `run`, and all it calls, must be `#[inline(always)]`.
 pub(crate) trait SimdKernel {
     /// What it returns.
     type Output;
@@ -74,20 +74,16 @@ pub(crate) trait SimdKernel {
     fn run<Q: F64x4>(self) -> Self::Output;
 }
 
-/// Runs work with the widest vectors that the processor has, as [`in_wide_vectors`](super::in_wide_vectors) does. With
-/// AVX-512, loops over the lanes of blocks work on eight numbers at a time.
-#[inline(always)]
-pub(crate) fn with_simd<W: SimdKernel>(work: W) -> W::Output {
-    #[cfg(target_arch = "x86_64")]
-    #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
-    match instruction_set() {
-        // SAFETY: `avx2::run_in_avx512` requires AVX-512, which the processor has.
-        InstructionSet::Avx512 => return unsafe { avx2::run_in_avx512(work) },
-        // SAFETY: `avx2::run` requires AVX2, which the processor has.
-        InstructionSet::Avx2 => return unsafe { avx2::run(work) },
-        InstructionSet::Baseline => {}
+vectorised!(
+    /// Runs work with the widest vectors that the processor has.
+    pub(crate) fn with_simd<Q: F64x4, W: SimdKernel>(work: W) -> W::Output {
+        work.run::<Q>()
     }
-    work.run::<Portable>()
+);
+
+/// The registers of any processor, as a type.
+pub(crate) fn portable_registers() -> PhantomData<impl F64x4> {
+    PhantomData::<Portable>
 }
 
 /// Four numbers on any processor.
@@ -189,28 +185,23 @@ mod avx2 {
         reason = "vector instructions of AVX2; `Avx2` says why they are never reached without it"
     )]
 
-    use super::{F64x4, SimdKernel};
+    use super::F64x4;
     use std::arch::x86_64::*;
+    use std::marker::PhantomData;
 
-    /// Does the work with vectors of AVX2. Unsafe to call unless the processor has AVX2.
+    /// The registers of AVX2, as a type. Unsafe to call unless the processor has AVX2.
     #[target_feature(enable = "avx2")]
-    pub(super) fn run<W: SimdKernel>(work: W) -> W::Output {
-        work.run::<Avx2>()
-    }
-
-    /// Does the same work compiled for AVX-512. Unsafe to call unless the processor has these parts of it.
-    #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq,avx2")]
-    pub(super) fn run_in_avx512<W: SimdKernel>(work: W) -> W::Output {
-        work.run::<Avx2>()
+    pub(crate) fn avx2_registers() -> PhantomData<impl F64x4> {
+        PhantomData::<Avx2>
     }
 
     /// Four numbers in a register of AVX2.
     ///
     /// Its methods are safe functions that execute instructions of AVX2. This is sound by one invariant: **code that uses
     /// this type runs only if the processor has AVX2.** The type is private to this module, so that nothing else can name
-    /// it, and generic code gets it only from `run` and `run_in_avx512`, which are `unsafe` to call without AVX2
-    /// (`#[target_feature]`) and are called in one place, after AVX2 has been detected. A kernel may keep or return values
-    /// of it: they exist only in a process that runs on such a processor.
+    /// it, and generic code gets it only from `avx2_registers`, which is `unsafe` to call without AVX2
+    /// (`#[target_feature]`). [`vectorised`](crate::numbers::vectorised) calls it, in functions that it calls after AVX2 has
+    /// been detected. A function may keep or return values of it: they exist only in a process that runs on such a processor.
     ///
     /// Loads and stores need no alignment, and `&[f64; 4]` is exactly the memory that they access.
     #[derive(Clone, Copy)]
@@ -311,29 +302,29 @@ mod avx2 {
 mod tests {
     use super::*;
 
-    struct AllOperations;
-
-    impl SimdKernel for AllOperations {
-        type Output = [[f64; 4]; 12];
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> Self::Output {
-            let (a, b) = (Q::load(&[0.1, 0.2, 0.3, 0.4]), Q::load(&[-0.7, 3.0, 1.0e-9, 7.0]));
-            let columns = Q::transposed([a, b, a.times(b), Q::splat(0.3)]);
-            let sums = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
-            let results = sums.into_iter().chain([a.over(b), a.root(), b.magnitude()]);
-            let mut numbers = [[0.0; 4]; 12];
-            for (four, numbers) in results.chain(columns).zip(&mut numbers) {
-                four.store(numbers);
-            }
-            numbers
+    #[inline(always)]
+    fn all_operations<Q: F64x4>() -> [[f64; 4]; 12] {
+        let (a, b) = (Q::load(&[0.1, 0.2, 0.3, 0.4]), Q::load(&[-0.7, 3.0, 1.0e-9, 7.0]));
+        let columns = Q::transposed([a, b, a.times(b), Q::splat(0.3)]);
+        let sums = [a, a.plus(b), a.minus(b), a.times(b), a.larger(b)];
+        let results = sums.into_iter().chain([a.over(b), a.root(), b.magnitude()]);
+        let mut numbers = [[0.0; 4]; 12];
+        for (four, numbers) in results.chain(columns).zip(&mut numbers) {
+            four.store(numbers);
         }
+        numbers
     }
+
+    vectorised!(
+        fn all_operations_here<Q: F64x4>() -> [[f64; 4]; 12] {
+            all_operations::<Q>()
+        }
+    );
 
     #[test]
     fn all_implementations_give_the_same_bits() {
-        let all = with_simd(AllOperations);
-        assert_eq!(all, AllOperations.run::<Portable>());
+        let all = all_operations_here();
+        assert_eq!(all, all_operations::<Portable>());
         let [a, sum, _, _, larger, quotient, root, magnitude, columns @ ..] = all;
         assert_eq!(a, [0.1, 0.2, 0.3, 0.4]);
         assert_eq!(sum, [0.1 - 0.7, 0.2 + 3.0, 0.3 + 1.0e-9, 0.4 + 7.0]);
@@ -344,22 +335,22 @@ mod tests {
         assert_eq!(columns[1], [0.2, 3.0, 0.2 * 3.0, 0.3]);
     }
 
-    struct Comparison;
-
-    impl SimdKernel for Comparison {
-        type Output = u32;
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> u32 {
-            let (a, b) = (Q::load(&[1.0, 2.0, f64::NAN, -4.0]), Q::load(&[2.0, 2.0, 3.0, 0.0]));
-            a.below(b) | b.below(a) << 4 | a.at_most(b) << 8 | b.at_most(a) << 12
-        }
+    #[inline(always)]
+    fn comparisons<Q: F64x4>() -> u32 {
+        let (a, b) = (Q::load(&[1.0, 2.0, f64::NAN, -4.0]), Q::load(&[2.0, 2.0, 3.0, 0.0]));
+        a.below(b) | b.below(a) << 4 | a.at_most(b) << 8 | b.at_most(a) << 12
     }
+
+    vectorised!(
+        fn comparisons_here<Q: F64x4>() -> u32 {
+            comparisons::<Q>()
+        }
+    );
 
     #[test]
     fn all_implementations_compare_alike() {
         let expected = 0b0010_1011_0000_1001;
-        assert_eq!(with_simd(Comparison), expected);
-        assert_eq!(Comparison.run::<Portable>(), expected);
+        assert_eq!(comparisons_here(), expected);
+        assert_eq!(comparisons::<Portable>(), expected);
     }
 }

@@ -1,7 +1,6 @@
 //! The same code compiled for two instruction sets, of which one is chosen at run time.
 
-#[cfg(target_arch = "x86_64")]
-use super::{InstructionSet, instruction_set};
+use super::vectorised;
 
 /// Work on many numbers. `run`, and all it calls, must be `#[inline(always)]`: only what is inlined is compiled
 /// for wider vectors (a closure would not be).
@@ -19,25 +18,9 @@ pub(crate) trait VectorWork {
     fn run(self) -> Self::Output;
 }
 
-/// Runs work compiled for the widest vectors that the processor has: AVX2 on x86-64 if it is there, otherwise the
-/// instructions that every processor of the target has. Wider ones gain nothing on rows, most of which are short.
-///
-/// The bits are the same: each operation is rounded once, multiplications and additions are never fused, and the width
-/// of a vector is only the number of values that are worked on side by side.
-#[inline(always)]
-pub(crate) fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
-    #[cfg(target_arch = "x86_64")]
-    if instruction_set() >= InstructionSet::Avx2 {
-        // SAFETY: `with_avx2` is safe code, compiled for AVX2; its one requirement is that the processor has AVX2, which
-        // was detected.
-        #[allow(unsafe_code, reason = "the instruction set is chosen at run time")]
-        return unsafe { with_avx2(work) };
+vectorised!(
+    /// Runs work compiled for AVX2 if the processor has it.
+    pub(crate) fn in_wide_vectors<W: VectorWork>(work: W) -> W::Output {
+        work.run()
     }
-    work.run()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn with_avx2<W: VectorWork>(work: W) -> W::Output {
-    work.run()
-}
+);

@@ -1,26 +1,16 @@
 //! Ghosts at a step: images follow their originals, copies of other ranks' particles move by the velocities of theirs.
 
 use super::{Body, DriftStep};
-use crate::numbers::{F64x4, SimdKernel, with_simd};
+use crate::numbers::{F64x4, vectorised};
 
-/// Makes periodic images like their originals, but for a shift of the position along x, y and z, whose fourth number is zero. Of each
-/// image there are its own index and that of the original.
-pub(crate) fn follow_originals(bodies: &mut [Body], images: &[[u32; 2]], shift: [f64; 4]) {
-    with_simd(FollowOriginals { bodies, images, shift });
-}
-
-struct FollowOriginals<'a> {
-    bodies: &'a mut [Body],
-    images: &'a [[u32; 2]],
-    shift: [f64; 4],
-}
-
-impl SimdKernel for FollowOriginals<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { bodies, images, shift } = self;
+vectorised!(
+    /// Makes periodic images like their originals, but for a shift of the position along x, y and z, whose fourth number is zero. Of each
+    /// image there are its own index and that of the original.
+    pub(crate) fn follow_originals<Q: F64x4>(
+        bodies: &mut [Body],
+        images: &[[u32; 2]],
+        shift: [f64; 4],
+    ) {
         let shift = Q::load(&shift);
         for &[image, original] in images {
             let [position, velocity, spin] = bodies[original as usize].vectors();
@@ -33,33 +23,18 @@ impl SimdKernel for FollowOriginals<'_> {
             spin.store(&mut of_image[2]);
         }
     }
-}
+);
 
-/// Gives copies of particles the velocities of their originals, those of the half step, and moves them by these: x += dt v, to
-/// the bit as [`kick_and_drift`](super::kick_and_drift) moved the originals. Of each copy there are the place at which `velocities`
-/// knows velocity and angular velocity, and its index.
-pub(crate) fn drift_copies(
-    bodies: &mut [Body],
-    copies: &[[u32; 2]],
-    velocities: impl Fn(usize) -> [[f64; 3]; 2],
-    step: DriftStep,
-) {
-    with_simd(DriftCopies { bodies, copies, velocities, step });
-}
-
-struct DriftCopies<'a, V> {
-    bodies: &'a mut [Body],
-    copies: &'a [[u32; 2]],
-    velocities: V,
-    step: DriftStep,
-}
-
-impl<V: Fn(usize) -> [[f64; 3]; 2]> SimdKernel for DriftCopies<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { bodies, copies, velocities, step } = self;
+vectorised!(
+    /// Gives copies of particles the velocities of their originals, those of the half step, and moves them by these: x += dt v, to
+    /// the bit as [`kick_and_drift`](super::kick_and_drift) moved the originals. Of each copy there are the place at which `velocities`
+    /// knows velocity and angular velocity, and its index.
+    pub(crate) fn drift_copies<Q: F64x4>(
+        bodies: &mut [Body],
+        copies: &[[u32; 2]],
+        velocities: impl Fn(usize) -> [[f64; 3]; 2],
+        step: DriftStep,
+    ) {
         for &[place, copy] in copies {
             let [[u, v, w], [p, q, r]] = velocities(place as usize);
             let [position, velocity, spin] = bodies[copy as usize].vectors_mut();
@@ -70,7 +45,7 @@ impl<V: Fn(usize) -> [[f64; 3]; 2]> SimdKernel for DriftCopies<'_, V> {
             Q::load(position).plus(step.displacement(new_velocity)).store(position);
         }
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

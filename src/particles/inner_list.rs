@@ -17,7 +17,7 @@ use super::pair_kind::kind_of_bodies;
 use super::pairs_of_kind::PairsOfKind;
 use super::proximity::{FourPairs, SetBits, is_close};
 use super::{Body, Particles};
-use crate::numbers::{F64x4, SimdKernel, with_simd};
+use crate::numbers::{F64x4, vectorised};
 
 /// Interaction ranges: separations of surfaces up to which pairs act on each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -276,7 +276,7 @@ impl InnerList {
             }
         };
         let separations = [validity.ranges.any + validity.margin, contact_range];
-        with_simd(PairSearch { bodies, rows, active_slots, separations, add });
+        find_close_pairs(bodies, rows, active_slots, separations, add);
     }
 }
 
@@ -298,39 +298,34 @@ pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair 
     [first, second, original.map_or(second, |index| index as u32)]
 }
 
-/// Calls `add` with each particle, up to four of its partners, bits of those that are to be added, and whether these are
-/// closer than the second separation, or only closer than the first. Active pairs are left out.
-struct PairSearch<'a, F> {
-    bodies: &'a [Body],
-    rows: Rows<'a>,
-    active_slots: &'a [u64],
-    separations: [f64; 2],
-    add: F,
-}
-
-impl<F: FnMut(u32, &[u32], u32, bool)> SimdKernel for PairSearch<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(mut self) {
-        let separations = self.separations.map(Q::splat);
-        for (row, ends) in self.rows.start.windows(2).enumerate() {
-            let body = &self.bodies[row];
+vectorised!(
+    /// Calls `add` with each particle, up to four of its partners, bits of those that are to be added, and whether these are
+    /// closer than the second separation, or only closer than the first. Active pairs are left out.
+    fn find_close_pairs<Q: F64x4>(
+        bodies: &[Body],
+        rows: Rows,
+        active_slots: &[u64],
+        separations: [f64; 2],
+        add: impl FnMut(u32, &[u32], u32, bool),
+    ) {
+        let (separations, mut add) = (separations.map(Q::splat), add);
+        for (row, ends) in rows.start.windows(2).enumerate() {
+            let body = &bodies[row];
             let [start, end] = [ends[0] as usize, ends[1] as usize];
             for from in (start..end).step_by(4) {
-                let partners = &self.rows.partners[from..end.min(from + 4)];
-                let pairs = FourPairs::of_partners(body, partners, self.bodies);
-                let inactive = !four_bits(self.active_slots, from);
+                let partners = &rows.partners[from..end.min(from + 4)];
+                let pairs = FourPairs::of_partners(body, partners, bodies);
+                let inactive = !four_bits(active_slots, from);
                 let [close, closer] =
                     separations.map(|separation| pairs.closer_than(separation) & inactive);
-                (self.add)(row as u32, partners, close & !closer, false);
+                add(row as u32, partners, close & !closer, false);
                 if closer != 0 {
-                    (self.add)(row as u32, partners, closer, true);
+                    add(row as u32, partners, closer, true);
                 }
             }
         }
     }
-}
+);
 
 /// Four consecutive bits, the first of which has this number; those beyond the last word are zero.
 #[inline(always)]

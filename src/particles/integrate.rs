@@ -1,7 +1,7 @@
 //! Velocity Verlet: half a kick and a drift, then, with the new forces, the other half of the kick.
 
 use super::{Body, ForceTorque, GAS_FORCE, Particles};
-use crate::numbers::{F64x4, Quantum, SimdKernel, fetch_ahead, with_simd};
+use crate::numbers::{F64x4, Quantum, fetch_ahead, vectorised};
 use nalgebra::Vector3;
 
 /// v += (dt/2) F/m, omega += (dt/2) T/I, for owned particles.
@@ -86,8 +86,8 @@ fn integrate(particles: &mut Particles, step: KickDrift) -> f64 {
     let (owned, fetches) = (particles.owned_count(), particles.exceed_caches());
     let (bodies, forces) = (&mut particles.body[..owned], &mut particles.forces[..owned]);
     match particles.columns.at(GAS_FORCE).held() {
-        [] => with_simd(IntegrateAll::<false> { bodies, forces, gas_force: &[], fetches, step }),
-        gas_force => with_simd(IntegrateAll::<true> { bodies, forces, gas_force, fetches, step }),
+        [] => integrate_without_gas(bodies, forces, fetches, step),
+        gas_force => integrate_in_gas(bodies, forces, gas_force, fetches, step),
     }
 }
 
@@ -102,16 +102,6 @@ struct KickDrift {
 /// Where they exceed caches, particles are prefetched so many places ahead: left to itself, the processor does not bring so
 /// many streams in time.
 const FETCHED_AHEAD: usize = 32;
-
-/// With `GAS`, there is a gas in three dimensions.
-struct IntegrateAll<'a, const GAS: bool> {
-    bodies: &'a mut [Body],
-    forces: &'a mut [ForceTorque],
-    gas_force: &'a [Vector3<f64>],
-    /// Whether particles are prefetched.
-    fetches: bool,
-    step: KickDrift,
-}
 
 /// Half a time step over mass and over moment of inertia of a body.
 struct HalfKick<Q> {
@@ -141,36 +131,61 @@ impl<Q: F64x4> HalfKick<Q> {
     }
 }
 
-impl<const GAS: bool> SimdKernel for IntegrateAll<'_, GAS> {
-    /// A bound of the displacements.
-    type Output = f64;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> f64 {
-        let Self { bodies, forces, gas_force, fetches, step } = self;
-        let has_drift = step.drift.is_some();
-        let mut integrator = Integrator::<Q>::new(step);
-        let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
-        let (fours_of_forces, other_forces) = forces.as_chunks_mut::<4>();
-        let mut gas_force = gas_force.iter();
-        for (bodies, forces) in fours_of_bodies.iter_mut().zip(fours_of_forces) {
-            if fetches {
-                for place in FETCHED_AHEAD..FETCHED_AHEAD + 4 {
-                    fetch_ahead(&bodies[..], place);
-                    fetch_ahead(&forces[..], place);
-                }
-            }
-            integrator.advance_up_to_four(bodies, forces);
-            if GAS && has_drift {
-                add_gas(forces, &mut gas_force);
-            }
-        }
-        integrator.advance_up_to_four(other_bodies, other_forces);
-        if GAS && has_drift {
-            add_gas(other_forces, &mut gas_force);
-        }
-        integrator.largest_displacement.length()
+vectorised!(
+    fn integrate_without_gas<Q: F64x4>(
+        bodies: &mut [Body],
+        forces: &mut [ForceTorque],
+        fetches: bool,
+        step: KickDrift,
+    ) -> f64 {
+        integrate_bodies::<Q, false>(bodies, forces, &[], fetches, step)
     }
+);
+
+vectorised!(
+    fn integrate_in_gas<Q: F64x4>(
+        bodies: &mut [Body],
+        forces: &mut [ForceTorque],
+        gas_force: &[Vector3<f64>],
+        fetches: bool,
+        step: KickDrift,
+    ) -> f64 {
+        integrate_bodies::<Q, true>(bodies, forces, gas_force, fetches, step)
+    }
+);
+
+/// Advances bodies, which it prefetches if `fetches`; with `GAS`, there is a gas in three dimensions. Returns a bound of the
+/// displacements. Each has a loop of its own: one loop for both takes a quarter more instructions.
+#[inline(always)]
+fn integrate_bodies<Q: F64x4, const GAS: bool>(
+    bodies: &mut [Body],
+    forces: &mut [ForceTorque],
+    gas_force: &[Vector3<f64>],
+    fetches: bool,
+    step: KickDrift,
+) -> f64 {
+    let adds_gas = GAS && step.drift.is_some();
+    let mut integrator = Integrator::<Q>::new(step);
+    let (fours_of_bodies, other_bodies) = bodies.as_chunks_mut::<4>();
+    let (fours_of_forces, other_forces) = forces.as_chunks_mut::<4>();
+    let mut gas_force = gas_force.iter();
+    for (bodies, forces) in fours_of_bodies.iter_mut().zip(fours_of_forces) {
+        if fetches {
+            for place in FETCHED_AHEAD..FETCHED_AHEAD + 4 {
+                fetch_ahead(&bodies[..], place);
+                fetch_ahead(&forces[..], place);
+            }
+        }
+        integrator.advance_up_to_four(bodies, forces);
+        if adds_gas {
+            add_gas(forces, &mut gas_force);
+        }
+    }
+    integrator.advance_up_to_four(other_bodies, other_forces);
+    if adds_gas {
+        add_gas(other_forces, &mut gas_force);
+    }
+    integrator.largest_displacement.length()
 }
 
 /// Adds the next forces of the gas.

@@ -7,7 +7,7 @@ use super::proximity::{FourPairs, push_set_bits};
 use super::range::ListRange;
 use super::{CellGrid, Contacts, Particles};
 use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
-use crate::numbers::{F64x4, SimdKernel, with_simd};
+use crate::numbers::{F64x4, vectorised};
 use std::ops::Range;
 
 /// What is needed to build the list, and to see when it is outdated. Disposable: a list that is built at another step
@@ -103,25 +103,19 @@ fn find_pairs(
 ) {
     cells.add_ghosts(&particles.body[particles.owned_count()..]);
     contacts.clear_pairs(particles);
-    with_simd(PairSearch { cells: &cells, particles, range, contacts });
+    add_rows(&cells, particles, range, contacts);
 }
 
-/// Searches the pairs of each owned particle among the particles in the cells around its own. A pair of two owned particles is in
-/// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind. Ghosts
-/// are ahead of this rank's subdomain, so that a pair with one of them is in no other row, of this rank or another.
-struct PairSearch<'a> {
-    cells: &'a CellGrid,
-    particles: &'a Particles,
-    range: ListRange,
-    contacts: &'a mut Contacts,
-}
-
-impl SimdKernel for PairSearch<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { cells, particles, range, contacts } = self;
+vectorised!(
+    /// Adds the row of each owned particle: its partners among the particles in the cells around its own. A pair of two owned particles is in
+    /// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind. Ghosts
+    /// are ahead of this rank's subdomain, so that a pair with one of them is in no other row, of this rank or another.
+    fn add_rows<Q: F64x4>(
+        cells: &CellGrid,
+        particles: &Particles,
+        range: ListRange,
+        contacts: &mut Contacts,
+    ) {
         let separation = Q::splat(range.interaction + range.skin);
         for Neighbourhood { own, own_end, behind, ghosts } in cells.neighbourhoods() {
             for i in own {
@@ -137,7 +131,7 @@ impl SimdKernel for PairSearch<'_> {
             }
         }
     }
-}
+);
 
 /// The partners of one particle.
 struct Row<'a, Q> {

@@ -2,7 +2,7 @@
 
 use super::contact_state::ContactState;
 use super::pair_blocks::{Pair, PairBlocks};
-use crate::numbers::{F64x4, SimdKernel, with_simd};
+use crate::numbers::{F64x4, vectorised};
 
 use super::proximity::{FourPairs, SetBits, branch_vector, four_of, push_set_bits};
 use super::{Body, Particles};
@@ -81,7 +81,7 @@ impl PairsOfKind {
     ) {
         let candidates = self.candidates();
         if !is_new {
-            with_simd(PromotionSearch { bodies: &particles.body, contact_range, candidates });
+            find_promotions(&particles.body, contact_range, candidates);
         }
     }
 
@@ -98,19 +98,10 @@ impl PairsOfKind {
     }
 }
 
-/// Finds the candidates that have come within the range of contacts.
-struct PromotionSearch<'a> {
-    bodies: &'a [Body],
-    contact_range: f64,
-    candidates: Candidates<'a>,
-}
-
-impl SimdKernel for PromotionSearch<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { bodies, contact_range, candidates: Candidates { pairs, to_promote } } = self;
+vectorised!(
+    /// Finds the candidates that have come within the range of contacts.
+    fn find_promotions<Q: F64x4>(bodies: &[Body], contact_range: f64, candidates: Candidates) {
+        let Candidates { pairs, to_promote } = candidates;
         let contact_range = Q::splat(contact_range);
         for (four, pairs) in pairs.chunks(4).enumerate() {
             let mut branch_vectors = [Q::splat(0.0); 4];
@@ -121,4 +112,4 @@ impl SimdKernel for PromotionSearch<'_> {
             to_promote.extend(SetBits(close).map(|bit| (4 * four + bit) as u32));
         }
     }
-}
+);

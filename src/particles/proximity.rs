@@ -120,29 +120,24 @@ pub(crate) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::{SimdKernel, random_of, uniform, with_simd};
+    use crate::numbers::{random_of, uniform, vectorised};
     use nalgebra::Vector3;
 
-    struct Search<'a>(&'a [Body]);
-
-    impl SimdKernel for Search<'_> {
-        type Output = Vec<usize>;
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> Vec<usize> {
+    vectorised!(
+        fn near_the_first<Q: F64x4>(all_bodies: &[Body]) -> Vec<usize> {
             let mut found = Vec::new();
-            let all: Vec<u32> = (0..self.0.len() as u32).collect();
+            let all: Vec<u32> = (0..all_bodies.len() as u32).collect();
             for (four, partners) in all.chunks(4).enumerate() {
-                let pairs = FourPairs::of_partners(&self.0[0], partners, self.0);
+                let pairs = FourPairs::of_partners(&all_bodies[0], partners, all_bodies);
                 let close = pairs.closer_than(Q::splat(0.2));
-                let bodies = &self.0[4 * four..][..partners.len()];
-                let pairs = FourPairs::of_bodies(&self.0[0], bodies);
+                let bodies = &all_bodies[4 * four..][..partners.len()];
+                let pairs = FourPairs::of_bodies(&all_bodies[0], bodies);
                 assert_eq!(pairs.closer_than(Q::splat(0.2)), close);
                 push_set_bits(&mut found, close, |bit| 4 * four + bit as usize);
             }
             found
         }
-    }
+    );
 
     #[test]
     fn four_at_a_time_are_found_as_one_by_one() {
@@ -157,7 +152,7 @@ mod tests {
         let close = |separation: f64| -> Vec<usize> {
             (0..203).filter(|&k| is_close([&bodies[0], &bodies[k]], separation)).collect()
         };
-        assert_eq!(with_simd(Search(&bodies)), close(0.2));
+        assert_eq!(near_the_first(&bodies), close(0.2));
         assert!(close(0.2).len() > 5);
         assert_ne!(close(0.25), close(0.2)); // another separation is seen
     }
