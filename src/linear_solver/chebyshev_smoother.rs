@@ -8,7 +8,7 @@
 use super::operator::{Coefficients, StencilRow};
 use super::rows::rows;
 use crate::grid::Field;
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 
 /// Eigenvalues of D^-1 A that are smoothed. Waves shorter than four cells along one axis have eigenvalues of at least
 /// 1/3; where coefficients jump, coarse grids also fail to represent some smaller ones.
@@ -59,31 +59,16 @@ pub(super) fn smooth(
     mut refresh: impl FnMut(&mut Field<f32>),
 ) {
     if from_zero {
-        in_wide_vectors(FirstFromZero { system, next: scratch });
+        set_first_from_zero(system, scratch);
         refresh(scratch);
-        in_wide_vectors(Next::<true> {
-            system,
-            recurrence: NEXT[0],
-            present: scratch,
-            last: solution,
-        });
+        set_next_from_zero(system, NEXT[0], scratch, solution);
     } else {
-        in_wide_vectors(First { system, solution, next: scratch });
+        set_first(system, solution, scratch);
         refresh(scratch);
-        in_wide_vectors(Next::<false> {
-            system,
-            recurrence: NEXT[0],
-            present: scratch,
-            last: solution,
-        });
+        set_next(system, NEXT[0], scratch, solution);
     }
     refresh(solution);
-    in_wide_vectors(Next::<false> {
-        system,
-        recurrence: NEXT[1],
-        present: solution,
-        last: scratch,
-    });
+    set_next(system, NEXT[1], solution, scratch);
     std::mem::swap(solution, scratch);
 }
 
@@ -137,25 +122,17 @@ impl<'a> SystemRow<'a> {
     }
 }
 
-/// x_1 from x_0 = 0.
-struct FirstFromZero<'a> {
-    system: System<'a>,
-    next: &'a mut Field<f32>,
-}
-
-impl VectorWork for FirstFromZero<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let length = self.next.row_length();
-        for [row, right] in rows([&*self.next, self.system.right_hand_side]) {
-            let right = &self.system.right_hand_side.values()[right..][..length];
-            let inverse = &self.system.inverse_diagonal.values()[row..][..length];
-            first_from_zero(&mut self.next.values_mut()[row..][..length], inverse, right);
+vectorised!(
+    /// x_1 from x_0 = 0.
+    fn set_first_from_zero(system: System, next: &mut Field<f32>) {
+        let length = next.row_length();
+        for [row, right] in rows([&*next, system.right_hand_side]) {
+            let right = &system.right_hand_side.values()[right..][..length];
+            let inverse = &system.inverse_diagonal.values()[row..][..length];
+            first_from_zero(&mut next.values_mut()[row..][..length], inverse, right);
         }
     }
-}
+);
 
 #[inline(always)]
 fn first_from_zero(next: &mut [f32], inverse_diagonal: &[f32], right_hand_side: &[f32]) {
@@ -164,45 +141,51 @@ fn first_from_zero(next: &mut [f32], inverse_diagonal: &[f32], right_hand_side: 
     }
 }
 
-/// x_1 from x_0.
-struct First<'a> {
-    system: System<'a>,
-    solution: &'a Field<f32>,
-    next: &'a mut Field<f32>,
-}
-
-impl VectorWork for First<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { system, solution, next } = self;
+vectorised!(
+    /// x_1 from x_0.
+    fn set_first(system: System, solution: &Field<f32>, next: &mut Field<f32>) {
         let length = next.row_length();
         for at in rows([&*next, &system.coefficients.diagonal, system.right_hand_side]) {
             let row = SystemRow::new(system, solution, at, length);
             row.first(&mut next.values_mut()[at[0]..][..length]);
         }
     }
-}
+);
 
-/// x_(n+1) from x_n; overwrites x_(n-1), or what stands there if x_(n-1) is zero.
-struct Next<'a, const FROM_ZERO: bool> {
-    system: System<'a>,
+vectorised!(
+    /// x_(n+1) from x_n; overwrites x_(n-1).
+    fn set_next(
+        system: System,
+        recurrence: Recurrence,
+        present: &Field<f32>,
+        last: &mut Field<f32>,
+    ) {
+        next_in_rows::<false>(system, recurrence, present, last);
+    }
+);
+
+vectorised!(
+    /// x_(n+1) from x_n and x_(n-1) = 0; overwrites what stands in the place of that.
+    fn set_next_from_zero(
+        system: System,
+        recurrence: Recurrence,
+        present: &Field<f32>,
+        last: &mut Field<f32>,
+    ) {
+        next_in_rows::<true>(system, recurrence, present, last);
+    }
+);
+
+#[inline(always)]
+fn next_in_rows<const FROM_ZERO: bool>(
+    system: System,
     recurrence: Recurrence,
-    present: &'a Field<f32>,
-    last: &'a mut Field<f32>,
-}
-
-impl<const FROM_ZERO: bool> VectorWork for Next<'_, FROM_ZERO> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { system, recurrence, present, last } = self;
-        let length = last.row_length();
-        for at in rows([&*last, &system.coefficients.diagonal, system.right_hand_side]) {
-            let row = SystemRow::new(system, present, at, length);
-            row.next::<FROM_ZERO>(recurrence, &mut last.values_mut()[at[0]..][..length]);
-        }
+    present: &Field<f32>,
+    last: &mut Field<f32>,
+) {
+    let length = last.row_length();
+    for at in rows([&*last, &system.coefficients.diagonal, system.right_hand_side]) {
+        let row = SystemRow::new(system, present, at, length);
+        row.next::<FROM_ZERO>(recurrence, &mut last.values_mut()[at[0]..][..length]);
     }
 }

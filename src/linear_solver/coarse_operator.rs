@@ -17,52 +17,50 @@ use super::interpolation::Interpolation;
 use super::operator::Coefficients;
 use super::rows::rows;
 use crate::grid::Field;
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 
 impl Interpolation {
     /// Sets the coefficients of owned cells of the coarse grid.
     ///
     /// Before: halos of coefficients, R and t are current. After: those of the coarse coefficients are not.
     pub(super) fn coarsen(&self, fine: &Coefficients<f32>, coarse: &mut Coefficients<f32>) {
-        in_wide_vectors(Coarsen { interpolation: self, fine, coarse });
+        coarsen(Coarsening { interpolation: self, fine, coarse });
     }
 }
 
-struct Coarsen<'a> {
+struct Coarsening<'a> {
     interpolation: &'a Interpolation,
     fine: &'a Coefficients<f32>,
     coarse: &'a mut Coefficients<f32>,
 }
 
-impl VectorWork for Coarsen<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(mut self) {
-        let pairs = self.interpolation.pairs;
-        let length = self.coarse.diagonal.row_length();
-        for ([target], pair) in rows([&self.coarse.diagonal]).zip(pairs.coarse_rows()) {
-            let first = self.fine.diagonal.index(pairs.first_of(pair));
+vectorised!(
+    fn coarsen(coarsening: Coarsening) {
+        let mut coarsening = coarsening;
+        let pairs = coarsening.interpolation.pairs;
+        let length = coarsening.coarse.diagonal.row_length();
+        for ([target], pair) in rows([&coarsening.coarse.diagonal]).zip(pairs.coarse_rows()) {
+            let first = coarsening.fine.diagonal.index(pairs.first_of(pair));
             match pairs.row(pair, length) {
                 PairRow::Along { last_is_single } => {
-                    self.set_row::<2, false>(first, target, length);
+                    coarsening.set_row::<2, false>(first, target, length);
                     let last = length - 1;
                     if last_is_single {
-                        self.set_row::<2, true>(first + 2 * last, target + last, 1);
+                        coarsening.set_row::<2, true>(first + 2 * last, target + last, 1);
                     }
                 }
-                PairRow::Single => self.set_row::<1, true>(first, target, length),
-                PairRow::Across => self.set_row::<1, false>(first, target, length),
+                PairRow::Single => coarsening.set_row::<1, true>(first, target, length),
+                PairRow::Across => coarsening.set_row::<1, false>(first, target, length),
             }
         }
     }
-}
+);
 
 /// Values in the four cells that the coefficients of a pair follow from, for all pairs of a row: the cell below the pair,
 /// its own two, the one above.
 type FourCells<'a> = [&'a [f32]; 4];
 
-impl Coarsen<'_> {
+impl Coarsening<'_> {
     /// Sets the coefficients of pairs in a row, from their index `target` on. Their first cells are `SPACING`
     /// apart, from the index `first` on; a pair may be a `SINGLE` cell.
     #[inline(always)]

@@ -16,7 +16,7 @@ use super::preconditioner::{Preconditioned, Preconditioner};
 use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use crate::parallel::{Communicator, FieldHalo};
 
 /// Iterations after which a solve is given up.
@@ -178,7 +178,7 @@ impl ConjugateGradients {
                 last_product = f64::INFINITY;
                 (z, product) = self.precondition(preconditioner, restart, norm, ranks);
             }
-            self.update_direction(z, product / last_product);
+            update_direction(&mut self.direction, z, product / last_product);
             last_product = product;
             self.halo.refresh(&mut [&mut self.direction], ranks);
             let squared_norm = self.update_solution(equation, restart, product, ranks);
@@ -203,12 +203,6 @@ impl ConjugateGradients {
         (z, restart.residual_dot_preconditioned.of(&self.residual, z, ranks))
     }
 
-    /// p <- z + beta p.
-    fn update_direction(&mut self, preconditioned: Preconditioned, beta: f64) {
-        let direction = &mut self.direction;
-        in_wide_vectors(UpdateDirection { beta, preconditioned, direction });
-    }
-
     /// q = A p, x <- x + alpha p, r <- r - alpha q with alpha = (r . z) / (p . q); returns r . r. Before: the halo of
     /// p is current. This call is collective.
     fn update_solution(
@@ -222,69 +216,51 @@ impl ConjugateGradients {
         let dot = restart.curvature.begin();
         let dot = apply(equation.coefficients, direction, applied, dot);
         let curvature = restart.curvature.finish(dot, (direction, &*applied), ranks);
-        let squared_residual = in_wide_vectors(UpdateSolution {
-            alpha: residual_dot_preconditioned / curvature,
-            direction,
-            applied,
-            solution: equation.solution,
-            residual,
-            squared_residual: restart.squared_residual.begin(),
-        });
-        restart.squared_residual.finish(squared_residual, (residual, &*residual), ranks)
+        let alpha = residual_dot_preconditioned / curvature;
+        let dot = restart.squared_residual.begin();
+        let dot = update_solution(alpha, direction, applied, equation.solution, residual, dot);
+        restart.squared_residual.finish(dot, (residual, &*residual), ranks)
     }
 }
 
-/// p <- z + beta p.
-struct UpdateDirection<'a> {
-    beta: f64,
-    preconditioned: Preconditioned<'a>,
-    direction: &'a mut Field,
-}
-
-impl VectorWork for UpdateDirection<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let length = self.direction.row_length();
-        for [row] in rows([self.direction]) {
-            let preconditioned = self.preconditioned.row(row, length);
-            let direction = &mut self.direction.values_mut()[row..][..length];
+vectorised!(
+    /// p <- z + beta p.
+    fn update_direction(direction: &mut Field, preconditioned: Preconditioned, beta: f64) {
+        let length = direction.row_length();
+        for [row] in rows([&*direction]) {
+            let preconditioned = preconditioned.row(row, length);
+            let direction = &mut direction.values_mut()[row..][..length];
             for (p, z) in direction.iter_mut().zip(preconditioned) {
-                *p = z + self.beta * *p;
+                *p = z + beta * *p;
             }
         }
     }
-}
+);
 
-/// x <- x + alpha p, r <- r - alpha q, and r . r.
-struct UpdateSolution<'a> {
-    alpha: f64,
-    direction: &'a Field,
-    applied: &'a Field,
-    solution: &'a mut Field,
-    residual: &'a mut Field,
-    squared_residual: RunningDot,
-}
-
-impl VectorWork for UpdateSolution<'_> {
-    type Output = RunningDot;
-
-    #[inline(always)]
-    fn run(mut self) -> RunningDot {
-        let length = self.direction.row_length();
-        for [row] in rows([self.direction]) {
-            let p = &self.direction.values()[row..][..length];
-            for (x, p) in self.solution.values_mut()[row..][..length].iter_mut().zip(p) {
-                *x += self.alpha * p;
+vectorised!(
+    /// x <- x + alpha p, r <- r - alpha q; returns r . r, the sum that `dot` begins.
+    fn update_solution(
+        alpha: f64,
+        direction: &Field,
+        applied: &Field,
+        solution: &mut Field,
+        residual: &mut Field,
+        dot: RunningDot,
+    ) -> RunningDot {
+        let mut dot = dot;
+        let length = direction.row_length();
+        for [row] in rows([direction]) {
+            let p = &direction.values()[row..][..length];
+            for (x, p) in solution.values_mut()[row..][..length].iter_mut().zip(p) {
+                *x += alpha * p;
             }
-            let q = &self.applied.values()[row..][..length];
-            let r = &mut self.residual.values_mut()[row..][..length];
+            let q = &applied.values()[row..][..length];
+            let r = &mut residual.values_mut()[row..][..length];
             for (r, q) in r.iter_mut().zip(q) {
-                *r -= self.alpha * q;
+                *r -= alpha * q;
             }
-            self.squared_residual.add_row(self.residual, &*self.residual, row);
+            dot.add_row(residual, &*residual, row);
         }
-        self.squared_residual
+        dot
     }
-}
+);

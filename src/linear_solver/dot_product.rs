@@ -7,7 +7,7 @@
 
 use super::rows::rows;
 use crate::grid::Field;
-use crate::numbers::{Largest, VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, vectorised};
 use crate::parallel::Communicator;
 
 /// Terms that are added as 64-bit integers, each below 2^51, before the sum is carried over to a wider integer.
@@ -175,7 +175,7 @@ impl DotProduct {
     pub(super) fn of(&mut self, a: &Field, b: impl Values, ranks: &dyn Communicator) -> f64 {
         let mut running = self.begin();
         if self.has_quanta() {
-            running = in_wide_vectors(AddRows { running, a, b });
+            running = add_rows(running, a, b);
         }
         self.finish(running, (a, b), ranks)
     }
@@ -193,14 +193,24 @@ impl DotProduct {
             return None;
         }
         *self = Self::of_terms_up_to(largest[0]);
-        total(in_wide_vectors(AddRows { running: self.begin(), a, b }), ranks)
+        total(add_rows(self.begin(), a, b), ranks)
     }
 }
 
-/// The largest |a_i b_i| of this rank; infinity if one is infinite or undefined (NaN).
-pub(super) fn largest_term(a: &Field, b: impl Values) -> f64 {
-    in_wide_vectors(LargestTerm { a, b })
-}
+vectorised!(
+    /// The largest |a_i b_i| of this rank; infinity if one is infinite or undefined (NaN).
+    pub(super) fn largest_term(a: &Field, b: impl Values) -> f64 {
+        let length = a.row_length();
+        let mut largest = Largest::default();
+        for [start] in rows([a]) {
+            let row = &a.values()[start..][..length];
+            for (a, b) in row.iter().zip(b.row(start, length)) {
+                largest.add((a * b).abs());
+            }
+        }
+        largest.value()
+    }
+);
 
 /// The sum over some rows of one rank.
 #[derive(Clone, Copy, Debug)]
@@ -227,42 +237,12 @@ fn total(running: RunningDot, ranks: &dyn Communicator) -> Option<f64> {
     FixedPointSum::from_integers(integers).value(running.quanta)
 }
 
-struct AddRows<'a, V> {
-    running: RunningDot,
-    a: &'a Field,
-    b: V,
-}
-
-impl<V: Values> VectorWork for AddRows<'_, V> {
-    type Output = RunningDot;
-
-    #[inline(always)]
-    fn run(mut self) -> RunningDot {
-        for [start] in rows([self.a]) {
-            self.running.add_row(self.a, self.b, start);
+vectorised!(
+    fn add_rows(running: RunningDot, a: &Field, b: impl Values) -> RunningDot {
+        let mut running = running;
+        for [start] in rows([a]) {
+            running.add_row(a, b, start);
         }
-        self.running
+        running
     }
-}
-
-struct LargestTerm<'a, V> {
-    a: &'a Field,
-    b: V,
-}
-
-impl<V: Values> VectorWork for LargestTerm<'_, V> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let length = self.a.row_length();
-        let mut largest = Largest::default();
-        for [start] in rows([self.a]) {
-            let a = &self.a.values()[start..][..length];
-            for (a, b) in a.iter().zip(self.b.row(start, length)) {
-                largest.add((a * b).abs());
-            }
-        }
-        largest.value()
-    }
-}
+);

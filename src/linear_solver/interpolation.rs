@@ -16,7 +16,7 @@ use super::cell_pairs::{CellPairs, RowPlaces};
 use super::operator::Coefficients;
 use super::rows::rows;
 use crate::grid::Field;
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 
 /// The weights of the interpolation along one axis.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Interpolation {
 
     /// Sets R of owned cells. Before: halos of the coefficients are current.
     pub(super) fn set_half_resistance(&mut self, fine: &Coefficients<f32>) {
-        in_wide_vectors(SetHalfResistance { interpolation: self, fine });
+        set_half_resistance(self, fine);
         let Self { pairs, half_resistance, .. } = self;
         let last = pairs.fine.counts[pairs.axis] - 1;
         if last % 2 == 0 && pairs.fine.at_ends(pairs.axis)[1] {
@@ -49,45 +49,29 @@ impl Interpolation {
 
     /// Sets t of owned cells. Before: halos of the coefficients and of R are current.
     pub(super) fn set_weights(&mut self, fine: &Coefficients<f32>) {
-        in_wide_vectors(SetWeights { interpolation: self, fine });
+        set_weights(self, fine);
     }
 }
 
-struct SetHalfResistance<'a> {
-    interpolation: &'a mut Interpolation,
-    fine: &'a Coefficients<f32>,
-}
-
-impl VectorWork for SetHalfResistance<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Interpolation { pairs, half_resistance, .. } = self.interpolation;
+vectorised!(
+    fn set_half_resistance(interpolation: &mut Interpolation, fine: &Coefficients<f32>) {
+        let Interpolation { pairs, half_resistance, .. } = interpolation;
         let (length, stride) =
             (half_resistance.row_length(), half_resistance.strides()[pairs.axis]);
-        let faces = self.fine.faces[pairs.axis].values();
+        let faces = fine.faces[pairs.axis].values();
         for ([start], first) in rows([&*half_resistance]).zip(pairs.fine_rows()) {
             let of_cells = [start, start + stride].map(|face| &faces[face..][..length]);
             let resistance = &mut half_resistance.values_mut()[start..][..length];
             set_half_resistances(pairs.row_places(first), of_cells, resistance);
         }
     }
-}
+);
 
-struct SetWeights<'a> {
-    interpolation: &'a mut Interpolation,
-    fine: &'a Coefficients<f32>,
-}
-
-impl VectorWork for SetWeights<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Interpolation { pairs, half_resistance, weight } = self.interpolation;
+vectorised!(
+    fn set_weights(interpolation: &mut Interpolation, fine: &Coefficients<f32>) {
+        let Interpolation { pairs, half_resistance, weight } = interpolation;
         let (length, stride) = (weight.row_length(), weight.strides()[pairs.axis]);
-        let (faces, resistance) = (self.fine.faces[pairs.axis].values(), half_resistance.values());
+        let (faces, resistance) = (fine.faces[pairs.axis].values(), half_resistance.values());
         for ([start], first) in rows([&*weight]).zip(pairs.fine_rows()) {
             let row = RowInSeries {
                 faces: [start, start + stride].map(|face| &faces[face..][..length]),
@@ -98,7 +82,7 @@ impl VectorWork for SetWeights<'_> {
             row.set_weights(pairs.row_places(first), weight);
         }
     }
-}
+);
 
 /// R of a row from the coefficients of the lower and upper faces of its cells.
 #[inline(always)]

@@ -5,6 +5,7 @@ use super::cell_pairs::CellPairs;
 use super::interpolation::Interpolation;
 use super::level_grid::{LevelGrid, replicated_halo};
 use super::operator::{Coefficients, Equation};
+use super::prolongation::{correct, prolong, restrict};
 use super::replication::Replication;
 use crate::domain::Subdomain;
 use crate::grid::Field;
@@ -103,7 +104,7 @@ impl LevelTransfer {
     pub(super) fn restrict(&mut self, residual: &Field<f32>, ranks: &dyn Communicator) {
         let mut fine = residual;
         for along_axis in &mut self.along_axes {
-            along_axis.interpolation.restrict(fine, &mut along_axis.values);
+            restrict(&along_axis.interpolation, fine, &mut along_axis.values);
             fine = &along_axis.values;
         }
         if let Some(gathered) = &mut self.gathered {
@@ -134,9 +135,9 @@ impl LevelTransfer {
         }
         let mut interpolation = &*interpolation;
         for along_axis in finer.iter_mut().rev() {
-            interpolation.prolong(coarse, &mut along_axis.values);
+            prolong(interpolation, coarse, &mut along_axis.values);
             (coarse, interpolation) = (&along_axis.values, &along_axis.interpolation);
         }
-        interpolation.correct(coarse, solution);
+        correct(interpolation, coarse, solution);
     }
 }

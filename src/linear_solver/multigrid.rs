@@ -8,7 +8,7 @@ use super::chebyshev_smoother::{System, smooth};
 use super::direct_solver::DirectSolver;
 use super::level_grid::{LevelGrid, replicated_halo};
 use super::level_transfer::LevelTransfer;
-use super::operator::{Coefficients, Equation, residual};
+use super::operator::{Coefficients, Equation, residual, set_inverse_diagonal};
 use super::replication::Replication;
 use crate::domain::Subdomain;
 use crate::grid::Field;
@@ -111,7 +111,7 @@ impl Multigrid {
         }
         for level in &mut self.levels {
             let Level { smoother, solver } = level;
-            coefficients.inverse_diagonal_into(&mut smoother.inverse_diagonal);
+            set_inverse_diagonal(coefficients, &mut smoother.inverse_diagonal);
             let ranks = smoother.ranks(ranks);
             coefficients = match solver {
                 LevelSolver::Direct(direct) => return direct.factorise(coefficients),

@@ -7,7 +7,7 @@
 use super::dot_product::RunningDot;
 use super::rows::rows;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use bytemuck::Pod;
 use std::ops::{Add, Mul, Sub};
 
@@ -41,31 +41,16 @@ impl<T: Number> Coefficients<T> {
     }
 }
 
-impl Coefficients<f32> {
+vectorised!(
     /// The inverse of the diagonal of A; zero for a cell without any coupling.
-    pub(super) fn inverse_diagonal_into(&self, inverse: &mut Field<f32>) {
-        in_wide_vectors(InverseDiagonal { coefficients: self, inverse });
-    }
-}
-
-struct InverseDiagonal<'a> {
-    coefficients: &'a Coefficients<f32>,
-    inverse: &'a mut Field<f32>,
-}
-
-impl VectorWork for InverseDiagonal<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { coefficients, inverse } = self;
+    pub(super) fn set_inverse_diagonal(coefficients: &Coefficients<f32>, inverse: &mut Field<f32>) {
         let length = inverse.row_length();
         for [first, row] in rows([&coefficients.diagonal, &*inverse]) {
             let cells = CoefficientRow::new(coefficients, first, length);
             cells.invert_diagonal(&mut inverse.values_mut()[row..][..length]);
         }
     }
-}
+);
 
 impl Coefficients<f64> {
     /// 1 in cells that are coupled to others or to zero, 0 in the rest.
@@ -208,29 +193,15 @@ fn slices<T>([x, y, z]: [&[T]; 3], [i, j, k]: [usize; 3], length: usize) -> [&[T
     [&x[i..][..length], &y[j..][..length], &z[k..][..length]]
 }
 
-/// q = A p; adds p . q to `dot`. The halos of p and q have the same width.
-pub(super) fn apply(
-    coefficients: &Coefficients,
-    p: &Field,
-    q: &mut Field,
-    dot: RunningDot,
-) -> RunningDot {
-    in_wide_vectors(Apply { coefficients, p, q, dot })
-}
-
-struct Apply<'a> {
-    coefficients: &'a Coefficients,
-    p: &'a Field,
-    q: &'a mut Field,
-    dot: RunningDot,
-}
-
-impl VectorWork for Apply<'_> {
-    type Output = RunningDot;
-
-    #[inline(always)]
-    fn run(self) -> RunningDot {
-        let Self { coefficients, p, q, mut dot } = self;
+vectorised!(
+    /// q = A p; adds p . q to `dot`. The halos of p and q have the same width.
+    pub(super) fn apply(
+        coefficients: &Coefficients,
+        p: &Field,
+        q: &mut Field,
+        dot: RunningDot,
+    ) -> RunningDot {
+        let mut dot = dot;
         let length = p.row_length();
         for [first, row] in rows([&coefficients.diagonal, p]) {
             let stencil = StencilRow::new(coefficients, first, p, row, length);
@@ -239,27 +210,12 @@ impl VectorWork for Apply<'_> {
         }
         dot
     }
-}
+);
 
-/// r = b - A x. Before: the halo of x is current.
-pub(super) fn residual<T: Number>(equation: &Equation<T>, r: &mut Field<T>) {
-    let Equation { coefficients, right_hand_side: b, solution: ref x } = *equation;
-    in_wide_vectors(Residual { coefficients, x, b, r });
-}
-
-struct Residual<'a, T> {
-    coefficients: &'a Coefficients<T>,
-    x: &'a Field<T>,
-    b: &'a Field<T>,
-    r: &'a mut Field<T>,
-}
-
-impl<T: Number> VectorWork for Residual<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { coefficients, x, b, r } = self;
+vectorised!(
+    /// r = b - A x. Before: the halo of x is current.
+    pub(super) fn residual<T: Number>(equation: &Equation<T>, r: &mut Field<T>) {
+        let Equation { coefficients, right_hand_side: b, solution: ref x } = *equation;
         let length = x.row_length();
         for [first, row, row_of_b, row_of_r] in rows([&coefficients.diagonal, x, b, r]) {
             let stencil = StencilRow::new(coefficients, first, x, row, length);
@@ -267,4 +223,4 @@ impl<T: Number> VectorWork for Residual<'_, T> {
             stencil.residual_of_row(b, &mut r.values_mut()[row_of_r..][..length]);
         }
     }
-}
+);

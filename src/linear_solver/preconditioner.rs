@@ -15,9 +15,8 @@ use super::multigrid::{Cycle, Multigrid};
 use super::operator::{Coefficients, Equation};
 use crate::domain::Subdomain;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use crate::parallel::Communicator;
-use bytemuck::Pod;
 
 /// Coefficients count as at least this part of the largest, unless they are zero, so that sums of their inverses do not
 /// overflow.
@@ -60,7 +59,7 @@ impl Preconditioner {
             ((value * scale) as f32).max(at_least)
         };
         for (to, from) in self.coefficients.fields().into_iter().zip(fields) {
-            in_wide_vectors(Convert { from, to, conversion: narrowed });
+            convert(from, to, narrowed);
         }
         self.scale = scale;
         self.multigrid.set_coefficients(&self.coefficients, ranks);
@@ -76,7 +75,7 @@ impl Preconditioner {
         let scale = to_one(norm);
         let Self { coefficients, right_hand_side, solution, .. } = self;
         let narrowed = |value: f64| (value * scale) as f32;
-        in_wide_vectors(Convert { from: r, to: right_hand_side, conversion: narrowed });
+        convert(r, right_hand_side, narrowed);
         let mut equation = Equation { coefficients, right_hand_side, solution };
         self.multigrid.cycle(&mut equation, cycle, ranks);
         Preconditioned { solution, scale: self.scale / scale }
@@ -105,24 +104,14 @@ fn to_one(number: f64) -> f64 {
     f64::from_bits(2046_u64.saturating_sub(exponent).max(1) << MANTISSA_BITS)
 }
 
-/// Converts all values, those in halos too, between fields of one shape.
-struct Convert<'a, T, U, C> {
-    from: &'a Field<T>,
-    to: &'a mut Field<U>,
-    conversion: C,
-}
-
-impl<T: Pod, U: Pod, C: Fn(T) -> U> VectorWork for Convert<'_, T, U, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { from, to, conversion } = self;
+vectorised!(
+    /// Converts all values, those in halos too, between fields of one shape.
+    fn convert(from: &Field, to: &mut Field<f32>, conversion: impl Fn(f64) -> f32) {
         for (to, &from) in to.values_mut().iter_mut().zip(from.values()) {
             *to = conversion(from);
         }
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,7 @@ use super::preconditioner::Preconditioner;
 use super::rows::{copy_owned, rows};
 use crate::domain::Subdomain;
 use crate::grid::{BoxGrid, Field, LocalCells};
-use crate::numbers::{Largest, VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, vectorised};
 use crate::parallel::{Communicator, FieldHalo};
 
 /// Solves A p = b on the cells of the box; it keeps its memory from one solve to the next.
@@ -208,29 +208,21 @@ fn remove_mean(
 
 /// The largest of the owned values; infinity if one is negative, infinite or undefined (NaN).
 fn largest<'a>(fields: impl IntoIterator<Item = &'a Field>) -> f64 {
-    let each = fields.into_iter().map(|field| in_wide_vectors(LargestValue { field }));
-    each.fold(0.0, f64::max)
+    fields.into_iter().map(largest_value).fold(0.0, f64::max)
 }
 
-struct LargestValue<'a> {
-    field: &'a Field,
-}
-
-impl VectorWork for LargestValue<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let length = self.field.row_length();
+vectorised!(
+    fn largest_value(field: &Field) -> f64 {
+        let length = field.row_length();
         let mut largest = Largest::default();
-        for [row] in rows([self.field]) {
-            for &value in &self.field.values()[row..][..length] {
+        for [row] in rows([field]) {
+            for &value in &field.values()[row..][..length] {
                 largest.add(value);
             }
         }
         largest.value()
     }
-}
+);
 
 /// How many owned values are negative, infinite or undefined (NaN).
 fn not_allowed(field: &Field) -> usize {

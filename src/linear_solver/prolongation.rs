@@ -7,38 +7,16 @@ use super::cell_pairs::PairRow;
 use super::interpolation::Interpolation;
 use super::rows::row_starts;
 use crate::grid::Field;
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 
-impl Interpolation {
+vectorised!(
     /// Restricts values from cells to pairs. Before: the halo of `fine`, two cells wide, is current.
-    pub(super) fn restrict(&self, fine: &Field<f32>, coarse: &mut Field<f32>) {
-        in_wide_vectors(Restrict { interpolation: self, fine, coarse });
-    }
-
-    /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this
-    /// one.
-    pub(super) fn prolong(&self, coarse: &Field<f32>, fine: &mut Field<f32>) {
-        in_wide_vectors(Prolong::<false> { interpolation: self, coarse, fine });
-    }
-
-    /// Adds the prolonged values to owned cells.
-    pub(super) fn correct(&self, coarse: &Field<f32>, fine: &mut Field<f32>) {
-        in_wide_vectors(Prolong::<true> { interpolation: self, coarse, fine });
-    }
-}
-
-struct Restrict<'a> {
-    interpolation: &'a Interpolation,
-    fine: &'a Field<f32>,
-    coarse: &'a mut Field<f32>,
-}
-
-impl VectorWork for Restrict<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { interpolation: Interpolation { pairs, weight, .. }, fine, coarse } = self;
+    pub(super) fn restrict(
+        interpolation: &Interpolation,
+        fine: &Field<f32>,
+        coarse: &mut Field<f32>,
+    ) {
+        let Interpolation { pairs, weight, .. } = interpolation;
         let ranges = pairs.restricted();
         let order = fine.order();
         let length = ranges[order[0]].len();
@@ -68,7 +46,7 @@ impl VectorWork for Restrict<'_> {
             }
         }
     }
-}
+);
 
 /// What a pair of a single cell receives from it and from the cells below and above.
 #[inline(always)]
@@ -105,41 +83,58 @@ fn restrict_across(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
     }
 }
 
+vectorised!(
+    /// Prolongs values from pairs to cells. Before: the halo of `coarse` is current, also along the axes after this
+    /// one.
+    pub(super) fn prolong(
+        interpolation: &Interpolation,
+        coarse: &Field<f32>,
+        fine: &mut Field<f32>,
+    ) {
+        prolong_rows::<false>(interpolation, coarse, fine);
+    }
+);
+
+vectorised!(
+    /// Adds the prolonged values to owned cells.
+    pub(super) fn correct(
+        interpolation: &Interpolation,
+        coarse: &Field<f32>,
+        fine: &mut Field<f32>,
+    ) {
+        prolong_rows::<true>(interpolation, coarse, fine);
+    }
+);
+
 /// Sets the values of cells, or adds to them if `CORRECT`.
-struct Prolong<'a, const CORRECT: bool> {
-    interpolation: &'a Interpolation,
-    coarse: &'a Field<f32>,
-    fine: &'a mut Field<f32>,
-}
-
-impl<const CORRECT: bool> VectorWork for Prolong<'_, CORRECT> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { interpolation: Interpolation { pairs, weight, .. }, coarse, fine } = self;
-        let axis = pairs.axis;
-        let ranges = pairs.prolonged(CORRECT);
-        let order = fine.order();
-        let length = ranges[order[0]].len();
-        let stride = coarse.strides()[axis];
-        for cell in row_starts(ranges, order) {
-            let global = pairs.global_index(cell);
-            let mut own = cell;
-            own[axis] = (global / 2) as isize - pairs.coarse.start[axis] as isize;
-            let own = coarse.index(own);
-            let coarse = coarse.values();
-            let to = fine.index(cell);
-            let weight = &weight.values()[weight.index(cell)..][..length];
-            let values = &mut fine.values_mut()[to..][..length];
-            if axis == order[0] {
-                let below_first_even = own + global % 2 - 1;
-                prolong_along::<CORRECT>(weight, &coarse[below_first_even..], global, values);
-            } else {
-                let next = if global % 2 == 1 { own + stride } else { own - stride };
-                let pairs = [&coarse[own..], &coarse[next..]];
-                prolong_across::<CORRECT>(weight, pairs, values);
-            }
+#[inline(always)]
+fn prolong_rows<const CORRECT: bool>(
+    interpolation: &Interpolation,
+    coarse: &Field<f32>,
+    fine: &mut Field<f32>,
+) {
+    let Interpolation { pairs, weight, .. } = interpolation;
+    let axis = pairs.axis;
+    let ranges = pairs.prolonged(CORRECT);
+    let order = fine.order();
+    let length = ranges[order[0]].len();
+    let stride = coarse.strides()[axis];
+    for cell in row_starts(ranges, order) {
+        let global = pairs.global_index(cell);
+        let mut own = cell;
+        own[axis] = (global / 2) as isize - pairs.coarse.start[axis] as isize;
+        let own = coarse.index(own);
+        let coarse = coarse.values();
+        let to = fine.index(cell);
+        let weight = &weight.values()[weight.index(cell)..][..length];
+        let values = &mut fine.values_mut()[to..][..length];
+        if axis == order[0] {
+            let below_first_even = own + global % 2 - 1;
+            prolong_along::<CORRECT>(weight, &coarse[below_first_even..], global, values);
+        } else {
+            let next = if global % 2 == 1 { own + stride } else { own - stride };
+            let pairs = [&coarse[own..], &coarse[next..]];
+            prolong_across::<CORRECT>(weight, pairs, values);
         }
     }
 }
