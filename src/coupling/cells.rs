@@ -4,7 +4,7 @@ use super::corners::{Corners, deposit};
 use super::filter::Filter;
 use crate::domain::{Bounds, Subdomain};
 use crate::grid::{BoxGrid, CellLocator, ColumnOnCells, Field, LocalCells, RoundColumn};
-use crate::numbers::{Quantum, VectorWork, in_wide_vectors};
+use crate::numbers::{Quantum, vectorised};
 use crate::parallel::{Communicator, FieldHalo};
 use crate::particles::{Body, Particles, sphere_volume};
 use nalgebra::Vector3;
@@ -30,21 +30,15 @@ pub(crate) struct CellTransfer {
     places: Range<usize>,
 }
 
-/// Finds the cells around each particle and gives them their shares of its volume.
-struct DepositVolume<'a> {
-    transfer: &'a CellTransfer,
-    bodies: &'a [Body],
-    quantum: Quantum,
-    solids_fraction: &'a mut Field,
-    corners: &'a mut Vec<Corners>,
-}
-
-impl VectorWork for DepositVolume<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { transfer, bodies, quantum, solids_fraction, corners } = self;
+vectorised!(
+    /// Finds the cells around each particle and gives them their shares of its volume.
+    fn deposit_volume(
+        transfer: &CellTransfer,
+        bodies: &[Body],
+        quantum: Quantum,
+        solids_fraction: &mut Field,
+        corners: &mut Vec<Corners>,
+    ) {
         for body in bodies {
             let around = transfer.corners_at(&body.position, solids_fraction);
             let volume = sphere_volume(body.radius);
@@ -52,7 +46,7 @@ impl VectorWork for DepositVolume<'_> {
             corners.push(around);
         }
     }
-}
+);
 
 impl CellTransfer {
     /// For one rank's part of a grid, in the box or in a round column in it, and a filter of this full width at half
@@ -136,13 +130,7 @@ impl CellTransfer {
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
         let bodies = &particles.body[..particles.owned_count()];
-        in_wide_vectors(DepositVolume {
-            transfer: self,
-            bodies,
-            quantum,
-            solids_fraction,
-            corners: &mut corners,
-        });
+        deposit_volume(self, bodies, quantum, solids_fraction, &mut corners);
         self.corners = corners;
         self.places = Corners::places_of(&self.corners);
         self.sum_per_volume(&mut [solids_fraction], ranks);

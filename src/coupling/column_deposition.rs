@@ -3,7 +3,7 @@
 use super::DragShare;
 use super::column_block::ColumnBlock;
 use crate::grid::ColumnGrid;
-use crate::numbers::{F64x4, Quantum, SimdKernel, four, with_simd};
+use crate::numbers::{F64x4, Quantum, four, vectorised};
 use crate::parallel::Communicator;
 use crate::particles::{Body, LANES, Lanes, Particles, sphere_volume};
 use std::f64::consts::PI;
@@ -107,14 +107,8 @@ impl ColumnDeposition {
         }
         let bodies = &particles.body[..particles.owned_count()];
         self.blocks.resize_with(bodies.len().div_ceil(LANES), ColumnBlock::default);
-        with_simd(Deposit {
-            bodies,
-            blocks: &mut self.blocks,
-            grid,
-            share: self.share,
-            quanta: self.quanta,
-            sums: &mut self.in_intervals[..kinds],
-        });
+        let Self { blocks, share, quanta, in_intervals, .. } = self;
+        deposit(bodies, blocks, grid, *share, *quanta, &mut in_intervals[..kinds]);
         self.add_up_nodes(kinds, grid)
     }
 
@@ -164,36 +158,31 @@ impl ColumnDeposition {
     }
 }
 
-/// The particles of a rank to the intervals of the grid.
-struct Deposit<'a> {
-    bodies: &'a [Body],
-    blocks: &'a mut [ColumnBlock],
-    grid: &'a ColumnGrid,
-    share: DragShare,
-    quanta: [[Quantum; 2]; 2],
-    /// Of volume, perhaps of shares of drag.
-    sums: &'a mut [Vec<IntervalSums>],
-}
-
-impl SimdKernel for Deposit<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        for (bodies, block) in self.bodies.chunks(LANES).zip(self.blocks) {
-            block.gather::<Q>(bodies, self.grid);
+vectorised!(
+    /// Gathers the particles of a rank into blocks, and adds to the sums of the intervals: those of volume, and perhaps those of
+    /// shares of drag.
+    fn deposit<Q: F64x4>(
+        bodies: &[Body],
+        blocks: &mut [ColumnBlock],
+        grid: &ColumnGrid,
+        share: DragShare,
+        quanta: [[Quantum; 2]; 2],
+        sums: &mut [Vec<IntervalSums>],
+    ) {
+        for (bodies, block) in bodies.chunks(LANES).zip(blocks) {
+            block.gather::<Q>(bodies, grid);
             // What only fills up the last block carries nothing.
             let mut amounts = [[0.0; LANES]; 2];
             for (lane, &radius) in block.radius[..bodies.len()].iter().enumerate() {
                 amounts[0][lane] = sphere_volume(radius);
-                amounts[1][lane] = self.share.of(2.0 * radius);
+                amounts[1][lane] = share.of(2.0 * radius);
             }
-            for (kind, sums) in self.sums.iter_mut().enumerate() {
-                add::<Q>(block, &amounts[kind], self.quanta[kind], sums);
+            for (kind, sums) in sums.iter_mut().enumerate() {
+                add::<Q>(block, &amounts[kind], quanta[kind], sums);
             }
         }
     }
-}
+);
 
 /// Adds amounts and their fluxes, each rounded to its lattice.
 #[inline(always)]

@@ -73,22 +73,16 @@ mod tests {
     use super::*;
     use crate::domain::{Bounds, Decomposition, Face, RankGrid};
     use crate::grid::BoxGrid;
-    use crate::numbers::{Quantum, SimdKernel, random_of, uniform, with_simd};
+    use crate::numbers::{Quantum, random_of, uniform, vectorised};
     use nalgebra::Vector3;
 
-    struct BackAndForth<'a> {
-        corners: &'a [Corners],
-        from: &'a FourFields,
-        shifts: [f64; 4],
-        to: &'a mut FourFields,
-    }
-
-    impl SimdKernel for BackAndForth<'_> {
-        type Output = Vec<[f64; 4]>;
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> Vec<[f64; 4]> {
-            let Self { corners, from, shifts, to } = self;
+    vectorised!(
+        fn back_and_forth<Q: F64x4>(
+            corners: &[Corners],
+            from: &FourFields,
+            shifts: [f64; 4],
+            to: &mut FourFields,
+        ) -> Vec<[f64; 4]> {
             let mut found = vec![[0.0; 4]; corners.len()];
             for (corners, found) in corners.iter().zip(&mut found) {
                 let values: Q = from.interpolate(corners);
@@ -97,7 +91,7 @@ mod tests {
             }
             found
         }
-    }
+    );
 
     #[test]
     fn four_fields_at_once_have_the_bits_of_each_by_itself() {
@@ -125,7 +119,7 @@ mod tests {
         from.copy_from(fields.each_ref(), places.clone());
         to.clear(places.clone());
         let shifts = quanta.map(Quantum::shift);
-        let found = with_simd(BackAndForth { corners: &corners, from: &from, shifts, to: &mut to });
+        let found = back_and_forth(&corners, &from, shifts, &mut to);
 
         let one_by_one: Vec<[f64; 4]> =
             corners.iter().map(|corners| interpolate(fields.each_ref(), corners)).collect();

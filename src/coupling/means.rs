@@ -1,27 +1,13 @@
 //! Means in cells of what is known in or across their faces.
 
 use crate::grid::{ColumnOnCells, Field};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 
-/// Sets each owned cell to the mean of a face field's values at its two faces along `axis`.
-///
-/// The gas averages two cells to a face, so that this is the adjoint.
-pub(crate) fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
-    in_wide_vectors(MeanOfFaces { faces, axis, cells });
-}
-
-struct MeanOfFaces<'a> {
-    faces: &'a Field,
-    axis: usize,
-    cells: &'a mut Field,
-}
-
-impl VectorWork for MeanOfFaces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { faces, axis, cells } = self;
+vectorised!(
+    /// Sets each owned cell to the mean of a face field's values at its two faces along `axis`.
+    ///
+    /// The gas averages two cells to a face, so that this is the adjoint.
+    pub(crate) fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
         let (stride, length) = (faces.strides()[axis], faces.row_length());
         for (from, to) in faces.rows().zip(cells.rows()) {
             let [below, above] = [from, from + stride].map(|row| &faces.values()[row..][..length]);
@@ -31,27 +17,12 @@ impl VectorWork for MeanOfFaces<'_> {
             }
         }
     }
-}
+);
 
-/// Sets each owned cell to the mean of a field's gradients at its two faces along `axis`: half the difference
-/// of the cells above and below over the distance of cells. Halos must be current.
-pub(crate) fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &mut Field) {
-    in_wide_vectors(MeanGradient { field, axis, distance, cells });
-}
-
-struct MeanGradient<'a> {
-    field: &'a Field,
-    axis: usize,
-    distance: f64,
-    cells: &'a mut Field,
-}
-
-impl VectorWork for MeanGradient<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { field, axis, distance, cells } = self;
+vectorised!(
+    /// Sets each owned cell to the mean of a field's gradients at its two faces along `axis`: half the difference
+    /// of the cells above and below over the distance of cells. Halos must be current.
+    pub(crate) fn mean_gradient(field: &Field, axis: usize, distance: f64, cells: &mut Field) {
         let (stride, length) = (field.strides()[axis], field.row_length());
         for (from, to) in field.rows().zip(cells.rows()) {
             let [below, here, above] =
@@ -64,7 +35,7 @@ impl VectorWork for MeanGradient<'_> {
             }
         }
     }
-}
+);
 
 /// Replaces the gradient across a round column, as [`mean_gradient`] left it, in cells beside closed ones: there it is that
 /// of the open side alone, as if the field went on linearly beyond the wall.

@@ -31,7 +31,7 @@ mod tests;
 
 pub use grid::CellGrid;
 
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use crate::particle_sets::Periodicity;
 use crate::particle_sets::exact_sums::Keyed;
@@ -239,9 +239,7 @@ impl StressMeasurement {
         quanta: &Quanta<N>,
         ranks: &dyn Communicator,
     ) -> ForcesOnCells {
-        let contacts = &contacts.contacts;
-        let Shared { cells, sums, leaving } =
-            in_wide_vectors(Share { measurement: self, contacts, quanta });
+        let Shared { cells, sums, leaving } = share(self, &contacts.contacts, quanta);
         let sums = sums_by_key(cells.keys(), &sums, quanta, ranks).into_iter();
         let filled =
             |values: [f64; N]| std::array::from_fn(|k| values.get(k).copied().unwrap_or_default());
@@ -258,14 +256,6 @@ struct ForcesOnCells {
     leaving: i64,
 }
 
-/// Shares the dyads f (x) l of contacts among the cells through which their branches pass. What a branch gives its cells
-/// adds up to the whole exactly: differences of f (x) l times the pieces' ends, as integers.
-struct Share<'a, const N: usize> {
-    measurement: &'a StressMeasurement,
-    contacts: &'a [ContactForce],
-    quanta: &'a Quanta<N>,
-}
-
 /// The shares of the cells, and the number of branches that leave the grid.
 struct Shared<const N: usize> {
     cells: Slots,
@@ -273,12 +263,14 @@ struct Shared<const N: usize> {
     leaving: i64,
 }
 
-impl<const N: usize> VectorWork for Share<'_, N> {
-    type Output = Shared<N>;
-
-    #[inline(always)]
-    fn run(self) -> Shared<N> {
-        let Self { measurement, contacts, quanta } = self;
+vectorised!(
+    /// Shares the dyads f (x) l of contacts among the cells through which their branches pass. What a branch gives its cells
+    /// adds up to the whole exactly: differences of f (x) l times the pieces' ends, as integers.
+    fn share<const N: usize>(
+        measurement: &StressMeasurement,
+        contacts: &[ContactForce],
+        quanta: &Quanta<N>,
+    ) -> Shared<N> {
         let ruler = measurement.grid.ruler();
         let mut cells = Slots::new(measurement.grid.cells());
         let mut sums = FixedPointSums::zero(0);
@@ -302,7 +294,7 @@ impl<const N: usize> VectorWork for Share<'_, N> {
         }
         Shared { cells, sums, leaving }
     }
-}
+);
 
 /// The forces of a rank's contacts, and of its pairs that attract each other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -315,24 +307,21 @@ pub struct ContactForces {
 impl ContactForces {
     /// Of these contacts.
     pub fn of(contacts: Vec<ContactForce>) -> Self {
-        let largest = in_wide_vectors(LargestComponents(&contacts));
+        let largest = largest_components(&contacts);
         Self { contacts, largest }
     }
 }
 
-/// Finds the largest magnitude of each component.
-struct LargestComponents<'a>(&'a [ContactForce]);
-
-impl VectorWork for LargestComponents<'_> {
-    type Output = [f64; 9];
-
-    #[inline(always)]
-    fn run(self) -> [f64; 9] {
-        largest(self.0.iter().map(|ContactForce { branch: l, contact: f, cohesive: c, .. }| {
-            [l.x, l.y, l.z, f.x, f.y, f.z, c.x, c.y, c.z]
-        }))
+vectorised!(
+    /// Finds the largest magnitude of each component.
+    fn largest_components(contacts: &[ContactForce]) -> [f64; 9] {
+        largest(contacts.iter().map(
+            |ContactForce { branch: l, contact: f, cohesive: c, .. }| {
+                [l.x, l.y, l.z, f.x, f.y, f.z, c.x, c.y, c.z]
+            },
+        ))
     }
-}
+);
 
 /// Number of components of a dyad, and of those of both forces of a contact.
 const DYAD: usize = 9;

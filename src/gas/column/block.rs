@@ -2,7 +2,7 @@
 
 use crate::coupling::{ColumnBlock, DragShare};
 use crate::gas::ParticleDrag;
-use crate::numbers::{F64x4, Quantum, SimdKernel, first_flagged};
+use crate::numbers::{F64x4, Quantum, first_flagged, vectorised};
 use crate::particles::{ForceTorque, LANES, Lanes};
 use std::f64::consts::PI;
 
@@ -155,29 +155,21 @@ pub(super) struct ForceTooLarge {
     pub(super) solids_fraction: f64,
 }
 
-/// Adds the gas force to each particle.
-pub(super) struct AddForces<'a> {
-    pub(super) column: ParticlesInColumn<'a>,
-    /// Whether there is lateral drag.
-    pub(super) lateral: bool,
-    pub(super) quantum: Quantum,
-    /// Of a component of a force.
-    pub(super) limit: f64,
-    pub(super) loads: &'a mut [ForceTorque],
-}
-
-impl SimdKernel for AddForces<'_> {
-    type Output = Result<(), ForceTooLarge>;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let Self { column, quantum, limit, .. } = self;
+vectorised!(
+    /// Adds the gas force to each particle, with lateral drag if that acts. No component may exceed the limit.
+    pub(super) fn add_forces<Q: F64x4>(
+        column: ParticlesInColumn,
+        lateral: bool,
+        quantum: Quantum,
+        limit: f64,
+        loads: &mut [ForceTorque],
+    ) -> Result<(), ForceTooLarge> {
         let mut block = GasBlock::default();
         let (mut force, mut out_of_range) = ([0.0; LANES], [0; LANES]);
-        let chunks = column.blocks.iter().zip(self.loads.chunks_mut(LANES));
+        let chunks = column.blocks.iter().zip(loads.chunks_mut(LANES));
         for (number, (particles, loads)) in chunks.enumerate() {
             block.fill::<Q>(&column, particles);
-            let axes = if self.lateral { 0..3 } else { 2..3 };
+            let axes = if lateral { 0..3 } else { 2..3 };
             for axis in axes {
                 for lane in 0..LANES {
                     let velocity = particles.velocity[axis][lane];
@@ -201,34 +193,28 @@ impl SimdKernel for AddForces<'_> {
         }
         Ok(())
     }
-}
+);
 
-/// Sums the force at U_s = 0 and its slope dF/dU_s, with the drag of the column's U_s, as counts of their lattices.
-pub(super) struct SumSlopes<'a> {
-    pub(super) column: ParticlesInColumn<'a>,
-    /// Of the force, of the slope.
-    pub(super) quanta: [Quantum; 2],
-    /// Particles in the blocks.
-    pub(super) count: usize,
-}
-
-impl SimdKernel for SumSlopes<'_> {
-    type Output = [i64; 2];
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> [i64; 2] {
-        let [of_force, of_slope] = self.quanta;
+vectorised!(
+    /// Sums the force at U_s = 0 and its slope dF/dU_s over the particles, `count` of them, with the drag of the column's U_s, as
+    /// counts of their lattices.
+    pub(super) fn sum_slopes<Q: F64x4>(
+        column: ParticlesInColumn,
+        quanta: [Quantum; 2],
+        count: usize,
+    ) -> [i64; 2] {
+        let [of_force, of_slope] = quanta;
         let mut block = GasBlock::default();
         let mut sums = [0; 2];
-        for (number, particles) in self.column.blocks.iter().enumerate() {
-            block.fill::<Q>(&self.column, particles);
+        for (number, particles) in column.blocks.iter().enumerate() {
+            block.fill::<Q>(&column, particles);
             let (mut forces, mut slopes) = ([0.0; LANES], [0.0; LANES]);
             for lane in 0..LANES {
                 forces[lane] =
                     of_force.round(block.vertical_force(lane, particles.velocity[2][lane], 0.0));
                 slopes[lane] = of_slope.round(block.slope(lane));
             }
-            for lane in 0..LANES.min(self.count - number * LANES) {
+            for lane in 0..LANES.min(count - number * LANES) {
                 // Forces far beyond the limit may wrap around, on any ranks alike; they are refused when they are added.
                 sums[0] = i64::wrapping_add(sums[0], of_force.count(forces[lane]));
                 sums[1] = i64::wrapping_add(sums[1], of_slope.count(slopes[lane]));
@@ -236,4 +222,4 @@ impl SimdKernel for SumSlopes<'_> {
         }
         sums
     }
-}
+);

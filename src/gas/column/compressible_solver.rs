@@ -2,12 +2,11 @@
 
 use super::block::SuperficialVelocity;
 use super::compressible::{ColumnCell, CompressibleStep, NodeForces};
-use super::node_forces::{SumByNodes, at_nodes};
+use super::node_forces::{at_nodes, sum_by_nodes};
 use super::plenum::{BedResistance, Plenum};
 use super::solver::ColumnSolver;
 use super::state::ColumnState;
 use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep};
-use crate::numbers::with_simd;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 
@@ -89,12 +88,8 @@ impl ColumnSolver {
         let quanta = [self.quantum, self.slope_quantum];
         let between = between_nodes(velocities);
         let count = particles.owned_count();
-        let mut sums = with_simd(SumByNodes {
-            column: self.particles_in(SuperficialVelocity::Between(&between)),
-            quanta,
-            count,
-            intervals: self.grid.intervals(),
-        });
+        let column = self.particles_in(SuperficialVelocity::Between(&between));
+        let mut sums = sum_by_nodes(column, quanta, count, self.grid.intervals());
         sums.push(count as i64);
         ranks.sum_integers(&mut sums);
         at_nodes(&sums, &self.grid, quanta)

@@ -3,34 +3,28 @@
 use super::block::{GasBlock, ParticlesInColumn};
 use super::compressible::NodeForces;
 use crate::grid::ColumnGrid;
-use crate::numbers::{F64x4, Quantum, SimdKernel};
+use crate::numbers::{F64x4, Quantum, vectorised};
 use crate::particles::LANES;
 
 /// Of the particles in one interval, as counts of their lattices: the forces at U = 0 that go to its lower and upper node, and
 /// the slopes that go to the lower one alone, to both and to the upper one, by hat weights.
 pub(super) const SUMS: usize = 5;
 
-/// Sums over the particles of a rank, interval by interval; with the drag of the column's U.
-pub(super) struct SumByNodes<'a> {
-    pub(super) column: ParticlesInColumn<'a>,
-    /// Of the force, of the slope.
-    pub(super) quanta: [Quantum; 2],
-    /// Particles in the blocks.
-    pub(super) count: usize,
-    pub(super) intervals: usize,
-}
-
-impl SimdKernel for SumByNodes<'_> {
-    type Output = Vec<i64>;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Vec<i64> {
-        let [of_force, of_slope] = self.quanta;
+vectorised!(
+    /// Sums over the particles of a rank, `count` of them, interval by interval; with the drag of the column's U. The quanta are those
+    /// of the force and of the slope.
+    pub(super) fn sum_by_nodes<Q: F64x4>(
+        column: ParticlesInColumn,
+        quanta: [Quantum; 2],
+        count: usize,
+        intervals: usize,
+    ) -> Vec<i64> {
+        let [of_force, of_slope] = quanta;
         let mut block = GasBlock::default();
-        let mut sums = vec![0_i64; SUMS * self.intervals];
-        for (number, particles) in self.column.blocks.iter().enumerate() {
-            block.fill::<Q>(&self.column, particles);
-            for lane in 0..LANES.min(self.count - number * LANES) {
+        let mut sums = vec![0_i64; SUMS * intervals];
+        for (number, particles) in column.blocks.iter().enumerate() {
+            block.fill::<Q>(&column, particles);
+            for lane in 0..LANES.min(count - number * LANES) {
                 let upper = particles.of_upper[lane];
                 let lower = 1.0 - upper;
                 let force = block.vertical_force(lane, particles.velocity[2][lane], 0.0);
@@ -48,7 +42,7 @@ impl SimdKernel for SumByNodes<'_> {
         }
         sums
     }
-}
+);
 
 /// Sums over all ranks, and last the number of particles, to forces around nodes per cross-section.
 pub(super) fn at_nodes(sums: &[i64], grid: &ColumnGrid, quanta: [Quantum; 2]) -> NodeForces {

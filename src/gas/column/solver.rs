@@ -1,6 +1,6 @@
 //! The column gas in a run: superficial velocity and force on particles, Moon 2006 eqs (11), (12) and (18).
 
-use super::block::{AddForces, ParticlesInColumn, SumSlopes, SuperficialVelocity};
+use super::block::{ParticlesInColumn, SuperficialVelocity, add_forces, sum_slopes};
 use super::model::{ColumnFields, ColumnGas, Drive, WeightBalance};
 use super::plenum::{BedResistance, Plenum};
 use super::state::ColumnState;
@@ -8,7 +8,7 @@ use crate::coupling::{Bed, ColumnDeposition, NodeSums, interval_fields};
 use crate::domain::Bounds;
 use crate::gas::{DragCorrelation, GasForceOutOfRange, GasStep, ParticleLimits};
 use crate::grid::ColumnGrid;
-use crate::numbers::{Quantum, with_simd};
+use crate::numbers::Quantum;
 use crate::parallel::Communicator;
 use crate::particles::{ForceTorque, Particles};
 use nalgebra::Vector3;
@@ -250,14 +250,8 @@ impl ColumnSolver {
             true => SuperficialVelocity::Uniform(self.superficial_velocity),
             false => SuperficialVelocity::Between(&self.between_velocities),
         });
-        let work = AddForces {
-            column,
-            lateral: self.gas.lateral_drag,
-            quantum: self.quantum,
-            limit: self.limit,
-            loads,
-        };
-        with_simd(work).map_err(|too_large| GasForceOutOfRange::Particle {
+        let added = add_forces(column, self.gas.lateral_drag, self.quantum, self.limit, loads);
+        added.map_err(|too_large| GasForceOutOfRange::Particle {
             particle: ids[too_large.index],
             force: too_large.force,
             limit: self.limit,
@@ -336,12 +330,10 @@ impl ColumnSolver {
         particles: &Particles,
         ranks: &dyn Communicator,
     ) -> BedForce {
-        let [constant, slope] = with_simd(SumSlopes {
-            column: self.particles_in(SuperficialVelocity::Uniform(velocity)),
-            quanta: [self.quantum, self.slope_quantum],
-            count: particles.owned_count(),
-        });
-        let mut sums = [constant, slope, particles.owned_count() as i64];
+        let column = self.particles_in(SuperficialVelocity::Uniform(velocity));
+        let count = particles.owned_count();
+        let [constant, slope] = sum_slopes(column, [self.quantum, self.slope_quantum], count);
+        let mut sums = [constant, slope, count as i64];
         ranks.sum_integers(&mut sums);
         BedForce {
             at_rest: sums[0] as f64 * self.quantum.spacing(),

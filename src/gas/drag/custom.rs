@@ -1,7 +1,7 @@
 //! Drag laws from outside the crate.
 
 use super::{DragCorrelation, DragLaw};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -22,25 +22,15 @@ pub trait BlockDrag: DragCorrelation + Send + Sync + Debug {
 
 impl<L: DragCorrelation + Send + Sync + Debug> BlockDrag for L {
     fn evaluate_block(&self, solids_fraction: &[f64], reynolds: &mut [f64]) {
-        in_wide_vectors(EvaluateBlock { law: self, solids_fraction, reynolds });
+        scale_drags(self, solids_fraction, reynolds);
     }
 }
 
 /// Lanes of a law from outside, whatever the length of the caller's block.
 const LANES: usize = 32;
 
-struct EvaluateBlock<'a, L> {
-    law: &'a L,
-    solids_fraction: &'a [f64],
-    reynolds: &'a mut [f64],
-}
-
-impl<L: DragCorrelation> VectorWork for EvaluateBlock<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { law, solids_fraction, reynolds } = self;
+vectorised!(
+    fn scale_drags(law: &impl DragCorrelation, solids_fraction: &[f64], reynolds: &mut [f64]) {
         let (full, rest) = reynolds.as_chunks_mut::<LANES>();
         let (full_fractions, other_fractions) = solids_fraction.as_chunks::<LANES>();
         for (numbers, fractions) in full.iter_mut().zip(full_fractions) {
@@ -50,7 +40,7 @@ impl<L: DragCorrelation> VectorWork for EvaluateBlock<'_, L> {
             *number = law.scaled_drag(fraction, *number);
         }
     }
-}
+);
 
 impl CustomDragLaw {
     /// Its name.

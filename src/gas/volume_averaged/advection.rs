@@ -21,58 +21,33 @@ use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{Largest, VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, vectorised};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Volume fluxes eps u through all faces whose two cells are known.
-pub(super) fn set_fluxes(
-    flux: &mut [Field; 3],
-    velocity: &[Field; 3],
-    voidage: &Field,
-    part: &LocalCells,
-) {
-    in_wide_vectors(SetFluxes { flux, velocity, voidage, part });
-}
-
-struct SetFluxes<'a> {
-    flux: &'a mut [Field; 3],
-    velocity: &'a [Field; 3],
-    voidage: &'a Field,
-    part: &'a LocalCells,
-}
-
-impl VectorWork for SetFluxes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { flux, velocity, voidage, part } = self;
-        fluxes_of_rows(flux, velocity, voidage, part);
-    }
-}
-
-#[inline(always)]
-fn fluxes_of_rows(
-    flux: &mut [Field; 3],
-    velocity: &[Field; 3],
-    voidage: &Field,
-    part: &LocalCells,
-) {
-    let halo = voidage.halo() as isize;
-    let strides = voidage.strides();
-    for axis in 0..3 {
-        let stride = strides[axis] as isize;
-        let mut region = Region::widened(part, halo);
-        region.from[axis] += 1;
-        for row in region.rows(voidage) {
-            let (below, above) =
-                (moved(voidage.values(), &row, -stride), moved(voidage.values(), &row, 0));
-            let u = moved(velocity[axis].values(), &row, 0);
-            set_fluxes_of_row([below, above], u, &mut flux[axis].values_mut()[row]);
+vectorised!(
+    /// Volume fluxes eps u through all faces whose two cells are known.
+    pub(super) fn set_fluxes(
+        flux: &mut [Field; 3],
+        velocity: &[Field; 3],
+        voidage: &Field,
+        part: &LocalCells,
+    ) {
+        let halo = voidage.halo() as isize;
+        let strides = voidage.strides();
+        for axis in 0..3 {
+            let stride = strides[axis] as isize;
+            let mut region = Region::widened(part, halo);
+            region.from[axis] += 1;
+            for row in region.rows(voidage) {
+                let (below, above) =
+                    (moved(voidage.values(), &row, -stride), moved(voidage.values(), &row, 0));
+                let u = moved(velocity[axis].values(), &row, 0);
+                set_fluxes_of_row([below, above], u, &mut flux[axis].values_mut()[row]);
+            }
         }
     }
-}
+);
 
 #[inline(always)]
 fn set_fluxes_of_row([below, above]: [&[f64]; 2], u: &[f64], flux: &mut [f64]) {
@@ -341,31 +316,16 @@ impl ThroughFace {
     }
 }
 
-/// The largest sum over axes of |eps u| / (eps spacing) in a cell, twice of which times a step may not exceed 1
-/// for the limiter to hold. Infinite if it is undefined, or a voidage negative.
-pub(super) fn courant_rate(
-    flux: &[Field; 3],
-    voidage: &Field,
-    part: &LocalCells,
-    spacing: Vector3<f64>,
-) -> f64 {
-    in_wide_vectors(CourantRate { flux, voidage, part, inverse: spacing.map(|dx| 0.5 / dx) })
-}
-
-struct CourantRate<'a> {
-    flux: &'a [Field; 3],
-    voidage: &'a Field,
-    part: &'a LocalCells,
-    /// 1 / 2 spacing.
-    inverse: Vector3<f64>,
-}
-
-impl VectorWork for CourantRate<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { flux, voidage, part, inverse } = self;
+vectorised!(
+    /// The largest sum over axes of |eps u| / (eps spacing) in a cell, twice of which times a step may not exceed 1
+    /// for the limiter to hold. Infinite if it is undefined, or a voidage negative.
+    pub(super) fn courant_rate(
+        flux: &[Field; 3],
+        voidage: &Field,
+        part: &LocalCells,
+        spacing: Vector3<f64>,
+    ) -> f64 {
+        let half_inverse = spacing.map(|dx| 0.5 / dx);
         let strides = voidage.strides().map(|stride| stride as isize);
         let mut largest = Largest::default();
         for row in Region::owned(part).rows(voidage) {
@@ -373,14 +333,15 @@ impl VectorWork for CourantRate<'_> {
             let lower = [0, 1, 2].map(|axis| moved(flux[axis].values(), &row, 0));
             let upper = [0, 1, 2].map(|axis| moved(flux[axis].values(), &row, strides[axis]));
             for i in 0..eps.len() {
-                let along =
-                    |axis: usize| (lower[axis][i].abs() + upper[axis][i].abs()) * inverse[axis];
+                let along = |axis: usize| {
+                    (lower[axis][i].abs() + upper[axis][i].abs()) * half_inverse[axis]
+                };
                 largest.add((along(0) + along(1) + along(2)) / eps[i]);
             }
         }
         largest.value()
     }
-}
+);
 
 #[cfg(test)]
 mod tests {

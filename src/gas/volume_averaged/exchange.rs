@@ -12,8 +12,8 @@ mod mean_diameter;
 mod own_disturbance;
 
 use self::drag_at_place::DragAtPlace;
-use self::drag_deposition::{DepositDrag, DragBounds};
-use self::forces::SetForces;
+use self::drag_deposition::{DragBounds, DragDeposition, deposit_drag};
+use self::forces::set_forces;
 use self::local_voidage::LocalVoidage;
 use self::mean_diameter::MeanDiameter;
 use self::own_disturbance::OwnDisturbance;
@@ -26,7 +26,7 @@ use crate::coupling::{
 use crate::domain::Subdomain;
 use crate::gas::{GasForceOutOfRange, ParticleLimits};
 use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
-use crate::numbers::{Quantum, with_simd};
+use crate::numbers::Quantum;
 use crate::parallel::Communicator;
 use crate::particles::Particles;
 use nalgebra::Vector3;
@@ -212,7 +212,7 @@ impl ParticleExchange {
         shares.clear(self.transfer.places());
         let Quanta { drag: of_drag, drag_flux, .. } = self.quanta;
         self.drag.clear();
-        let result = with_simd(DepositDrag {
+        let result = deposit_drag(DragDeposition {
             corners: self.transfer.corners(),
             gas,
             law: DragAtPlace {
@@ -255,15 +255,9 @@ impl ParticleExchange {
         let ([u, v, w, gx, gy, gz], eps) = (&self.in_cells, &self.bed.voidage);
         velocity.copy_from([u, v, w, eps], self.transfer.places());
         gradient.copy_from([gx, gy, gz, eps], self.transfer.places());
-        let (total, result) = with_simd(SetForces {
-            corners: self.transfer.corners(),
-            velocity,
-            gradient,
-            buoyancy,
-            drag: &self.drag,
-            limits: self.limits,
-            particles,
-        });
+        let Self { transfer, at_places, drag, limits, .. } = self;
+        let corners = transfer.corners();
+        let (total, result) = set_forces(corners, at_places, buoyancy, drag, *limits, particles);
         self.exchanged.gained = total;
         result
     }

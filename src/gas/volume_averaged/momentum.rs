@@ -15,7 +15,7 @@ use super::round_wall::RoundWall;
 use super::{BedOnGrid, VolumeAveragedGas};
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -146,11 +146,6 @@ impl<'a> Momentum<'a> {
         }
     }
 
-    /// The velocity at the end of the step, before the pressure has changed.
-    pub(super) fn predict(&self, old: &[Field; 3], forces: Forces, new: &mut [Field; 3]) {
-        in_wide_vectors(Predict { momentum: self, old, forces, new });
-    }
-
     #[inline(always)]
     fn predict_rows(
         &self,
@@ -185,7 +180,7 @@ impl<'a> Momentum<'a> {
     /// of given pressure, half a cell away, adds to the diagonal.
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
-        in_wide_vectors(SetCoefficients { momentum: self, faces });
+        set_coefficients(self, faces);
         for (axis, faces) in faces.iter().enumerate() {
             for side in 0..2 {
                 self.add_given_pressure(faces, diagonal, BoxFace { axis, side });
@@ -207,16 +202,6 @@ impl<'a> Momentum<'a> {
         }
     }
 
-    /// The part of continuity that the predicted velocity leaves: -[div(eps u) + (eps - eps_old)/dt] in cells.
-    pub(super) fn set_continuity_residual(
-        &self,
-        residual: &mut Field,
-        velocity: &[Field; 3],
-        old: &Field,
-    ) {
-        in_wide_vectors(SetResidual { momentum: self, residual, velocity, old });
-    }
-
     #[inline(always)]
     fn residual_of_rows(&self, residual: &mut Field, velocity: &[Field; 3], old: &Field) {
         let strides = [0, 1, 2].map(|axis| self.stride(axis));
@@ -232,11 +217,6 @@ impl<'a> Momentum<'a> {
             let cells = ContinuityRow { here, before, below, above, lower, upper };
             cells.set_residual(inverse, self.dt, &mut residual.values_mut()[row]);
         }
-    }
-
-    /// Adds what a change of pressure does to the velocity.
-    pub(super) fn correct(&self, velocity: &mut [Field; 3], change: &Field) {
-        in_wide_vectors(Correct { momentum: self, velocity, change });
     }
 
     #[inline(always)]
@@ -288,78 +268,51 @@ impl ContinuityRow<'_> {
     }
 }
 
-struct Predict<'a> {
-    momentum: &'a Momentum<'a>,
-    old: &'a [Field; 3],
-    forces: Forces<'a>,
-    new: &'a mut [Field; 3],
-}
-
-impl VectorWork for Predict<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { momentum, old, forces, new } = self;
+vectorised!(
+    /// Sets the velocity at the end of the step, before the pressure has changed.
+    pub(super) fn predict(
+        momentum: &Momentum,
+        old: &[Field; 3],
+        forces: Forces,
+        new: &mut [Field; 3],
+    ) {
         for layers in Layers::blocks(momentum.part) {
             for (axis, new) in new.iter_mut().enumerate() {
                 momentum.predict_rows((axis, &layers), &old[axis], forces, new);
             }
         }
     }
-}
+);
 
-struct SetCoefficients<'a> {
-    momentum: &'a Momentum<'a>,
-    faces: &'a mut [Field; 3],
-}
-
-impl VectorWork for SetCoefficients<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { momentum, faces } = self;
+vectorised!(
+    fn set_coefficients(momentum: &Momentum, faces: &mut [Field; 3]) {
         for layers in Layers::blocks(momentum.part) {
             for (axis, faces) in faces.iter_mut().enumerate() {
                 momentum.coefficients_of_rows((axis, &layers), faces);
             }
         }
     }
-}
+);
 
-struct SetResidual<'a> {
-    momentum: &'a Momentum<'a>,
-    residual: &'a mut Field,
-    velocity: &'a [Field; 3],
-    old: &'a Field,
-}
-
-impl VectorWork for SetResidual<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.momentum.residual_of_rows(self.residual, self.velocity, self.old);
+vectorised!(
+    /// The part of continuity that the predicted velocity leaves: -[div(eps u) + (eps - eps_old)/dt] in cells.
+    pub(super) fn set_continuity_residual(
+        momentum: &Momentum,
+        residual: &mut Field,
+        velocity: &[Field; 3],
+        old: &Field,
+    ) {
+        momentum.residual_of_rows(residual, velocity, old);
     }
-}
+);
 
-struct Correct<'a> {
-    momentum: &'a Momentum<'a>,
-    velocity: &'a mut [Field; 3],
-    change: &'a Field,
-}
-
-impl VectorWork for Correct<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { momentum, velocity, change } = self;
+vectorised!(
+    /// Adds what a change of pressure does to the velocity.
+    pub(super) fn correct(momentum: &Momentum, velocity: &mut [Field; 3], change: &Field) {
         for layers in Layers::blocks(momentum.part) {
             for (axis, velocity) in velocity.iter_mut().enumerate() {
                 momentum.correct_rows((axis, &layers), velocity, change);
             }
         }
     }
-}
+);

@@ -2,7 +2,7 @@
 
 use super::BedOnGrid;
 use crate::grid::{ColumnOnCells, Field};
-use crate::numbers::{ExactSum, Quantum, VectorWork, in_wide_vectors};
+use crate::numbers::{ExactSum, Quantum, vectorised};
 use crate::parallel::Communicator;
 
 /// What one step moves from the gas to the particles on this rank, by the sums of either.
@@ -66,7 +66,7 @@ pub(super) fn force_lost(
     let fields = [&in_cells[axis], &in_cells[3 + axis], beta, beta_v, &bed.voidage];
     let mut lost = vec![0.0; bed.voidage.row_length()];
     for row in bed.voidage.rows() {
-        in_wide_vectors(LostPerVolume { fields, row, buoyancy, lost: &mut lost });
+        lost_per_volume(fields, row, buoyancy, &mut lost);
         for (i, &lost) in lost.iter().enumerate() {
             // Where there are no particles nothing is lost, and an exact sum costs more than this question.
             if lost != 0.0 {
@@ -77,25 +77,13 @@ pub(super) fn force_lost(
     sum
 }
 
-/// Force per volume that the gas loses in a row of cells.
-struct LostPerVolume<'a> {
-    /// u, the gradient of p, beta, beta v, eps.
-    fields: [&'a Field; 5],
-    row: usize,
-    buoyancy: f64,
-    lost: &'a mut [f64],
-}
-
-impl VectorWork for LostPerVolume<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { fields, row, buoyancy, lost } = self;
+vectorised!(
+    /// Force per volume that the gas loses in a row of cells, from the fields u, the gradient of p, beta, beta v, eps.
+    fn lost_per_volume(fields: [&Field; 5], row: usize, buoyancy: f64, lost: &mut [f64]) {
         let length = lost.len();
         set_lost(fields.map(|field| &field.values()[row..][..length]), buoyancy, lost);
     }
-}
+);
 
 #[inline(always)]
 fn set_lost([u, gradient, beta, beta_v, eps]: [&[f64]; 5], buoyancy: f64, lost: &mut [f64]) {

@@ -6,7 +6,7 @@ use super::boundaries::{
 };
 use super::faces::{Layers, Region};
 use super::model::LocalGas;
-use super::momentum::{Forces, Momentum};
+use super::momentum::{Forces, Momentum, correct, predict, set_continuity_residual};
 use super::round_wall::RoundWall;
 use super::viscosity::{
     StressRows, ViscousFields, add_viscous_force, largest_viscous_rate, set_dilatation,
@@ -16,7 +16,7 @@ use crate::domain::Subdomain;
 use crate::gas::NavierStokesError;
 use crate::grid::{BoxGrid, Field, LocalCells, RoundColumn};
 use crate::linear_solver::{Convergence, LinearSolverError, PressureSolver, Tolerance};
-use crate::numbers::{VectorWork, in_wide_vectors};
+use crate::numbers::vectorised;
 use crate::parallel::{Communicator, FieldHalo};
 use crate::rules::{LARGEST_STEP_NUMBER, step_number};
 use nalgebra::Vector3;
@@ -62,34 +62,18 @@ impl ExplicitForces {
     fn set_fluxes(&mut self, velocity: &[Field; 3], voidage: &Field, part: &LocalCells) {
         set_fluxes(&mut self.flux, velocity, voidage, part);
     }
+}
 
+vectorised!(
     /// Adds the forces of a velocity whose fluxes are set, in a voidage per open volume.
-    fn add(
-        &mut self,
+    fn add_forces(
+        explicit: &mut ExplicitForces,
         velocity: &[Field; 3],
         voidage: &Field,
-        (local, wall): (LocalGas, Option<&RoundWall>),
+        local: LocalGas,
+        wall: Option<&RoundWall>,
         spacing: Vector3<f64>,
     ) {
-        in_wide_vectors(AddForces { explicit: self, velocity, voidage, local, wall, spacing });
-    }
-}
-
-struct AddForces<'a> {
-    explicit: &'a mut ExplicitForces,
-    velocity: &'a [Field; 3],
-    voidage: &'a Field,
-    local: LocalGas<'a>,
-    wall: Option<&'a RoundWall>,
-    spacing: Vector3<f64>,
-}
-
-impl VectorWork for AddForces<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { explicit, velocity, voidage, local, wall, spacing } = self;
         let ExplicitForces { flux, dilatation, rate, viscous } = explicit;
         set_dilatation(dilatation, velocity, local.part, spacing);
         let fields = ViscousFields { velocity, dilatation, voidage };
@@ -110,28 +94,20 @@ impl VectorWork for AddForces<'_> {
             }
         }
     }
-}
+);
 
-/// How many cells have a voidage that is not above 0 and at most 1.
-struct WrongCells<'a> {
-    voidage: &'a Field,
-    part: &'a LocalCells,
-}
-
-impl VectorWork for WrongCells<'_> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run(self) -> u64 {
+vectorised!(
+    /// How many cells have a voidage that is not above 0 and at most 1.
+    fn wrong_cells(voidage: &Field, part: &LocalCells) -> u64 {
         let mut wrong = 0;
-        for row in Region::owned(self.part).rows(self.voidage) {
-            for &eps in &self.voidage.values()[row] {
+        for row in Region::owned(part).rows(voidage) {
+            for &eps in &voidage.values()[row] {
                 wrong += u64::from(!(eps > 0.0 && eps <= 1.0));
             }
         }
         wrong
     }
-}
+);
 
 /// A step and what acts in it, besides pressure and particles.
 #[derive(Clone, Copy, Debug)]
@@ -276,10 +252,12 @@ impl NavierStokesSolver {
         self.explicit.set_fluxes(&state.velocity, before, part);
         let (courant, viscous) = self.limits(&momentum, &bed.voidage, ranks)?;
         self.explicit.rate.iter_mut().for_each(|rate| rate.values_mut().fill(0.0));
-        self.explicit.add(&state.velocity, &state.voidage, (local, wall), spacing);
+        let explicit = &mut self.explicit;
+        add_forces(explicit, &state.velocity, &state.voidage, local, wall, spacing);
         self.predict(&momentum, (state, &bed.voidage), (step, 1.0), ranks);
         self.explicit.set_fluxes(&self.predicted, &in_cells.voidage, part);
-        self.explicit.add(&self.predicted, &bed.voidage, (local, wall), spacing);
+        let explicit = &mut self.explicit;
+        add_forces(explicit, &self.predicted, &bed.voidage, local, wall, spacing);
         self.predict(&momentum, (state, &bed.voidage), (step, 0.5), ranks);
         let rounding = self.rounding_of_continuity(courant / dt);
         let convergence = self.solve_pressure(&momentum, before, rounding, ranks)?;
@@ -330,7 +308,7 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) -> Result<(f64, f64), NavierStokesError> {
         let &Momentum { gas, part, spacing, bed, dt, .. } = momentum;
-        let wrong = in_wide_vectors(WrongCells { voidage, part });
+        let wrong = wrong_cells(voidage, part);
         let courant = courant_rate(&self.explicit.flux, &bed.voidage, part, spacing);
         let viscous = largest_viscous_rate(voidage, LocalGas { part, gas }, spacing);
         let mut numbers = [wrong as f64, courant, viscous];
@@ -386,7 +364,7 @@ impl NavierStokesSolver {
             driving: step.driving,
             source: step.source,
         };
-        momentum.predict(&state.velocity, forces, &mut self.predicted);
+        predict(momentum, &state.velocity, forces, &mut self.predicted);
         let local = LocalGas { part: &self.part, gas: momentum.gas };
         let end = step.time + step.dt;
         set_boundary_faces(&mut self.predicted, (voidage, momentum.wall), local, end);
@@ -411,7 +389,7 @@ impl NavierStokesSolver {
         ranks: &dyn Communicator,
     ) -> Result<Convergence, LinearSolverError> {
         momentum.set_coefficients(&mut self.coefficients, &mut self.diagonal);
-        momentum.set_continuity_residual(&mut self.residual, &self.predicted, voidage_before);
+        set_continuity_residual(momentum, &mut self.residual, &self.predicted, voidage_before);
         let solver = &mut self.pressure_solver;
         let [x, y, z] = &self.coefficients;
         solver.set_coefficients([x, y, z], Some(&self.diagonal), ranks)?;
@@ -431,7 +409,7 @@ impl NavierStokesSolver {
         (state, voidage): (&mut GasFields, &Field),
         ranks: &dyn Communicator,
     ) {
-        momentum.correct(&mut self.predicted, &self.change);
+        correct(momentum, &mut self.predicted, &self.change);
         std::mem::swap(&mut state.velocity, &mut self.predicted);
         let changes = self.change.values();
         let pressures = state.pressure.values_mut().iter_mut();

@@ -6,7 +6,7 @@
 use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
 use crate::grid::{Field, LocalCells};
-use crate::numbers::{Largest, VectorWork, in_wide_vectors};
+use crate::numbers::{Largest, vectorised};
 use crate::rules::viscous_rate;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -215,23 +215,14 @@ pub(super) fn largest_viscous_rate(
     LocalGas { part, gas }: LocalGas,
     spacing: Vector3<f64>,
 ) -> f64 {
-    let ratio = in_wide_vectors(LargestRatio { voidage, part });
+    let ratio = largest_ratio(voidage, part);
     let varies = [0, 1, 2].map(|axis| !(gas.is_periodic(axis) && part.counts[axis] == 1));
     viscous_rate(gas.viscosity, gas.density, ratio, spacing.into(), varies)
 }
 
-/// The largest ratio of the voidage in a neighbour to that in a cell, at least 1.
-struct LargestRatio<'a> {
-    voidage: &'a Field,
-    part: &'a LocalCells,
-}
-
-impl VectorWork for LargestRatio<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { voidage, part } = self;
+vectorised!(
+    /// The largest ratio of the voidage in a neighbour to that in a cell, at least 1.
+    fn largest_ratio(voidage: &Field, part: &LocalCells) -> f64 {
         let strides = voidage.strides().map(|stride| stride as isize);
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         let mut largest = Largest::default();
@@ -248,4 +239,4 @@ impl VectorWork for LargestRatio<'_> {
         }
         largest.value()
     }
-}
+);

@@ -3,12 +3,12 @@
 use super::drag_at_place::{DragAtPlace, GasAtParticles};
 use crate::coupling::{Corners, FourFields};
 use crate::gas::{AgglomerateBall, GasForceOutOfRange, ParticleDrag};
-use crate::numbers::{F64x4, Quantum, SimdKernel};
+use crate::numbers::{F64x4, Quantum, vectorised};
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, LANES, Particles};
 use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
 
-/// Finds the drag coefficient b of each owned particle, and gives b v and b to the cells around it.
-pub(super) struct DepositDrag<'a> {
+/// What the drag of particles follows from, and what is made of it.
+pub(super) struct DragDeposition<'a> {
     pub(super) corners: &'a [Corners],
     /// Velocity and voidage in cells.
     pub(super) gas: &'a FourFields,
@@ -24,44 +24,40 @@ pub(super) struct DepositDrag<'a> {
     pub(super) quanta: [Quantum; 4],
 }
 
-impl SimdKernel for DepositDrag<'_> {
-    /// The first error.
-    type Output = Result<(), GasForceOutOfRange>;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let shifts = Q::load(&self.quanta.map(Quantum::shift));
+vectorised!(
+    /// Finds the drag coefficient b of each owned particle, and gives b v and b to the cells around it. Returns the first error.
+    pub(super) fn deposit_drag<Q: F64x4>(work: DragDeposition) -> Result<(), GasForceOutOfRange> {
+        let DragDeposition { corners, law, bounds, particles, shares, .. } = work;
+        let shifts = Q::load(&work.quanta.map(Quantum::shift));
         let mut result = Ok(());
         let mut gas = GasAtParticles::default();
-        for (block, corners) in self.corners.chunks(LANES).enumerate() {
+        for (block, corners) in corners.chunks(LANES).enumerate() {
             let first = block * LANES;
-            gas.gather::<Q>(self.gas, corners, &self.particles.body[first..]);
-            let mut drag = self.law.coefficients((self.particles, first), corners, &gas);
+            gas.gather::<Q>(work.gas, corners, &particles.body[first..]);
+            let mut drag = law.coefficients((particles, first), corners, &gas);
             for (lane, corners) in corners.iter().enumerate() {
                 let (i, eps) = (first + lane, gas.voidage[lane]);
-                let body = self.particles.body[i];
-                if self.by_agglomerate {
-                    let column = self.particles.columns.at_mut(AGGLOMERATE);
+                let body = particles.body[i];
+                if work.by_agglomerate {
+                    let column = particles.columns.at_mut(AGGLOMERATE);
                     let of = &mut column.hold::<AgglomerateOfParticle>()[i];
                     let superficial = eps * gas.slip(lane).norm();
                     let diameter = 2.0 * body.radius;
-                    drag[lane] *=
-                        in_agglomerate(of, self.law.law, diameter, 1.0 - eps, superficial);
+                    drag[lane] *= in_agglomerate(of, law.law, diameter, 1.0 - eps, superficial);
                 }
-                if !self.bounds.hold(drag[lane], body.mass, eps) && result.is_ok() {
-                    result =
-                        Err(self.bounds.excess(self.particles.id[i], drag[lane], body.mass, eps));
+                if !bounds.hold(drag[lane], body.mass, eps) && result.is_ok() {
+                    result = Err(bounds.excess(particles.id[i], drag[lane], body.mass, eps));
                 }
                 let velocity = body.velocity;
                 let factors = [velocity.x, velocity.y, velocity.z, 1.0];
                 let amounts = Q::splat(drag[lane]).times(Q::load(&factors));
-                self.shares.deposit(corners, amounts, shifts);
+                shares.deposit(corners, amounts, shifts);
             }
-            self.drag.extend_from_slice(&drag[..corners.len()]);
+            work.drag.extend_from_slice(&drag[..corners.len()]);
         }
         result
     }
-}
+);
 
 /// xi of a particle by its agglomerate, which is kept with it.
 #[inline(always)]

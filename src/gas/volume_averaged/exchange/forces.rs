@@ -2,33 +2,26 @@
 
 use crate::coupling::{Corners, FourFields};
 use crate::gas::{GasForceOutOfRange, ParticleLimits};
-use crate::numbers::{F64x4, SimdKernel, within};
+use crate::numbers::{F64x4, vectorised, within};
 use crate::particles::{GAS_FORCE, Particles, sphere_volume};
 use nalgebra::Vector3;
 
-/// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It takes the place of the former one in the
-/// total, which is exact.
-pub(super) struct SetForces<'a> {
-    pub(super) corners: &'a [Corners],
-    /// Velocity of the gas and voidage in cells.
-    pub(super) velocity: &'a FourFields,
-    /// Gradient of the pressure, less its hydrostatic head, and voidage in cells.
-    pub(super) gradient: &'a FourFields,
-    /// What the head adds to -dp/dz.
-    pub(super) buoyancy: f64,
-    /// b of each particle.
-    pub(super) drag: &'a [f64],
-    pub(super) limits: ParticleLimits,
-    pub(super) particles: &'a mut Particles,
-}
-
-impl SimdKernel for SetForces<'_> {
-    /// The sum of all forces, as counts of the force quantum, and the first error.
-    type Output = ([i64; 3], Result<(), GasForceOutOfRange>);
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let Self { corners, velocity, gradient, buoyancy, drag, limits, particles } = self;
+vectorised!(
+    /// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It takes the place of the former one in
+    /// the total, which is exact.
+    ///
+    /// `in_cells` holds the velocity of the gas and the voidage, then the gradient of the pressure, less its hydrostatic head, and the
+    /// voidage. `buoyancy` is what the head adds to -dp/dz, `drag` b of each particle. Returns the sum of all forces, as counts of the
+    /// force quantum, and the first error.
+    pub(super) fn set_forces<Q: F64x4>(
+        corners: &[Corners],
+        in_cells: &[FourFields; 2],
+        buoyancy: f64,
+        drag: &[f64],
+        limits: ParticleLimits,
+        particles: &mut Particles,
+    ) -> ([i64; 3], Result<(), GasForceOutOfRange>) {
+        let [velocity, gradient] = in_cells;
         let quantum = limits.force_quantum;
         let head = Q::load(&[0.0, 0.0, buoyancy, 0.0]);
         let Particles { body, columns, forces: loads, id, .. } = particles;
@@ -56,7 +49,7 @@ impl SimdKernel for SetForces<'_> {
         }
         (total, result)
     }
-}
+);
 
 /// The error of a particle whose force exceeds the limit or is undefined.
 #[cold]
