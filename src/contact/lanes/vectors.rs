@@ -132,31 +132,23 @@ pub(crate) fn vector(components: &[Lanes; 3], lane: usize) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::{SimdKernel, with_simd};
+    use crate::numbers::vectorised;
     use proptest::prelude::*;
 
-    /// Overlaps and normals of four pairs, and what is made of their normals and other vectors.
-    struct FourPairs {
-        branch_vectors: [[f64; 4]; 4],
-        others: [[f64; 4]; 4],
-        radii: [[f64; 4]; 2],
-    }
-
-    impl SimdKernel for FourPairs {
-        type Output = ([f64; 4], [[[f64; 4]; 4]; 2]);
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> Self::Output {
-            let zero = Q::splat(0.0);
-            let (mut branch_vectors, mut others) = ([zero; 4], [zero; 4]);
-            for row in 0..4 {
-                branch_vectors[row] = Q::load(&self.branch_vectors[row]);
-                others[row] = Q::load(&self.others[row]);
-            }
-            let radii = [Q::load(&self.radii[0]), Q::load(&self.radii[1])];
-            let (overlap, normal) =
-                overlaps_and_normals(FourVectors::of_rows(branch_vectors), radii);
-            let other = FourVectors::of_rows(others);
+    vectorised!(
+        /// Overlaps and normals of four pairs, and what is made of their normals and other vectors.
+        fn of_four_pairs<Q: F64x4>(
+            branch_vectors: [[f64; 4]; 4],
+            others: [[f64; 4]; 4],
+            radii: [[f64; 4]; 2],
+        ) -> ([f64; 4], [[[f64; 4]; 4]; 2]) {
+            let [a, b, c, d] = &branch_vectors;
+            let branch_vector =
+                FourVectors::of_rows([Q::load(a), Q::load(b), Q::load(c), Q::load(d)]);
+            let [a, b, c, d] = &others;
+            let other = FourVectors::of_rows([Q::load(a), Q::load(b), Q::load(c), Q::load(d)]);
+            let radii = [Q::load(&radii[0]), Q::load(&radii[1])];
+            let (overlap, normal) = overlaps_and_normals(branch_vector, radii);
             let combined = other.minus(other.cross(normal)).plus(normal.times(other.dot(normal)));
             let (mut overlaps, mut vectors) = ([0.0; 4], [[[0.0; 4]; 4]; 2]);
             overlap.store(&mut overlaps);
@@ -167,7 +159,7 @@ mod tests {
             }
             (overlaps, vectors)
         }
-    }
+    );
 
     proptest! {
         #[test]
@@ -176,8 +168,7 @@ mod tests {
             others: [[f64; 4]; 4],
             radii: [[f64; 4]; 2],
         ) {
-            let four = FourPairs { branch_vectors, others, radii };
-            let (overlaps, [normals, combined]) = with_simd(four);
+            let (overlaps, [normals, combined]) = of_four_pairs(branch_vectors, others, radii);
             for row in 0..4 {
                 let [branch_vector, other] = [branch_vectors[row], others[row]]
                     .map(|[x, y, z, _]| Vector3::new(x, y, z));
@@ -200,27 +191,19 @@ mod tests {
         Ok(())
     }
 
-    struct Beyond([[f64; 4]; 3]);
-
-    impl SimdKernel for Beyond {
-        type Output = Option<(usize, Vector3<f64>)>;
-
-        #[inline(always)]
-        fn run<Q: F64x4>(self) -> Self::Output {
-            let [x, y, z] = &self.0;
+    vectorised!(
+        fn beyond_two<Q: F64x4>(vectors: [[f64; 4]; 3]) -> Option<(usize, Vector3<f64>)> {
+            let [x, y, z] = &vectors;
             FourVectors([Q::load(x), Q::load(y), Q::load(z)]).first_beyond(2.0)
         }
-    }
+    );
 
     #[test]
     fn the_first_vector_beyond_a_limit_is_found() {
         let (x, y, z) = ([1.0, 2.0, 0.0, 3.0], [-2.0, 1.0, -2.5, 0.0], [0.0, -1.0, 1.0, 0.0]);
-        assert_eq!(with_simd(Beyond([x, y, z])), Some((2, Vector3::new(0.0, -2.5, 1.0))));
-        assert_eq!(with_simd(Beyond([[2.0; 4], [-2.0; 4], [0.0; 4]])), None);
+        assert_eq!(beyond_two([x, y, z]), Some((2, Vector3::new(0.0, -2.5, 1.0))));
+        assert_eq!(beyond_two([[2.0; 4], [-2.0; 4], [0.0; 4]]), None);
         let undefined = [0.0, 0.0, 0.0, f64::NAN];
-        assert_eq!(
-            with_simd(Beyond([[0.0; 4], [0.0; 4], undefined])).map(|found| found.0),
-            Some(3)
-        );
+        assert_eq!(beyond_two([[0.0; 4], [0.0; 4], undefined]).map(|found| found.0), Some(3));
     }
 }

@@ -9,7 +9,7 @@ use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
 use crate::numbers::with_simd;
 use crate::particles::{Contacts, InnerList, PairGroup, Particles};
 use contacts::ContactLoop;
-use separated::{SeparatedLoop, SeparatedReach};
+use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
 
 /// Makes sure that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
 ///
@@ -87,7 +87,7 @@ fn attract_separated(
         let laws = laws.of_kind(kind);
         let Some(cohesion) = laws.cohesion else { continue };
         let reach = SeparatedReach { cohesion, contact_range };
-        with_simd(SeparatedLoop { particles, pairs, one_size, reach, laws })?;
+        attract_candidates(SeparatedPairs { particles, pairs, one_size, reach, laws })?;
     }
     Ok(())
 }

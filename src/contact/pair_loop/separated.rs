@@ -7,12 +7,11 @@ use crate::contact::lanes::{
 };
 use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
-use crate::numbers::{F64x4, SimdKernel, fetch_ahead, first_flagged, four, four_mut};
+use crate::numbers::{F64x4, fetch_ahead, first_flagged, four, four_mut, vectorised};
 use crate::particles::{Candidates, ForceTorque, LANES, Lanes, Pair, PairsOfKind, Particles};
 
-/// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
-/// those that have come within the range of contacts, and leaves them to that loop.
-pub(super) struct SeparatedLoop<'a> {
+/// Candidate pairs, and what acts between them.
+pub(super) struct SeparatedPairs<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairsOfKind,
     /// Radius and mass, if all particles have the same.
@@ -29,24 +28,28 @@ pub(super) struct SeparatedReach {
     pub(super) contact_range: f64,
 }
 
-impl SimdKernel for SeparatedLoop<'_> {
-    type Output = Result<(), ForceOutOfRange>;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let cohesion = self.reach.cohesion;
+vectorised!(
+    /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
+    /// those that have come within the range of contacts, and leaves them to that loop.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
+    pub(super) fn attract_candidates<Q: F64x4>(
+        candidates: SeparatedPairs,
+    ) -> Result<(), ForceOutOfRange> {
+        let cohesion = candidates.reach.cohesion;
         match cohesion.expression() {
-            CohesionExpression::NearContact => self.with_sizes::<Q, _>(NearContact(cohesion)),
-            CohesionExpression::Full => self.with_sizes::<Q, _>(Full(cohesion)),
+            CohesionExpression::NearContact => candidates.with_sizes::<Q, _>(NearContact(cohesion)),
+            CohesionExpression::Full => candidates.with_sizes::<Q, _>(Full(cohesion)),
             CohesionExpression::Rough { asperity_radius } => {
                 let smooth = NearContact(cohesion);
-                self.with_sizes::<Q, _>(Rough { smooth, asperity_radius })
+                candidates.with_sizes::<Q, _>(Rough { smooth, asperity_radius })
             }
         }
     }
-}
+);
 
-impl SeparatedLoop<'_> {
+impl SeparatedPairs<'_> {
     #[inline(always)]
     fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
         match self.one_size {

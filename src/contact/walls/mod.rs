@@ -6,7 +6,7 @@ mod search;
 
 use self::block::WallLoop;
 use self::geometry::WallNow;
-use self::search::WallSearch;
+use self::search::find_acting;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
 use super::{Contact, VanDerWaalsNow, WallTallies};
 use crate::domain::{PosedWalls, Wall, WallPose};
@@ -37,7 +37,7 @@ pub(crate) fn add_wall_forces(
         let wall = WallNow { number, wall: &walls.walls[number], pose: &walls.poses[number] };
         let range = laws.ranges.any;
         acting.clear();
-        with_simd(WallSearch { particles, contacts, slots, wall, range, acting: &mut acting });
+        find_acting(particles, contacts, slots, wall, range, &mut acting);
         let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
         let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
         with_simd(WallLoop {

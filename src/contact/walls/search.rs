@@ -2,32 +2,24 @@
 
 use super::geometry::WallNow;
 use crate::contact::lanes::FourVectors;
-use crate::numbers::{F64x4, SimdKernel, fetch_ahead};
+use crate::numbers::{F64x4, fetch_ahead, vectorised};
 use crate::particles::{Contacts, Particles, four_of, push_set_bits};
 use std::ops::Range;
 
 /// How many slots ahead particles are prefetched where they do not fit into a cache.
 const AHEAD: usize = 16;
 
-/// Finds the particles on which the wall may exert a force, and those whose contact with it still has to end.
-pub(super) struct WallSearch<'a> {
-    pub(super) particles: &'a Particles,
-    pub(super) contacts: &'a Contacts,
-    /// Slots of the particles near the wall.
-    pub(super) slots: Range<usize>,
-    pub(super) wall: WallNow<'a>,
-    /// Separation up to which any force acts.
-    pub(super) range: f64,
-    /// To be filled: their slots, in rising order.
-    pub(super) acting: &'a mut Vec<u32>,
-}
-
-impl SimdKernel for WallSearch<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) {
-        let Self { particles, contacts, slots, wall, range, acting } = self;
+vectorised!(
+    /// Finds, among the particles near a wall, which have these slots, those on which it may exert a force, and those whose contact
+    /// with it still has to end. Adds their slots to `acting`, in rising order. `range` is the separation up to which any force acts.
+    pub(super) fn find_acting<Q: F64x4>(
+        particles: &Particles,
+        contacts: &Contacts,
+        slots: Range<usize>,
+        wall: WallNow,
+        range: f64,
+        acting: &mut Vec<u32>,
+    ) {
         let (bodies, range) = (&particles.body[..], Q::splat(range));
         let fetches = particles.exceed_caches();
         for from in slots.clone().step_by(4) {
@@ -50,4 +42,4 @@ impl SimdKernel for WallSearch<'_> {
             push_set_bits(acting, (!beyond | touching) & used, |bit| from as u32 + bit);
         }
     }
-}
+);
