@@ -7,7 +7,7 @@
 use super::{AnySizes, ContactBlock, ReducedSizes, Sizes, vector};
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{Contact, ContactForce, ContactForceLaw, RollingFriction, TwistingFriction};
-use crate::numbers::{F64x4, VectorWork, any_flagged, in_wide_vectors};
+use crate::numbers::{F64x4, any_flagged, vectorised};
 use crate::particles::{AngleLanes, ContactHistory, LANES, Lanes, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
@@ -113,7 +113,7 @@ pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
 
 impl<L: ContactForceLaw + Send + Sync + Debug> BlockLaw for L {
     fn evaluate_block(&self, pairs: AnyPairsOfBlock<'_>) {
-        in_wide_vectors(EvaluateBlock { law: self, pairs });
+        evaluate_any_pairs(self, pairs);
     }
 }
 
@@ -127,39 +127,36 @@ pub struct AnyPairsOfBlock<'a> {
     histories: BlockHistories<'a>,
 }
 
-struct EvaluateBlock<'a, L> {
-    law: &'a L,
-    pairs: AnyPairsOfBlock<'a>,
-}
-
-impl<L: ContactForceLaw> VectorWork for EvaluateBlock<'_, L> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        match (self.pairs.rolling, self.pairs.twisting) {
-            (None, None) => self.run_with(NoRolling),
-            (Some(rolling), None) => self.run_with(rolling),
-            (rolling, Some(twisting)) => self.run_with(RollingAndTwisting { rolling, twisting }),
+vectorised!(
+    fn evaluate_any_pairs<L: ContactForceLaw>(law: &L, pairs: AnyPairsOfBlock<'_>) {
+        match (pairs.rolling, pairs.twisting) {
+            (None, None) => evaluate_any_sizes(law, NoRolling, pairs),
+            (Some(rolling), None) => evaluate_any_sizes(law, rolling, pairs),
+            (rolling, Some(twisting)) => {
+                evaluate_any_sizes(law, RollingAndTwisting { rolling, twisting }, pairs);
+            }
         }
     }
-}
+);
 
-impl<L: ContactForceLaw> EvaluateBlock<'_, L> {
-    #[inline(always)]
-    fn run_with<R: Rolling>(self, rolling: R) {
-        let AnyPairsOfBlock { sizes, dt, block, histories, .. } = self.pairs;
-        match sizes {
-            AnySizes::One(sizes) => {
-                let sizes = &sizes;
-                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
-            }
-            AnySizes::Many(sizes) => {
-                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
-            }
-            AnySizes::AtWall(sizes) => {
-                evaluate_lanes(self.law, PairsOfBlock { rolling, sizes, dt, block, histories });
-            }
+/// Chooses how the sizes of the pairs are known.
+#[inline(always)]
+fn evaluate_any_sizes<L: ContactForceLaw, R: Rolling>(
+    law: &L,
+    rolling: R,
+    pairs: AnyPairsOfBlock<'_>,
+) {
+    let AnyPairsOfBlock { sizes, dt, block, histories, .. } = pairs;
+    match sizes {
+        AnySizes::One(sizes) => {
+            let sizes = &sizes;
+            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
+        }
+        AnySizes::Many(sizes) => {
+            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
+        }
+        AnySizes::AtWall(sizes) => {
+            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
         }
     }
 }

@@ -10,11 +10,11 @@ use crate::contact::rolling::{
     ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
 };
 use crate::contact::{ContactModel, RollingKind};
-use crate::numbers::{F64x4, SimdKernel};
+use crate::numbers::{F64x4, vectorised};
 use crate::particles::{LANES, LawColumns, PairBlock, PairBlocks, Particles};
 
-/// Adds the forces and torques of the pairs that may touch. With `EXTRAS`, resistance to twisting and asperities are known
-/// too: they have a loop of their own, so that the common one stays small.
+/// Pairs that may touch, and what acts between them. With `EXTRAS`, resistance to twisting and asperities are known too: they
+/// have a loop of their own, so that the common one stays small.
 pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
@@ -23,16 +23,18 @@ pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) laws: PairLaws<'a>,
 }
 
-impl<const EXTRAS: bool> SimdKernel for ContactLoop<'_, EXTRAS> {
-    type Output = Result<(), ForceOutOfRange>;
-
-    /// Chooses the law once, for all pairs.
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let law = &self.laws.contact.law;
-        law.dispatch(WithRegisters::<_, Q>::new(self))
+vectorised!(
+    /// Adds the forces and torques of pairs that may touch. Chooses the law once, for all pairs.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
+    pub(super) fn add_contacts<Q: F64x4, const EXTRAS: bool>(
+        contacts: ContactLoop<'_, EXTRAS>,
+    ) -> Result<(), ForceOutOfRange> {
+        let law = &contacts.laws.contact.law;
+        law.dispatch(WithRegisters::<_, Q>::new(contacts))
     }
-}
+);
 
 impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
     type Output = Result<(), ForceOutOfRange>;

@@ -6,9 +6,8 @@ mod separated;
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
 use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
-use crate::numbers::with_simd;
 use crate::particles::{Contacts, InnerList, PairGroup, Particles};
-use contacts::ContactLoop;
+use contacts::{ContactLoop, add_contacts};
 use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
 
 /// Makes sure that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
@@ -60,8 +59,8 @@ pub(crate) fn add_contact_forces(
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
         match needs_extras(&laws) {
-            true => with_simd(ContactLoop::<true> { particles, pairs, one_size, laws })?,
-            false => with_simd(ContactLoop::<false> { particles, pairs, one_size, laws })?,
+            true => add_contacts(ContactLoop::<true> { particles, pairs, one_size, laws })?,
+            false => add_contacts(ContactLoop::<false> { particles, pairs, one_size, laws })?,
         }
     }
     Ok(())

@@ -8,10 +8,10 @@ use crate::contact::lanes::{
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
-use crate::numbers::{F64x4, SimdKernel, four_mut};
+use crate::numbers::{F64x4, four_mut, vectorised};
 use crate::particles::{AngleLanes, Contacts, LANES, Lanes, Particles, SpringLanes};
 
-/// Adds the forces and torques of one wall on particles for which one law holds.
+/// Particles near one wall for which one law holds.
 pub(super) struct WallLoop<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) contacts: &'a mut Contacts,
@@ -22,15 +22,16 @@ pub(super) struct WallLoop<'a> {
     pub(super) on_walls: &'a mut WallTallies,
 }
 
-impl SimdKernel for WallLoop<'_> {
-    type Output = Result<(), ForceOutOfRange>;
-
-    #[inline(always)]
-    fn run<Q: F64x4>(self) -> Self::Output {
-        let law = &self.laws.contact.law;
-        law.dispatch(WithRegisters::<_, Q>::new(self))
+vectorised!(
+    /// Adds the forces and torques of one wall on these particles. Chooses the law once, for all of them.
+    ///
+    /// # Errors
+    /// If a force exceeds the limit or is undefined.
+    pub(super) fn add_wall<Q: F64x4>(at_wall: WallLoop<'_>) -> Result<(), ForceOutOfRange> {
+        let law = &at_wall.laws.contact.law;
+        law.dispatch(WithRegisters::<_, Q>::new(at_wall))
     }
-}
+);
 
 impl LoopOverBlocks for WallLoop<'_> {
     type Output = Result<(), ForceOutOfRange>;

@@ -4,13 +4,12 @@ mod block;
 mod geometry;
 mod search;
 
-use self::block::WallLoop;
+use self::block::{WallLoop, add_wall};
 use self::geometry::WallNow;
 use self::search::find_acting;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
 use super::{Contact, VanDerWaalsNow, WallTallies};
 use crate::domain::{PosedWalls, Wall, WallPose};
-use crate::numbers::with_simd;
 use crate::particles::{Contacts, Particles};
 use nalgebra::Vector3;
 
@@ -40,7 +39,7 @@ pub(crate) fn add_wall_forces(
         find_acting(particles, contacts, slots, wall, range, &mut acting);
         let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
         let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
-        with_simd(WallLoop {
+        add_wall(WallLoop {
             particles,
             contacts,
             acting: &acting,
