@@ -14,7 +14,6 @@ mod random;
 mod schedule;
 mod simd;
 mod vectorised;
-mod wide_vectors;
 
 pub use exact_sum::ExactSum;
 pub(crate) use fetch_ahead::{fetch_ahead, fetch_part_ahead};
@@ -30,6 +29,5 @@ pub use random::{normal, random_of, uniform};
 pub use schedule::Schedule;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use simd::avx2_registers;
-pub(crate) use simd::{F64x4, SimdKernel, four, four_mut, portable_registers, with_simd};
+pub(crate) use simd::{F64x4, four, four_mut, portable_registers};
 pub(crate) use vectorised::vectorised;
-pub(crate) use wide_vectors::{VectorWork, in_wide_vectors};

@@ -1,6 +1,5 @@
 //! Four numbers side by side, for loops that the compiler does not turn into vector instructions by itself.
 
-use super::vectorised;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::avx2_registers;
 use std::marker::PhantomData;
@@ -65,23 +64,7 @@ pub(crate) fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")
 }
 
-/// Work on four numbers at a time. `run`, and all it calls, must be `#[inline(always)]`.
-pub(crate) trait SimdKernel {
-    /// What it returns.
-    type Output;
-
-    /// Does the work with one implementation of the vectors.
-    fn run<Q: F64x4>(self) -> Self::Output;
-}
-
-vectorised!(
-    /// Runs work with the widest vectors that the processor has.
-    pub(crate) fn with_simd<Q: F64x4, W: SimdKernel>(work: W) -> W::Output {
-        work.run::<Q>()
-    }
-);
-
-/// The registers of any processor, as a type.
+/// Names the registers of any processor, as a type parameter that follows from the argument.
 pub(crate) fn portable_registers() -> PhantomData<impl F64x4> {
     PhantomData::<Portable>
 }
@@ -189,7 +172,8 @@ mod avx2 {
     use std::arch::x86_64::*;
     use std::marker::PhantomData;
 
-    /// The registers of AVX2, as a type. Unsafe to call unless the processor has AVX2.
+    /// Names the registers of AVX2, as a type parameter that follows from the argument. Unsafe to call unless the processor has
+    /// AVX2.
     #[target_feature(enable = "avx2")]
     pub(crate) fn avx2_registers() -> PhantomData<impl F64x4> {
         PhantomData::<Avx2>
@@ -301,6 +285,7 @@ mod avx2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::vectorised;
 
     #[inline(always)]
     fn all_operations<Q: F64x4>() -> [[f64; 4]; 12] {

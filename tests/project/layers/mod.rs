@@ -182,7 +182,7 @@ fn planted_violations_are_caught() {
 fn what_is_allowed_is_not_caught() {
     let table = table();
     for (file, text) in [
-        ("contact/forces.rs", "use crate::{domain::Wall, numbers::{Quantum, with_simd}};"),
+        ("contact/forces.rs", "use crate::{domain::Wall, numbers::{Quantum, vectorised}};"),
         ("contact/forces.rs", "use super::lanes::evaluate; use crate::contact::Contact;"),
         ("case/bed/mod.rs", "use crate::parallel::ParticleRecord;"),
         (
