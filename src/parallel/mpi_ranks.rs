@@ -74,6 +74,8 @@ pub struct MpiRanks {
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
+    /// For each rank the lowest rank on its machine.
+    machines: Vec<i32>,
     longest_message: usize,
     /// Which of the two tags the next sparse exchange uses.
     next_tag: Cell<usize>,
@@ -104,6 +106,7 @@ impl MpiRanks {
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
+            machines: machines(&world),
             longest_message: LONGEST_MESSAGE,
             world,
             next_tag: Cell::default(),
@@ -177,6 +180,15 @@ impl MpiRanks {
         message.matched_receive_into(&mut incoming[before..]);
         length == self.longest_message
     }
+}
+
+/// The lowest rank on the machine of each rank: of those with which it shares memory. Collective.
+fn machines(world: &SimpleCommunicator) -> Vec<i32> {
+    let mut lowest = world.rank();
+    world.split_shared(lowest).process_at_rank(0).broadcast_into(&mut lowest);
+    let mut machines = vec![0; world.size() as usize];
+    world.all_gather_into(&lowest, &mut machines[..]);
+    machines
 }
 
 /// The name and version of the library of MPI that the program was built with.
@@ -330,6 +342,10 @@ impl Communicator for MpiRanks {
 
     fn kind(&self) -> &'static str {
         "MPI processes"
+    }
+
+    fn is_near(&self, rank: usize) -> bool {
+        self.machines[rank] == self.machines[self.rank]
     }
 }
 

@@ -103,12 +103,7 @@ impl ContactState {
     }
 
     /// The numbers of its fields, one after another.
-    pub(super) fn numbers(&self) -> &[f64] {
-        bytemuck::cast_slice(std::slice::from_ref(self))
-    }
-
-    /// The same, to be changed.
-    pub(super) fn numbers_mut(&mut self) -> &mut [f64] {
+    fn numbers_mut(&mut self) -> &mut [f64] {
         bytemuck::cast_slice_mut(std::slice::from_mut(self))
     }
 

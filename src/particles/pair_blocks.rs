@@ -1,7 +1,7 @@
 //! Pairs side by side in blocks, with their contact histories: the memory that the loop over forces streams through.
 
 use super::contact_state::{ContactHistory, ContactState};
-use crate::fields::Field;
+use std::ops::Range;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
 /// it into vector instructions.
@@ -16,6 +16,28 @@ pub(crate) type SpringLanes = [Lanes; 3];
 
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [Lanes; 3];
+
+/// A part of the blocks: one of so many equal pieces. The compiler makes a quicker loop over it than over an enumeration of the whole and
+/// the halves (docs/performance-changes.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    piece: usize,
+    pieces: usize,
+}
+
+impl Part {
+    /// All blocks.
+    pub(crate) const WHOLE: Self = Self { piece: 0, pieces: 1 };
+
+    /// Between machines, velocities travel while the first half is evaluated, forces while the second is.
+    pub(crate) const HALVES: [Self; 2] =
+        [Self { piece: 0, pieces: 2 }, Self { piece: 1, pieces: 2 }];
+
+    /// Of so many blocks.
+    pub(crate) fn of(self, blocks: usize) -> Range<usize> {
+        self.piece * blocks / self.pieces..(self.piece + 1) * blocks / self.pieces
+    }
+}
 
 /// A block of pairs, contiguous in memory. It is aligned to a vector of four numbers, so that none lies in two cache lines; aligned to a
 /// cache line, it would be 32 bytes longer.
@@ -48,105 +70,69 @@ pub(crate) struct PairBlocks {
 }
 
 /// What contacts carry beside the tangential spring, seen from the first particle: a column for each further field of
-/// [`ContactState`], which takes no memory while all its numbers are zero and no law holds it.
+/// [`ContactState`], block after block. It takes no memory while all its numbers are zero and no law holds it. The loop over pairs
+/// reads the columns as they are here: a vector of blocks each, whose address stays in a register.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactColumns {
-    /// The lanes of each number of the field, block after block; empty while the column is not held.
-    lanes: [Vec<Lanes>; COLUMNS.len()],
-    held: [bool; COLUMNS.len()],
-}
-
-/// The fields that have columns.
-const COLUMNS: &[Field] = ContactState::FIELDS.split_at(1).1;
-/// The columns that loops over pairs read.
-const LARGEST_OVERLAP: usize = 0;
-const ROLLING_ANGLE: usize = 1;
-const TWISTING_ANGLE: usize = 2;
-
-/// The columns of the blocks that a contact law advances.
-pub(crate) struct LawColumns<'a> {
-    pub(crate) largest_overlap: &'a mut [Lanes],
-    pub(crate) rolling_angle: &'a mut [AngleLanes],
-    pub(crate) twisting_angle: &'a mut [Lanes],
+    pub(crate) largest_overlap: Vec<Lanes>,
+    pub(crate) rolling_angle: Vec<AngleLanes>,
+    pub(crate) twisting_angle: Vec<Lanes>,
+    /// Whether laws have rolling springs, and twisting springs.
+    holds: [bool; 2],
 }
 
 impl ContactColumns {
-    /// What a law advances; nothing of columns that are not held.
-    #[inline(always)]
-    pub(crate) fn of_law(&mut self) -> LawColumns<'_> {
-        let [largest_overlap, rolling_angle, twisting_angle, ..] = &mut self.lanes;
-        LawColumns {
-            largest_overlap,
-            rolling_angle: rolling_angle.as_chunks_mut().0,
-            twisting_angle,
-        }
-    }
-
-    /// Holds the largest overlaps of so many blocks, and sets those of one.
-    #[cold]
-    pub(crate) fn begin_largest_overlaps(&mut self, blocks: usize, index: usize, lanes: Lanes) {
-        self.hold(LARGEST_OVERLAP, blocks);
-        self.lanes[LARGEST_OVERLAP][index] = lanes;
-    }
-
-    /// Makes room for the numbers of a column, all zero before.
-    fn hold(&mut self, column: usize, blocks: usize) {
-        self.held[column] = true;
-        self.lanes[column].resize(blocks * COLUMNS[column].width(), [0.0; LANES]);
-    }
-
-    /// Holds a column or drops it.
-    fn hold_if(&mut self, holds: bool, column: usize, blocks: usize) {
-        match holds {
-            true => self.hold(column, blocks),
-            false => (self.held[column], self.lanes[column]) = (false, Vec::new()),
-        }
+    /// Makes room for the angles of springs in so many blocks, all zero, or drops them.
+    fn hold_angles(&mut self, holds: [bool; 2], blocks: usize) {
+        self.holds = holds;
+        let [rolling, twisting] = holds.map(|holds| if holds { blocks } else { 0 });
+        self.rolling_angle.resize(rolling, [[0.0; LANES]; 3]);
+        self.twisting_angle.resize(twisting, [0.0; LANES]);
     }
 
     /// Keeps the columns of so many blocks, or makes room for more.
     fn resize(&mut self, blocks: usize) {
-        (0..COLUMNS.len()).filter(|&column| self.held[column]).for_each(|column| {
-            self.lanes[column].resize(blocks * COLUMNS[column].width(), [0.0; LANES]);
-        });
+        if !self.largest_overlap.is_empty() {
+            self.largest_overlap.resize(blocks, [0.0; LANES]);
+        }
+        self.hold_angles(self.holds, blocks);
     }
 
     fn clear(&mut self) {
-        self.held = Default::default();
-        self.lanes.iter_mut().for_each(Vec::clear);
+        self.largest_overlap.clear();
+        self.hold_angles([false; 2], 0);
     }
 
     /// Puts the numbers of a contact into a lane.
     fn put(&mut self, blocks: usize, (index, lane): (usize, usize), state: &ContactState) {
-        let mut numbers = &state.numbers()[SPRING_WIDTH..];
-        for (column, field) in COLUMNS.iter().enumerate() {
-            let (of_field, others) = numbers.split_at(field.width());
-            numbers = others;
-            if !self.held[column] && of_field.iter().any(|&number| number != 0.0) {
-                self.hold(column, blocks);
-            }
-            if self.held[column] {
-                let lanes = &mut self.lanes[column][index * field.width()..];
-                lanes.iter_mut().zip(of_field).for_each(|(lanes, &number)| lanes[lane] = number);
-            }
+        if state.largest_overlap != 0.0 {
+            self.largest_overlap.resize(blocks, [0.0; LANES]);
+        }
+        let bent = [state.rolling_angle != [0.0; 3], state.twisting_angle != 0.0];
+        if bent != [false; 2] {
+            self.hold_angles([self.holds[0] || bent[0], self.holds[1] || bent[1]], blocks);
+        }
+        if let Some(overlaps) = self.largest_overlap.get_mut(index) {
+            overlaps[lane] = state.largest_overlap;
+        }
+        if let Some(angles) = self.rolling_angle.get_mut(index) {
+            (0..3).for_each(|axis| angles[axis][lane] = state.rolling_angle[axis]);
+        }
+        if let Some(angles) = self.twisting_angle.get_mut(index) {
+            angles[lane] = state.twisting_angle;
         }
     }
 
     /// Takes the numbers of a contact from a lane.
     fn get(&self, (index, lane): (usize, usize), state: &mut ContactState) {
-        let mut numbers = &mut state.numbers_mut()[SPRING_WIDTH..];
-        for (column, field) in COLUMNS.iter().enumerate() {
-            let (of_field, others) = numbers.split_at_mut(field.width());
-            numbers = others;
-            if self.held[column] {
-                let lanes = &self.lanes[column][index * field.width()..];
-                of_field.iter_mut().zip(lanes).for_each(|(number, lanes)| *number = lanes[lane]);
-            }
+        let number = |column: &[Lanes]| column.get(index).map_or(0.0, |lanes| lanes[lane]);
+        state.largest_overlap = number(&self.largest_overlap);
+        state.twisting_angle = number(&self.twisting_angle);
+        if let Some(angles) = self.rolling_angle.get(index) {
+            state.rolling_angle = angles.map(|axis| axis[lane]);
         }
     }
 }
-
-/// Numbers of the tangential spring, which blocks hold themselves.
-const SPRING_WIDTH: usize = ContactState::FIELDS[0].width();
 
 impl PairBlock {
     /// A block filled with one pair, without history.
@@ -175,9 +161,7 @@ impl PairBlocks {
     /// Makes room for the angles of rolling and of twisting springs, all zero, or drops them: a spring that is switched off
     /// and on again starts without deflection.
     pub(crate) fn hold_angles(&mut self, rolling: bool, twisting: bool) {
-        let blocks = self.blocks.len();
-        self.columns.hold_if(rolling, ROLLING_ANGLE, blocks);
-        self.columns.hold_if(twisting, TWISTING_ANGLE, blocks);
+        self.columns.hold_angles([rolling, twisting], self.blocks.len());
     }
 
     pub(super) fn clear(&mut self) {
@@ -295,9 +279,10 @@ mod tests {
         }
     }
 
-    /// Blocks for which a column has room.
-    fn held_blocks(pairs: &PairBlocks, column: usize) -> usize {
-        pairs.columns.lanes[column].len() / COLUMNS[column].width()
+    /// Blocks for which each column has room.
+    fn held_blocks(pairs: &PairBlocks) -> [usize; 3] {
+        let ContactColumns { largest_overlap, rolling_angle, twisting_angle, .. } = &pairs.columns;
+        [largest_overlap.len(), rolling_angle.len(), twisting_angle.len()]
     }
 
     /// Pairs (k, k + 1000), each third of them touching.
@@ -313,10 +298,7 @@ mod tests {
     fn pushed_pairs_are_found_again() {
         let pairs = blocks(100);
         assert_eq!((pairs.count(), pairs.blocks.len()), (100, 4));
-        assert!((0..COLUMNS.len()).all(|column| held_blocks(&pairs, column) == 4));
-        let names =
-            [LARGEST_OVERLAP, ROLLING_ANGLE, TWISTING_ANGLE].map(|column| COLUMNS[column].name);
-        assert_eq!(names, ["largest_overlap", "rolling_angle", "twisting_angle"]);
+        assert_eq!(held_blocks(&pairs), [4; 3]);
         assert!(pairs.pairs().eq((0..100).map(|k| [k, k + 1000])));
         for ([first, _], found) in pairs.touching() {
             assert_eq!(found, state(first));
@@ -332,12 +314,12 @@ mod tests {
             ContactState { tangential_spring, ..ContactState::default() }
         };
         (0..40).for_each(|k| pairs.push([k, k, k], Some(elastic(k))));
-        assert!((0..COLUMNS.len()).all(|column| held_blocks(&pairs, column) == 0));
+        assert_eq!(held_blocks(&pairs), [0; 3]);
         assert!(pairs.touching().all(|(_, found)| found.largest_overlap == 0.0));
         pairs.push([40, 40, 40], Some(state(40)));
         let overlaps: Vec<f64> = pairs.touching().map(|(_, found)| found.largest_overlap).collect();
         assert_eq!((overlaps[39], overlaps[40]), (0.0, 20.0));
-        assert_eq!(held_blocks(&pairs, LARGEST_OVERLAP), pairs.blocks.len());
+        assert_eq!(held_blocks(&pairs), [pairs.blocks.len(); 3]);
     }
 
     #[test]
@@ -352,7 +334,7 @@ mod tests {
         let used = PairBlock::used(pairs.blocks.len() - 1, pairs.count());
         assert!(last.touching[used..].iter().all(|touching| !touching));
         assert!(last.tangential_spring.iter().all(|axis| axis[used..] == [0.0; LANES][used..]));
-        let overlaps = pairs.columns.lanes[LARGEST_OVERLAP].last().unwrap();
+        let overlaps = pairs.columns.largest_overlap.last().unwrap();
         assert_eq!(overlaps[used..], [0.0; LANES][used..]);
         pairs.retain(|_| false);
         assert_eq!(pairs.count(), 34);

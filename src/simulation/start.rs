@@ -127,14 +127,14 @@ pub fn start_from_checkpoint(
 ) -> Result<InitialState, StartError> {
     let ledger = checkpoint.energy.as_ref().map(|ledger| Box::new(ledger.restored()));
     require_known_fields(&checkpoint.own)?;
-    agree(GasState::require_cells(case.gas_on_cells(), &checkpoint.cells), ranks)
-        .map_err(StartError::Cells)?;
     let Checkpoint { clock, departed, sizes, particles, own, cells, gas_report, looked_at, .. } =
         checkpoint;
     let before =
         Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
     let over = before.as_ref().map_or(0, |before| before.stage_number_at(clock.time()));
     require_changes_that_can_be(&changes(&checkpoint.case_text, &case.text), over)?;
+    agree(GasState::require_cells(case.gas_on_cells(), &cells), ranks)
+        .map_err(StartError::Cells)?;
     let (pairs, mut walls) = (checkpoint.contacts, checkpoint.wall_contacts);
     if let Ok(before) = &before {
         number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);

@@ -11,13 +11,14 @@ use crate::contact::rolling::{
 };
 use crate::contact::{ContactModel, RollingKind};
 use crate::numbers::{F64x4, vectorised};
-use crate::particles::{LANES, LawColumns, PairBlock, PairBlocks, Particles};
+use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Part, Particles};
 
 /// Pairs that may touch, and what acts between them. With `EXTRAS`, resistance to twisting and asperities are known too: they
 /// have a loop of their own, so that the common one stays small.
 pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
+    pub(super) part: Part,
     /// Radius and mass, if all particles have the same.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) laws: PairLaws<'a>,
@@ -81,16 +82,20 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
         rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, pairs, laws, .. } = self;
+        let Self { particles, pairs, part, laws, .. } = self;
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
         let count = pairs.count();
         let fetches = particles.exceed_caches();
         let PairBlocks { blocks, columns, .. } = pairs;
-        for index in 0..blocks.len() {
-            let (done, coming) = blocks.split_at_mut(index + 1);
-            let pairs = &mut done[index];
+        let ContactColumns { largest_overlap, rolling_angle, twisting_angle, .. } = columns;
+        let range = part.of(blocks.len());
+        let (first, blocks) = (range.start, &mut blocks[range]);
+        for number in 0..blocks.len() {
+            let index = first + number;
+            let (done, coming) = blocks.split_at_mut(number + 1);
+            let pairs = &mut done[number];
             let ends = [&pairs.first, &pairs.second];
             let coming = match fetches {
                 true => ComingBlocks::first_of(coming),
@@ -98,12 +103,13 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             };
             block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
             attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
-            let LawColumns { largest_overlap, rolling_angle, twisting_angle } = columns.of_law();
+            let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
+            let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
             let histories = BlockHistories {
                 tangential_springs: &mut pairs.tangential_spring,
                 largest_overlaps: largest_overlap.get_mut(index).unwrap_or(&mut no_overlaps),
-                rolling_angles: rolling_angle.get_mut(index).unwrap_or(&mut no_angles),
-                twisting_angles: twisting_angle.get_mut(index).unwrap_or(&mut no_twist),
+                rolling_angles,
+                twisting_angles,
             };
             law.evaluate(PairsOfBlock {
                 rolling,
@@ -114,8 +120,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             });
             if any_is_set(&no_overlaps) {
                 // The first contacts of a law that keeps largest overlaps.
-                let overlaps = std::mem::replace(&mut no_overlaps, [0.0; LANES]);
-                columns.begin_largest_overlaps(count.div_ceil(LANES), index, overlaps);
+                largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
+                std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
             }
             block.copy_touching(&mut pairs.touching);
             let used = PairBlock::used(index, count);
