@@ -4,7 +4,7 @@ use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, LawOnBlock, LoopOverBlocks,
-    PairsOfBlock, SizesAtWall, WithRegisters, require_within,
+    PairsOfBlock, SizesAtWall, WithRegisters, require_within, vector,
 };
 use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
 use crate::contact::{ContactModel, WallTallies};
@@ -229,10 +229,10 @@ impl WallBlock {
         for (lane, slot) in slots.iter().map(|&slot| slot as usize).enumerate() {
             contacts.wall_touching[slot] = self.contacts.touching[lane] != 0;
             let state = &mut contacts.wall_state[slot];
-            state.tangential_spring = self.springs.map(|axis| axis[lane]);
+            state.tangential_spring = vector(&self.springs, lane).into();
             state.largest_overlap = self.largest_overlaps[lane];
-            let angles = self.rolling_angles.map(|axis| axis[lane]);
-            state.rolling_angle = if rolls { angles } else { [0.0; 3] };
+            state.rolling_angle =
+                if rolls { vector(&self.rolling_angles, lane).into() } else { [0.0; 3] };
             state.twisting_angle = if twists { self.twisting_angles[lane] } else { 0.0 };
         }
     }

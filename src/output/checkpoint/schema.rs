@@ -63,8 +63,8 @@ pub(super) fn fields_in_use<R: Record>(
     };
     for index in 0..records.count() {
         let record = records.at(index);
-        for group in (0..groups.len()).filter(|&group| used[group] == 0).collect::<Vec<_>>() {
-            used[group] = i64::from(record.words()[words_of(group)].iter().any(|&word| word != 0));
+        for (group, used) in used.iter_mut().enumerate().filter(|(_, used)| **used == 0) {
+            *used = i64::from(record.words()[words_of(group)].iter().any(|&word| word != 0));
         }
         if used.iter().all(|&used| used != 0) {
             break;
