@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Callable
 
-from . import agreement, coupled, floor, gas, kernels, measures, peers, processor, ranks, scaling, tables
+from . import agreement, coupled, floor, gas, instructions, kernels, measures, peers, processor, ranks, scaling, tables
 from .beds import RESULTS, Bed, beds_named
 from .runs import BenchmarkError, execute, on_cores
 from .states import state
@@ -96,6 +96,7 @@ def model() -> str:
 PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "beds": measure_beds,
     "agreement": lambda _: agreement.agreement(),
+    "instructions": lambda wanted: instructions.instructions(beds_named(wanted.beds)),
     "floor": lambda _: floor.floor(latest_rate(LARGE)),
     "kernels": lambda _: kernels.kernels(),
     "messages": lambda _: kernels.messages(),

@@ -1,0 +1,53 @@
+"""Instructions per particle and step of the beds on one rank, counted by Valgrind's Cachegrind: no clock, no noise."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+from .beds import RESULTS, Bed
+from .runs import BenchmarkError, execute, on_cores
+from .states import state
+from .talcum import PROGRAM, restart
+
+# Valgrind takes some fifty times as long as the processor.
+PARTICLE_STEPS = 600_000
+COUNTED = re.compile(r"I\s+refs:\s+([\d,]+)")
+
+
+def count(bed: Bed, steps: int, start: Path, program: Path) -> int:
+    """All instructions of a run of so many steps."""
+    output = RESULTS / f"counted-{os.getpid()}"
+    if not shutil.which("valgrind"):
+        raise BenchmarkError("instructions are counted by Valgrind, which is not installed: apt-get install valgrind")
+    valgrind = ["valgrind", "--tool=cachegrind", "--cache-sim=no", f"--cachegrind-out-file={os.devnull}"]
+    words = execute(valgrind + restart(replace(bed, steps=steps), start, output, program)).words
+    shutil.rmtree(output, ignore_errors=True)
+    found = COUNTED.search(words)
+    if not found:
+        raise BenchmarkError(f"Valgrind counted nothing:\n{words[-2000:]}")
+    return int(found[1].replace(",", ""))
+
+
+def per_particle_step(bed: Bed, start: Path, program: Path = PROGRAM) -> float:
+    """Instructions of a step per particle: the difference of two runs, so that start and end do not count."""
+    few = max(5, PARTICLE_STEPS // bed.particles // 4)
+    many = 4 * few
+    counts = [count(bed, steps, start, program) for steps in (few, many)]
+    return (counts[1] - counts[0]) / ((many - few) * bed.particles)
+
+
+def instructions(beds: list[Bed]) -> str:
+    """The table."""
+    prepare = lambda command: execute(on_cores(command, 1))  # noqa: E731
+    rows = ["| bed | instructions per particle and step |", "| --- | --- |"]
+    for bed in beds:
+        if bed.ranks > 1:
+            continue
+        counted = per_particle_step(bed, state(bed.state, prepare, PROGRAM))
+        rows.append(f"| {bed.name} | {counted:.1f} |")
+        print(rows[-1], flush=True)
+    return "\n".join(rows)
