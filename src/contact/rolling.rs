@@ -154,9 +154,6 @@ pub(crate) trait Rolling: Copy {
     /// Whether twisting is resisted.
     const TWISTS: bool = false;
 
-    /// The same as values, for laws that are called through a table of functions.
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>);
-
     /// Torque on the second body along the normal, after the twisting `angle` has been advanced by `dt`.
     #[inline(always)]
     fn twisting_torque(
@@ -190,11 +187,6 @@ impl Rolling for NoRolling {
     const ACTS: bool = false;
 
     #[inline(always)]
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
-        (None, None)
-    }
-
-    #[inline(always)]
     fn torque(
         &self,
         _: &Contact,
@@ -217,11 +209,6 @@ pub(crate) struct RollingAndTwisting {
 impl Rolling for RollingAndTwisting {
     const ACTS: bool = true;
     const TWISTS: bool = true;
-
-    #[inline(always)]
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
-        (self.rolling, Some(self.twisting))
-    }
 
     #[inline(always)]
     fn torque(
@@ -255,11 +242,6 @@ impl Rolling for RollingFriction {
     const ACTS: bool = true;
 
     #[inline(always)]
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
-        (Some(self), None)
-    }
-
-    #[inline(always)]
     fn torque(
         &self,
         contact: &Contact,
@@ -289,11 +271,6 @@ pub(crate) struct ConstantTorque(pub(crate) RollingFriction);
 
 impl Rolling for ConstantTorque {
     const ACTS: bool = true;
-
-    #[inline(always)]
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
-        (Some(self.0), None)
-    }
 
     #[inline(always)]
     fn torque(
@@ -331,11 +308,6 @@ impl ElasticPlastic {
 
 impl Rolling for ElasticPlastic {
     const ACTS: bool = true;
-
-    #[inline(always)]
-    fn friction(self) -> (Option<RollingFriction>, Option<TwistingFriction>) {
-        (Some(self.0), None)
-    }
 
     #[inline(always)]
     fn torque(

@@ -1,17 +1,17 @@
-//! A contact law on the pairs of a block: compiled into the loop over blocks, or called through a table of functions.
+//! A contact law on the pairs of a block.
 //!
 //! The law is written for one contact and without branches; in the loop over lanes the compiler turns it into vector
-//! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit, nor
-//! does how the law is called.
+//! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit.
 
 use super::{AnySizes, ContactBlock, ReducedSizes, Sizes, vector};
-use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
-use crate::contact::{Contact, ContactForce, ContactForceLaw, RollingFriction, TwistingFriction};
+use crate::contact::rolling::{
+    ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
+};
+use crate::contact::{Contact, ContactForce, ContactForceLaw, ContactModel, RollingKind};
 use crate::numbers::{F64x4, any_flagged, vectorised};
 use crate::particles::{AngleLanes, ContactHistory, LANES, Lanes, SpringLanes};
 use nalgebra::Vector3;
 use std::fmt::Debug;
-use std::marker::PhantomData;
 
 /// Lanes that are looked at together where surfaces slide: in a bed at rest one contact in a hundred does.
 const SLIDING_GROUP: usize = 8;
@@ -24,116 +24,44 @@ pub(crate) struct BlockHistories<'a> {
     pub(crate) twisting_angles: &'a mut Lanes,
 }
 
-/// The pairs of a block, and what their law needs beside.
-pub(crate) struct PairsOfBlock<'a, R, S> {
-    pub(crate) rolling: R,
-    pub(crate) sizes: &'a S,
+/// The pairs of a block, and what their law needs besides.
+pub struct PairsOfBlock<'a> {
+    /// Whose law this is: how rolling and twisting are resisted.
+    pub(crate) model: &'a ContactModel,
+    pub(crate) sizes: AnySizes<'a>,
     /// Time by which histories are advanced.
     pub(crate) dt: f64,
     pub(crate) block: &'a mut ContactBlock,
     pub(crate) histories: BlockHistories<'a>,
 }
 
-/// A law that evaluates the pairs of a block.
-pub(crate) trait LawOnBlock {
-    /// Sets forces and rolling torques of all lanes, and advances the histories.
-    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>);
-}
-
-/// Work that is given a law on blocks.
-pub(crate) trait WithBlockLaw {
-    /// What it returns.
-    type Output;
-
-    /// Does the work.
-    fn with<L: LawOnBlock>(self, law: L) -> Self::Output;
-}
-
-/// A loop over blocks, which chooses the law once, for all of them.
-pub(crate) trait LoopOverBlocks {
-    /// What it returns.
-    type Output;
-
-    /// Does the work, with registers of one kind.
-    fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output;
-}
-
-/// A loop with registers of one kind.
-pub(crate) struct WithRegisters<W, Q> {
-    work: W,
-    registers: PhantomData<Q>,
-}
-
-impl<W, Q> WithRegisters<W, Q> {
-    #[inline(always)]
-    pub(crate) fn new(work: W) -> Self {
-        Self { work, registers: PhantomData }
-    }
-}
-
-impl<W: LoopOverBlocks, Q: F64x4> WithBlockLaw for WithRegisters<W, Q> {
-    type Output = W::Output;
-
-    #[inline(always)]
-    fn with<L: LawOnBlock>(self, law: L) -> Self::Output {
-        self.work.run::<Q, L>(&law)
-    }
-}
-
-/// A law that is compiled into the loop.
-pub(crate) struct Inlined<'a, L>(pub(crate) &'a L);
-
-impl<L: ContactForceLaw> LawOnBlock for Inlined<'_, L> {
-    #[inline(always)]
-    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>) {
-        evaluate_lanes(self.0, pairs);
-    }
-}
-
-/// A law that is called once per block, through a table of functions.
-pub(crate) struct Virtual<'a>(pub(crate) &'a dyn BlockLaw);
-
-impl LawOnBlock for Virtual<'_> {
-    #[inline(always)]
-    fn evaluate<R: Rolling, S: Sizes>(&self, pairs: PairsOfBlock<'_, R, S>) {
-        let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
-        let (rolling, twisting) = rolling.friction();
-        let sizes = sizes.as_any_sizes();
-        self.0.evaluate_block(AnyPairsOfBlock { rolling, twisting, sizes, dt, block, histories });
-    }
-}
-
-/// A contact law that can be called once per block of pairs: every [`ContactForceLaw`] whose type the compiler may send
-/// between threads and print. It cannot be implemented otherwise.
+/// A contact law that evaluates the pairs of a block: every [`ContactForceLaw`] whose type the compiler may send between threads
+/// and print. It cannot be implemented otherwise.
 pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
-    /// Evaluates the pairs of a block.
+    /// Sets forces and rolling torques of all lanes, and advances the histories.
     #[doc(hidden)]
-    fn evaluate_block(&self, pairs: AnyPairsOfBlock<'_>);
+    fn evaluate_block(&self, pairs: PairsOfBlock<'_>);
 }
 
 impl<L: ContactForceLaw + Send + Sync + Debug> BlockLaw for L {
-    fn evaluate_block(&self, pairs: AnyPairsOfBlock<'_>) {
-        evaluate_any_pairs(self, pairs);
+    fn evaluate_block(&self, pairs: PairsOfBlock<'_>) {
+        evaluate_pairs(self, pairs);
     }
 }
 
-/// The pairs of a block, whatever their sizes and however rolling and twisting are resisted.
-pub struct AnyPairsOfBlock<'a> {
-    rolling: Option<RollingFriction>,
-    twisting: Option<TwistingFriction>,
-    sizes: AnySizes<'a>,
-    dt: f64,
-    block: &'a mut ContactBlock,
-    histories: BlockHistories<'a>,
-}
-
 vectorised!(
-    fn evaluate_any_pairs<L: ContactForceLaw>(law: &L, pairs: AnyPairsOfBlock<'_>) {
-        match (pairs.rolling, pairs.twisting) {
-            (None, None) => evaluate_any_sizes(law, NoRolling, pairs),
-            (Some(rolling), None) => evaluate_any_sizes(law, rolling, pairs),
-            (rolling, Some(twisting)) => {
-                evaluate_any_sizes(law, RollingAndTwisting { rolling, twisting }, pairs);
+    /// Chooses how rolling and twisting are resisted.
+    fn evaluate_pairs<Q: F64x4, L: ContactForceLaw>(law: &L, pairs: PairsOfBlock<'_>) {
+        match (&pairs.model.rolling, &pairs.model.twisting) {
+            (None, None) => with_sizes(law, NoRolling, pairs),
+            (&Some(rolling), None) => match rolling.kind() {
+                RollingKind::ConstantTorque => with_sizes(law, ConstantTorque(rolling), pairs),
+                RollingKind::ElasticPlastic { damping } => {
+                    with_sizes(law, ElasticPlastic(rolling, damping), pairs);
+                }
+            },
+            (&rolling, &Some(twisting)) => {
+                with_sizes(law, RollingAndTwisting { rolling, twisting }, pairs);
             }
         }
     }
@@ -141,23 +69,11 @@ vectorised!(
 
 /// Chooses how the sizes of the pairs are known.
 #[inline(always)]
-fn evaluate_any_sizes<L: ContactForceLaw, R: Rolling>(
-    law: &L,
-    rolling: R,
-    pairs: AnyPairsOfBlock<'_>,
-) {
-    let AnyPairsOfBlock { sizes, dt, block, histories, .. } = pairs;
-    match sizes {
-        AnySizes::One(sizes) => {
-            let sizes = &sizes;
-            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
-        }
-        AnySizes::Many(sizes) => {
-            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
-        }
-        AnySizes::AtWall(sizes) => {
-            evaluate_lanes(law, PairsOfBlock { rolling, sizes, dt, block, histories });
-        }
+fn with_sizes<L: ContactForceLaw, R: Rolling>(law: &L, rolling: R, pairs: PairsOfBlock<'_>) {
+    match pairs.sizes {
+        AnySizes::One(sizes) => evaluate_lanes(law, (rolling, &sizes), pairs),
+        AnySizes::Many(sizes) => evaluate_lanes(law, (rolling, sizes), pairs),
+        AnySizes::AtWall(sizes) => evaluate_lanes(law, (rolling, sizes), pairs),
     }
 }
 
@@ -166,9 +82,10 @@ fn evaluate_any_sizes<L: ContactForceLaw, R: Rolling>(
 #[inline(always)]
 fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     law: &L,
-    pairs: PairsOfBlock<'_, R, S>,
+    (rolling, sizes): (R, &S),
+    pairs: PairsOfBlock<'_>,
 ) {
-    let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
+    let PairsOfBlock { dt, block, histories, .. } = pairs;
     let BlockHistories { tangential_springs, largest_overlaps, rolling_angles, twisting_angles } =
         histories;
     let mut slides = [0; LANES];

@@ -9,10 +9,7 @@ mod vectors;
 pub(crate) use block::{ContactBlock, ExcessForce, FourForces, require_within};
 pub(crate) use coming::ComingBlocks;
 pub use law::BlockLaw;
-pub(crate) use law::{
-    BlockHistories, Inlined, LawOnBlock, LoopOverBlocks, PairsOfBlock, Virtual, WithBlockLaw,
-    WithRegisters,
-};
+pub(crate) use law::{BlockHistories, PairsOfBlock};
 pub(crate) use sizes::{
     AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall, SizesOfPairs,
 };

@@ -14,7 +14,7 @@ pub(crate) trait Sizes: Copy {
     /// What the law needs of a pair.
     fn reduced(&self, lane: usize) -> ReducedSizes;
 
-    /// The same as a value, for laws that are called through a table of functions.
+    /// The sizes as a value, for the law.
     fn as_any_sizes(&self) -> AnySizes<'_>;
 }
 
@@ -60,8 +60,16 @@ pub(crate) enum AnySizes<'a> {
 /// All particles have one size: what follows from it is computed once, before the loop.
 #[derive(Clone, Copy)]
 pub(crate) struct OneSize {
-    pub(crate) radius: f64,
-    pub(crate) mass: f64,
+    radius: f64,
+    reduced: ReducedSizes,
+}
+
+impl OneSize {
+    /// The sizes of pairs of particles of this radius and mass.
+    #[inline(always)]
+    pub(crate) fn new([radius, mass]: [f64; 2]) -> Self {
+        Self { radius, reduced: ReducedSizes::of_spheres([radius; 2], [mass; 2]) }
+    }
 }
 
 impl Sizes for OneSize {
@@ -74,7 +82,7 @@ impl Sizes for OneSize {
 
     #[inline(always)]
     fn reduced(&self, _lane: usize) -> ReducedSizes {
-        ReducedSizes::of_spheres([self.radius; 2], [self.mass; 2])
+        self.reduced
     }
 
     #[inline(always)]

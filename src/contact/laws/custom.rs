@@ -1,15 +1,13 @@
 //! Contact laws from outside the crate.
 
 use super::ContactLaw;
-use crate::contact::ContactForceLaw;
-use crate::contact::lanes::BlockLaw;
+use crate::contact::BlockLaw;
 use std::sync::Arc;
 
 /// A contact law that the crate does not know by its type.
 ///
-/// The loop over pairs calls it once per block of 32 pairs, so that it costs hardly more than a law of the registry, and
-/// its results have the same bits. It is compiled for both instruction sets, like the laws of the registry: mark its
-/// `force` and `touches` `#[inline(always)]`.
+/// The loop over pairs calls it once per block of 32 pairs, as it calls the laws of the registry. It is compiled for every
+/// instruction set: mark its `force` and `touches` `#[inline(always)]`.
 #[derive(Clone, Debug)]
 pub struct CustomContactLaw {
     name: Arc<str>,
@@ -20,10 +18,6 @@ impl CustomContactLaw {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    pub(super) fn as_law(&self) -> &dyn ContactForceLaw {
-        &*self.law
     }
 
     pub(super) fn as_block_law(&self) -> &dyn BlockLaw {

@@ -120,24 +120,11 @@ macro_rules! contact_laws {
                 examples
             }
 
-            /// The law, for single contacts.
-            fn as_law(&self) -> &dyn $crate::contact::ContactForceLaw {
+            /// The law by its type, for blocks of pairs and for single contacts.
+            pub(crate) fn as_block_law(&self) -> &dyn $crate::contact::BlockLaw {
                 match self {
                     $(Self::$Law(law) => law,)*
-                    Self::Custom(law) => law.as_law(),
-                }
-            }
-
-            /// Passes the law to work on blocks of pairs: the laws of the registry by their types, so that they are
-            /// compiled into the work.
-            #[inline(always)]
-            pub(crate) fn dispatch<W: $crate::contact::lanes::WithBlockLaw>(
-                &self,
-                work: W,
-            ) -> W::Output {
-                match self {
-                    $(Self::$Law(law) => work.with($crate::contact::lanes::Inlined(law)),)*
-                    Self::Custom(law) => work.with($crate::contact::lanes::Virtual(law.as_block_law())),
+                    Self::Custom(law) => law.as_block_law(),
                 }
             }
         }
@@ -153,7 +140,7 @@ macro_rules! contact_laws {
             ) -> $crate::contact::ContactForce {
                 match self {
                     $(Self::$Law(law) => law.force(contact, history, dt),)*
-                    Self::Custom(law) => law.as_law().force(contact, history, dt),
+                    Self::Custom(law) => law.as_block_law().force(contact, history, dt),
                 }
             }
 
@@ -163,7 +150,7 @@ macro_rules! contact_laws {
                 history: &mut $crate::particles::ContactHistory,
                 dt: f64,
             ) -> ($crate::contact::ContactForce, bool) {
-                self.as_law().sticking_force(contact, history, dt)
+                self.as_block_law().sticking_force(contact, history, dt)
             }
 
             fn slide(
@@ -172,7 +159,7 @@ macro_rules! contact_laws {
                 history: &mut $crate::particles::ContactHistory,
                 force: &mut $crate::contact::ContactForce,
             ) {
-                self.as_law().slide(contact, history, force)
+                self.as_block_law().slide(contact, history, force)
             }
 
             #[inline(always)]
@@ -183,7 +170,7 @@ macro_rules! contact_laws {
             ) -> bool {
                 match self {
                     $(Self::$Law(law) => law.touches(contact, history),)*
-                    Self::Custom(law) => law.as_law().touches(contact, history),
+                    Self::Custom(law) => law.as_block_law().touches(contact, history),
                 }
             }
 
@@ -192,31 +179,31 @@ macro_rules! contact_laws {
                 contact: &$crate::contact::Contact,
                 history: &$crate::particles::ContactHistory,
             ) -> $crate::contact::StoredInContact {
-                self.as_law().stored_energy(contact, history)
+                self.as_block_law().stored_energy(contact, history)
             }
 
             fn work(&self, step: &$crate::contact::ContactStep<'_>) -> $crate::contact::ContactWork {
-                self.as_law().work(step)
+                self.as_block_law().work(step)
             }
 
             fn contact_range(&self, reduced_radius: f64) -> f64 {
-                self.as_law().contact_range(reduced_radius)
+                self.as_block_law().contact_range(reduced_radius)
             }
 
             fn stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
-                self.as_law().stiffness(overlap, reduced_radius)
+                self.as_block_law().stiffness(overlap, reduced_radius)
             }
 
             fn stiffness_over(&self, contact: &$crate::contact::Contact, dt: f64) -> [f64; 2] {
-                self.as_law().stiffness_over(contact, dt)
+                self.as_block_law().stiffness_over(contact, dt)
             }
 
             fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
-                self.as_law().contact_duration(reduced_mass, reduced_radius)
+                self.as_block_law().contact_duration(reduced_mass, reduced_radius)
             }
 
             fn largest_force(&self, overlap: f64, reduced_radius: f64) -> f64 {
-                self.as_law().largest_force(overlap, reduced_radius)
+                self.as_block_law().largest_force(overlap, reduced_radius)
             }
         }
     };

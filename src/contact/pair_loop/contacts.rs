@@ -3,19 +3,15 @@
 use super::attraction::attract;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ComingBlocks, ContactBlock, ExcessForce, LawOnBlock, LoopOverBlocks, ManySizes,
-    OneSize, PairsOfBlock, SizesOfPairs, WithRegisters,
+    BlockHistories, ComingBlocks, ContactBlock, ExcessForce, ManySizes, OneSize, PairsOfBlock,
+    SizesOfPairs,
 };
-use crate::contact::rolling::{
-    ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
-};
-use crate::contact::{ContactModel, RollingKind};
 use crate::numbers::{F64x4, vectorised};
 use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Part, Particles};
 
-/// Pairs that may touch, and what acts between them. With `EXTRAS`, resistance to twisting and asperities are known too: they
-/// have a loop of their own, so that the common one stays small.
-pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
+/// Pairs that may touch, and what acts between them. With `ROUGH`, asperities are known too: they have a loop of their own, so
+/// that the common one stays small.
+pub(super) struct ContactLoop<'a, const ROUGH: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
     pub(super) part: Part,
@@ -25,64 +21,32 @@ pub(super) struct ContactLoop<'a, const EXTRAS: bool> {
 }
 
 vectorised!(
-    /// Adds the forces and torques of pairs that may touch. Chooses the law once, for all pairs.
+    /// Adds the forces and torques of pairs that may touch.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub(super) fn add_contacts<Q: F64x4, const EXTRAS: bool>(
-        contacts: ContactLoop<'_, EXTRAS>,
+    pub(super) fn add_contacts<Q: F64x4, const ROUGH: bool>(
+        contacts: ContactLoop<'_, ROUGH>,
     ) -> Result<(), ForceOutOfRange> {
-        let law = &contacts.laws.contact.law;
-        law.dispatch(WithRegisters::<_, Q>::new(contacts))
+        let resists_spin = contacts.laws.contact.resists_spin();
+        match contacts.one_size {
+            Some(size) if resists_spin => contacts.evaluate::<Q, _, true>(OneSize::new(size)),
+            Some(size) => contacts.evaluate::<Q, _, false>(OneSize::new(size)),
+            None if resists_spin => contacts.evaluate::<Q, _, true>(ManySizes::default()),
+            None => contacts.evaluate::<Q, _, false>(ManySizes::default()),
+        }
     }
 );
 
-impl<const EXTRAS: bool> LoopOverBlocks for ContactLoop<'_, EXTRAS> {
-    type Output = Result<(), ForceOutOfRange>;
-
-    /// Chooses how rolling and twisting are resisted.
+impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
+    /// With `SPIN`, rolling or twisting is resisted.
     #[inline(always)]
-    fn run<Q: F64x4, L: LawOnBlock>(self, law: &L) -> Self::Output {
-        let ContactModel { rolling, twisting, .. } = self.laws.contact;
-        let (rolling, twisting) = (*rolling, twisting.filter(|_| EXTRAS));
-        if let Some(twisting) = twisting {
-            let resistance = RollingAndTwisting { rolling, twisting };
-            return self.evaluate::<Q, _, _, _>(law, resistance, ManySizes::default());
-        }
-        let Some(rolling) = rolling else { return self.with_sizes::<Q, _, _>(law, NoRolling) };
-        match rolling.kind() {
-            RollingKind::ConstantTorque => self.with_sizes::<Q, _, _>(law, ConstantTorque(rolling)),
-            RollingKind::ElasticPlastic { damping } => {
-                self.with_sizes::<Q, _, _>(law, ElasticPlastic(rolling, damping))
-            }
-        }
-    }
-}
-
-impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
-    /// Chooses whether all particles have one size.
-    #[inline(always)]
-    fn with_sizes<Q: F64x4, L: LawOnBlock, R: Rolling>(
+    fn evaluate<Q: F64x4, S: SizesOfPairs, const SPIN: bool>(
         self,
-        law: &L,
-        rolling: R,
-    ) -> Result<(), ForceOutOfRange> {
-        match self.one_size.filter(|_| !EXTRAS) {
-            Some([radius, mass]) => {
-                self.evaluate::<Q, _, _, _>(law, rolling, OneSize { radius, mass })
-            }
-            None => self.evaluate::<Q, _, _, _>(law, rolling, ManySizes::default()),
-        }
-    }
-
-    #[inline(always)]
-    fn evaluate<Q: F64x4, L: LawOnBlock, R: Rolling, S: SizesOfPairs>(
-        self,
-        law: &L,
-        rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, pairs, part, laws, .. } = self;
+        let law = laws.contact.law.as_block_law();
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
@@ -101,8 +65,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 true => ComingBlocks::first_of(coming),
                 false => ComingBlocks::default(),
             };
-            block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
-            attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
+            block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), SPIN);
+            attract::<_, ROUGH>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
             let histories = BlockHistories {
@@ -111,9 +75,9 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 rolling_angles,
                 twisting_angles,
             };
-            law.evaluate(PairsOfBlock {
-                rolling,
-                sizes: &sizes,
+            law.evaluate_block(PairsOfBlock {
+                model: laws.contact,
+                sizes: sizes.as_any_sizes(),
                 dt: laws.dt,
                 block: &mut block,
                 histories,
@@ -127,7 +91,8 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
             let forces = (&mut particles.forces[..], coming);
-            if let Err(excess) = block.scatter::<Q, R, S>((&sizes, &laws), targets, used, forces) {
+            if let Err(excess) = block.scatter::<Q, S, SPIN>((&sizes, &laws), targets, used, forces)
+            {
                 let ids = ends.map(|end| particles.id[end[excess.lane] as usize]);
                 return Err(excess_force(&excess, &block, ids, laws.limit));
             }

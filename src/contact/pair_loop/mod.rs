@@ -5,7 +5,7 @@ mod contacts;
 mod separated;
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
-use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
+use super::{CohesionExpression, ContactModel};
 use crate::particles::{Contacts, InnerList, PairGroup, Part, Particles};
 use contacts::{ContactLoop, add_contacts};
 use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
@@ -58,7 +58,7 @@ pub(crate) fn add_contact_forces(
     let one_size = contacts.inner.one_size;
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
-        match needs_extras(&laws) {
+        match is_rough(&laws) {
             true => add_contacts(ContactLoop::<true> { particles, pairs, part, one_size, laws })?,
             false => add_contacts(ContactLoop::<false> { particles, pairs, part, one_size, laws })?,
         }
@@ -91,12 +91,10 @@ fn attract_separated(
     Ok(())
 }
 
-/// Whether twisting or asperities act.
-fn needs_extras(laws: &PairLaws) -> bool {
-    let is_rough = |cohesion: VanDerWaalsNow| {
-        matches!(cohesion.expression(), CohesionExpression::Rough { .. })
-    };
-    laws.contact.twisting.is_some() || laws.cohesion.is_some_and(is_rough)
+/// Whether asperities act.
+fn is_rough(laws: &PairLaws) -> bool {
+    laws.cohesion
+        .is_some_and(|cohesion| matches!(cohesion.expression(), CohesionExpression::Rough { .. }))
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ impl SeparatedPairs<'_> {
     #[inline(always)]
     fn with_sizes<Q: F64x4, A: Attraction>(self, attraction: A) -> Result<(), ForceOutOfRange> {
         match self.one_size {
-            Some([radius, mass]) => self.evaluate::<Q, _, _>(attraction, OneSize { radius, mass }),
+            Some(size) => self.evaluate::<Q, _, _>(attraction, OneSize::new(size)),
             None => self.evaluate::<Q, _, _>(attraction, ManySizes::default()),
         }
     }
