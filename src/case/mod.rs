@@ -66,6 +66,7 @@ use allowed_values::rounded;
 use context::ReadContext;
 use errors::Problems;
 use particles::Scales;
+use renamed::FormerNames;
 use section::Section;
 use species::SpeciesSections;
 use std::collections::BTreeMap;
@@ -143,9 +144,32 @@ impl Case {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, CaseErrors> {
+        Self::with_names((text, FormerNames::Reported), file_name, folder, overrides)
+    }
+
+    /// Reads the text that a run has kept of its case, as [`Case::from_text`] does. Keys that have been renamed since are read
+    /// by their former names.
+    ///
+    /// # Errors
+    /// All that is wrong with the text, not only the first.
+    pub fn of_earlier_run(
+        text: &str,
+        file_name: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, CaseErrors> {
+        Self::with_names((text, FormerNames::Read), file_name, folder, overrides)
+    }
+
+    fn with_names(
+        (text, former): (&str, FormerNames),
+        file_name: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, CaseErrors> {
         let problems = Problems::default();
         let case = overrides::apply(text, overrides, &problems)
-            .map(|(text, tree)| (text, renamed::by_present_names(tree, &problems)))
+            .map(|(text, tree)| (text, renamed::by_present_names(tree, former, &problems)))
             .and_then(|(text, tree)| read_tree(&tree, text, folder, &problems));
         match case {
             Some(mut case) if problems.is_empty() => {

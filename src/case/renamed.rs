@@ -1,45 +1,61 @@
 //! Keys and sections that had another name before.
 
-use super::errors::Problems;
+use super::errors::{Problems, SourcePlace};
 use super::schema::ROOT;
 use super::tree::{Node, Value};
 use crate::schema::{Key, Kind, every_key, renamed};
 
-/// A case in which every key has its present name; former names are reported.
-pub(super) fn by_present_names(mut root: Node, problems: &Problems) -> Node {
-    rename_former(&mut root, ROOT, problems);
+/// What becomes of a former name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FormerNames {
+    /// It is an error that names the present one.
+    Reported,
+    /// It is read, unless an override has it: the text is of an earlier run, which nobody can edit.
+    Read,
+}
+
+/// A case in which every key has its present name.
+pub(super) fn by_present_names(mut root: Node, former: FormerNames, problems: &Problems) -> Node {
+    rename_former(&mut root, ROOT, &|node, message| {
+        if former == FormerNames::Reported || matches!(node.place, SourcePlace::Override(_)) {
+            problems.add(node.error(message));
+        }
+    });
     root
 }
 
+/// What is done with an entry of a former name, and the message about it.
+type Report<'a> = &'a dyn Fn(&Node, String);
+
 /// Reports each entry below a table that has a former name, and gives it the present one: what else is wrong is then found as
 /// well, and nothing is missed that is only misnamed.
-fn rename_former(table: &mut Node, keys: &'static [Key], problems: &Problems) {
+fn rename_former(table: &mut Node, keys: &'static [Key], report: Report<'_>) {
     let Value::Table(entries) = &mut table.value else { return };
     let declared = every_key(keys);
     for (name, node) in entries {
         if let Some(key) = renamed(keys, name) {
             let section = node.path.strip_suffix(name.as_str()).unwrap_or_default();
-            problems.add(node.error(format!("is now {section}{}", key.name)));
+            report(node, format!("is now {section}{}", key.name));
             key.name.clone_into(name);
         }
         let has_keys = |key: &&&Key| key.name == *name && !key.kind.keys().is_empty();
         if let Some(key) = declared.iter().find(has_keys) {
-            rename_below(node, key, problems);
+            rename_below(node, key, report);
         }
     }
 }
 
 /// The same in the section of a key, or in each of its sections.
-fn rename_below(node: &mut Node, key: &Key, problems: &Problems) {
+fn rename_below(node: &mut Node, key: &Key, report: Report<'_>) {
     let keys = key.kind.keys();
     match (&mut node.value, key.kind) {
         (Value::List(sections), _) => {
-            sections.iter_mut().for_each(|section| rename_former(section, keys, problems));
+            sections.iter_mut().for_each(|section| rename_former(section, keys, report));
         }
         (Value::Table(sections), Kind::Named(_)) => {
-            sections.iter_mut().for_each(|(_, section)| rename_former(section, keys, problems));
+            sections.iter_mut().for_each(|(_, section)| rename_former(section, keys, report));
         }
-        _ => rename_former(node, keys, problems),
+        _ => rename_former(node, keys, report),
     }
 }
 
@@ -70,7 +86,7 @@ mod tests {
     fn errors_of(text: &str) -> String {
         let problems = Problems::default();
         let mut tree = Node::parse(text, &problems).unwrap();
-        rename_former(&mut tree, TABLE, &problems);
+        rename_former(&mut tree, TABLE, &|node, message| problems.add(node.error(message)));
         problems.into_errors("f.toml").to_string()
     }
 
@@ -93,7 +109,7 @@ mod tests {
     fn a_misnamed_entry_is_read_by_its_present_name() {
         let problems = Problems::default();
         let mut tree = Node::parse("[part]\nold = 1", &problems).unwrap();
-        rename_former(&mut tree, TABLE, &problems);
+        rename_former(&mut tree, TABLE, &|node, message| problems.add(node.error(message)));
         let new = tree.get("section").unwrap().get("new").unwrap();
         assert_eq!(new.as_count(), Some(1));
     }
@@ -104,7 +120,7 @@ mod tests {
         let problems = Problems::default();
         let text = "named.old.new = 1\nlist = 1\nodd = 1\nmerged = \"off\"\nsection = 1";
         let mut tree = Node::parse(text, &problems).unwrap();
-        rename_former(&mut tree, TABLE, &problems);
+        rename_former(&mut tree, TABLE, &|node, message| problems.add(node.error(message)));
         assert!(problems.is_empty());
     }
 }

@@ -79,7 +79,8 @@ pub(super) fn restart(
     let name = format!("the case in {}", path.display());
     let case_folder = PathBuf::from(&checkpoint.case_folder);
     let text = &checkpoint.case_text;
-    let mut case = agree(Case::from_text(text, &name, &case_folder, &options.changes.set), ranks)?;
+    let mut case =
+        agree(Case::of_earlier_run(text, &name, &case_folder, &options.changes.set), ranks)?;
     say_changes(&checkpoint.case_text, &case, ranks)?;
     let own_folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let output = options.output.clone().unwrap_or_else(|| own_folder.clone());
@@ -188,7 +189,7 @@ fn case_of_complete_run(
         return Ok(None);
     }
     let name = "the case of the run's end";
-    let ended = agree(Case::from_text(&end.case_text, name, &folder.case_folder, &[]), ranks)?;
+    let ended = agree(Case::of_earlier_run(&end.case_text, name, &folder.case_folder, &[]), ranks)?;
     // Times are multiples of the step, and ends need not be.
     let is_reached = |time: f64| time - end.clock.time() <= 1.0e-9 * time.abs();
     let until = |case: &Case| options.until.unwrap_or(case.end_time());

@@ -59,7 +59,7 @@ impl Results {
             path: path.clone(),
             message: format!("cannot be read: {error}; name the folder of results of a run"),
         })?;
-        let case = Case::from_text(&case_text, &path.display().to_string(), folder, &[]);
+        let case = Case::of_earlier_run(&case_text, &path.display().to_string(), folder, &[]);
         let case = case.map_err(|errors| {
             NoValue::because(format!("this Talcum does not accept the run's case:\n{errors}"))
         });

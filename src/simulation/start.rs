@@ -130,7 +130,7 @@ pub fn start_from_checkpoint(
     let Checkpoint { clock, departed, sizes, particles, own, cells, gas_report, looked_at, .. } =
         checkpoint;
     let before =
-        Case::from_text(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
+        Case::of_earlier_run(&checkpoint.case_text, "", Path::new(&checkpoint.case_folder), &[]);
     let over = before.as_ref().map_or(0, |before| before.stage_number_at(clock.time()));
     require_changes_that_can_be(&changes(&checkpoint.case_text, &case.text), over)?;
     agree(GasState::require_cells(case.gas_on_cells(), &cells), ranks)

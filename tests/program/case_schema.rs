@@ -12,7 +12,7 @@ fn root() -> &'static Path {
 }
 
 /// A committed file must be what the program writes; with TALCUM_WRITE_DOCS set it is written instead.
-fn require_written(file: &str, generated: &str, command: &str) {
+pub(crate) fn require_written(file: &str, generated: &str, command: &str) {
     let path = root().join(file);
     if std::env::var_os("TALCUM_WRITE_DOCS").is_some() {
         std::fs::write(&path, generated).unwrap();

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use crate::case_schema::require_written;
 use crate::launch::{in_repository, talcum};
 use bytemuck::Zeroable;
+use hdf5::types::VarLenUnicode;
 use talcum::analysis::Pair;
 use talcum::fields::{Field, Kind, Record, Unit};
 use talcum::output::Provenance;
@@ -349,6 +351,33 @@ fn files_of_all_schema_versions_restart() {
 }
 
 #[test]
+fn a_checkpoint_whose_case_has_a_former_name_restarts() {
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |name: &str| folder.path().join(name).display().to_string();
+    let case = in_repository("tests/cases/good/adhesive-elastic-plastic.toml");
+    let case = case.display().to_string();
+    talcum(1, &["run", &case, "--until", "0.05", "--output", &in_folder("first")]).digest();
+    let (first, ..) = newest_good(Path::new(&in_folder("first")), &OneRank).unwrap().found.unwrap();
+    let restarted = |output: &str, more: &[&str]| {
+        let (file, output) = (first.display().to_string(), in_folder(output));
+        let restart = ["restart", &file, "--until", "0.06", "--output", &output];
+        talcum(1, &[&restart, more].concat())
+    };
+    let expected = restarted("present", &[]).digest();
+    forge(&first, |file| {
+        let text = file.attr("case").unwrap().read_scalar::<VarLenUnicode>().unwrap();
+        let former: VarLenUnicode =
+            text.replace("adhesion_over_weight", "bond_number").parse().unwrap();
+        assert_ne!(former, text, "the control: the name is in it");
+        file.attr("case").unwrap().write_scalar(&former).unwrap();
+    });
+    assert_eq!(restarted("former", &[]).digest(), expected);
+    // What the user writes now is another matter.
+    let refused = restarted("set", &["--set", "contact.bond_number=10"]);
+    assert!(refused.errors.contains("is now contact.adhesion_over_weight"), "{}", refused.errors);
+}
+
+#[test]
 fn cells_beyond_the_grid_of_the_gas_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("checkpoint.h5");
@@ -370,21 +399,57 @@ fn cells_beyond_the_grid_of_the_gas_are_refused() {
     );
 }
 
-#[test]
-fn docs_files_has_a_row_for_each_dataset() {
-    fn rows<R: Record>(text: &str) {
-        let names = R::IDS.iter().map(|id| id.name).chain(R::FIELDS.iter().map(|field| field.name));
-        for name in names {
-            let has_it =
-                |row: &str| row.starts_with(&format!("| `{}/", R::GROUP)) && row.contains(name);
-            assert!(text.lines().any(has_it), "{}/{name}", R::GROUP);
-        }
+/// Rows of docs/files.md: datasets of a record, of so many rows.
+fn documented<R: Record>(rows: &str) -> String {
+    let ids = R::IDS.iter().map(|id| (id.name, format!("({rows})"), "1", id.meaning.to_owned()));
+    let fields = R::FIELDS.iter().map(|field| {
+        let shape = match field.width() {
+            1 => format!("({rows})"),
+            width => format!("({rows}, {width})"),
+        };
+        let only = field.comes_with.map(|what| format!("; only with {what}")).unwrap_or_default();
+        (field.name, shape, in_words(field.unit), format!("{}{only}", field.meaning))
+    });
+    ids.chain(fields)
+        .map(|(name, shape, unit, meaning)| {
+            format!("| `{}/{name}` | {shape} | {unit} | {meaning} |\n", R::GROUP)
+        })
+        .collect()
+}
+
+fn in_words(unit: Unit) -> &'static str {
+    match unit {
+        Unit::One | Unit::Angle => "1",
+        Unit::Length => "length",
+        Unit::Speed => "velocity",
+        Unit::AngularSpeed => "angular velocity",
+        Unit::Mass => "mass",
+        Unit::Force => "force",
+        Unit::Torque => "torque",
+        Unit::Pressure => "pressure",
+        Unit::Volume => "volume",
+        Unit::Named(name) => name,
     }
-    let text = std::fs::read_to_string(in_repository("docs/files.md")).unwrap();
-    rows::<ParticleRecord>(&text);
-    rows::<ContactRecord>(&text);
-    rows::<WallContactRecord>(&text);
-    rows::<CellRecord>(&text);
+}
+
+#[test]
+fn docs_files_has_the_rows_that_the_lists_of_fields_say() {
+    const MARKER: &str = "<!-- fields -->\n";
+    let committed = std::fs::read_to_string(in_repository("docs/files.md")).unwrap();
+    let mut parts: Vec<&str> = committed.split(MARKER).collect();
+    assert_eq!(parts.len(), 3, "the rows are between two markers");
+    let rows = [
+        "| dataset | shape | unit | meaning |\n| --- | --- | --- | --- |\n".to_owned(),
+        documented::<ParticleRecord>("n"),
+        documented::<ContactRecord>("c"),
+        documented::<WallContactRecord>("w"),
+        documented::<CellRecord>("g"),
+        documented::<Pair>("l"),
+    ];
+    let rows = rows.concat();
+    parts[1] = &rows;
+    let command = "TALCUM_WRITE_DOCS=1 cargo test --test program checkpoint_files";
+    require_written("docs/files.md", &parts.join(MARKER), command);
 }
 
 #[test]

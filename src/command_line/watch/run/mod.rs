@@ -75,7 +75,7 @@ impl WatchedRun {
         self.case.renew(case, |path| {
             require_file(path).map_err(|error| format!("{}: {error}", path.display()))?;
             let text = Case::read_text(path).map_err(|error| error.to_string())?;
-            let case = Case::from_text(&text, &path.display().to_string(), folder, &[]);
+            let case = Case::of_earlier_run(&text, &path.display().to_string(), folder, &[]);
             case.map_err(|errors| errors.to_string())
         });
         let rows = self.rows();
