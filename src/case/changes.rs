@@ -1,5 +1,6 @@
 //! What is different between two texts of a case.
 
+use super::renamed::use_present_names;
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::{Table, Value};
@@ -23,7 +24,7 @@ impl fmt::Display for Change {
     }
 }
 
-/// The keys that are different, in the order of their paths. A text that is not TOML has no keys.
+/// The keys that are different, by their present names, in the order of their paths. A text that is not TOML has no keys.
 pub fn changes(before: &str, after: &str) -> Vec<Change> {
     let [before, after] = [before, after].map(values_by_key);
     let mut keys: Vec<&String> = before.keys().chain(after.keys()).collect();
@@ -41,7 +42,8 @@ pub fn changes(before: &str, after: &str) -> Vec<Change> {
 
 fn values_by_key(text: &str) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
-    let table: Table = text.parse().unwrap_or_default();
+    let mut table: Table = text.parse().unwrap_or_default();
+    use_present_names(&mut table);
     for_each_value(&table, &mut |key, value| {
         all.insert(key.to_owned(), value.to_string());
     });
@@ -88,5 +90,8 @@ mod tests {
         ];
         assert_eq!(found, expected);
         assert!(changes(before, before).is_empty());
+        let [former, present] =
+            ["bond_number", "adhesion_over_weight"].map(|name| format!("contact.{name} = 20"));
+        assert!(changes(&former, &present).is_empty(), "a key that was only renamed");
     }
 }

@@ -50,6 +50,7 @@ pub use particles::{Amount, BedFormat, BedStart, ParticleSetup};
 pub use places::Places;
 pub use plans::{CheckpointPlan, OutputPlan, ParallelPlan, ParticleField, RankLayout};
 pub use reference::{UnknownSection, json_schema, manual, terminal};
+pub(crate) use renamed::use_first_names;
 pub use sizes::{SizeClass, SizeDistribution};
 pub use species::Species;
 pub use stage::Stage;

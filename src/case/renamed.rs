@@ -4,6 +4,7 @@ use super::errors::{Problems, SourcePlace};
 use super::schema::ROOT;
 use super::tree::{Node, Value};
 use crate::schema::{Key, Kind, every_key, renamed};
+use toml::Table;
 
 /// What becomes of a former name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,40 @@ fn rename_below(node: &mut Node, key: &Key, report: Report<'_>) {
             sections.iter_mut().for_each(|(_, section)| rename_former(section, keys, report));
         }
         _ => rename_former(node, keys, report),
+    }
+}
+
+/// Gives each key below a table its present name.
+pub(super) fn use_present_names(table: &mut Table) {
+    rename(table, ROOT, |key| key.name);
+}
+
+/// Gives each key below a table the name that it had first. What identifies a run is made of these names, so that results
+/// stay known when a key is renamed.
+pub(crate) fn use_first_names(table: &mut Table) {
+    rename(table, ROOT, |key| key.former.last().copied().unwrap_or(key.name));
+}
+
+fn rename(table: &mut Table, keys: &'static [Key], name_of: fn(&Key) -> &'static str) {
+    let declared = every_key(keys);
+    for (name, mut value) in std::mem::take(table) {
+        let present = declared.iter().copied().find(|key| key.name == name);
+        let key = present.or_else(|| renamed(keys, &name));
+        let below = key.map_or(&[][..], |key| key.kind.keys());
+        let is_named = key.is_some_and(|key| matches!(key.kind, Kind::Named(_)));
+        match &mut value {
+            toml::Value::Array(sections) => {
+                let tables = sections.iter_mut().filter_map(toml::Value::as_table_mut);
+                tables.for_each(|section| rename(section, below, name_of));
+            }
+            toml::Value::Table(sections) if is_named => {
+                let tables = sections.iter_mut().filter_map(|(_, section)| section.as_table_mut());
+                tables.for_each(|section| rename(section, below, name_of));
+            }
+            toml::Value::Table(section) => rename(section, below, name_of),
+            _ => {}
+        }
+        table.insert(key.map_or(name, |key| name_of(key).to_owned()), value);
     }
 }
 
@@ -122,5 +157,19 @@ mod tests {
         let mut tree = Node::parse(text, &problems).unwrap();
         rename_former(&mut tree, TABLE, &|node, message| problems.add(node.error(message)));
         assert!(problems.is_empty());
+    }
+
+    #[test]
+    fn tables_are_renamed_in_both_directions() {
+        let present = "merged = \"off\"\nnamed.a.new = 1\n[[list]]\nof_one = 2\n[section]\nnew = 3";
+        let first = "merged = \"off\"\nnamed.a.older = 1\n[[list]]\nfor_one = 2\n[part]\nolder = 3";
+        let between = "merged = \"off\"\nnamed.a.old = 1\n[[list]]\nfor_one = 2\n[part]\nold = 3";
+        let parsed = |text: &str| text.parse::<Table>().unwrap();
+        for text in [present, between, first] {
+            let (mut by_first, mut by_present) = (parsed(text), parsed(text));
+            rename(&mut by_first, TABLE, |key| key.former.last().copied().unwrap_or(key.name));
+            rename(&mut by_present, TABLE, |key| key.name);
+            assert_eq!((by_first, by_present), (parsed(first), parsed(present)));
+        }
     }
 }

@@ -38,7 +38,7 @@ pub struct Key {
     pub with: Option<&'static str>,
     /// How the value for a pair of species follows from those of each.
     pub mixing: Mixing,
-    /// Names that it had before. Who writes one of them is given the present one.
+    /// Names that it had before, the oldest last. Who writes one of them is given the present one.
     pub former: &'static [&'static str],
     /// One sentence, without its full stop.
     pub meaning: &'static str,
@@ -205,7 +205,7 @@ impl Key {
         self
     }
 
-    /// Names that it had before.
+    /// Names that it had before, the oldest last.
     pub const fn formerly(mut self, names: &'static [&'static str]) -> Self {
         self.former = names;
         self

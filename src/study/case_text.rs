@@ -1,6 +1,6 @@
 //! The text of a case: what identifies the run that it describes, and the case of a continued run.
 
-use crate::case::for_each_value;
+use crate::case::{for_each_value, use_first_names};
 use crate::study::definition::Continuation;
 use crate::study::setting::shortest;
 use std::collections::BTreeMap;
@@ -27,6 +27,7 @@ impl EffectiveCase {
     /// is the end of another run of the study.
     pub(crate) fn identity(&self, start: Option<&str>) -> String {
         let mut table = self.0.clone();
+        use_first_names(&mut table);
         for key in WITHOUT_EFFECT {
             table.remove(key);
         }

@@ -370,6 +370,9 @@ fn a_checkpoint_whose_case_has_a_former_name_restarts() {
             text.replace("adhesion_over_weight", "bond_number").parse().unwrap();
         assert_ne!(former, text, "the control: the name is in it");
         file.attr("case").unwrap().write_scalar(&former).unwrap();
+        let hash: VarLenUnicode =
+            blake3::hash(former.as_bytes()).to_hex().to_string().parse().unwrap();
+        file.attr("case_blake3").unwrap().write_scalar(&hash).unwrap();
     });
     assert_eq!(restarted("former", &[]).digest(), expected);
     // What the user writes now is another matter.
