@@ -9,20 +9,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-import liu2016_breakage
-import liu2016_cases
-import liu2016_companion
-import liu2016_curves
-import liu2016_drag
-import liu2016_flow
-import liu2016_kept
-import liu2016_pictures
-import liu2016_tables
-import report
-from liu2016_breakage import share_kept
-from liu2016_tables import SMALL, WHOLE, trends
+from cases.liu2016.report import breakage, cases as table_2, companion, curves, drag, flow, pictures, tables
+from cases.liu2016.report.breakage import share_kept
+from cases.liu2016.report.paper import PAPER
+from cases.liu2016.report.tables import SMALL, WHOLE, trends
 from made_up_results import ScriptTest
-from paper_tables import interval_of
+from paper_report import command
+from paper_report.tables import interval_of
 from study_tables import Estimate, StudyTable, read_study_table
 from talcum_results import ResultsError
 
@@ -49,7 +42,7 @@ class TestCurves(ScriptTest):
 
     def setUp(self) -> None:
         super().setUp()
-        for module in (liu2016_curves, liu2016_tables):
+        for module in (curves, tables):
             self.addCleanup(setattr, module, "KEPT", module.KEPT)
             module.KEPT = self.folder / "kept"
         run = self.folder / "fig3-cases/runs/one"
@@ -94,8 +87,8 @@ class TestCurves(ScriptTest):
     def test_tables_hold_what_the_run_gives(self) -> None:
         shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
         self.write_fluidisation()
-        liu2016_kept.main([str(self.folder), "--keep", str(self.folder / "kept")])
-        read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in liu2016_curves.TABLES}
+        command.main(PAPER, ["--results", str(self.folder), "--keep", str(self.folder / "kept")])
+        read = {name: read_study_table(self.folder / f"kept/{name}.csv") for name in curves.TABLES}
         # The interval of time 0.01 holds the rows 1 to 10, of 2 to 11.
         self.assertEqual(read["series"].numbers("pressure_drop"), [6.5, 16.5])
         self.assertEqual(read["agglomerates"].numbers("reference_time"), [0.3, 0.3, 0.3])
@@ -117,28 +110,28 @@ class TestCurves(ScriptTest):
 
     def test_a_folder_without_runs_is_refused(self) -> None:
         with self.assertRaisesRegex(ResultsError, "no complete run"):
-            liu2016_kept.main([str(self.folder / "nowhere"), "--keep", str(self.folder / "kept")])
+            command.main(PAPER, ["--results", str(self.folder / "nowhere"), "--keep", str(self.folder / "kept")])
 
     def test_agglomerates_that_are_left(self) -> None:
-        found = liu2016_curves.table(self.folder, "agglomerates")
+        found = curves.table(self.folder, "agglomerates")
         assert found is not None
         self.assertEqual(share_kept(found, 0.05), [0.6])
         self.assertEqual(share_kept(found, 0.07), [])  # not looked at
 
     def test_lifetimes_are_told_by_t_0_where_there_are_several(self) -> None:
-        found = liu2016_curves.table(self.folder, "agglomerates")
+        found = curves.table(self.folder, "agglomerates")
         assert found is not None
-        self.assertEqual(liu2016_breakage.told_by_window(found, 0.05), "none")  # the control: one window
+        self.assertEqual(breakage.told_by_window(found, 0.05), "none")  # the control: one window
         later = [row | {"reference_time": "0.6", "agglomerates": "100"} for row in found.rows]
         both = StudyTable(found.file, found.provenance, found.rows + later, found.units)
-        self.assertEqual(liu2016_breakage.told_by_window(both, 0.05), "rho250vdw20ug4: 0.6 (0.3 s), 1 (0.6 s)")
+        self.assertEqual(breakage.told_by_window(both, 0.05), "rho250vdw20ug4: 0.6 (0.3 s), 1 (0.6 s)")
 
     def test_properties_over_the_lag_leave_out_windows_without_agglomerates(self) -> None:
-        found = liu2016_curves.table(self.folder, "agglomerates")
+        found = curves.table(self.folder, "agglomerates")
         assert found is not None
         none = [row | {"reference_time": "0.6", "coordination_number": "nan"} for row in found.rows]
         both = StudyTable(found.file, found.provenance, found.rows + none, found.units)
-        head, row = liu2016_breakage.lag_table(both)
+        head, row = breakage.lag_table(both)
         self.assertEqual(dict(zip(head, row))["C_N, 50 ms"], "1.00")
         self.assertEqual(dict(zip(head, row))["C_N, 30 ms"], "")  # not looked at
 
@@ -146,7 +139,7 @@ class TestCurves(ScriptTest):
         series = made_table({"time": (0.1, 0.3), "coordination_number": (2.0, 1.5)})
         parts = {f"with_{number}": (0.9 if number == 0 else 0.1 / 6, 0.1) for number in range(7)}
         contacts = made_table({"time": (0.299, 0.349)} | parts | {"with_7_or_more": (0.0, 0.3)})
-        head, row = liu2016_flow.coordination_table(series, contacts)
+        head, row = flow.coordination_table(series, contacts)
         found = dict(zip(head, row))
         self.assertEqual([found["C_N at 0.1 s"], found["C_N at 0.2 s"], found["C_N at 0.3 s"]], ["2.00", "", "1.50"])
         # What was before 0.3 s is not in the distribution.
@@ -161,15 +154,15 @@ class TestCurves(ScriptTest):
         (self.folder / study / "points.csv").write_text(f"{HEAD}{','.join(head)}\n{','.join(map(str, row))}\n")
 
     def test_cases_stand_side_by_side(self) -> None:
-        self.assertEqual(liu2016_cases.table(self.folder), [])  # no means yet
+        self.assertEqual(table_2.table(self.folder), [])  # no means yet
         self.write_points()
-        head, *rows = liu2016_cases.table(self.folder)
+        head, *rows = table_2.table(self.folder)
         self.assertEqual(head, ["", "paper", "rho250 vdw20 ug4"])
         found = {row[0]: row[2] for row in rows}
         self.assertEqual(found["C_N of the bed"], "1.5 ± 0.5")
         self.assertEqual(found["left after 50 ms"], "0.6")  # one window has no interval
         self.assertEqual(found["d_agg [mm]"], "0.2")
-        report.main(["liu2016", "--results", str(self.folder)])
+        command.main(PAPER, ["--results", str(self.folder)])
         self.assertIn("<td>C_N of the bed</td><td>2 to 3</td><td>1.5 ± 0.5</td>", (self.folder / "liu2016.html").read_text())
 
     def write_channel(self) -> None:
@@ -183,12 +176,12 @@ class TestCurves(ScriptTest):
     def test_the_whole_box_stands_beside_the_small_one(self) -> None:
         self.write_points()
         self.write_channel()
-        self.assertEqual(liu2016_cases.boxes(self.folder), [])  # no run in the whole box
+        self.assertEqual(table_2.boxes(self.folder), [])  # no run in the whole box
         shutil.copytree(self.folder / "fig3-cases", self.folder / "full-box")
         self.write_points("full-box")
         with h5py.File(self.folder / "full-box/runs/one/measure-agglomerates.h5", "a") as file:
             file["results/agglomerates"][:] = 8.0 * NUMBERS
-        head, *rows = liu2016_cases.boxes(self.folder)
+        head, *rows = table_2.boxes(self.folder)
         self.assertEqual(head, ["", "paper", "12,500 particles", "100,000 particles"])
         found = {row[0]: row[2:] for row in rows}
         self.assertEqual(found["N_agg"], ["200", "1,600"])
@@ -198,11 +191,11 @@ class TestCurves(ScriptTest):
     def write_snapshots(self) -> None:
         """Four snapshots of three particles: the first two are in the agglomerate 5 until they part, the third is in none."""
         with h5py.File(self.folder / "fig3-cases/runs/one/particles.vtkhdf", "w") as file:
-            count = len(liu2016_pictures.LAGS)
+            count = len(pictures.LAGS)
             root = file.create_group("VTKHDF")
             steps = root.create_group("Steps")
             steps.attrs["NSteps"] = count
-            steps["Values"] = liu2016_pictures.REFERENCE + np.array(liu2016_pictures.LAGS)
+            steps["Values"] = pictures.REFERENCE + np.array(pictures.LAGS)
             steps["PointOffsets"] = 3 * np.arange(count)
             root["NumberOfPoints"] = np.full(count, 3)
             root["Points"] = np.tile(4.0e-5 * np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [9.0, 1.0, 3.0]]), (count, 1))
@@ -210,45 +203,45 @@ class TestCurves(ScriptTest):
             root["PointData/agglomerate"] = np.concatenate([[5, 5, -1]] + [[-1, -1, -1]] * (count - 1))
 
     def test_agglomerates_have_colours_and_the_others_are_grey(self) -> None:
-        self.assertIsNone(liu2016_pictures.lags(self.folder))  # no snapshots
+        self.assertIsNone(pictures.lags(self.folder))  # no snapshots
         self.write_snapshots()
-        run = next(liu2016_pictures.shown_runs(self.folder))
-        first, second, *_ = liu2016_pictures.snapshots(run)
+        run = next(pictures.shown_runs(self.folder))
+        first, second, *_ = pictures.snapshots(run)
         self.assertEqual([list(part) for part in first.sizes()], [[5], [2]])
         self.assertEqual(len(second.sizes()[0]), 0)
-        colours = liu2016_pictures.colours_of(first.agglomerates)
+        colours = pictures.colours_of(first.agglomerates)
         self.assertEqual(tuple(colours[0]), tuple(colours[1]))
-        self.assertNotEqual(tuple(colours[0]), liu2016_pictures.GREY)
-        self.assertEqual(tuple(colours[2]), liu2016_pictures.GREY)
-        figure = liu2016_pictures.lags(self.folder)
+        self.assertNotEqual(tuple(colours[0]), pictures.GREY)
+        self.assertEqual(tuple(colours[2]), pictures.GREY)
+        figure = pictures.lags(self.folder)
         assert figure is not None
         self.assertEqual([panel.get_title() for panel in figure.axes], ["10 ms", "30 ms", "60 ms", "100 ms"])
-        self.assertIsNone(liu2016_pictures.cases(self.folder))  # one case of four
+        self.assertIsNone(pictures.cases(self.folder))  # one case of four
 
     def test_the_page_shows_beds_over_time(self) -> None:
         self.write_fluidisation()
-        found = liu2016_curves.table(self.folder, liu2016_curves.IN_TIME)
-        self.assertEqual(liu2016_companion.last_energy(found, "rho250vdw100ug4"), "; energy in the last 50 ms 10.5 pJ")
-        self.assertEqual(liu2016_companion.last_energy(found, "rho250vdw50ug4"), "")
+        found = curves.table(self.folder, curves.IN_TIME)
+        self.assertEqual(companion.last_energy(found, "rho250vdw100ug4"), "; energy in the last 50 ms 10.5 pJ")
+        self.assertEqual(companion.last_energy(found, "rho250vdw50ug4"), "")
         assert found is not None
-        left, right = liu2016_companion.energies(found).axes
+        left, right = companion.energies(found).axes
         self.assertEqual([len(left.lines), len(right.lines), right.get_yscale()], [0, 1, "log"])
 
     def test_the_page_compares_drag_from_agglomerates(self) -> None:
-        self.assertIsNone(liu2016_drag.drag(self.folder))  # no table
-        liu2016_curves.KEPT.mkdir()
+        self.assertIsNone(drag.drag(self.folder))  # no table
+        curves.KEPT.mkdir()
         ways = {"one factor, 0.2": 0.2, "from agglomerates": 0.5, "one factor, 1": 1.0}
         rows = [",".join(["it", f'"{way}"', str(xi), *["4.0" if xi == 0.2 else "5.0"] * 6]) for way, xi in ways.items()]
-        head = ",".join(["case", "drag", *liu2016_drag.SHOWN])
-        (liu2016_curves.KEPT / liu2016_drag.FILE).write_text("\n".join([HEAD + head, *rows]) + "\n")
-        section = liu2016_drag.drag(self.folder)
+        head = ",".join(["case", "drag", *drag.SHOWN])
+        (curves.KEPT / drag.FILE).write_text("\n".join([HEAD + head, *rows]) + "\n")
+        section = drag.drag(self.folder)
         assert section is not None
         self.assertEqual([statement.agrees for statement in section.statements[:1]], [False])  # 0.5 is not 0.2
         self.assertEqual(section.statements[1].measured, "it: 1.250")
         self.assertEqual(section.table[1][:4], ["it", "one factor, 0.2", "0.2", "4,000"])  # heights in mm
 
     def test_the_page_tells_of_breakage(self) -> None:
-        report.main(["liu2016", "--results", str(self.folder)])
+        command.main(PAPER, ["--results", str(self.folder)])
         page = (self.folder / "liu2016.html").read_text()
         self.assertIn("<td>rho250vdw20ug4: 0.6</td>", page)
         self.assertIn("Fig. 8: breakage", page)
@@ -260,12 +253,12 @@ class TestNumbers(unittest.TestCase):
 
     def test_cases_have_the_names_of_the_paper(self) -> None:
         keys = [(137.0, 0.9e-9, 0.02), (250.0, 1.7e-9, 0.03), (250.0, 0.8e-9, 0.04), (250.0, 0.4e-9, 0.04)]
-        names = [liu2016_curves.case_name(*values) for values in keys]
+        names = [curves.case_name(*values) for values in keys]
         self.assertEqual(names, ["rho137vdw20ug2", "rho250vdw20ug3", "rho250vdw10ug4", "rho250vdw5ug4"])
 
     def test_bond_numbers_are_rounded_to_those_of_the_paper(self) -> None:
-        self.assertEqual([liu2016_curves.nominal_bond_number(250.0, force) for force in (0.0, 1.7e-9, 4.1e-9, 8.2e-9)], [0, 20, 50, 100])
-        self.assertEqual(liu2016_curves.nominal_bond_number(137.0, 1.7e-9), 40)  # the control: of a lighter particle it is larger
+        self.assertEqual([curves.nominal_bond_number(250.0, force) for force in (0.0, 1.7e-9, 4.1e-9, 8.2e-9)], [0, 20, 50, 100])
+        self.assertEqual(curves.nominal_bond_number(137.0, 1.7e-9), 40)  # the control: of a lighter particle it is larger
 
     def test_trends_are_told_in_the_unit_that_is_asked_for(self) -> None:
         values = {case: Estimate(mean, mean, mean, 1) for case, mean in (("rho250vdw5ug4", 2.0e-6), ("rho250vdw10ug4", 3.0e-6))}
@@ -285,6 +278,15 @@ class TestNumbers(unittest.TestCase):
         self.assertTrue(trends("it", values(1.0, 2.0, 3.0), {"Bond number": True})[0].agrees)
         self.assertFalse(trends("it", values(1.0, 3.0, 2.0), {"Bond number": True})[0].agrees)
         self.assertIsNone(trends("it", {}, {"Bond number": True})[0].agrees)
+
+
+class TestKept(ScriptTest):
+    """The page of what is kept with the cases, without a run."""
+
+    def test_the_kept_tables_fill_the_page(self) -> None:
+        command.main(PAPER, ["--results", str(self.folder)])
+        page = (self.folder / "liu2016.html").read_text()
+        self.assertGreater(page.count("<h2"), 10)
 
 
 if __name__ == "__main__":

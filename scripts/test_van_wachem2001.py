@@ -7,10 +7,10 @@ import unittest
 import h5py
 import numpy as np
 
-import van_wachem2001
+from cases.experiments.report import van_wachem2001
 from made_up_results import ScriptTest, write_series, write_two_particles
 from talcum_results import ResultsError
-from van_wachem2001 import Signal
+from cases.experiments.report.van_wachem2001 import Signal
 
 
 def swing(frequency: float, amplitude: float, end: float = 12.2) -> Signal:

@@ -7,10 +7,10 @@ import unittest
 import h5py
 import numpy as np
 
-import yue2020
+from cases.experiments.report import yue2020
 from made_up_results import ScriptTest, write_series
 from talcum_results import ResultsError
-from yue2020 import Profile
+from cases.experiments.report.yue2020 import Profile
 
 TIMES = np.array([0.5, 1.5, 2.0])
 

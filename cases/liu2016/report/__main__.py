@@ -1,0 +1,7 @@
+"""scripts/report liu2016: builds the page, or keeps what it shows of runs."""
+
+from paper_report.command import run
+
+from .paper import PAPER
+
+run(PAPER)

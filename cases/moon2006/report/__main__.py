@@ -1,0 +1,7 @@
+"""scripts/report moon2006: builds the page, or keeps what it shows of runs."""
+
+from paper_report.command import run
+
+from .paper import PAPER
+
+run(PAPER)

@@ -1,0 +1,49 @@
+"""Tables of the studies of Moon, Kevrekidis & Sundaresan (2006)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from paper_report import tables as paper_tables
+from paper_report.tables import made_by, study_table
+from study_tables import StudyTable
+
+KEPT = Path(__file__).resolve().parent.parent / "results"
+STUDIES = paper_tables.studies_of(KEPT)
+"""The names of all studies."""
+
+
+def table(results: Path, study: str, kind: str) -> StudyTable | None:
+    """A table of a study, of the runs made here or the one that is kept."""
+    return study_table(results, KEPT, study, kind)
+
+
+def made_or_kept(made: StudyTable | None, name: str) -> StudyTable | None:
+    """A table of the runs made here, else the one of this name that is kept."""
+    return paper_tables.made_or_kept(made, KEPT / name)
+
+
+def source(study: str, points: StudyTable) -> str:
+    """Where the numbers of a section come from, and how to make them again."""
+    return made_by("moon2006", study, points)
+
+
+def sources(*studies: tuple[str, StudyTable | None]) -> list[str]:
+    """The same for the studies of which there are tables."""
+    return [source(study, points) for study, points in studies if points]
+
+
+def states(points: StudyTable, axis: str) -> str:
+    """What the beds of each point do, in words."""
+    parts = [f"{float(row[axis]):g}: {row['waves'].replace('_', ' ')}" for row in points.rows]
+    return "; ".join(parts)
+
+
+def parts(points: StudyTable, axis: str) -> str:
+    """What parts of heights and times have waves, stand still and rise as a plug, at each point; means over the seeds."""
+    words = {"share": "waves", "frozen_share": "still", "plug_share": "plug"}
+    told = []
+    for row in points.rows:
+        shares = ", ".join(f"{name} {points.estimate(row, measure).mean:.2f}" for measure, name in words.items())
+        told.append(f"{float(row[axis]):g}: {shares}")
+    return "; ".join(told)
