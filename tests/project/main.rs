@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 mod documents;
-mod index;
 mod layers;
 mod packages;
 mod vocabulary;
