@@ -1,4 +1,4 @@
-//! Counts the messages of a step, for the scaling model of docs/performance.md.
+//! Counts the messages of a step, for the scaling model of docs/performance-tables.md.
 //!
 //! `cargo bench --bench messages` prints a table in Markdown for a vibrated bed on thread ranks: the maxima over the
 //! ranks.

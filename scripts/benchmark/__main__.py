@@ -92,7 +92,7 @@ def model() -> str:
     return f"{words} Columns of a bed 52 d high:\n\n{tall}\n\nCubes of a bed with a column of gas:\n\n{cubes}"
 
 
-# What can be measured, by the name of its place in docs/performance.md.
+# What can be measured, by the name of its place in docs/performance-tables.md.
 PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "beds": measure_beds,
     "agreement": lambda _: agreement.agreement(),

@@ -36,9 +36,9 @@ GHOST_BYTES, NEW_GHOST_BYTES = 48, 112
 DECISION_BYTES, INDEX_BYTES = 8 * 8, 4
 # What part of the particles of the layer are in a pair of the list: of blocks of 1,000 in the settled bed of 24,000, 0.66 to 0.71.
 PART_IN_PAIRS = 0.69
-# What a copy costs its owner and its borrower together, in steps of a particle: docs/performance.md, the check of the model.
+# What a copy costs its owner and its borrower together, in steps of a particle: docs/performance-tables.md, the check of the model.
 COPY_COST = 0.6
-# What part of a step pairs are (docs/performance.md, settled beds).
+# What part of a step pairs are (docs/performance-tables.md, settled beds).
 PART_OF_PAIRS = 0.75
 # Whether no particle is too fast, and whether each contact has found its place.
 REDUCTIONS_PER_REBUILD = 2

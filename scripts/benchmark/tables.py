@@ -1,4 +1,4 @@
-"""What was measured, as tables in Markdown, and where they stand in docs/performance.md."""
+"""What was measured, as tables in Markdown, and where they stand in docs/performance-tables.md."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ pub(crate) type SpringLanes = [Lanes; 3];
 pub(crate) type AngleLanes = [Lanes; 3];
 
 /// A part of the blocks: one of so many equal pieces. The compiler makes a quicker loop over it than over an enumeration of the whole and
-/// the halves (docs/performance-changes.md).
+/// the halves (notes/2026-11-performance.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     piece: usize,
