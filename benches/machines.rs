@@ -1,9 +1,8 @@
 //! The rate of ranks whose messages take time, as between machines.
 //!
 //! `cargo bench --bench machines` prints a table in Markdown: a settled bed on thread ranks, by the time of a message, all at
-//! 10 Gbit/s. Of the two times of a step, the first is that of ranks that wait for the velocities of ghosts, the second that of ranks
-//! that evaluate half of their own pairs meanwhile, as on machines of their own; each the quickest of several windows of steps, since
-//! ranks may share cores with others.
+//! 10 Gbit/s. The time of a step in microseconds is that of the quickest of several windows of steps, since ranks may share cores
+//! with other programs.
 
 #[path = "../tests/beds/mod.rs"]
 mod beds;
@@ -32,11 +31,11 @@ fn bed(count: u64) -> Bench {
 }
 
 /// Microseconds of a step.
-fn step_time(bench: &Bench, grid: [usize; 3], latency: f64, near: bool) -> f64 {
+fn step_time(bench: &Bench, grid: [usize; 3], latency: f64) -> f64 {
     let grid = RankGrid(grid);
     let bandwidth = if latency > 0.0 { 1250.0 } else { f64::INFINITY };
     let found = run_on_threads(grid.size(), |ranks| {
-        let delayed = Delayed { ranks, network: Network { latency, bandwidth }, near };
+        let delayed = Delayed { ranks, network: Network { latency, bandwidth } };
         let mut run = bench.start(grid, &delayed);
         let windows = (0..WINDOWS).map(|_| {
             let begin = Instant::now();
@@ -56,8 +55,8 @@ fn main() {
         let bench = bed(count);
         for grid in GRIDS {
             let times = LATENCIES.map(|latency| {
-                let times = [true, false].map(|near| step_time(&bench, grid, latency, near));
-                format!("{:.1}, {:.1}", times[0], times[1])
+                let time = step_time(&bench, grid, latency);
+                format!("{time:.1}")
             });
             println!("| {count} | {} | {} |", grid.iter().product::<usize>(), times.join(" | "));
         }

@@ -7,8 +7,8 @@ layer of width w and a block of sides l:
     copies      packing, moving and adding what the ranks say of them: for each copy that is in a pair as long as a part of a
                 particle's step, by the check with `perf` (processor.py)
     halo        velocities: one message from each of the blocks ahead, half of those around, 48 bytes for each particle of the
-                layer w there that is in a pair; what is left of their way after decide and the forces of half of the pairs
-                of the rank's own particles. Forces: as much the other way, while the other half is computed. And what a
+                layer w there that is in a pair; what is left of their way after decide. Forces: as much the other way, while the
+                pairs of the rank's own particles are computed. And what a
                 processor has to do for each message, which cannot be done meanwhile. A pair of two ranks' particles is computed by one of them; these are
                 c z / 4 for each area of a cut, z the contacts of a particle, since a contact crosses the plane of a cut by half a
                 diameter in the mean
@@ -170,10 +170,10 @@ def halo(load: Load, ranks: int, network: Network) -> float:
     """Seconds that messages of velocities and forces add to a step."""
     # The rank's own pairs and half of those that it shares are all that it computes.
     own = 1.0 - 0.5 * load.shared_pairs
-    half_of_own = 0.5 * PART_OF_PAIRS * own * load.particles * load.particle_step
+    own_pairs = PART_OF_PAIRS * own * load.particles * load.particle_step
     way = travel(load, network)
-    there = max(0.0, way - network.all_reduce(ranks, DECISION_BYTES) - half_of_own)
-    back = max(0.0, way - half_of_own)
+    there = max(0.0, way - network.all_reduce(ranks, DECISION_BYTES))
+    back = max(0.0, way - own_pairs)
     return there + back + 2.0 * network.overhead * load.blocks_ahead(ranks)
 
 

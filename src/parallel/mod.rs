@@ -133,7 +133,7 @@ impl Message {
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind`, `is_near` and `is_root`
+/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind` and `is_root`
 /// is collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
 /// ranks.
 pub trait Communicator {
@@ -195,11 +195,6 @@ pub trait Communicator {
     /// How many processes the ranks are in; fewer than ranks where these are threads.
     fn processes(&self) -> usize {
         self.size()
-    }
-
-    /// Whether a rank is on the same machine as this one.
-    fn is_near(&self, _rank: usize) -> bool {
-        true
     }
 
     /// Whether this is rank 0, which prints, and writes the files that are not written by all ranks together.

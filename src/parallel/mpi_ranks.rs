@@ -74,8 +74,6 @@ pub struct MpiRanks {
     world: SimpleCommunicator,
     rank: usize,
     size: usize,
-    /// For each rank the lowest rank on its machine.
-    machines: Vec<i32>,
     longest_message: usize,
     /// Which of the two tags the next sparse exchange uses.
     next_tag: Cell<usize>,
@@ -106,7 +104,6 @@ impl MpiRanks {
         Ok(Self {
             rank: world.rank() as usize,
             size: world.size() as usize,
-            machines: machines(&world),
             longest_message: LONGEST_MESSAGE,
             world,
             next_tag: Cell::default(),
@@ -180,15 +177,6 @@ impl MpiRanks {
         message.matched_receive_into(&mut incoming[before..]);
         length == self.longest_message
     }
-}
-
-/// The lowest rank on the machine of each rank: of those with which it shares memory. Collective.
-fn machines(world: &SimpleCommunicator) -> Vec<i32> {
-    let mut lowest = world.rank();
-    world.split_shared(lowest).process_at_rank(0).broadcast_into(&mut lowest);
-    let mut machines = vec![0; world.size() as usize];
-    world.all_gather_into(&lowest, &mut machines[..]);
-    machines
 }
 
 /// The name and version of the library of MPI that the program was built with.
@@ -342,10 +330,6 @@ impl Communicator for MpiRanks {
 
     fn kind(&self) -> &'static str {
         "MPI processes"
-    }
-
-    fn is_near(&self, rank: usize) -> bool {
-        self.machines[rank] == self.machines[self.rank]
     }
 }
 

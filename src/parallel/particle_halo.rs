@@ -31,9 +31,6 @@ pub struct ParticleHalo {
     /// Velocities of these particles go to those ranks, velocities of the copies come from their owners, in the order of
     /// `exported` and of `copies`.
     velocities: Exchange,
-    /// Whether an owner of copies is on another machine, so that velocities may still be on their way when the ranks have agreed on
-    /// something else.
-    comes_from_far: bool,
     /// Forces on the copies go to their owners, forces on exported particles come back.
     forces: Exchange,
 }
@@ -131,11 +128,6 @@ impl ParticleHalo {
             message.overwrite(exported.iter().map(of_particle));
         }
         self.pack_numbers(particles);
-    }
-
-    /// Whether velocities come from another machine.
-    pub fn comes_from_far(&self) -> bool {
-        self.comes_from_far
     }
 
     /// Sends the velocities. This call is collective, as is [`ParticleHalo::receive_velocities`].
@@ -317,7 +309,6 @@ impl ParticleHalo {
     /// Sends the owners of copies the indices of the originals, and makes the messages of a step. This call is collective.
     fn ask_owners(&mut self, asked: &[Message], particles: &Particles, ranks: &dyn Communicator) {
         let asked_here = ranks.sparse_exchange(asked);
-        self.comes_from_far = asked.iter().any(|message| !ranks.is_near(message.rank));
         let indices = |message: &Message| records_of_bytes(&message.bytes).collect();
         self.exported = asked_here.iter().map(indices).collect();
         let lengths = |messages: &[Message], of_particle: usize| -> Vec<(usize, usize)> {

@@ -161,11 +161,6 @@ impl Contacts {
         self.inner.moved(displacement, pairs);
     }
 
-    /// Whether the inner list is certain to hold all pairs within the interaction ranges, wherever ghosts are.
-    pub(crate) fn inner_list_is_valid(&self, ranges: InteractionRanges) -> bool {
-        self.inner.is_valid(ranges)
-    }
-
     /// Makes sure that the inner list holds all pairs within the interaction ranges.
     pub(crate) fn update_inner_list(&mut self, particles: &Particles, ranges: InteractionRanges) {
         let rows = Rows { start: &self.row_start, partners: &self.partner };

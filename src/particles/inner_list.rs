@@ -188,11 +188,6 @@ impl InnerList {
         self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, state);
     }
 
-    /// Whether the list is certain to hold every pair within the ranges: then the next update looks at no particle.
-    pub(super) fn is_valid(&self, ranges: InteractionRanges) -> bool {
-        self.validity.covers(ranges)
-    }
-
     /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
     /// may have come within the range of contacts since it was made: [`InnerList::find_promotions`].
     pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: InteractionRanges) {

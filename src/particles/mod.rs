@@ -35,7 +35,7 @@ pub(crate) use integrate::{DriftStep, Weight, kick, kick_and_drift, set_first_fo
 pub use neighbour_list::NeighbourList;
 pub use own_fields::OwnFields;
 pub(crate) use pair_blocks::{
-    AngleLanes, ContactColumns, LANES, Lanes, Pair, PairBlock, PairBlocks, Part, SpringLanes,
+    AngleLanes, ContactColumns, LANES, Lanes, Pair, PairBlock, PairBlocks, SpringLanes,
 };
 pub(crate) use pair_kind::{kind_of_bodies, kind_of_species};
 pub(crate) use pairs_of_kind::{Candidates, PairsOfKind};

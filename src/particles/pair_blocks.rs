@@ -1,7 +1,6 @@
 //! Pairs side by side in blocks, with their contact histories: the memory that the loop over forces streams through.
 
 use super::contact_state::{ContactHistory, ContactState};
-use std::ops::Range;
 
 /// Number of pairs in a block. With fewer than about 16 the compiler unrolls the loop over lanes before it has turned
 /// it into vector instructions.
@@ -16,28 +15,6 @@ pub(crate) type SpringLanes = [Lanes; 3];
 
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [Lanes; 3];
-
-/// A part of the blocks: one of so many equal pieces. The compiler makes a quicker loop over it than over an enumeration of the whole and
-/// the halves (notes/2026-11-performance.md).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
-    piece: usize,
-    pieces: usize,
-}
-
-impl Part {
-    /// All blocks.
-    pub(crate) const WHOLE: Self = Self { piece: 0, pieces: 1 };
-
-    /// Between machines, velocities travel while the first half is evaluated, forces while the second is.
-    pub(crate) const HALVES: [Self; 2] =
-        [Self { piece: 0, pieces: 2 }, Self { piece: 1, pieces: 2 }];
-
-    /// Of so many blocks.
-    pub(crate) fn of(self, blocks: usize) -> Range<usize> {
-        self.piece * blocks / self.pieces..(self.piece + 1) * blocks / self.pieces
-    }
-}
 
 /// A block of pairs, contiguous in memory. It is aligned to a vector of four numbers, so that none lies in two cache lines; aligned to a
 /// cache line, it would be 32 bytes longer.

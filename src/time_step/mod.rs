@@ -19,9 +19,7 @@ use crate::particles::{self, ContactHistories, DriftStep, set_first_forces};
 use crate::state::{Domain, Models, Requests, State, Workspace};
 use crate::timers::Phase;
 use decision::{Displacement, agreed_message, decide};
-use forces::{
-    add_gas_forces, add_own_forces, add_shared_forces, advance_fields, begin_early, begin_forces,
-};
+use forces::{add_gas_forces, add_own_forces, add_shared_forces, advance_fields, begin_forces};
 use gas::{advance_gas, find_agglomerates, start_bed_sum};
 use halo::{receive_forces, receive_ghosts, return_forces, send_ghosts};
 use rebuild::arrange;
@@ -76,16 +74,15 @@ pub fn advance(
     let bed = start_bed_sum(state, work, ranks);
     let ghosts = send_ghosts(state, work, ranks);
     let decision = decide(state, moved, domain, work, ranks)?;
-    let early = begin_early(decision.rebuild, state, models, work, dt);
     receive_ghosts(ghosts, moved, state, work);
     if decision.rebuild {
         rebuild(state, domain, models, work, ranks)?;
     }
     find_agglomerates(state, domain, models, work, ranks);
-    let now = begin_forces(early, state, domain, models, work, dt);
-    add_shared_forces(&now, state, work);
+    let laws = begin_forces(state, domain, models, work, dt);
+    add_shared_forces(&laws, state, work);
     let forces = return_forces(state, work, ranks);
-    add_own_forces(&now, state, domain, work);
+    add_own_forces(&laws, state, domain, work);
     receive_forces(forces, state, work);
     advance_fields(state, models, work, dt);
     advance_gas(bed.filter(|_| !decision.rebuild), state, models, work, ranks);
@@ -126,10 +123,10 @@ pub fn find_first_forces(
 ) {
     set_first_forces(&mut state.particles, models.weight_at(state.clock.time()));
     find_agglomerates(state, domain, models, work, ranks);
-    let now = begin_forces(None, state, domain, models, work, 0.0);
-    add_shared_forces(&now, state, work);
+    let laws = begin_forces(state, domain, models, work, 0.0);
+    add_shared_forces(&laws, state, work);
     let forces = return_forces(state, work, ranks);
-    add_own_forces(&now, state, domain, work);
+    add_own_forces(&laws, state, domain, work);
     receive_forces(forces, state, work);
     advance_fields(state, models, work, 0.0);
     advance_gas(None, state, models, work, ranks);

@@ -19,8 +19,6 @@ pub(crate) struct Network {
 pub(crate) struct Delayed<'a> {
     pub(crate) ranks: &'a dyn Communicator,
     pub(crate) network: Network,
-    /// Whether the ranks know that the others are on the same machine.
-    pub(crate) near: bool,
 }
 
 /// Length of the time of sending that each message carries at its end.
@@ -164,9 +162,5 @@ impl Communicator for Delayed<'_> {
 
     fn kind(&self) -> &'static str {
         self.ranks.kind()
-    }
-
-    fn is_near(&self, _rank: usize) -> bool {
-        self.near
     }
 }

@@ -16,10 +16,8 @@ pub(crate) fn beds_have_the_bits_of_one_rank(ranks: &MpiRanks) {
         let expected = ranks.is_root().then(|| bench.alone().steps(STEPS).snapshot().bits());
         for grid in [[1, 1, n], along_others] {
             let network = Network { latency: 20.0, bandwidth: 1250.0 };
-            let found = bench
-                .start(RankGrid(grid), &Delayed { ranks, network, near: false })
-                .steps(STEPS)
-                .snapshot();
+            let found =
+                bench.start(RankGrid(grid), &Delayed { ranks, network }).steps(STEPS).snapshot();
             if let Some(expected) = &expected {
                 assert!(found.bits() == *expected, "{grid:?}");
             }

@@ -82,7 +82,7 @@ fn messages_that_take_time_change_no_bit() {
         for grid in [[1, 1, 3], [2, 1, 2]] {
             let grid = RankGrid(grid);
             let mut found = run_on_threads(grid.size(), |ranks| {
-                let delayed = Delayed { ranks, network, near: false };
+                let delayed = Delayed { ranks, network };
                 let mut run = bench.start(grid, &delayed);
                 let begin = Instant::now();
                 let state = run.steps(STEPS).snapshot();

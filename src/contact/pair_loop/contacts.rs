@@ -7,14 +7,13 @@ use crate::contact::lanes::{
     SizesOfPairs,
 };
 use crate::numbers::{F64x4, vectorised};
-use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Part, Particles};
+use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Particles};
 
 /// Pairs that may touch, and what acts between them. With `ROUGH`, asperities are known too: they have a loop of their own, so
 /// that the common one stays small.
 pub(super) struct ContactLoop<'a, const ROUGH: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
-    pub(super) part: Part,
     /// Radius and mass, if all particles have the same.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) laws: PairLaws<'a>,
@@ -45,7 +44,7 @@ impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
         self,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
-        let Self { particles, pairs, part, laws, .. } = self;
+        let Self { particles, pairs, laws, .. } = self;
         let law = laws.contact.law.as_block_law();
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
@@ -54,12 +53,9 @@ impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
         let fetches = particles.exceed_caches();
         let PairBlocks { blocks, columns, .. } = pairs;
         let ContactColumns { largest_overlap, rolling_angle, twisting_angle, .. } = columns;
-        let range = part.of(blocks.len());
-        let (first, blocks) = (range.start, &mut blocks[range]);
-        for number in 0..blocks.len() {
-            let index = first + number;
-            let (done, coming) = blocks.split_at_mut(number + 1);
-            let pairs = &mut done[number];
+        for index in 0..blocks.len() {
+            let (done, coming) = blocks.split_at_mut(index + 1);
+            let pairs = &mut done[index];
             let ends = [&pairs.first, &pairs.second];
             let coming = match fetches {
                 true => ComingBlocks::first_of(coming),

@@ -6,7 +6,7 @@ mod separated;
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
 use super::{CohesionExpression, ContactModel};
-use crate::particles::{Contacts, InnerList, PairGroup, Part, Particles};
+use crate::particles::{Contacts, InnerList, PairGroup, Particles};
 use contacts::{ContactLoop, add_contacts};
 use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
 
@@ -38,7 +38,7 @@ pub(crate) fn find_contacts(
     Ok(())
 }
 
-/// Adds the forces and torques of a part of the contacts of a group to both their particles.
+/// Adds the forces and torques of the contacts of a group to both their particles.
 ///
 /// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
 /// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
@@ -53,14 +53,14 @@ pub(crate) fn add_contact_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,
     laws: &ForceLaws,
-    (group, part): (PairGroup, Part),
+    group: PairGroup,
 ) -> Result<(), ForceOutOfRange> {
     let one_size = contacts.inner.one_size;
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
         match is_rough(&laws) {
-            true => add_contacts(ContactLoop::<true> { particles, pairs, part, one_size, laws })?,
-            false => add_contacts(ContactLoop::<false> { particles, pairs, part, one_size, laws })?,
+            true => add_contacts(ContactLoop::<true> { particles, pairs, one_size, laws })?,
+            false => add_contacts(ContactLoop::<false> { particles, pairs, one_size, laws })?,
         }
     }
     Ok(())

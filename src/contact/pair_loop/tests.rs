@@ -40,9 +40,7 @@ fn forces(
     particles.forces.iter_mut().for_each(|load| *load = ForceTorque::default());
     prepare_pairs(particles, contacts, laws);
     find_contacts(particles, contacts, laws, PairGroup::Own).unwrap();
-    for half in Part::HALVES {
-        add_contact_forces(particles, contacts, laws, (PairGroup::Own, half)).unwrap();
-    }
+    add_contact_forces(particles, contacts, laws, PairGroup::Own).unwrap();
     particles.forces.clone()
 }
 
@@ -107,8 +105,7 @@ fn forces_of_steps(model: &ContactModel, one_size: bool) -> Vec<Vec<ForceTorque>
         prepare_pairs(&particles, &mut contacts, &laws);
         contacts.inner.one_size = contacts.inner.one_size.filter(|_| one_size);
         find_contacts(&mut particles, &mut contacts, &laws, PairGroup::Own).unwrap();
-        add_contact_forces(&mut particles, &mut contacts, &laws, (PairGroup::Own, Part::WHOLE))
-            .unwrap();
+        add_contact_forces(&mut particles, &mut contacts, &laws, PairGroup::Own).unwrap();
         assert_eq!(contacts.inner.one_size.is_some(), one_size);
         particles.forces.clone()
     };
