@@ -12,7 +12,7 @@ use thiserror::Error;
     "the contact of particle {particle} with {other} has a force of {force:.3e} (limit {limit:.3e}), at an \
      overlap of {overlap:.3e}: shorten time.step, or check the start for overlaps"
 )]
-pub(crate) struct ForceOutOfRange {
+pub struct ForceOutOfRange {
     /// The particle's id.
     pub(crate) particle: u64,
     /// The other particle, or the wall.

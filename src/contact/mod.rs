@@ -1,6 +1,7 @@
 //! Forces between particles that touch or attract each other, and at walls: pure functions of kinematics and contact
 //! history, and the loops that evaluate them.
 
+mod block_law;
 mod by_species;
 mod coarse_graining;
 mod energy;
@@ -24,6 +25,7 @@ mod van_der_waals;
 mod wall_tallies;
 mod walls;
 
+pub use block_law::BlockLaw;
 pub use by_species::{ByPair, BySpecies};
 pub use coarse_graining::{COARSE_GRAINING, CoarseGraining, Kept};
 pub use energy::{ContactStep, ContactWork, SpringStep, StoredInContact};
@@ -36,7 +38,6 @@ pub(crate) use force_laws::{ForceLaws, WallLaws};
 pub use force_loop::{LoopPoint, force_loop};
 pub use invalid_law::InvalidContactLaw;
 pub use kinematics::{Contact, ContactForce};
-pub use lanes::BlockLaw;
 pub use law::ContactForceLaw;
 pub use laws::*;
 pub use model::ContactModel;

@@ -22,11 +22,6 @@ impl ContactModel {
         Self { law: law.clone(), ..self.clone() }
     }
 
-    /// Whether rolling or twisting is resisted.
-    pub(crate) fn resists_spin(&self) -> bool {
-        self.rolling.is_some() || self.twisting.is_some()
-    }
-
     /// The model of parcels: resistance to rolling and twisting goes by the law and the radius.
     #[must_use]
     pub fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {

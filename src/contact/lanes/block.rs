@@ -2,6 +2,7 @@
 
 use super::{ComingBlocks, FourVectors, Sizes, SizesOfPairs, overlaps_and_normals};
 use crate::contact::force_laws::PairLaws;
+use crate::contact::rolling::Rolling;
 use crate::numbers::{F64x4, four, four_mut};
 use crate::particles::{Body, ForceTorque, LANES, Lanes};
 use nalgebra::Vector3;
@@ -102,7 +103,7 @@ impl ContactBlock {
 
     /// The forces and torques of four pairs, from lane `from` on.
     #[inline(always)]
-    pub(crate) fn forces_of_four<Q: F64x4, S: Sizes, const SPIN: bool>(
+    pub(crate) fn forces_of_four<Q: F64x4, R: Rolling, S: Sizes>(
         &self,
         from: usize,
         sizes: &S,
@@ -116,13 +117,13 @@ impl ContactBlock {
         let twist = normal.cross(tangential);
         let [radius_i, radius_j] = sizes.four_radii(from);
         let mut twists = [twist.times(radius_i), twist.times(radius_j)];
-        if SPIN {
+        if R::ACTS {
             let torque = FourVectors::load(&self.rolling_torque, from);
             twists = [twists[0].plus(torque), twists[1].minus(torque)];
         }
         let [of_i, of_j] = twists;
         let of_i = of_i.rounded(laws.torque_quantum);
-        let equal = S::EQUAL && !SPIN;
+        let equal = S::EQUAL && !R::ACTS;
         let of_j = if equal { of_i } else { of_j.rounded(laws.torque_quantum) };
         let force_on_j = normal.times(along).plus(tangential).rounded(laws.force_quantum);
         FourForces { force_on_j, negative_torques: [of_i, of_j] }
@@ -134,7 +135,7 @@ impl ContactBlock {
     /// # Errors
     /// If a force exceeds the limit or is undefined; those of the pairs before have been added.
     #[inline(always)]
-    pub(crate) fn scatter<Q: F64x4, S: Sizes, const SPIN: bool>(
+    pub(crate) fn scatter<Q: F64x4, R: Rolling, S: Sizes>(
         &self,
         (sizes, laws): (&S, &PairLaws),
         [first, second]: [&[u32; LANES]; 2],
@@ -146,7 +147,7 @@ impl ContactBlock {
             coming.fetch_pairs(from / 4);
             coming.fetch_forces(forces, from);
             let FourForces { force_on_j, negative_torques } =
-                self.forces_of_four::<Q, S, SPIN>(from, sizes, laws);
+                self.forces_of_four::<Q, R, S>(from, sizes, laws);
             require_within(force_on_j, laws.limit, from)?;
             let force = force_on_j.rows();
             let [torque_i, torque_j] = [negative_torques[0].rows(), negative_torques[1].rows()];

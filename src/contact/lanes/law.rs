@@ -3,15 +3,12 @@
 //! The law is written for one contact and without branches; in the loop over lanes the compiler turns it into vector
 //! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit.
 
-use super::{AnySizes, ContactBlock, ReducedSizes, Sizes, vector};
-use crate::contact::rolling::{
-    ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
-};
-use crate::contact::{Contact, ContactForce, ContactForceLaw, ContactModel, RollingKind};
-use crate::numbers::{F64x4, any_flagged, vectorised};
+use super::{ContactBlock, ReducedSizes, Sizes, vector};
+use crate::contact::rolling::Rolling;
+use crate::contact::{Contact, ContactForce, ContactForceLaw};
+use crate::numbers::any_flagged;
 use crate::particles::{AngleLanes, ContactHistory, LANES, Lanes, SpringLanes};
 use nalgebra::Vector3;
-use std::fmt::Debug;
 
 /// Lanes that are looked at together where surfaces slide: in a bed at rest one contact in a hundred does.
 const SLIDING_GROUP: usize = 8;
@@ -25,67 +22,23 @@ pub(crate) struct BlockHistories<'a> {
 }
 
 /// The pairs of a block, and what their law needs besides.
-pub struct PairsOfBlock<'a> {
-    /// Whose law this is: how rolling and twisting are resisted.
-    pub(crate) model: &'a ContactModel,
-    pub(crate) sizes: AnySizes<'a>,
+pub(crate) struct PairsOfBlock<'a, R, S> {
+    pub(crate) rolling: R,
+    pub(crate) sizes: &'a S,
     /// Time by which histories are advanced.
     pub(crate) dt: f64,
     pub(crate) block: &'a mut ContactBlock,
     pub(crate) histories: BlockHistories<'a>,
 }
 
-/// A contact law that evaluates the pairs of a block: every [`ContactForceLaw`] whose type the compiler may send between threads
-/// and print. It cannot be implemented otherwise.
-pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
-    /// Sets forces and rolling torques of all lanes, and advances the histories.
-    #[doc(hidden)]
-    fn evaluate_block(&self, pairs: PairsOfBlock<'_>);
-}
-
-impl<L: ContactForceLaw + Send + Sync + Debug> BlockLaw for L {
-    fn evaluate_block(&self, pairs: PairsOfBlock<'_>) {
-        evaluate_pairs(self, pairs);
-    }
-}
-
-vectorised!(
-    /// Chooses how rolling and twisting are resisted.
-    fn evaluate_pairs<Q: F64x4, L: ContactForceLaw>(law: &L, pairs: PairsOfBlock<'_>) {
-        match (&pairs.model.rolling, &pairs.model.twisting) {
-            (None, None) => with_sizes(law, NoRolling, pairs),
-            (&Some(rolling), None) => match rolling.kind() {
-                RollingKind::ConstantTorque => with_sizes(law, ConstantTorque(rolling), pairs),
-                RollingKind::ElasticPlastic { damping } => {
-                    with_sizes(law, ElasticPlastic(rolling, damping), pairs);
-                }
-            },
-            (&rolling, &Some(twisting)) => {
-                with_sizes(law, RollingAndTwisting { rolling, twisting }, pairs);
-            }
-        }
-    }
-);
-
-/// Chooses how the sizes of the pairs are known.
+/// Sets forces and rolling torques of all lanes, and advances the histories; also of lanes that only fill up the last block:
+/// their results are not used. Sliding is computed only where surfaces slide.
 #[inline(always)]
-fn with_sizes<L: ContactForceLaw, R: Rolling>(law: &L, rolling: R, pairs: PairsOfBlock<'_>) {
-    match pairs.sizes {
-        AnySizes::One(sizes) => evaluate_lanes(law, (rolling, &sizes), pairs),
-        AnySizes::Many(sizes) => evaluate_lanes(law, (rolling, sizes), pairs),
-        AnySizes::AtWall(sizes) => evaluate_lanes(law, (rolling, sizes), pairs),
-    }
-}
-
-/// Evaluates all lanes, also those that only fill up the last block: their results are not used. Sliding is computed only
-/// where surfaces slide.
-#[inline(always)]
-fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
+pub(crate) fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     law: &L,
-    (rolling, sizes): (R, &S),
-    pairs: PairsOfBlock<'_>,
+    pairs: PairsOfBlock<'_, R, S>,
 ) {
-    let PairsOfBlock { dt, block, histories, .. } = pairs;
+    let PairsOfBlock { rolling, sizes, dt, block, histories } = pairs;
     let BlockHistories { tangential_springs, largest_overlaps, rolling_angles, twisting_angles } =
         histories;
     let mut slides = [0; LANES];

@@ -8,9 +8,6 @@ mod vectors;
 
 pub(crate) use block::{ContactBlock, ExcessForce, FourForces, require_within};
 pub(crate) use coming::ComingBlocks;
-pub use law::BlockLaw;
-pub(crate) use law::{BlockHistories, PairsOfBlock};
-pub(crate) use sizes::{
-    AnySizes, ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall, SizesOfPairs,
-};
+pub(crate) use law::{BlockHistories, PairsOfBlock, evaluate_lanes};
+pub(crate) use sizes::{ManySizes, OneSize, ReducedSizes, Sizes, SizesAtWall, SizesOfPairs};
 pub(crate) use vectors::{FourVectors, overlap_and_normal, overlaps_and_normals, vector};

@@ -13,9 +13,6 @@ pub(crate) trait Sizes: Copy {
 
     /// What the law needs of a pair.
     fn reduced(&self, lane: usize) -> ReducedSizes;
-
-    /// The sizes as a value, for the law.
-    fn as_any_sizes(&self) -> AnySizes<'_>;
 }
 
 /// Those of pairs of particles.
@@ -49,14 +46,6 @@ impl ReducedSizes {
     }
 }
 
-/// Sizes of any kind.
-#[derive(Clone, Copy)]
-pub(crate) enum AnySizes<'a> {
-    One(OneSize),
-    Many(&'a ManySizes),
-    AtWall(&'a SizesAtWall),
-}
-
 /// All particles have one size: what follows from it is computed once, before the loop.
 #[derive(Clone, Copy)]
 pub(crate) struct OneSize {
@@ -83,11 +72,6 @@ impl Sizes for OneSize {
     #[inline(always)]
     fn reduced(&self, _lane: usize) -> ReducedSizes {
         self.reduced
-    }
-
-    #[inline(always)]
-    fn as_any_sizes(&self) -> AnySizes<'_> {
-        AnySizes::One(*self)
     }
 }
 
@@ -121,11 +105,6 @@ impl Sizes for ManySizes {
     fn reduced(&self, lane: usize) -> ReducedSizes {
         let masses = [self.masses[0][lane], self.masses[1][lane]];
         ReducedSizes::of_spheres(self.radii(lane), masses)
-    }
-
-    #[inline(always)]
-    fn as_any_sizes(&self) -> AnySizes<'_> {
-        AnySizes::Many(self)
     }
 }
 
@@ -165,10 +144,5 @@ impl Sizes for SizesAtWall {
     fn reduced(&self, lane: usize) -> ReducedSizes {
         let (mass, radius) = (self.mass[lane], self.radius[lane]);
         ReducedSizes { mass, radius, inertia: 0.4 * mass * radius * radius }
-    }
-
-    #[inline(always)]
-    fn as_any_sizes(&self) -> AnySizes<'_> {
-        AnySizes::AtWall(self)
     }
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 /// A contact law that the crate does not know by its type.
 ///
-/// The loop over pairs calls it once per block of 32 pairs, as it calls the laws of the registry. It is compiled for every
-/// instruction set: mark its `force` and `touches` `#[inline(always)]`.
+/// It is compiled into the loop over pairs, for every instruction set, as the laws of the registry are: mark its `force` and
+/// `touches` `#[inline(always)]`.
 #[derive(Clone, Debug)]
 pub struct CustomContactLaw {
     name: Arc<str>,

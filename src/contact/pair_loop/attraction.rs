@@ -5,9 +5,9 @@ use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::particles::{LANES, Lanes};
 
-/// Sets the attraction of all pairs, if there is any; that of rough particles only with `ROUGH`.
+/// Sets the attraction of all pairs, if there is any; that of rough particles only with `EXTRAS`.
 #[inline(always)]
-pub(super) fn attract<S: SizesOfPairs, const ROUGH: bool>(
+pub(super) fn attract<S: SizesOfPairs, const EXTRAS: bool>(
     block: &mut ContactBlock,
     sizes: &S,
     cohesion: Option<VanDerWaalsNow>,
@@ -16,7 +16,7 @@ pub(super) fn attract<S: SizesOfPairs, const ROUGH: bool>(
     match cohesion.expression() {
         CohesionExpression::NearContact => attract_by(NearContact(cohesion), block, sizes),
         CohesionExpression::Full => attract_by(Full(cohesion), block, sizes),
-        CohesionExpression::Rough { asperity_radius } if ROUGH => {
+        CohesionExpression::Rough { asperity_radius } if EXTRAS => {
             let smooth = NearContact(cohesion);
             attract_by(Rough { smooth, asperity_radius }, block, sizes);
         }

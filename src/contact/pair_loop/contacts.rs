@@ -4,14 +4,18 @@ use super::attraction::attract;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
     BlockHistories, ComingBlocks, ContactBlock, ExcessForce, ManySizes, OneSize, PairsOfBlock,
-    SizesOfPairs,
+    SizesOfPairs, evaluate_lanes,
 };
+use crate::contact::rolling::{
+    ConstantTorque, ElasticPlastic, NoRolling, Rolling, RollingAndTwisting,
+};
+use crate::contact::{ContactForceLaw, ContactModel, RollingKind};
 use crate::numbers::{F64x4, vectorised};
 use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Particles};
 
-/// Pairs that may touch, and what acts between them. With `ROUGH`, asperities are known too: they have a loop of their own, so
-/// that the common one stays small.
-pub(super) struct ContactLoop<'a, const ROUGH: bool> {
+/// Pairs that may touch, and what acts between them. With `EXTRAS`, resistance to twisting and asperities are known too: they
+/// have a loop of their own, so that the common one stays small.
+pub struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
     /// Radius and mass, if all particles have the same.
@@ -20,32 +24,55 @@ pub(super) struct ContactLoop<'a, const ROUGH: bool> {
 }
 
 vectorised!(
-    /// Adds the forces and torques of pairs that may touch.
+    /// Adds the forces and torques of pairs that may touch. Chooses how rolling and twisting are resisted.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub(super) fn add_contacts<Q: F64x4, const ROUGH: bool>(
-        contacts: ContactLoop<'_, ROUGH>,
+    pub(crate) fn add_contacts<Q: F64x4, L: ContactForceLaw, const EXTRAS: bool>(
+        law: &L,
+        contacts: ContactLoop<'_, EXTRAS>,
     ) -> Result<(), ForceOutOfRange> {
-        let resists_spin = contacts.laws.contact.resists_spin();
-        match contacts.one_size {
-            Some(size) if resists_spin => contacts.evaluate::<Q, _, true>(OneSize::new(size)),
-            Some(size) => contacts.evaluate::<Q, _, false>(OneSize::new(size)),
-            None if resists_spin => contacts.evaluate::<Q, _, true>(ManySizes::default()),
-            None => contacts.evaluate::<Q, _, false>(ManySizes::default()),
+        let ContactModel { rolling, twisting, .. } = *contacts.laws.contact;
+        match (rolling, twisting.filter(|_| EXTRAS)) {
+            (rolling, Some(twisting)) => {
+                let resistance = RollingAndTwisting { rolling, twisting };
+                contacts.evaluate::<Q, _, _, _>(law, resistance, ManySizes::default())
+            }
+            (None, None) => contacts.with_sizes::<Q, _, _>(law, NoRolling),
+            (Some(rolling), None) => match rolling.kind() {
+                RollingKind::ConstantTorque => {
+                    contacts.with_sizes::<Q, _, _>(law, ConstantTorque(rolling))
+                }
+                RollingKind::ElasticPlastic { damping } => {
+                    contacts.with_sizes::<Q, _, _>(law, ElasticPlastic(rolling, damping))
+                }
+            },
         }
     }
 );
 
-impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
-    /// With `SPIN`, rolling or twisting is resisted.
+impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
+    /// Chooses whether all particles have one size.
     #[inline(always)]
-    fn evaluate<Q: F64x4, S: SizesOfPairs, const SPIN: bool>(
+    fn with_sizes<Q: F64x4, L: ContactForceLaw, R: Rolling>(
         self,
+        law: &L,
+        rolling: R,
+    ) -> Result<(), ForceOutOfRange> {
+        match self.one_size.filter(|_| !EXTRAS) {
+            Some(size) => self.evaluate::<Q, _, _, _>(law, rolling, OneSize::new(size)),
+            None => self.evaluate::<Q, _, _, _>(law, rolling, ManySizes::default()),
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate<Q: F64x4, L: ContactForceLaw, R: Rolling, S: SizesOfPairs>(
+        self,
+        law: &L,
+        rolling: R,
         mut sizes: S,
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, pairs, laws, .. } = self;
-        let law = laws.contact.law.as_block_law();
         let mut block = ContactBlock::default();
         let (mut no_angles, mut no_twist) = ([[0.0; LANES]; 3], [0.0; LANES]);
         let mut no_overlaps = [0.0; LANES];
@@ -61,8 +88,8 @@ impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
                 true => ComingBlocks::first_of(coming),
                 false => ComingBlocks::default(),
             };
-            block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), SPIN);
-            attract::<_, ROUGH>(&mut block, &sizes, laws.cohesion);
+            block.gather::<Q, S>(&mut sizes, ends, (&particles.body, coming), R::ACTS);
+            attract::<_, EXTRAS>(&mut block, &sizes, laws.cohesion);
             let rolling_angles = rolling_angle.get_mut(index).unwrap_or(&mut no_angles);
             let twisting_angles = twisting_angle.get_mut(index).unwrap_or(&mut no_twist);
             let histories = BlockHistories {
@@ -71,13 +98,10 @@ impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
                 rolling_angles,
                 twisting_angles,
             };
-            law.evaluate_block(PairsOfBlock {
-                model: laws.contact,
-                sizes: sizes.as_any_sizes(),
-                dt: laws.dt,
-                block: &mut block,
-                histories,
-            });
+            let (sizes_now, dt) = (&sizes, laws.dt);
+            let of_block =
+                PairsOfBlock { rolling, sizes: sizes_now, dt, block: &mut block, histories };
+            evaluate_lanes(law, of_block);
             if any_is_set(&no_overlaps) {
                 // The first contacts of a law that keeps largest overlaps.
                 largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
@@ -87,8 +111,7 @@ impl<const ROUGH: bool> ContactLoop<'_, ROUGH> {
             let used = PairBlock::used(index, count);
             let targets = [ends[0], &pairs.target];
             let forces = (&mut particles.forces[..], coming);
-            if let Err(excess) = block.scatter::<Q, S, SPIN>((&sizes, &laws), targets, used, forces)
-            {
+            if let Err(excess) = block.scatter::<Q, R, S>((&sizes, &laws), targets, used, forces) {
                 let ids = ends.map(|end| particles.id[end[excess.lane] as usize]);
                 return Err(excess_force(&excess, &block, ids, laws.limit));
             }

@@ -5,9 +5,9 @@ mod contacts;
 mod separated;
 
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws};
-use super::{CohesionExpression, ContactModel};
+use super::{CohesionExpression, ContactModel, VanDerWaalsNow};
 use crate::particles::{Contacts, InnerList, PairGroup, Particles};
-use contacts::{ContactLoop, add_contacts};
+pub(crate) use contacts::{ContactLoop, add_contacts};
 use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
 
 /// Makes sure that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
@@ -58,9 +58,12 @@ pub(crate) fn add_contact_forces(
     let one_size = contacts.inner.one_size;
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
-        match is_rough(&laws) {
-            true => add_contacts(ContactLoop::<true> { particles, pairs, one_size, laws })?,
-            false => add_contacts(ContactLoop::<false> { particles, pairs, one_size, laws })?,
+        let law = laws.contact.law.as_block_law();
+        match needs_extras(&laws) {
+            true => {
+                law.add_contacts_with_extras(ContactLoop { particles, pairs, one_size, laws })?
+            }
+            false => law.add_contacts(ContactLoop { particles, pairs, one_size, laws })?,
         }
     }
     Ok(())
@@ -91,10 +94,12 @@ fn attract_separated(
     Ok(())
 }
 
-/// Whether asperities act.
-fn is_rough(laws: &PairLaws) -> bool {
-    laws.cohesion
-        .is_some_and(|cohesion| matches!(cohesion.expression(), CohesionExpression::Rough { .. }))
+/// Whether twisting or asperities act.
+fn needs_extras(laws: &PairLaws) -> bool {
+    let is_rough = |cohesion: VanDerWaalsNow| {
+        matches!(cohesion.expression(), CohesionExpression::Rough { .. })
+    };
+    laws.contact.twisting.is_some() || laws.cohesion.is_some_and(is_rough)
 }
 
 #[cfg(test)]

@@ -3,15 +3,16 @@
 use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
-    BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, PairsOfBlock, Sizes,
-    SizesAtWall, require_within, vector,
+    BlockHistories, ContactBlock, ExcessForce, FourForces, FourVectors, PairsOfBlock, SizesAtWall,
+    evaluate_lanes, require_within, vector,
 };
-use crate::contact::{ContactModel, WallTallies};
+use crate::contact::rolling::{NoRolling, Rolling, RollingAndTwisting};
+use crate::contact::{ContactForceLaw, ContactModel, WallTallies};
 use crate::numbers::{F64x4, four_mut, vectorised};
 use crate::particles::{AngleLanes, Contacts, LANES, Lanes, Particles, SpringLanes};
 
 /// Particles near one wall for which one law holds.
-pub(super) struct WallLoop<'a> {
+pub struct WallLoop<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) contacts: &'a mut Contacts,
     /// Slots of these particles among those near walls.
@@ -22,38 +23,50 @@ pub(super) struct WallLoop<'a> {
 }
 
 vectorised!(
-    /// Adds the forces and torques of one wall on these particles.
+    /// Adds the forces and torques of one wall on these particles. Chooses how rolling and twisting are resisted.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
-    pub(super) fn add_wall<Q: F64x4>(at_wall: WallLoop<'_>) -> Result<(), ForceOutOfRange> {
-        match at_wall.laws.contact.resists_spin() {
-            true => at_wall.evaluate::<Q, true>(),
-            false => at_wall.evaluate::<Q, false>(),
+    pub(crate) fn add_wall<Q: F64x4, L: ContactForceLaw>(
+        law: &L,
+        at_wall: WallLoop<'_>,
+    ) -> Result<(), ForceOutOfRange> {
+        let ContactModel { rolling, twisting, .. } = *at_wall.laws.contact;
+        match (rolling, twisting) {
+            (None, None) => at_wall.evaluate::<Q, _, _>(law, NoRolling),
+            (Some(rolling), None) => at_wall.evaluate::<Q, _, _>(law, rolling),
+            (rolling, Some(twisting)) => {
+                at_wall.evaluate::<Q, _, _>(law, RollingAndTwisting { rolling, twisting })
+            }
         }
     }
 );
 
 impl WallLoop<'_> {
-    /// With `SPIN`, rolling or twisting is resisted.
     #[inline(always)]
-    fn evaluate<Q: F64x4, const SPIN: bool>(mut self) -> Result<(), ForceOutOfRange> {
+    fn evaluate<Q: F64x4, L: ContactForceLaw, R: Rolling>(
+        mut self,
+        law: &L,
+        rolling: R,
+    ) -> Result<(), ForceOutOfRange> {
         let mut block = WallBlock::default();
         for slots in self.acting.chunks(LANES) {
-            self.add::<Q, SPIN>(&mut block, slots)?;
+            self.add::<Q, _, _>(&mut block, slots, law, rolling)?;
         }
         Ok(())
     }
 
     /// Adds the forces of a block.
     #[inline(always)]
-    fn add<Q: F64x4, const SPIN: bool>(
+    fn add<Q: F64x4, L: ContactForceLaw, R: Rolling>(
         &mut self,
         block: &mut WallBlock,
         slots: &[u32],
+        law: &L,
+        rolling: R,
     ) -> Result<(), ForceOutOfRange> {
         let Self { particles, contacts, wall, laws, on_walls, .. } = self;
-        block.gather::<Q, SPIN>(particles, contacts, (wall, slots));
+        block.gather::<Q, R>(particles, contacts, (wall, slots));
         block.set_attraction(laws);
         let histories = BlockHistories {
             tangential_springs: &mut block.springs,
@@ -61,19 +74,15 @@ impl WallLoop<'_> {
             rolling_angles: &mut block.rolling_angles,
             twisting_angles: &mut block.twisting_angles,
         };
-        laws.contact.law.as_block_law().evaluate_block(PairsOfBlock {
-            model: laws.contact,
-            sizes: block.sizes.as_any_sizes(),
-            dt: laws.dt,
-            block: &mut block.contacts,
-            histories,
-        });
+        let (sizes, dt) = (&block.sizes, laws.dt);
+        let of_block = PairsOfBlock { rolling, sizes, dt, block: &mut block.contacts, histories };
+        evaluate_lanes(law, of_block);
         block.keep_histories(contacts, slots, laws.contact);
         let on_wall = |radius: f64, force: [f64; 3]| {
             let counts = force.map(|component| laws.force_quantum.count(component));
             on_walls.add(wall.number, radius, counts);
         };
-        let scattered = block.scatter::<Q, SPIN>(particles, slots.len(), laws, on_wall);
+        let scattered = block.scatter::<Q, R>(particles, slots.len(), laws, on_wall);
         scattered.map_err(|ExcessForce { lane, force_on_j }| {
             let id = particles.id[block.particle[lane] as usize];
             let overlap = block.contacts.overlap[lane];
@@ -99,7 +108,7 @@ struct WallBlock {
 impl WallBlock {
     /// Gathers particles and histories of slots.
     #[inline(always)]
-    fn gather<Q: F64x4, const SPIN: bool>(
+    fn gather<Q: F64x4, R: Rolling>(
         &mut self,
         particles: &Particles,
         contacts: &Contacts,
@@ -117,11 +126,11 @@ impl WallBlock {
                 (places[row], motions[row]) = (Q::load(place), Q::load(motion));
                 spins[row] = Q::load(spin);
                 histories[row] = Q::load(contacts.wall_state[slot].history().numbers());
-                if SPIN {
+                if R::ACTS {
                     self.gather_angles(contacts, lane, slot);
                 }
             }
-            self.set_kinematics::<Q, SPIN>(from, wall, [places, motions, spins]);
+            self.set_kinematics::<Q, R>(from, wall, [places, motions, spins]);
             let [x, y, z, largest_overlap] = Q::transposed(histories);
             FourVectors([x, y, z]).store(&mut self.springs, from);
             largest_overlap.store(four_mut(&mut self.largest_overlaps, from));
@@ -131,7 +140,7 @@ impl WallBlock {
     /// Of four particles, the rows of their bodies: sets sizes, overlap, normal, and the motion of the wall's surface relative to
     /// theirs.
     #[inline(always)]
-    fn set_kinematics<Q: F64x4, const SPIN: bool>(
+    fn set_kinematics<Q: F64x4, R: Rolling>(
         &mut self,
         from: usize,
         wall: &WallNow,
@@ -151,7 +160,7 @@ impl WallBlock {
         overlap.store(four_mut(&mut contacts.overlap, from));
         normal.store(&mut contacts.normal, from);
         of_surfaces.store(&mut contacts.relative_velocity, from);
-        if SPIN {
+        if R::ACTS {
             spin.times(Q::splat(-1.0)).store(&mut contacts.relative_spin, from);
         }
     }
@@ -181,7 +190,7 @@ impl WallBlock {
     /// # Errors
     /// If a force exceeds the limit or is undefined.
     #[inline(always)]
-    fn scatter<Q: F64x4, const SPIN: bool>(
+    fn scatter<Q: F64x4, R: Rolling>(
         &self,
         particles: &mut Particles,
         used: usize,
@@ -190,7 +199,7 @@ impl WallBlock {
     ) -> Result<(), ExcessForce> {
         for from in (0..used).step_by(4) {
             let FourForces { force_on_j, negative_torques } =
-                self.contacts.forces_of_four::<Q, _, SPIN>(from, &self.sizes, laws);
+                self.contacts.forces_of_four::<Q, R, _>(from, &self.sizes, laws);
             require_within(force_on_j, laws.limit, from)?;
             let (force, torque) = (force_on_j.rows(), negative_torques[0].rows());
             for row in 0..4.min(used - from) {

@@ -4,7 +4,7 @@ mod block;
 mod geometry;
 mod search;
 
-use self::block::{WallLoop, add_wall};
+pub(crate) use self::block::{WallLoop, add_wall};
 use self::geometry::WallNow;
 use self::search::find_acting;
 use super::force_laws::{ForceLaws, ForceOutOfRange, PairLaws, WallLaws};
@@ -39,7 +39,7 @@ pub(crate) fn add_wall_forces(
         find_acting(particles, contacts, slots, wall, range, &mut acting);
         let WallLaws { contact, cohesion } = laws.at_wall(number, first.species as usize);
         let ForceLaws { dt, limit, force_quantum, torque_quantum, .. } = *laws;
-        add_wall(WallLoop {
+        contact.law.as_block_law().add_wall(WallLoop {
             particles,
             contacts,
             acting: &acting,
