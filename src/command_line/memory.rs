@@ -51,8 +51,8 @@ pub(super) fn require(
         return Ok(());
     }
     bail!(
-        "the case needs about {:.1} GB of memory, and {:.1} GB are free here: use more machines, or go on all the \
-         same with --any-memory",
+        "the case needs about {:.1} GB of memory, and {:.1} GB are free here: use more machines, or run it \
+         anyway with --any-memory",
         1.0e-9 * needed,
         1.0e-9 * free.unwrap_or_default()
     )

@@ -55,7 +55,10 @@ struct Reference {
 
 const PERSISTENCE: &[Word] = &[
     Word::new("both_times", "a contact of t_0 counts if the pair touches now (Liu et al. 2016)"),
-    Word::new("every_look", "a contact of t_0 counts if the pair has touched at every look since"),
+    Word::new(
+        "every_look",
+        "a contact of t_0 counts if the pair has touched at every sample since",
+    ),
 ];
 
 impl RegisteredMeasure for Agglomerates {

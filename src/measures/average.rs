@@ -9,10 +9,10 @@ use crate::schema::{Allowed, Key, Value};
 pub(super) const AVERAGE: Key = Key::number(
     "average",
     Allowed::POSITIVE,
-    "Looks of so long an interval are averaged to one row, a whole multiple of `every`",
+    "Samples over this interval are averaged to one row; a whole multiple of `every`",
 )
 .unit("time")
-.default(Value::Derived("`every`: each look is a row"));
+.default(Value::Derived("`every`: each sample is a row"));
 
 /// Number of looks that one row averages.
 pub(super) fn looks_per_row(values: &dyn MeasureValues) -> Option<u64> {

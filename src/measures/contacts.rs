@@ -53,7 +53,7 @@ impl RegisteredMeasure for Contacts {
     const KEYS: &'static [Key] = &[Key::number(
         "write",
         Allowed::POSITIVE,
-        "Interval at which lines are written, a whole multiple of `every`; looks between follow the ages, which are \
+        "Interval at which lines are written, a whole multiple of `every`; samples in between follow the ages, which are \
          known to `every`",
     )
     .unit("time")

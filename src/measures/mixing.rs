@@ -56,7 +56,7 @@ impl RegisteredMeasure for Mixing {
         Key::number(
             "window",
             Allowed::POSITIVE,
-            "Time after which displacements begin anew, a whole multiple of `every`; each window gives one value of \
+            "Time after which displacements start again from zero, a whole multiple of `every`; each window gives one value of \
              the dispersion coefficients",
         )
         .unit("time"),
@@ -87,7 +87,7 @@ impl RegisteredMeasure for Mixing {
             false => 0.25 * window,
         };
         if fit_from > window - 0.999 * every {
-            values.fail("fit_from", "leaves fewer than two looks of a window".to_owned());
+            values.fail("fit_from", "leaves fewer than two samples in a window".to_owned());
             return None;
         }
         let about_mean = values.word("about")? == "mean";

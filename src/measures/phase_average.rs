@@ -96,7 +96,7 @@ impl RegisteredMeasure for PhaseAverages {
         let bins = values.count("phases")? as usize;
         if every * frequency * bins as f64 > 1.000_001 {
             let most = 1.0 / (frequency * bins as f64);
-            let message = format!("must be at most {most:.6}, or a bin of the phase has no look");
+            let message = format!("must be at most {most:.6}, or a bin of the phase has no sample");
             values.fail("every", message);
             return None;
         }

@@ -77,8 +77,8 @@ impl RegisteredMeasure for TimeAverage {
 /// The columns that every row begins with.
 fn head() -> Vec<Column> {
     vec![
-        Column::scalar("from", Quantity::Time, "time of the first look that is averaged"),
-        Column::scalar("looks", Quantity::Number, "number of looks that are averaged"),
+        Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
+        Column::scalar("looks", Quantity::Number, "number of samples that are averaged"),
         Column::scalar(
             "solids_fraction_mean",
             Quantity::Number,

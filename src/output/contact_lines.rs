@@ -64,7 +64,7 @@ const NUMBERS: [LineColumn; 5] = [
         name: "age",
         width: 1,
         unit: |units| units.time,
-        description: "time since the first look at which the two touched, and have touched at every look since",
+        description: "time since the first of the samples at all of which the two have touched",
         of: |line| std::slice::from_ref(&line.age),
     },
 ];

@@ -157,12 +157,9 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
     let read = file.rewind().and_then(|()| file.read_to_string(&mut text));
     read.map_err(|error| error.to_string())?;
     if path.exists() {
-        set_aside(path, "it is not the one that this run has begun")?;
+        set_aside(path, "it is not the one that this run started")?;
     }
-    log::warn!(
-        "{} was removed or replaced while the run went on: it is written again",
-        path.display()
-    );
+    log::warn!("{} was removed or replaced during the run: it is written again", path.display());
     replace(path, &text)
 }
 
@@ -267,9 +264,7 @@ fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
     let copy = free_name(path);
     std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
     let [path, copy] = [path.display(), copy.display()];
-    log::warn!(
-        "{path}: rows that are damaged are left out (line {lines}); as it was it is kept as {copy}"
-    );
+    log::warn!("{path}: damaged rows are left out (line {lines}); the original is kept as {copy}");
     Ok(())
 }
 

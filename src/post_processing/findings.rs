@@ -40,7 +40,7 @@ pub enum Value {
     Number {
         /// Its value.
         value: f64,
-        /// Its standard error, where it can be told.
+        /// Its standard error, where it can be estimated.
         error: Option<f64>,
     },
     /// A text.

@@ -29,7 +29,7 @@ impl ResultFile {
             Self::Series => "output.series",
             Self::Profiles => "output.profiles",
             Self::Particles => "output.particles",
-            Self::Gas => "output.gas, of a gas in three dimensions,",
+            Self::Gas => "output.gas, of a volume-averaged gas,",
         };
         let name = self.name();
         NoValue::because(format!("there is no {name}: the key {key} of the case would give it"))

@@ -240,7 +240,9 @@ impl Results {
             0 if self.window == TimeWindow::WHOLE => {
                 Err(NoValue::because(format!("{name} holds no results yet")))
             }
-            0 => Err(NoValue::because(format!("{name} holds nothing of the times {from} to {to}"))),
+            0 => Err(NoValue::because(format!(
+                "{name} holds nothing between the times {from} and {to}"
+            ))),
             _ => Ok(()),
         }
     }

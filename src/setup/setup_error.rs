@@ -21,7 +21,7 @@ pub enum SetupError {
         /// The axis.
         axis: &'static str,
     },
-    /// A snapshot with a field of a user's own that the setup has not registered.
+    /// A snapshot with a custom field that the setup has not registered.
     #[error("the snapshot has the field \"{name}\", which this setup does not know: register it")]
     UnknownField {
         /// Name of the field.

@@ -171,7 +171,7 @@ fn require_same_parcels(changes: &[Change]) -> Result<(), StartError> {
     match changes.iter().find(|change| change.key == PARCEL_SIZE) {
         Some(change) => Err(StartError::Changed {
             change: change.clone(),
-            reason: "cannot be another than in the run that this one begins with",
+            reason: "must be the same as in the run that this one starts from",
         }),
         None => Ok(()),
     }
@@ -183,7 +183,7 @@ const PARCEL_SIZE: &str = "coarse_graining.factor";
 /// Sections that describe a new bed: a checkpoint has its own.
 const OF_A_NEW_BED: [&str; 4] = ["units", "box.lengths", "particles", PARCEL_SIZE];
 
-/// Refuses what cannot change when a run goes on; `over` counts the stages that are over.
+/// Refuses what cannot change when a run is continued; `over` counts the stages that are over.
 fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), StartError> {
     for change in changes {
         let is_below = |section: &&str| {
@@ -196,10 +196,14 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
         let of_species = is_below(&"species")
             && ["name", "density"].iter().any(|key| change.key.rsplit('.').next() == Some(key));
         if OF_A_NEW_BED.iter().any(is_below) || of_species {
-            return refused("cannot change when a run goes on: the bed is that of the checkpoint");
+            return refused(
+                "cannot change when a run is continued: the bed is that of the checkpoint",
+            );
         }
         if change.key.ends_with("gas.cells") && change.before.is_some() && change.after.is_some() {
-            return refused("cannot change when a run goes on: the gas is that of the checkpoint");
+            return refused(
+                "cannot change when a run is continued: the gas is that of the checkpoint",
+            );
         }
         let stage =
             change.key.strip_prefix("stage.").and_then(|rest| rest.split('.').next()?.parse().ok());

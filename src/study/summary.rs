@@ -27,13 +27,13 @@ pub struct SummaryOptions {
     /// mean, last, max, min or deviation of the rows; numbers of `talcum analyse` have their own means.
     #[arg(long, default_value = "mean")]
     pub(crate) statistic: String,
-    /// Begin with this time.
+    /// Ignore what is before this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) from: Option<f64>,
-    /// End with this time.
+    /// Ignore what is after this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) to: Option<f64>,
-    /// Instead: so much time before the end of each run.
+    /// Use only this much time before the end of each run, instead of --from and --to.
     #[arg(long, value_name = "DURATION", conflicts_with_all = ["from", "to"])]
     pub(crate) last: Option<f64>,
     /// Print means and intervals over runs that differ in their seeds only, instead of a row for each run.

@@ -201,7 +201,7 @@ fn progress_of_runs(members: &[Arc<Member>], records: &dyn Records) -> Progress 
                 let waiting = members.len() - index - 1;
                 let rest = match waiting {
                     0 => String::new(),
-                    _ => format!("\n{waiting} more of its chain cannot begin"),
+                    _ => format!("\n{waiting} more of its chain cannot start"),
                 };
                 return Progress::Failed(format!("{}: {reason}{rest}", member.name));
             }

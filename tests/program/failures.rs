@@ -273,7 +273,7 @@ fn check_describes_the_run_and_writes_nothing() {
         let ended = talcum(ranks, &["check", &smoke(name)]);
         assert_eq!(ended.code(), Some(0), "{ended:?}");
         let ranks = if ranks == 0 { "1 rank".to_owned() } else { format!("{ranks} ranks") };
-        for expected in ["time steps", "U_mf", "memory", "run's time", "rank 0: x"] {
+        for expected in ["time steps", "U_mf", "memory", "estimated run time", "rank 0: x"] {
             assert!(ended.output.contains(expected), "{expected}: {}", ended.output);
         }
         assert!(ended.output.contains(&format!("on {ranks}\n")), "{}", ended.output);

@@ -54,7 +54,7 @@ fn assert_stops_on(name: &str, ranks: usize) {
     processes.iter().for_each(|&process| signal(name, process));
     let ended = running.wait();
     let stopped = stop_time(&ended);
-    let how = format!("go on with: talcum run {case} --resume --output {}", text(folder.path()));
+    let how = format!("resume with: talcum run {case} --resume --output {}", text(folder.path()));
     assert!(ended.output.contains(&how), "{}", ended.output);
     let checkpoint = checkpoints(folder.path()).pop().unwrap();
     assert!(ended.output.contains(&text(&checkpoint)), "{}", ended.output);
@@ -118,7 +118,7 @@ fn the_resume_command_of_a_stopped_run_repeats_its_overrides() {
     let again = talcum(0, &["restart", &checkpoint, "--until", "1e6"]);
     stop_time(&again);
     let newest = text(&checkpoints(folder.path()).pop().unwrap());
-    let message = format!("go on with: talcum restart {newest} --until 1000000");
+    let message = format!("resume with: talcum restart {newest} --until 1000000");
     assert!(newest > checkpoint && again.output.contains(&message), "{}", again.output);
 }
 

@@ -191,8 +191,8 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     }
     if in_diameters.max() > COARSE_CELL {
         lines.warn(&format!(
-            "cells are wider than {COARSE_CELL} diameters: the drag laws are those of a bed that is uniform within a cell, \
-             which small bubbles and clusters are not"
+            "cells are wider than {COARSE_CELL} diameters: the drag laws assume a bed that is uniform within a cell, \
+             and small bubbles and clusters are not"
         ));
     }
 }

@@ -34,7 +34,7 @@ pub(super) const TRACERS: &[Word] = &[
     ),
     Word::with(
         "region",
-        "particles that were in a part of the box at the first look",
+        "particles that were in a part of the box at the first sample",
         &[
             Key::new("lower_corner", Kind::Vector(Allowed::FINITE, 3), "Its lower corner")
                 .unit("length"),

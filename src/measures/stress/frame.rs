@@ -27,7 +27,7 @@ pub(super) const FRAMES: &[Word] = &[
     ),
     Word::with(
         "phase",
-        "that of the box, but looks are averaged by the phase of the vibration",
+        "that of the box, but samples are averaged by the phase of the vibration",
         &[Key::new("phases", PHASES, "Bins of the phase").default(Value::Count(24)), FREQUENCY],
     ),
 ];

@@ -141,7 +141,7 @@ pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(
             std::fs::rename(folder.join(&name), folder.join(&aside))
                 .map_err(|error| format!("{name} cannot be renamed: {error}"))?;
             log::warn!(
-                "{name} is of a later time than this run goes on from; it is kept as {aside}"
+                "{name} is of a later time than the one this run continues from; it is kept as {aside}"
             );
         }
         Ok(())

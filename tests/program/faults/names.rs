@@ -47,7 +47,7 @@ fn the_command_that_goes_on_can_be_given_to_a_shell() {
     );
     assert_eq!(ended.code(), Some(0), "{ended:?}");
     let line =
-        ended.output.lines().find_map(|line| line.split_once("go on with: talcum ")).unwrap();
+        ended.output.lines().find_map(|line| line.split_once("resume with: talcum ")).unwrap();
     let command = line.1.replace("--until 1000000", "--until 0.01 --force").replace("--resume", "");
     let command = format!("{} {command}", env!("CARGO_BIN_EXE_talcum"));
     let status = Command::new("sh").args(["-c", &command]).output().unwrap().status;

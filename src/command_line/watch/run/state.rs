@@ -65,9 +65,11 @@ impl RunState {
                 let silence = readable(silence.as_secs_f64());
                 format!("nothing written for {silence}{}", name(holder))
             }
-            Self::Stopped => "stopped before its end; `talcum run --resume` goes on".to_owned(),
+            Self::Stopped => {
+                "stopped before its end; `talcum run --resume` continues it".to_owned()
+            }
             Self::Died { holder } => {
-                format!("died: {holder}, is gone; `talcum run --resume` goes on")
+                format!("died: {holder}, is gone; `talcum run --resume` continues it")
             }
             Self::Complete { digest } => format!("complete, digest {digest}"),
         }
