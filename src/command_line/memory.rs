@@ -9,7 +9,7 @@ use std::fs::read_to_string;
 
 /// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
 const PER_PARTICLE: f64 = 600.0;
-/// Bytes per cell of a gas in three dimensions: its fields, those of its steps, and the levels of the multigrid (measured
+/// Bytes per cell of a volume-averaged gas: its fields, those of its steps, and the levels of the multigrid (measured
 /// from 32^3 to 96^3).
 const PER_CELL: f64 = 550.0;
 /// Bytes per process: the program, MPI, HDF5.

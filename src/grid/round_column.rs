@@ -26,7 +26,7 @@ pub struct RoundColumn {
     radius: f64,
     counts: [usize; 2],
     spacing: [f64; 2],
-    /// Of the cells across the column, x fastest; 0 if closed.
+    /// Open fractions of the cells across the column, x fastest; 0 if closed.
     open_fractions: Vec<f64>,
 }
 

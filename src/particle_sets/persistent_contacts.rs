@@ -22,7 +22,7 @@ pub enum Persistence {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PersistentContacts {
     persistence: Persistence,
-    /// Of t_0, or those kept at every look so far; ascending from the first look on.
+    /// The pairs of t_0, or those kept at every sample so far; ascending from the first sample on.
     candidates: Vec<Pair>,
 }
 

@@ -33,7 +33,7 @@ impl Part {
     pub(crate) const HALVES: [Self; 2] =
         [Self { piece: 0, pieces: 2 }, Self { piece: 1, pieces: 2 }];
 
-    /// Of so many blocks.
+    /// The blocks of this part, of so many in all.
     pub(crate) fn of(self, blocks: usize) -> Range<usize> {
         self.piece * blocks / self.pieces..(self.piece + 1) * blocks / self.pieces
     }

@@ -7,7 +7,7 @@ pub enum Skin {
     Fixed(f64),
     /// What the particles' speeds make cheapest, anew for each list.
     FromSpeeds {
-        /// Of the largest particles; length.
+        /// Diameter of the largest particles.
         diameter: f64,
     },
 }

@@ -150,7 +150,7 @@ impl Results {
         Ok(snapshots)
     }
 
-    /// The snapshots of a gas in three dimensions that count; at least one.
+    /// The snapshots of a volume-averaged gas that count; at least one.
     pub fn gas_snapshots(&self) -> Result<GasSnapshotReader, Unmeasured> {
         let path = self.file(ResultFile::Gas)?;
         let snapshots = GasSnapshotReader::open(&path)?;

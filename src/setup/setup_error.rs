@@ -54,7 +54,7 @@ pub enum SetupError {
     /// A number that must be above 0.
     #[error("{quantity} is {value}: must be a number above 0")]
     NotPositive {
-        /// Of what.
+        /// The quantity.
         quantity: &'static str,
         /// The number.
         value: f64,

@@ -14,7 +14,7 @@ counters! {
     }
 }
 
-/// What a checkpoint holds: with the models, all that the future depends on. All of it is at the time of the clock;
+/// What a checkpoint holds: with the models, the complete state of the simulation. All of it is at the time of the clock;
 /// between two steps it is in the hands of [`Staggered`](crate::time_step::Staggered).
 #[derive(Clone, Debug)]
 pub struct State {

@@ -140,7 +140,7 @@ impl<'o> Summary<'o> {
         Ok(summary)
     }
 
-    /// Adds a column. Where a run gives nothing, the reason is told and the cell stays empty.
+    /// Adds a column. Where a run gives nothing, the reason is printed and the cell stays empty.
     fn add(&mut self, name: &str, measure: &dyn Measure) -> anyhow::Result<()> {
         let mut unit = None;
         for (run, row) in self.runs.iter().zip(&mut self.values) {

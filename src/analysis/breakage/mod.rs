@@ -213,7 +213,7 @@ fn merged(mut shares: Vec<Share>, key: impl Fn(&Share) -> (u64, u64)) -> Vec<Sha
     of_pair.map(|group| Share { particles: sum(group), ..group[0] }).collect()
 }
 
-/// Of the shares of one agglomerate of the second look.
+/// Sums up the shares of one agglomerate of the second sample.
 fn summary(shares: &[Share]) -> After {
     let sources = || shares.iter().filter(|share| share.before != NONE);
     After {
@@ -225,7 +225,7 @@ fn summary(shares: &[Share]) -> After {
     }
 }
 
-/// Of the shares of one agglomerate of the first look.
+/// Finds what became of one agglomerate of the first sample, from its shares.
 fn fate(shares: &[Share], known: impl Fn(u64) -> Option<After>) -> Fate {
     let fragment = |share: &Share| {
         let After { label, size, sources, origin } = known(share.after()?)?;

@@ -130,7 +130,7 @@ fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
     lines.add("drag of the mixture", &text);
 }
 
-/// Members, packing and surroundings of the agglomerates whose drag is told.
+/// Members, packing and surroundings of the agglomerates whose drag is printed.
 const MEMBERS: [f64; 3] = [10.0, 30.0, 100.0];
 const PACKING: f64 = 0.4;
 const AROUND: [f64; 2] = [0.0, 0.2];

@@ -40,7 +40,7 @@ impl AgglomerateBall {
     /// ```
     ///
     /// R is the radius of gyration of the members' centres, r the radius of the sphere of their mean volume, V the volume of all.
-    /// Of one particle it is the particle itself.
+    /// For a single particle it is the particle itself.
     pub fn of(radius_of_gyration: f64, member_radius: f64, volume: f64) -> Self {
         let square = 5.0 / 3.0 * radius_of_gyration.powi(2) + member_radius.powi(2);
         let diameter = 2.0 * square.sqrt();

@@ -42,7 +42,7 @@ pub(super) struct RoundWall {
 /// That a face has no open neighbour on one side along an axis across the column.
 #[derive(Clone, Copy, Debug)]
 struct ClosedNeighbour {
-    /// Of the face, counted from the part's first cell.
+    /// Place of the face, counted from the part's first cell.
     place: [isize; 2],
     axis: usize,
     side: isize,

@@ -87,7 +87,7 @@ pub(super) struct Tracers {
     settings: TracerSettings,
     grid: CellGrid,
     periodicity: Periodicity,
-    /// Of a region: ids on their rendezvous ranks, ascending; `None` before the first look.
+    /// Ids of the tracers of a region on their rendezvous ranks, ascending; `None` before the first sample.
     marked: Option<Vec<u64>>,
 }
 

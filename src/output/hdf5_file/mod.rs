@@ -30,7 +30,7 @@ use crate::parallel::{Communicator, FileAccess};
 ///
 /// Without a lock: many file systems of clusters have none, and a script that reads a table while it grows must not end
 /// the run. And without the library's buffers for numbers: what waits in one is written as its dataset is closed, where a
-/// write that fails is told to nobody.
+/// write that fails is not reported.
 fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|properties| {
