@@ -43,7 +43,7 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub wall_contacts: &'a [WallContactRecord],
     /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; none without these.
     pub cells: &'a [CellRecord],
-    /// Pairs that touched at the last look at agglomerates, each on one rank; none where drag does not follow from them.
+    /// Pairs that touched at the last search for agglomerates, each on one rank; none where drag does not follow from them.
     pub looked_at: &'a [Pair],
 }
 

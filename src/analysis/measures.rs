@@ -36,7 +36,7 @@ pub enum Quantity {
     Diffusivity,
     /// Per time.
     Rate,
-    /// An angle that is told to readers, in degrees in either system of units.
+    /// An angle that is printed, in degrees in either system of units.
     Degrees,
     /// Without a unit.
     Number,

@@ -112,7 +112,7 @@ mod tests {
     fn one_rank_among_several_tasks_is_refused() {
         let error = found(1, &[("SLURM_STEP_NUM_TASKS", "32")]).unwrap_err().to_string();
         assert!(error.contains("32 tasks") && error.contains("--mpi=list"), "{error}");
-        // The interface has told them, but MPI does not speak it.
+        // The interface has passed them on, but MPI does not speak it.
         assert!(found(1, &[("SLURM_STEP_NUM_TASKS", "4"), ("PMI_SIZE", "4")]).is_err());
     }
 

@@ -77,7 +77,7 @@ impl GasModel {
         step.is_multiple_of(self.substeps())
     }
 
-    /// How far particles may move before they are sorted to their ranks anew; length.
+    /// How far particles may move before they are sorted to their ranks again; length.
     pub fn reach(&self) -> f64 {
         match self {
             Self::None | Self::Column(_) => f64::INFINITY,

@@ -17,7 +17,7 @@ pub struct Coordination {
     looks_per_row: u64,
 }
 
-/// Coordination numbers, averaged over looks.
+/// Coordination numbers, averaged over samples.
 struct Looks {
     settings: Coordination,
     average: Average,

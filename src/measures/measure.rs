@@ -20,9 +20,9 @@ pub struct Setting<'a> {
     pub column: &'a ColumnGrid,
     /// The cells of a volume-averaged gas, if the case has one.
     pub gas_grid: Option<&'a BoxGrid>,
-    /// Interval of the looks.
+    /// Interval of the samples.
     pub every: f64,
-    /// Time of the first look.
+    /// Time of the first sample.
     pub start: f64,
 }
 
@@ -65,7 +65,7 @@ pub trait Measure {
     /// Looks at the run; returns what is to be written now. Collective.
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings;
 
-    /// The agglomerate of each of this rank's particles as of the last look, by their ids; `None` if the measure does not
+    /// The agglomerate of each of this rank's particles as of the last sample, by their ids; `None` if the measure does not
     /// know agglomerates. Collective.
     fn agglomerates(&self, _: &[u64], _: &dyn Communicator) -> Option<Vec<Option<u64>>> {
         None
@@ -78,7 +78,7 @@ pub trait Measure {
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()>;
 }
 
-/// What a look found that is to be written.
+/// What a sample found, to be written.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     /// Rows of tables.
@@ -118,6 +118,6 @@ pub struct ContactLine {
     pub tangential_force: [f64; 3],
     /// Overlap.
     pub overlap: f64,
-    /// Time since the first look at which they touched.
+    /// Time since the first sample at which they touched.
     pub age: f64,
 }

@@ -35,7 +35,7 @@ pub struct Mixing {
 struct Followed {
     settings: Mixing,
     tracers: Tracers,
-    /// Since the start of the window; `None` before the first look.
+    /// Since the start of the window; `None` before the first sample.
     displacements: Option<Displacements>,
     reference_time: f64,
     /// Lag and S^2 along x, y and z of the present window.
@@ -211,7 +211,7 @@ fn rows_of<const N: usize>(numbers: &[f64]) -> Vec<[f64; N]> {
 }
 
 impl Followed {
-    /// The row of a look. Collective.
+    /// The row of a sample. Collective.
     fn row(
         &self,
         lag: f64,

@@ -63,7 +63,7 @@ const PLACES: &[Word] = &[
     ),
 ];
 
-/// Means over looks.
+/// Means over samples.
 struct Looks {
     settings: Probe,
     bounds: Bounds,

@@ -5,7 +5,7 @@
 pub enum Skin {
     /// Always this separation; length.
     Fixed(f64),
-    /// What the particles' speeds make cheapest, anew for each list.
+    /// The cheapest for the particles' speeds, chosen again for each list.
     FromSpeeds {
         /// Diameter of the largest particles.
         diameter: f64,

@@ -57,7 +57,7 @@ impl From<f64> for Value {
 
 impl From<Estimate> for Value {
     fn from(Estimate { value, error }: Estimate) -> Self {
-        // Errors are infinite where there is too little to tell them from.
+        // Errors are infinite where there is too little to estimate them from.
         Self::Number { value, error: Some(error).filter(|error| error.is_finite()) }
     }
 }

@@ -184,7 +184,7 @@ impl Results {
     /// The last time of the results, window or not.
     ///
     /// # Errors
-    /// If no file tells it.
+    /// If no file gives it.
     pub fn last_time(&self) -> Result<f64, OutputError> {
         let series = self.whole_series();
         match series.map(|series| series.column("time").and_then(|times| times.last().copied())) {

@@ -33,7 +33,7 @@ pub struct Snapshot {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last look at agglomerates, if drag follows from them and there was one.
+    /// Pairs that touched at the last search for agglomerates, if drag follows from them and there was one.
     pub looked_at: Option<Vec<Pair>>,
 }
 

@@ -1,4 +1,4 @@
-//! The measures of a run: when each looks, what it writes, and what it keeps in checkpoints.
+//! The measures of a run: when each samples, what it writes, and what it keeps in checkpoints.
 
 use super::interval::Interval;
 use crate::case::Case;
@@ -65,7 +65,7 @@ impl Measuring {
         self.0.iter().any(|scheduled| scheduled.is_due(clock, clock.step))
     }
 
-    /// What those that look now need.
+    /// What those that sample now need.
     pub(super) fn needs(&self, clock: &Clock) -> Needs {
         let due = self.0.iter().filter(|scheduled| scheduled.is_due(clock, clock.step));
         due.fold(Needs::default(), |needs, scheduled| needs.or(scheduled.measure.needs()))

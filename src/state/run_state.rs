@@ -32,7 +32,7 @@ pub struct State {
     pub energy: Option<Box<EnergyLedger>>,
     /// What the gas is, on this rank's cells.
     pub gas: GasState,
-    /// Pairs that touched at the last look at agglomerates, where drag follows from them; each on the rank that owned its lower
-    /// id then. None before the first look.
+    /// Pairs that touched at the last search for agglomerates, where drag follows from them; each on the rank that owned its lower
+    /// id then. None before the first search.
     pub looked_at: Option<Vec<Pair>>,
 }

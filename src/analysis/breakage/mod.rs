@@ -1,6 +1,6 @@
-//! Breakage and growth of agglomerates between two looks.
+//! Breakage and growth of agglomerates between two samples.
 //!
-//! Two looks label every particle with its agglomerate, or with none. What an agglomerate X of the first look and an
+//! Two samples label every particle with its agglomerate, or with none. What an agglomerate X of the first sample and an
 //! agglomerate Y of the second share is the number of particles that belong to both.
 //!
 //! * The **successor** of X is the Y that shares most particles with X; the **origin** of Y is the X that shares most
@@ -29,7 +29,7 @@ use rustc_hash::FxHashMap;
 /// Stands for no agglomerate where labels travel.
 const NONE: u64 = u64::MAX;
 
-/// The agglomerates of all particles at one look, on the ranks that owned the particles then.
+/// The agglomerates of all particles at one sample, on the ranks that owned the particles then.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Look {
     /// [id, label].
@@ -86,20 +86,20 @@ struct Share {
 }
 
 impl Share {
-    /// The agglomerate of the second look; none for particles that are in none, or have left.
+    /// The agglomerate of the second sample; none for particles that are in none, or have left.
     fn after(&self) -> Option<u64> {
         (self.after != NONE).then_some(self.after)
     }
 }
 
-/// What became of one agglomerate of the first look.
+/// What became of one agglomerate of the first sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fate {
-    /// Its label at the first look.
+    /// Its label at the first sample.
     pub label: u64,
     /// Number of its members then.
     pub size: u64,
-    /// The agglomerates of the second look that hold members of it, by ascending label.
+    /// The agglomerates of the second sample that hold members of it, by ascending label.
     pub fragments: Vec<Fragment>,
     /// Members that are in no agglomerate now.
     pub released: u64,
@@ -107,18 +107,18 @@ pub struct Fate {
     pub successor: Option<usize>,
 }
 
-/// An agglomerate of the second look that holds members of one of the first.
+/// An agglomerate of the second sample that holds members of one of the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fragment {
-    /// Its label at the second look.
+    /// Its label at the second sample.
     pub label: u64,
     /// Members that both share.
     pub shared: u64,
     /// Number of its members.
     pub size: u64,
-    /// Number of agglomerates of the first look that it has members of.
+    /// Number of agglomerates of the first sample that it has members of.
     pub sources: u64,
-    /// The one of the first look that it shares most with.
+    /// The one of the first sample that it shares most with.
     pub origin: u64,
 }
 
@@ -145,7 +145,7 @@ impl Fate {
     }
 }
 
-/// What all ranks know of an agglomerate of the second look.
+/// What all ranks know of an agglomerate of the second sample.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct After {
@@ -155,17 +155,17 @@ struct After {
     origin: u64,
 }
 
-/// Events between two looks.
+/// Events between two samples.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// What became of the agglomerates of the first look whose label meets on this rank, by ascending label.
+    /// What became of the agglomerates of the first sample whose label meets on this rank, by ascending label.
     pub fates: Vec<Fate>,
-    /// Agglomerates of the second look on this rank that have no member of one of the first: [label, size].
+    /// Agglomerates of the second sample on this rank that have no member of one of the first: [label, size].
     pub new: Vec<[u64; 2]>,
 }
 
 impl Changes {
-    /// Compares two looks. Collective.
+    /// Compares two samples. Collective.
     pub fn between(before: &Look, after: &Look, ranks: &dyn Communicator) -> Self {
         let shares = shares(&before.at_rendezvous(ranks), &after.at_rendezvous(ranks));
         let to_after = shares.iter().copied().filter(|share| share.after != NONE);

@@ -98,7 +98,7 @@ fn spring_part(work: &WorkOfParting) -> String {
     }
 }
 
-/// The work of parting real particles; `None` if their stiffness is not stated or the law does not tell it.
+/// The work of parting real particles; `None` if their stiffness is not stated or the law does not give it.
 fn work_of_real_particles(
     partners: &Partners<'_>,
     softened: &WorkOfParting,

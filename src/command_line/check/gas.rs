@@ -11,7 +11,7 @@ use crate::rules::{
 };
 use crate::state::SizeRange;
 
-/// Solids fractions of settled beds, at which the minimum fluidisation velocity is told.
+/// Solids fractions of settled beds, at which the minimum fluidisation velocity is printed.
 const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
 /// Solids over gas density below which the gas is rather a liquid, whose added mass and lubrication are not modelled.
 const LEAST_DENSITY_RATIO: f64 = 10.0;

@@ -71,7 +71,7 @@ macro_rules! contact_laws {
             }
 
             /// Power n of the overlap that the normal force of first loading is proportional to; 1 for a law from outside the
-            /// crate, which does not tell it.
+            /// crate, which does not give it.
             pub fn overlap_exponent(&self) -> f64 {
                 match self {
                     $(Self::$Law(_) => <$Law as $crate::contact::RegisteredContactLaw>::OVERLAP_EXPONENT,)*

@@ -14,10 +14,10 @@ use std::f64::consts::PI;
 
 /// How drag follows from the agglomerates of the particles.
 ///
-/// They are found anew at looks: connected sets of the pairs that touch now and touched at the look before (Liu et al. 2016).
+/// They are found again at each search: connected sets of the pairs that touch now and touched at the search before (Liu et al. 2016).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AgglomerateDrag {
-    /// Steps of the gas from one look to the next.
+    /// Steps of the gas from one search to the next.
     pub every: u64,
     /// Sets of fewer particles are taken for single ones.
     pub smallest: u64,

@@ -110,7 +110,7 @@ impl Tracers {
         self.periodicity
     }
 
-    /// At the first look, marks the particles in the region. Collective.
+    /// At the first sample, marks the particles in the region. Collective.
     pub(super) fn mark(&mut self, samples: &[ParticleSample], ranks: &dyn Communicator) {
         let Class::Region([lower, upper]) = self.settings.class else { return };
         if self.marked.is_some() {

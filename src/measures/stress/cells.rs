@@ -1,4 +1,4 @@
-//! Stress and granular temperature on cells, averaged over looks: fields for ParaView.
+//! Stress and granular temperature on cells, averaged over samples: fields for ParaView.
 
 use super::columns::{Derived, fields};
 use super::frame::FrameSettings;

@@ -49,7 +49,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last look at agglomerates, if drag follows from them: each on one rank, in any order.
+    /// Pairs that touched at the last search for agglomerates, if drag follows from them: each on one rank, in any order.
     pub looked_at: Option<Vec<Pair>>,
     /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
     pub energy: Option<StoredLedger>,

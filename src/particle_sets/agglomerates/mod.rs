@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 use properties::Members;
 use rustc_hash::FxHashMap;
 
-/// What is known of a particle at the time of a look.
+/// What is known of a particle at the time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ParticleSample {

@@ -13,7 +13,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Notes that the run had reached a time. One that lies back says that it began anew.
+    /// Notes that the run had reached a time. An earlier time shows that it started again.
     pub(super) fn note(&mut self, at: SystemTime, time: f64) {
         if self.samples.back().is_some_and(|&(_, last)| time < last) {
             self.samples.clear();

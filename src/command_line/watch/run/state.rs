@@ -81,14 +81,14 @@ impl RunState {
     }
 }
 
-/// What tells the state of a run.
+/// What shows the state of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Marks {
     /// The digest in the mark of completion.
     pub(super) complete: Option<String>,
     /// What the lock says of who runs.
     pub(super) holder: Option<String>,
-    /// Whether that process still exists, if it can be told from here.
+    /// Whether that process still exists, if it can be found out from here.
     pub(super) is_alive: Option<bool>,
     /// Files have grown although there is no lock: the file system has none.
     pub(super) grows_without_lock: bool,
