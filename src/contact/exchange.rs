@@ -56,7 +56,7 @@ pub(crate) struct FlowOutOfRange {
     limit: f64,
 }
 
-/// The same laws, not laws that say the same.
+/// Equal if the laws are the same objects, not only laws that say the same.
 impl PartialEq for Exchanges {
     fn eq(&self, other: &Self) -> bool {
         self.0.len() == other.0.len()

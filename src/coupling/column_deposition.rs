@@ -31,7 +31,7 @@ pub struct ColumnDeposition {
     quanta: [[Quantum; 2]; 2],
     /// The particles as they were deposited last.
     blocks: Vec<ColumnBlock>,
-    /// Those of volume, then of shares of drag: the latter follow from the former if all are of one size.
+    /// Sums of volume, then of shares of drag: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
 }
 

@@ -149,28 +149,28 @@ impl Field {
         Self { name, kind, unit, meaning, travel, parity, comes_with: None, in_column: false }
     }
 
-    /// The same, held by a column of its own, and absent until `what` brings it.
+    /// Makes it be held by a column of its own, absent until `what` brings it.
     #[must_use]
     pub const fn column_of(mut self, what: &'static str) -> Self {
         (self.comes_with, self.in_column) = (Some(what), true);
         self
     }
 
-    /// The same, absent until `what` brings it.
+    /// Makes it absent until `what` brings it.
     #[must_use]
     pub const fn comes_with(mut self, what: &'static str) -> Self {
         self.comes_with = Some(what);
         self
     }
 
-    /// The same, but known elsewhere too.
+    /// Makes it known elsewhere too.
     #[must_use]
     pub const fn travels(mut self, travel: Travel) -> Self {
         self.travel = travel;
         self
     }
 
-    /// The same, of the other sign if it is seen from the other body.
+    /// Makes it change sign when seen from the other body.
     #[must_use]
     pub const fn odd(mut self) -> Self {
         self.parity = Parity::Odd;

@@ -48,7 +48,7 @@ impl GasModel {
         }
     }
 
-    /// The same gas around parcels of l^3 particles each, l being `size`.
+    /// This gas around parcels of l^3 particles each, l being `size`.
     #[must_use]
     pub fn around_parcels(mut self, size: f64) -> Self {
         match &mut self {

@@ -21,7 +21,7 @@ const LARGEST_TERM: f64 = f64::MAX / 8.0;
 
 /// Numbers in the owned cells of a rank, row by row.
 pub(super) trait Values: Copy {
-    /// Those of `length` cells from an index on, in double precision.
+    /// The values of `length` cells from an index on, in double precision.
     fn row(self, start: usize, length: usize) -> impl Iterator<Item = f64>;
 }
 

@@ -40,7 +40,7 @@ struct Followed {
     reference: Option<Reference>,
     /// The agglomerates at the end of the window before.
     before: Option<Look>,
-    /// Those of the last sample.
+    /// What was found at the last sample.
     last: Option<Look>,
     rates: RateCounts,
 }

@@ -124,7 +124,7 @@ fn tables(extent: Extent) -> Vec<(String, u64)> {
     line_tables(extent).into_iter().chain(of_steps).collect()
 }
 
-/// Those of the lines, which are not copied at checkpoints.
+/// The tables of the lines, which are not copied at checkpoints.
 fn bulk() -> Vec<String> {
     line_tables(Extent::default()).into_iter().map(|(name, _)| name).collect()
 }

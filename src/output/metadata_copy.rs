@@ -57,7 +57,7 @@ pub(super) fn commit(path: &Path, bulk: &[String]) -> MessageResult<()> {
     copied.map_err(|error| format!("its metadata cannot be copied: {error}"))
 }
 
-/// The same on rank 0. Collective.
+/// Commits on rank 0. Collective.
 pub(super) fn commit_on_root(
     path: &Path,
     bulk: &[String],

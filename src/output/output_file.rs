@@ -175,7 +175,7 @@ pub(super) fn rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before < row_time)
 }
 
-/// The same where several rows may be of one time.
+/// Number of rows up to a time, where several rows may be of one time.
 pub(super) fn shared_rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before <= row_time)
 }

@@ -134,7 +134,7 @@ impl Output for Profiles {
     }
 }
 
-/// Those of them that are not copied at checkpoints: all but the times.
+/// The tables that are not copied at checkpoints: all but the times.
 fn bulk() -> Vec<String> {
     GROWING[1..].iter().map(|&name| name.to_owned()).collect()
 }

@@ -73,7 +73,7 @@ impl RankLoad {
         }
     }
 
-    /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
+    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
     /// at least `least_width` wide; `particles` are those owned, positions wrapped, and how many pairs are counted with each.
     /// This call is collective.
     ///

@@ -66,7 +66,7 @@ impl Columns {
         &self.0[number]
     }
 
-    /// The same, to be changed.
+    /// Mutable access to a column.
     #[inline(always)]
     pub fn at_mut(&mut self, number: usize) -> &mut Column {
         &mut self.0[number]

@@ -295,7 +295,7 @@ impl Contacts {
         Ok(of_slots)
     }
 
-    /// The same with walls: a particle that has no pair with the wall is away from it.
+    /// Restores contacts with walls: a particle that has no pair with the wall is away from it.
     fn restore_walls(
         &mut self,
         particles: &Particles,

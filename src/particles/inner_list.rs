@@ -40,9 +40,9 @@ pub(super) struct Rows<'a> {
 /// Which pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PairGroup {
-    /// Those of two owned particles, also through a periodic face.
+    /// Pairs of two owned particles, also through a periodic face.
     Own,
-    /// Those with a particle of another rank.
+    /// Pairs with a particle of another rank.
     Shared,
 }
 

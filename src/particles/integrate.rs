@@ -74,7 +74,7 @@ impl Weight {
         self.quantum.round(mass * self.gravity)
     }
 
-    /// The same as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
+    /// The weight as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
     /// bit would depend on which pairs are looked at.
     #[inline(always)]
     fn force(&self, mass: f64) -> ForceTorque {

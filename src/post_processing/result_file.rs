@@ -23,7 +23,7 @@ impl ResultFile {
         }
     }
 
-    /// That there is no such file, and which key would give it.
+    /// Says that there is no such file, and which key would give it.
     pub(super) fn absent(self) -> NoValue {
         let key = match self {
             Self::Series => "output.series",

@@ -69,7 +69,7 @@ impl Results {
         Ok(Self { folder, window, case_text, case, is_whole, series, profiles, checkpoints })
     }
 
-    /// The same results as those of a run that has come to its end: a file that the case asks for and that is not there is
+    /// These results as those of a run that has come to its end: a file that the case asks for and that is not there is
     /// an error, not the lack of something to measure.
     pub fn of_complete_run(self) -> Self {
         Self { is_whole: true, ..self }

@@ -79,7 +79,7 @@ impl Snapshot {
         }
     }
 
-    /// The same with the records of all ranks on every rank, sorted by their ids. Collective.
+    /// This snapshot with the records of all ranks on every rank, sorted by their ids. Collective.
     pub fn gathered(self, ranks: &dyn Communicator) -> Self {
         let particles = share_with_all(self.particles, ranks);
         let own = OwnFields { numbers: share_with_all(self.own.numbers, ranks), ..self.own };

@@ -37,7 +37,7 @@ pub struct Workspace {
     pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
-    /// That of the steps since the last check of the ranks' loads.
+    /// Times of the steps since the last check of the ranks' loads.
     pub step_times: StepTimes,
     /// What went wrong on this rank, until the ranks next agree.
     pub fault: Option<String>,

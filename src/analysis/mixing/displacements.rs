@@ -54,7 +54,7 @@ impl MeanDisplacement {
         0.5 * self.square
     }
 
-    /// The same about the mean displacement: of particles in a bed that moves as a whole.
+    /// Half the variance about the mean displacement, for particles in a bed that moves as a whole.
     pub fn half_variance(&self) -> Vector3<f64> {
         0.5 * (self.square - self.mean.component_mul(&self.mean))
     }

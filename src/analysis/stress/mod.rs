@@ -351,7 +351,7 @@ impl<const N: usize> InOrder<N> {
         Self(sums.into_iter().peekable())
     }
 
-    /// Those of a key; zero if there are none.
+    /// The sums of a key; zero if there are none.
     fn of_key(&mut self, key: u64) -> [f64; N] {
         self.0.next_if(|sums| sums.key == key).map_or([0.0; N], |sums| sums.values)
     }

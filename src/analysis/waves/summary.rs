@@ -113,7 +113,7 @@ pub struct WaveMap {
     pub waves: Result<Waves, NoValue>,
     /// The front between waves and still bed, or why there is none.
     pub front: Result<Front, NoValue>,
-    /// The same waves by the voids' tracks.
+    /// The waves as the voids' tracks show them.
     pub voids: Result<TrackedVoids, NoValue>,
 }
 

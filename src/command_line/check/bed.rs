@@ -25,7 +25,7 @@ const ADVISED_CELL: f64 = 1.5;
 const LARGE_LOSS: f64 = 0.15;
 /// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
 const AT_REST: f64 = 0.05;
-/// The same of an impact at the highest speed, which is rare and short.
+/// Largest overlap of an impact at the highest speed, which is rare and short.
 const IN_IMPACT: f64 = 0.1;
 
 /// The bed that the particles of a case form under gravity.

@@ -348,7 +348,7 @@ impl<'r> SharedFile<'r> {
         Self::open(path, ranks, true, access_to(path, ranks))
     }
 
-    /// The same where rank 0 writes the rows of all.
+    /// Opens a file whose rows rank 0 writes for all.
     pub(super) fn open_to_write_on_root(
         path: &Path,
         ranks: &'r dyn Communicator,
