@@ -94,7 +94,7 @@ pub struct Case {
     pub coarse_graining: Option<CoarseGraining>,
     /// Results.
     pub output: OutputPlan,
-    /// What is measured while the run goes on.
+    /// What is measured during the run.
     pub measures: Vec<MeasurePlan>,
     /// Checkpoints.
     pub checkpoint: CheckpointPlan,

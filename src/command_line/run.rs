@@ -67,7 +67,7 @@ pub(super) fn run(
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
-/// Goes on from a checkpoint with the case that it holds.
+/// Continues from a checkpoint with the case that it holds.
 pub(super) fn restart(
     path: &Path,
     options: &RunArguments,
@@ -247,7 +247,7 @@ fn run_to_end(
     say(ranks, &summary(&outcome, &resume, ranks.size()))
 }
 
-/// A step that failed, and where to go on: what it has begun has no meaning and is written nowhere.
+/// A step that failed, and where to resume: what it has begun has no meaning and is written nowhere.
 fn with_newest_checkpoint(
     error: RunError,
     folder: &Path,

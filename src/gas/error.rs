@@ -1,4 +1,4 @@
-//! Why a gas cannot go on.
+//! Why a gas step fails.
 
 use crate::linear_solver::LinearSolverError;
 use thiserror::Error;

@@ -94,7 +94,7 @@ impl Average {
         stored.add_numbers(name, &numbers, ranks);
     }
 
-    /// Goes on from sums that were kept. Collective.
+    /// Continues from sums that were kept. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,

@@ -32,7 +32,7 @@ impl CellSums {
         stored.add_records(name, &rows.collect::<Vec<[u64; 3]>>());
     }
 
-    /// Goes on from sums that were kept. Collective.
+    /// Continues from sums that were kept. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,

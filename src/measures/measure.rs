@@ -52,7 +52,7 @@ impl Needs {
 /// number of ranks.
 ///
 /// Its accumulators go into checkpoints: [`Measure::stored`] on some ranks, then [`Measure::restore`] on as many or
-/// others, makes a measure that goes on with the same bits.
+/// others, makes a measure that continues with the same bits.
 pub trait Measure {
     /// What stands in its files.
     fn layout(&self) -> Layout;
@@ -71,10 +71,10 @@ pub trait Measure {
         None
     }
 
-    /// What must be kept to go on later. Collective.
+    /// What must be kept to resume later. Collective.
     fn stored(&self, ranks: &dyn Communicator) -> Stored;
 
-    /// Goes on from what was kept by a measure of the same settings; `None` if something is missing in it. Collective.
+    /// Continues from what was kept by a measure of the same settings; `None` if something is missing in it. Collective.
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()>;
 }
 

@@ -266,7 +266,7 @@ mod tests {
                     std::fs::write(&path, mixed(&before, &after, trial)).unwrap();
                     resume(&path, rows).unwrap();
                 }
-                // Killed once more, after the resumed run has committed what it goes on from.
+                // Killed once more, after the resumed run has committed what it continues from.
                 commit(&path, &tables()).unwrap();
                 let seed = 1000 + step as u64;
                 std::fs::write(&path, mixed(&before, &after, seed)).unwrap();

@@ -1,5 +1,5 @@
 //! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is
-//! closed after each row, so that it can be read while the run goes on; at each checkpoint its rows are made
+//! closed after each row, so that it can be read during the run; at each checkpoint its rows are made
 //! safe against a kill.
 
 use std::path::{Path, PathBuf};

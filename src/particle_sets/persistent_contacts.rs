@@ -27,7 +27,7 @@ pub struct PersistentContacts {
 }
 
 impl PersistentContacts {
-    /// Takes all ranks' touching pairs at t_0, each on one rank, or goes on from pairs that were
+    /// Takes all ranks' touching pairs at t_0, each on one rank, or continues from pairs that were
     /// [stored](Self::stored) by whatever ranks.
     pub fn begin(persistence: Persistence, touching: &[Pair]) -> Self {
         Self { persistence, candidates: touching.to_vec() }
@@ -49,7 +49,7 @@ impl PersistentContacts {
         kept
     }
 
-    /// What must be stored to go on later: this rank's pairs.
+    /// What must be stored to resume later: this rank's pairs.
     pub fn stored(&self) -> &[Pair] {
         &self.candidates
     }

@@ -172,7 +172,7 @@ impl Results {
         as_ref(self.checkpoints.get_or_init(list)).map(Vec::as_slice)
     }
 
-    /// A checkpoint, whole; `None` if its time does not count, or if a run that goes on has removed it meanwhile.
+    /// A checkpoint, whole; `None` if its time does not count, or if an active run has removed it meanwhile.
     pub fn checkpoint(&self, path: &Path) -> Result<Option<Checkpoint>, Unmeasured> {
         if !path.exists() {
             return Ok(None);

@@ -11,7 +11,7 @@ use crate::particle_sets::Pair;
 use crate::particles::{AGGLOMERATE, ContactHistories, Contacts, GAS_FORCE, OwnFields, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 
-/// A state as records: of all particles, or of those that one rank has. A run that goes on from it comes to the same
+/// A state as records: of all particles, or of those that one rank has. A run that continues from it comes to the same
 /// bits as one that was never stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {

@@ -31,7 +31,7 @@ pub(super) struct Beginning<'a> {
     pub(super) head: Head<'a>,
     /// The time up to which earlier files are continued.
     pub(super) continue_after: Option<f64>,
-    /// What measures kept in the checkpoint from which the run goes on.
+    /// What measures kept in the checkpoint from which the run continues.
     pub(super) kept: &'a [MeasureState],
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Beginning<'a> {
 pub(super) struct Measuring(Vec<Scheduled>);
 
 impl Measuring {
-    /// Begins the measures of a case, or lets them go on. Collective.
+    /// Begins the measures of a case, or continues them. Collective.
     pub(super) fn open(
         case: &Case,
         beginning: &Beginning<'_>,
@@ -114,7 +114,7 @@ impl Measuring {
     }
 }
 
-/// A measure that goes on from what it kept, if it kept something with the same settings.
+/// A measure that continues from what it kept, if it kept something with the same settings.
 fn begin(
     plan: &MeasurePlan,
     kept: &[MeasureState],

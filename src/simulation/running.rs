@@ -285,7 +285,7 @@ impl<'a> Simulation<'a> {
         Ok(measuring.look(&clock, &view, *ranks)?)
     }
 
-    /// Commits the results and then writes a checkpoint, so that a run that is killed goes on from it with all of them.
+    /// Commits the results and then writes a checkpoint, so that a run that is killed resumes from it with all of them.
     /// Collective.
     fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
         let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;

@@ -137,7 +137,7 @@ pub fn start_from_checkpoint(
         .map_err(StartError::Cells)?;
     let (pairs, mut walls) = (checkpoint.contacts, checkpoint.wall_contacts);
     if let Ok(before) = &before {
-        number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);
+        renumber_walls(&mut walls, &before.domain.walls, &case.domain.walls);
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
     let end = Snapshot {
@@ -216,7 +216,7 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
 
 /// Contacts with walls go by the numbers of the walls, and these by the order in the case: they are found again by their
 /// names. A contact with a wall that is gone ends.
-fn number_walls_anew(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
+fn renumber_walls(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
     let new_number = |old: u64| {
         let name = &before.get(old as usize)?.name;
         now.iter().position(|wall| wall.name == *name).map(|number| number as u64)

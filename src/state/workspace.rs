@@ -50,7 +50,7 @@ pub struct Workspace {
 pub struct Requests {
     /// Stop, with a checkpoint.
     pub stop: bool,
-    /// Write a checkpoint and go on.
+    /// Write a checkpoint and continue.
     pub checkpoint: bool,
 }
 

@@ -65,11 +65,11 @@ pub struct StudyOptions {
     pub(crate) write_row: bool,
 }
 
-/// Exit code of a study that was stopped and can go on: "try again", as sysexits.h has it.
+/// Exit code of a study that was stopped and can be resumed: "try again", as sysexits.h has it.
 pub(crate) const STOPPED: u8 = 75;
 
 /// Does what the options of `talcum study` ask for; `program` runs the cases. The exit code is 0 if all is complete, 1
-/// if something failed, 75 if the study was stopped and can go on.
+/// if something failed, 75 if the study was stopped and can be resumed.
 ///
 /// # Errors
 /// If the study is refused, or its folder cannot be written.

@@ -54,7 +54,7 @@ pub(crate) struct Scheduler<'a> {
     pub(crate) pause: Duration,
 }
 
-/// A run that goes on.
+/// A run in progress.
 struct ActiveRun {
     member: Arc<Member>,
     running: Box<dyn Running>,
@@ -109,7 +109,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Whether a task could go on.
+    /// Whether a task could be resumed.
     fn is_anything_left(&self, tasks: &[&Task]) -> Result<bool, String> {
         for task in tasks {
             let progress = task.progress(self.search, self.factory, &self.results)?;

@@ -140,7 +140,7 @@ fn a_gas_step_that_is_too_long_leaves_the_state_of_the_gas_step_before() {
             newest.file_name().unwrap(),
             format!("checkpoint-{:012}.h5", step - 20).as_str()
         );
-        // The same step fails again, a shorter one goes on.
+        // The same step fails again, a shorter one succeeds.
         assert_eq!(failure(&go_on(&["--resume"])).lines().next(), message.lines().next());
         let shorter = ["--resume", "--set", "time.step=1.25e-7", "--until", "1.1e-5"];
         go_on(&shorter).digest();

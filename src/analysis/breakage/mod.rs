@@ -50,12 +50,12 @@ impl Look {
         ids.iter().map(|&id| labels.get(id).filter(|&label| label != NONE)).collect()
     }
 
-    /// What must be stored to go on later; [`Look::of_records`] reads it on whatever ranks.
+    /// What must be stored to resume later; [`Look::of_records`] reads it on whatever ranks.
     pub fn records(&self) -> &[[u64; 2]] {
         &self.labels
     }
 
-    /// Goes on from records that were stored, by whatever ranks.
+    /// Continues from records that were stored, by whatever ranks.
     pub fn of_records(records: Vec<[u64; 2]>) -> Self {
         Self { labels: records }
     }

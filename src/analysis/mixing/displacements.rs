@@ -102,12 +102,12 @@ impl Displacements {
         })
     }
 
-    /// What must be stored to go on later, as bytes of whole records.
+    /// What must be stored to resume later, as bytes of whole records.
     pub fn stored(&self) -> Vec<u8> {
         bytemuck::cast_slice(&self.tracks).to_vec()
     }
 
-    /// Goes on from what was stored, by whatever ranks.
+    /// Continues from what was stored, by whatever ranks.
     pub fn restore(stored: &[u8], periodicity: Periodicity) -> Self {
         Self { periodicity, tracks: crate::parallel::records_of_bytes(stored).collect() }
     }

@@ -1,4 +1,4 @@
-//! `talcum watch`: a run while it goes on, in the terminal or in a browser.
+//! `talcum watch`: a run in progress, in the terminal or in a browser.
 //!
 //! `run/` reads the folder of results and changes nothing in it; `terminal/`, `serve/` and `plain.rs` show what it found.
 

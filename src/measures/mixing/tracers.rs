@@ -163,7 +163,7 @@ impl Tracers {
         }
     }
 
-    /// Goes on from what was kept. Collective.
+    /// Continues from what was kept. Collective.
     pub(super) fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
         let records: Option<Vec<[u64; 2]>> = stored.records("tracers");
         self.marked = records.map(|records| {

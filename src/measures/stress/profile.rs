@@ -66,7 +66,7 @@ impl Profiles {
         head.iter().chain(&self.of_phase).chain(self.sums.as_flattened()).copied().collect()
     }
 
-    /// Goes on from what was kept.
+    /// Continues from what was kept.
     pub(super) fn restore(&mut self, numbers: &[f64]) -> Option<()> {
         let (head, rest) = numbers.split_at_checked(2)?;
         let (of_phase, sums) = rest.split_at_checked(self.of_phase.len())?;

@@ -128,7 +128,7 @@ pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(),
     Ok(())
 }
 
-/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that goes on from there comes to
+/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that continues from there comes to
 /// another future, which they must not be taken for. Collective.
 ///
 /// # Errors

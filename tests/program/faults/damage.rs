@@ -1,4 +1,4 @@
-//! Results that were damaged between two runs: no row is lost without a word.
+//! Results that were damaged between two runs: no row is lost without a warning.
 
 use super::{arguments, run_in};
 use crate::launch::{series, smoke, talcum};

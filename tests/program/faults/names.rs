@@ -29,7 +29,7 @@ fn a_folder_of_any_name_holds_results_that_can_be_gone_on_from() {
 }
 
 #[test]
-fn the_command_that_goes_on_can_be_given_to_a_shell() {
+fn the_command_that_resumes_can_be_given_to_a_shell() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("it's two words");
     let ended = talcum(

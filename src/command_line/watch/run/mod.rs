@@ -96,7 +96,7 @@ impl WatchedRun {
     }
 
     fn renew_pace(&mut self) {
-        if !self.state().goes_on() {
+        if !self.state().is_active() {
             self.pace.forget();
             return;
         }
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_are_no_locks_growth_tells_that_a_run_goes_on() {
+    fn where_there_are_no_locks_growth_shows_that_a_run_is_active() {
         let (_folder, mut run) = begun();
         assert_eq!(run.overview().state, RunState::Stopped);
         assert_eq!(look_after(&mut run, "0.").state, RunState::Stopped);

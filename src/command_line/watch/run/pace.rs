@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_newest_rows_count_and_a_new_beginning_starts_anew() {
+    fn only_the_newest_rows_count_and_a_new_beginning_starts_again() {
         let mut pace = Pace::default();
         let slow_then_fast = (0..200).map(|n| (n, if n < 100 { 0.1 } else { 1.0 } * n as f64));
         for (second, time) in slow_then_fast {

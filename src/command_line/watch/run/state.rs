@@ -1,4 +1,4 @@
-//! Whether a run goes on.
+//! Whether a run is in progress.
 
 use crate::command_line::progress::readable;
 use crate::output::{lock, read_text};
@@ -13,12 +13,12 @@ const JUST_NOW: Duration = Duration::from_secs(5);
 pub(in super::super) enum RunState {
     /// It has not written anything yet.
     Waiting,
-    /// It goes on.
+    /// It is in progress.
     Running {
         /// Who runs, if it is known.
         holder: Option<String>,
     },
-    /// It seems to go on, but has not written for long.
+    /// It seems to be in progress, but has not written for long.
     Quiet {
         /// Who runs, if it is known.
         holder: Option<String>,
@@ -76,7 +76,7 @@ impl RunState {
     }
 
     /// Whether rows are still to be expected.
-    pub(in super::super) fn goes_on(&self) -> bool {
+    pub(in super::super) fn is_active(&self) -> bool {
         matches!(self, Self::Running { .. } | Self::Quiet { .. })
     }
 }
