@@ -1,4 +1,4 @@
-//! What touching particles exchange beside momentum: heat, charge, or whatever else a user's own law says.
+//! What touching particles exchange beside momentum: heat, charge, or whatever else a custom law says.
 //!
 //! Each particle has a number of the law's field, which ghosts know as it is at the beginning of a step. While two particles
 //! touch, an amount flows from one to the other; the sums of these flows change the field at the end of the step. Flows are

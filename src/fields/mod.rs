@@ -3,7 +3,7 @@
 //! A [`Field`] is one line in a list: name, kind, unit, meaning, and how it travels. From that line follow its place in records
 //! that ranks send to each other, its dataset in checkpoints, its part of the digest, its history seen from the other body, its
 //! column in memory and what `talcum info` and docs/files.md say about it. The macro `records!` makes a record and its list;
-//! fields of a user's own are added to the list of the particles when a run is set up.
+//! custom fields are added to the list of the particles when a run is set up.
 
 mod counters;
 mod record;

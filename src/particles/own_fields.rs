@@ -1,4 +1,4 @@
-//! A user's own fields, beside the records of particles.
+//! Custom fields, beside the records of particles.
 
 use super::Particles;
 use crate::fields::Field;

@@ -23,7 +23,7 @@ pub struct Snapshot {
     pub sizes: SizeRange,
     /// Particles.
     pub particles: Vec<ParticleRecord>,
-    /// A user's own fields of these particles, in the same order.
+    /// Custom fields of these particles, in the same order.
     pub own: OwnFields,
     /// Histories of touching pairs.
     pub pairs: Vec<ContactRecord>,

@@ -38,7 +38,7 @@ pub enum StartError {
     /// A checkpoint with cells that the gas does not have.
     #[error("{0}")]
     Cells(CollectiveError),
-    /// The particles of the checkpoint carry a field of a program of the user's own.
+    /// The particles of the checkpoint carry a custom field of another program.
     #[error(
         "the particles of the checkpoint carry the field \"{name}\" ({meaning}), which this program does not \
          know: restart it with the program that wrote it"

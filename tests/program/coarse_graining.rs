@@ -112,7 +112,7 @@ fn read(overrides: &[&str]) -> Result<Case, String> {
     Case::read(Path::new(&file()), &overrides).map_err(|errors| errors.to_string())
 }
 
-/// Force of adhesion and work of parting of two bodies, and their diameter and mass.
+/// Force of adhesion and work of separation of two bodies, and their diameter and mass.
 struct Adhesion {
     force: f64,
     work: f64,

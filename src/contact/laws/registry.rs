@@ -89,7 +89,7 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law with its own adhesion so that the work of parting is that of bodies `reduction` times as stiff. A law
+            /// The law with its own adhesion so that the work of separation is that of bodies `reduction` times as stiff. A law
             /// from outside the crate stays as it is.
             #[must_use]
             pub fn keeping_work(&self, reduction: f64) -> Self {

@@ -39,7 +39,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
-    /// A user's own fields of these particles, in the same order.
+    /// Custom fields of these particles, in the same order.
     pub own: OwnFields,
     /// Histories of touching pairs, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,

@@ -170,7 +170,7 @@ fn read_counters(file: &SerialFile) -> Departed {
     counters
 }
 
-/// A user's own fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
+/// Custom fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
 fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
     let field = |name: String| {
         let path = path_of::<ParticleRecord>(&name);
@@ -277,7 +277,7 @@ fn read_rows<R: Record>(
     Ok(records)
 }
 
-/// This rank's even share of the rows of a user's own fields.
+/// This rank's even share of the rows of custom fields.
 fn read_own(
     file: &SharedFile<'_>,
     fields: &[Field],
