@@ -1,4 +1,4 @@
-"""Draws a bed in a gas of three dimensions: its particles, and velocity (arrows) and voidage (grey) of the gas.
+"""Draws a bed in a volume-averaged gas: its particles, and velocity (arrows) and voidage (grey) of the gas.
 
 Particles are coloured by speed, or by the size of their agglomerates (--colour members) in results of a case with
 output.agglomerates; those in none are grey.

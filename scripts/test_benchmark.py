@@ -87,7 +87,7 @@ class TestMeasures(unittest.TestCase):
 
 
 class TestGas(unittest.TestCase):
-    """Beds in a gas in three dimensions, and the step of the gas itself."""
+    """Beds in a volume-averaged gas, and the step of the gas itself."""
 
     def test_the_time_of_all_steps_is_read(self) -> None:
         words = "40 steps in 6 s: 0.20 million particle-steps/s\ncoarse-grain, gas             5.12  99.1 %   1.00\n"

@@ -60,7 +60,7 @@ class TestSpacetime(ScriptTest):
         self.assertIn("state waves", printed)
         # Times of a table are numbers of numpy, whose own text the program does not read.
         self.assertEqual(talcum_results.analyse(self.folder, ["waves"], np.float64(100.0)).text("waves.state"), "waves")
-        self.assertIn("holds nothing of the times 1000", self.fails("--from", "1000"))
+        self.assertIn("holds nothing between the times 1000", self.fails("--from", "1000"))
 
     def fails(self, *arguments: str) -> str:
         """The error, with what was printed before it if there is none."""

@@ -56,7 +56,7 @@
 //! \end{aligned}
 //! ```
 //!
-//! * Gas in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid
+//! * Volume-averaged gas, in three dimensions, with inertia: volume-averaged Navier-Stokes equations, model A, on a staggered grid
 //!   ([`gas::volume_averaged`]).
 //! * U_s is given, or such that the gas carries the weight of a fully periodic box \[Moon2006 (18)\].
 //! * Drag \[Moon2006 (13)-(16); WenYu1966\]: beta(phi, Re) ([`gas::DragLaw`]).

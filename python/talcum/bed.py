@@ -123,12 +123,12 @@ class Bed:
         return read_particles(self._snapshots, time, exact)
 
     def gas(self, time: float | None = None, exact: bool = False) -> Fields:
-        """A gas in three dimensions at the snapshot nearest to a time, the last by default."""
+        """A volume-averaged gas at the snapshot nearest to a time, the last by default."""
         return read_fields(require(self.folder / "gas.vtkhdf", "output.gas"), time, exact)
 
     @property
     def gas_times(self) -> Array:
-        """The times of the snapshots of a gas in three dimensions."""
+        """The times of the snapshots of a volume-averaged gas."""
         return read_times(require(self.folder / "gas.vtkhdf", "output.gas"))
 
     @property
@@ -231,7 +231,7 @@ class Bed:
         return self._draw("particles", "particles.png", file, start, end, *options)
 
     def plot_section(self, file: FileName = None, start: float | None = None, end: float | None = None) -> Path:
-        """Draws a section through particles and a gas in three dimensions, at the last snapshot until `end`."""
+        """Draws a section through particles and a volume-averaged gas, at the last snapshot until `end`."""
         return self._draw("fluidised_bed", "bed.png", file, start, end)
 
     def _draw(

@@ -1,4 +1,4 @@
-"""Fields on the cells of a gas in three dimensions, or of a measure on cells, at one time."""
+"""Fields on the cells of a volume-averaged gas, or of a measure on cells, at one time."""
 
 from __future__ import annotations
 

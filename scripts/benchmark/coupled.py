@@ -1,4 +1,4 @@
-"""Beds in a gas in three dimensions, as their cases stand: rates, and how the step divides."""
+"""Beds in a volume-averaged gas, as their cases stand: rates, and how the step divides."""
 
 from __future__ import annotations
 

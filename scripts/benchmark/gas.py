@@ -1,4 +1,4 @@
-"""A whole step of the gas in three dimensions, by the number of cells, on one rank."""
+"""A whole step of the volume-averaged gas, by the number of cells, on one rank."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ pub fn expansion(height: f64, reference: f64) -> Result<f64, NoValue> {
 
 /// Layers left out at the plate and below the surface, in spacings: their cells are half empty, or ordered by the plate.
 const END_LAYERS: f64 = 4.0;
-/// Of a shallow bed no more than this part of its height is left out at either end.
+/// In a shallow bed no more than this part of its height is left out at either end.
 const MOST_LEFT_OUT: f64 = 0.25;
 
 /// Solids fraction of the bulk: the mean of phi over the nodes between bottom and top, both as in [`BedHeight`], less

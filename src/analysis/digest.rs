@@ -25,9 +25,9 @@ use crate::state::Clock;
 /// not.) Unlike an exclusive or, a sum also sees a record that is there twice. The sums are at last
 /// hashed together with the number of records, the step and the time.
 ///
-/// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. Fields that come with something that
-/// not every run has are skipped while they are zero, from the end of a record; so are tables without rows and a user's own
-/// fields. The digest of a state therefore stays what it is when a program learns of further fields.
+/// A zero has no sign here: -0.0 and 0.0 are the same number and give the same future. Fields of optional features are
+/// skipped while they are zero, from the end of a record; so are tables without rows, and custom fields. The digests of older
+/// runs therefore stay valid when a program gains further fields.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 16]);
 
@@ -35,7 +35,7 @@ pub struct Digest([u8; 16]);
 pub struct StateRecords<'a, P: ?Sized> {
     /// Particles, positions wrapped into the box.
     pub particles: &'a P,
-    /// A user's own fields of these particles, in the same order.
+    /// Custom fields of these particles, in the same order.
     pub own: &'a OwnFields,
     /// Touching pairs.
     pub contacts: &'a [ContactRecord],
@@ -43,7 +43,7 @@ pub struct StateRecords<'a, P: ?Sized> {
     pub wall_contacts: &'a [WallContactRecord],
     /// Cells of a volume-averaged gas, or the plenum and intervals of a column gas; none without these.
     pub cells: &'a [CellRecord],
-    /// Pairs that touched at the last look at agglomerates, each on one rank; none where drag does not follow from them.
+    /// Pairs that touched at the last search for agglomerates, each on one rank; none where drag does not follow from them.
     pub looked_at: &'a [Pair],
 }
 
@@ -125,7 +125,7 @@ fn optional_widths(fields: &[Field]) -> Vec<usize> {
     widths
 }
 
-/// Number of values of a user's own fields that are not zero, and sum of the hashes of each with its particle's id and the name of its
+/// Number of values of custom fields that are not zero, and sum of the hashes of each with its particle's id and the name of its
 /// field: in whatever order the fields are.
 fn sum_of_own(particles: &(impl Records<ParticleRecord> + ?Sized), own: &OwnFields) -> [i64; 3] {
     let mut sum = [0; 3];

@@ -76,7 +76,7 @@ const SMALLEST_RADIUS: f64 = 5.0;
 /// Largest radius over the radius of gyration: beyond, the surface is everywhere.
 const REACH: f64 = 0.9;
 const STEP: f64 = 1.25;
-/// Of more members than this, every second, third ... is an origin.
+/// Above this number of members, every second, third ... is an origin.
 const MOST_ORIGINS: usize = 2000;
 
 impl MassRadius {

@@ -8,35 +8,35 @@ use crate::parallel::Communicator;
 /// What kind of quantity a number is: its unit follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Of time.
+    /// Time.
     Time,
-    /// Of length.
+    /// Length.
     Length,
-    /// Of velocity.
+    /// Velocity.
     Speed,
-    /// Of energy.
+    /// Energy.
     Energy,
-    /// Of cycles per time.
+    /// Frequency, cycles per time.
     Frequency,
-    /// Of mass that passes: mass per area and time.
+    /// Mass flux, mass per area and time.
     MassFlux,
-    /// Of mass.
+    /// Mass.
     Mass,
-    /// Of volume.
+    /// Volume.
     Volume,
-    /// Of area, or of a squared length.
+    /// Area or squared length.
     Area,
-    /// Of force.
+    /// Force.
     Force,
-    /// Of pressure and stress.
+    /// Pressure or stress.
     Pressure,
-    /// Of squared velocity, such as a granular temperature.
+    /// Squared velocity, such as a granular temperature.
     SquaredSpeed,
-    /// Of a diffusion coefficient; squared length over time.
+    /// Diffusion coefficient, squared length over time.
     Diffusivity,
     /// Per time.
     Rate,
-    /// An angle that is told to readers, in degrees in either system of units.
+    /// An angle that is printed, in degrees in either system of units.
     Degrees,
     /// Without a unit.
     Number,

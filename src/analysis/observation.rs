@@ -35,26 +35,26 @@ impl RunView<'_> {
 pub(super) struct ParticleSums {
     pub(super) count: f64,
     pub(super) mass: f64,
-    /// Of mass times height.
+    /// Sum of mass times height.
     pub(super) moment: f64,
-    /// Of vertical momentum.
+    /// Sum of vertical momentum.
     pub(super) vertical_momentum: f64,
-    /// Of the kinetic energy of translation.
+    /// Sum of the kinetic energy of translation.
     pub(super) energy: f64,
     pub(super) volume: f64,
     /// Touching neighbours; twice the number of touching pairs.
     pub(super) neighbours: f64,
-    /// Of drag factors that follow from agglomerates.
+    /// Sum of drag factors that follow from agglomerates.
     pub(super) drag_factors: f64,
 }
 
 /// Forces that do not come from other particles, over all ranks.
 struct ExternalForces {
-    /// Of walls, gas and weight on the bed.
+    /// Force of walls, gas and weight on the bed.
     total: [f64; 3],
-    /// Vertical, of the gas on the bed.
+    /// Vertical force of the gas on the bed.
     gas: f64,
-    /// Of the bed on the base plate, downwards.
+    /// Downward force of the bed on the base plate.
     plate: f64,
 }
 

@@ -171,7 +171,7 @@ impl SampleMean {
     pub fn of(values: &[f64]) -> Result<Self, NoValue> {
         let Moments { count, mean, deviation } = moments(values)?;
         if count < 2 {
-            return Err(NoValue::because("one value tells nothing of its error; two are needed"));
+            return Err(NoValue::because("one value gives no error; two are needed"));
         }
         let mean = Estimate { value: mean, error: deviation / (count as f64).sqrt() };
         Ok(Self { mean, samples: count })

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 pub struct WallForce {
     /// Name of the wall.
     pub wall: String,
-    /// Of the particles of this diameter; `None`: of all.
+    /// Diameter of the particles counted; `None` for all.
     pub diameter: Option<f64>,
     /// Contact and attraction, F.
     pub force: Vector3<f64>,

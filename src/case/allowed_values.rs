@@ -122,7 +122,7 @@ fn check_word(words: &[Word], given: &str) -> Result<(), String> {
     Err(format!("must be {}{hint}", listed(words)))
 }
 
-/// The one of several kinds that is meant, as far as what is written tells.
+/// The one of several kinds that is meant, as far as what is written shows.
 fn chosen<'a>(kinds: &'a [Kind], node: &Node) -> Option<&'a Kind> {
     kinds.iter().find(|kind| match (&node.value, kind) {
         (Value::Table(_), Kind::Table(_)) => true,

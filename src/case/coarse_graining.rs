@@ -23,7 +23,7 @@ pub(super) fn read_coarse_graining(section: &Section<'_>, case: Case) -> Option<
         section.fail("factor", format!("a parcel stands for {least} particles: there are {count}"));
     }
     if case.stages.iter().any(|stage| stage.physics.gas.agglomerates().is_some()) {
-        let message = "cannot be given with gas.agglomerates: touching parcels say nothing of the agglomerates of their particles";
+        let message = "cannot be given with gas.agglomerates: contacts of parcels say nothing about the agglomerates of their particles";
         section.fail("factor", message);
         return None;
     }

@@ -94,7 +94,7 @@ pub(super) fn softened(
     if softened.is_none() {
         let message = format!(
             "is too short for contact.softening = \"keeps_work\": with {factor:.3e} of the force no cut-off \
-             below it gives the work of parting of the real particles"
+             below it gives the work of separation of the real particles"
         );
         section.fail("range", message);
     }

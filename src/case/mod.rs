@@ -95,7 +95,7 @@ pub struct Case {
     pub coarse_graining: Option<CoarseGraining>,
     /// Results.
     pub output: OutputPlan,
-    /// What is measured while the run goes on.
+    /// What is measured during the run.
     pub measures: Vec<MeasurePlan>,
     /// Checkpoints.
     pub checkpoint: CheckpointPlan,
@@ -234,7 +234,7 @@ impl Case {
         self.measures.iter().map(scalars).collect()
     }
 
-    /// The same as the gas of a stage; no gas if there is no such stage.
+    /// The volume-averaged gas as the gas of a stage; no gas if there is no such stage.
     pub fn gas_on_cells(&self) -> &GasModel {
         let mut gases = self.stages.iter().map(|stage| &stage.physics.gas);
         gases.find(|gas| gas.volume_averaged().is_some()).unwrap_or(&GasModel::None)

@@ -145,7 +145,7 @@ fn set_in(
     }
 }
 
-/// The same in one of the sections of a user's own names.
+/// Sets a key in one of the sections of a user's own names.
 fn set_in_named(
     Target { table, keys }: Target<'_>,
     path: &[&str],

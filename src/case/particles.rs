@@ -279,7 +279,7 @@ pub(super) fn read_particles(
     (setup(), scales)
 }
 
-/// Of several species the case must say which particles are of which.
+/// With several species the case must say which particles are of which.
 fn require_species(
     section: &Section<'_>,
     species: &SpeciesSections<'_>,

@@ -19,7 +19,7 @@ impl PartialEq for Places {
 }
 
 impl Places {
-    /// Those of a file's values; members of lists of numbers are not told apart.
+    /// Finds the places of a file's values; members of lists of numbers are not distinguished.
     pub(super) fn of(tree: &Node) -> Self {
         let mut places = Self::default();
         places.add(tree);

@@ -21,7 +21,7 @@ pub struct OutputPlan {
     pub particles: Option<f64>,
     /// What snapshots show of each particle, beside what they always show.
     pub particle_fields: Vec<ParticleField>,
-    /// Interval of snapshots of a gas in three dimensions.
+    /// Interval of snapshots of a volume-averaged gas.
     pub gas: Option<f64>,
     /// Whether snapshots hold numbers of 4 bytes.
     pub single_precision: bool,

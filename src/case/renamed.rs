@@ -46,7 +46,7 @@ fn rename_former(table: &mut Node, keys: &'static [Key], report: Report<'_>) {
     }
 }
 
-/// The same in the section of a key, or in each of its sections.
+/// Renames keys in the section of a key, or in each of its sections.
 fn rename_below(node: &mut Node, key: &Key, report: Report<'_>) {
     let keys = key.kind.keys();
     match (&mut node.value, key.kind) {

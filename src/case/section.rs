@@ -66,7 +66,7 @@ impl<'a> Section<'a> {
     fn check_value(&self, key: &'static Key, node: &'a Node) {
         let kind = &key.kind;
         if let Err(message) = check(kind, node) {
-            // Of how many numbers a list is tells less than what they are.
+            // The meaning of a list helps more than its length.
             let is_shape =
                 matches!(kind, Kind::Vector(..)) && message.starts_with("must be a list");
             let meaning = if is_shape { format!(" ({})", key.meaning) } else { String::new() };

@@ -71,7 +71,8 @@ impl<'a> SpeciesSections<'a> {
         };
         let pair = [one.min(other), one.max(other)];
         if one == other {
-            let message = "must be two different species: what two of one do stands in [[species]]";
+            let message =
+                "must be two different species: two of the same one are described in [[species]]";
             section.fail("species", message);
         } else if self.pairs.iter().any(|(known, _)| *known == pair) {
             section.fail("species", "there is another [[pair]] of these");

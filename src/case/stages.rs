@@ -68,7 +68,10 @@ fn read_time(root: &Section<'_>) -> (Option<f64>, Option<f64>) {
     let (step, end) = (section.number("step"), section.number("end"));
     match (root.has("stage"), section.has("end")) {
         (true, true) => {
-            section.fail("end", "cannot be given together with stages: their durations say it");
+            section.fail(
+                "end",
+                "cannot be given together with stages: it follows from their durations",
+            );
         }
         (true, false) => {}
         (false, _) => section.require("end"),

@@ -13,16 +13,16 @@ use std::process::ExitCode;
 /// Options of `talcum analyse`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct AnalyseOptions {
-    /// The folder of results of a run, which may still go on.
+    /// The folder of results of a run, which may still be running.
     #[arg(required_unless_present = "list")]
     results: Option<PathBuf>,
     /// Take this measure only; may be given several times.
     #[arg(long = "measure", value_name = "NAME")]
     measures: Vec<String>,
-    /// Begin with this time.
+    /// Ignore what is before this time.
     #[arg(long, value_name = "TIME")]
     from: Option<f64>,
-    /// End with this time.
+    /// Ignore what is after this time.
     #[arg(long, value_name = "TIME")]
     to: Option<f64>,
     /// Write analysis.h5 into this folder instead of that of the results.

@@ -22,13 +22,13 @@ pub(super) struct ContactOptions {
     /// Use another value for a key of the case; may be given several times.
     #[arg(long = "set", value_name = "KEY.PATH=VALUE")]
     set: Vec<String>,
-    /// Of a particle and this wall, instead of two particles.
+    /// Press a particle against this wall, instead of two particles together.
     #[arg(long, value_name = "NAME")]
     wall: Option<String>,
-    /// Of particles of this species, instead of the first of the case; or of two of different ones, NAME,NAME.
+    /// Take particles of this species, instead of the first of the case; or one of each of two species, NAME,NAME.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     species: Vec<String>,
-    /// In this stage, instead of the first.
+    /// Take the laws of this stage, instead of the first.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
     /// The largest overlap (default: a thousandth of the reference diameter, or twice the length of a neck).

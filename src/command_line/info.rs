@@ -56,7 +56,7 @@ pub(super) fn of_checkpoint(path: &Path, ranks: &dyn Communicator) -> anyhow::Re
         line(&format!("{} {name}", &group[1..]), format!("{value} ({})", counter.meaning));
     }
     for field in &checkpoint.own.fields {
-        line(field.name, format!("field of a user's own: {}", field.meaning));
+        line(field.name, format!("custom field: {}", field.meaning));
     }
     line("contacts", format!("{contacts} between particles, {at_walls} with walls"));
     line("diameters at the start", diameters(sizes.smallest_diameter, sizes.largest_diameter));

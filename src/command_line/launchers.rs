@@ -40,7 +40,7 @@ const LAUNCHERS: [[&str; 2]; 4] = [
     ["SLURM_STEP_NUM_TASKS", "SLURM_PROCID"],
 ];
 
-/// Refuses to go on as one of several processes with the same command. `variable` reads the environment.
+/// Refuses to run as one of several processes with the same command. `variable` reads the environment.
 ///
 /// # Errors
 /// If a launcher has started more than this process.
@@ -60,7 +60,7 @@ pub(super) fn require_one_process(
 /// Set by the launchers of Open MPI, and of MPICH and its relatives, to the number of processes that they start.
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
-/// Refuses to go on as one of many runs of the same case. `variable` reads the environment.
+/// Refuses to run as one of many runs of the same case. `variable` reads the environment.
 ///
 /// # Errors
 /// If this is one rank of several processes that were started together.
@@ -112,7 +112,7 @@ mod tests {
     fn one_rank_among_several_tasks_is_refused() {
         let error = found(1, &[("SLURM_STEP_NUM_TASKS", "32")]).unwrap_err().to_string();
         assert!(error.contains("32 tasks") && error.contains("--mpi=list"), "{error}");
-        // The interface has told them, but MPI does not speak it.
+        // The interface has passed them on, but MPI does not speak it.
         assert!(found(1, &[("SLURM_STEP_NUM_TASKS", "4"), ("PMI_SIZE", "4")]).is_err());
     }
 

@@ -9,7 +9,7 @@ use std::fs::read_to_string;
 
 /// Bytes per particle in all: columns, ghosts, lists and contacts of a settled bed.
 const PER_PARTICLE: f64 = 600.0;
-/// Bytes per cell of a gas in three dimensions: its fields, those of its steps, and the levels of the multigrid (measured
+/// Bytes per cell of a volume-averaged gas: its fields, those of its steps, and the levels of the multigrid (measured
 /// from 32^3 to 96^3).
 const PER_CELL: f64 = 550.0;
 /// Bytes per process: the program, MPI, HDF5.
@@ -51,8 +51,8 @@ pub(super) fn require(
         return Ok(());
     }
     bail!(
-        "the case needs about {:.1} GB of memory, and {:.1} GB are free here: use more machines, or go on all the \
-         same with --any-memory",
+        "the case needs about {:.1} GB of memory, and {:.1} GB are free here: use more machines, or run it \
+         anyway with --any-memory",
         1.0e-9 * needed,
         1.0e-9 * free.unwrap_or_default()
     )
@@ -94,7 +94,7 @@ mod tests {
     fn machines_are_counted_once_whatever_their_ranks() {
         let alone = run_on_threads(1, free_on_all)[0].unwrap();
         let shared = run_on_threads(3, free_on_all);
-        // Memory comes and goes between two looks, but not a whole machine of it.
+        // Memory comes and goes between two checks, but not a whole machine of it.
         assert!(shared.iter().all(|free| *free == shared[0]));
         assert!((shared[0].unwrap() / alone - 1.0).abs() < 0.5);
     }

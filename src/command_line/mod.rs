@@ -48,15 +48,15 @@ enum Command {
     OnRanks(RankCommand),
     /// Measure on the results of a run: waves, bed height, minimum fluidisation, spectra, mixing, agglomerates ...
     Analyse(analyse::AnalyseOptions),
-    /// Show a run while it goes on: curves, progress and warnings, in the terminal or in a browser.
+    /// Show a run in progress: curves, progress and warnings, in the terminal or in a browser.
     Watch(watch::WatchOptions),
-    /// Write a commented case to begin with: one of the gallery.
+    /// Write a commented case to start from: one of the gallery.
     New(new::NewOptions),
-    /// Run many cases that a study file describes, or say how far they are; not under mpirun.
+    /// Run many cases that a study file describes, or report their progress; not under mpirun.
     Study(StudyOptions),
     /// Print a table of means of runs.
     Summary(SummaryOptions),
-    /// Print the completions of a shell: what it offers when Tab is pressed behind talcum.
+    /// Print completions for a shell: what it offers when Tab is pressed after talcum.
     Completions(shell::CompletionsOptions),
     /// Write the manual pages, talcum.1 and one for each command.
     Manual(shell::ManualOptions),
@@ -81,11 +81,11 @@ enum RankCommand {
         /// Remove the results of an earlier run in the output folder first.
         #[arg(long, conflicts_with = "resume")]
         force: bool,
-        /// Go on from the newest good checkpoint in the output folder; start anew if there is none.
+        /// Continue from the newest good checkpoint in the output folder, or start from the beginning if there is none.
         #[arg(long)]
         resume: bool,
     },
-    /// Go on from a checkpoint, on any number of ranks.
+    /// Continue from a checkpoint, on any number of ranks.
     Restart {
         /// The checkpoint.
         checkpoint: PathBuf,
@@ -117,7 +117,7 @@ struct Changes {
     /// Ranks as so many threads of this process, without MPI.
     #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..=MOST_THREADS))]
     threads: Option<u64>,
-    /// Go on although the case seems to need more memory than is free.
+    /// Run even if the case seems to need more memory than is free.
     #[arg(long)]
     any_memory: bool,
 }

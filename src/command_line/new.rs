@@ -24,7 +24,7 @@ const CASES: [(&str, &str); 12] = [
 
 #[derive(Debug, Args)]
 pub(super) struct NewOptions {
-    /// Which; without it all are listed.
+    /// Name of the case; without it, all are listed.
     kind: Option<String>,
     /// The file, which must not exist (default: KIND.toml in this folder).
     #[arg(long, value_name = "FILE", requires = "kind")]

@@ -67,7 +67,7 @@ pub(super) fn run(
     run_to_end(&case, initial, folder, options, &resume, ranks)
 }
 
-/// Goes on from a checkpoint with the case that it holds.
+/// Continues from a checkpoint with the case that it holds.
 pub(super) fn restart(
     path: &Path,
     options: &RunArguments,
@@ -158,14 +158,14 @@ fn resume(
             Ok(start_from_checkpoint(case, checkpoint, grid, true, ranks)?)
         }
         None if search.refused.is_empty() => {
-            say(ranks, "no checkpoint to resume from: starting anew")?;
+            say(ranks, "no checkpoint to resume from: starting from the beginning")?;
             begin(case, options, ranks)
         }
         None => {
             let refused: String =
                 search.refused.iter().map(|error| format!("\n  {error}")).collect();
             bail!(
-                "{}: no checkpoint can be used:{refused}\nstart anew in another folder with --output, or here with \
+                "{}: no checkpoint can be used:{refused}\nstart again in another folder with --output, or here with \
                  --force, which removes them",
                 folder.path.display()
             )
@@ -205,7 +205,7 @@ fn prepare_folder(
     let holds_results = ranks.any(ranks.is_root() && folder.holds_results());
     match earlier {
         Earlier::Keep if holds_results => bail!(
-            "{} holds the results of an earlier run: go on with --resume, replace them with --force, or name \
+            "{} holds the results of an earlier run: continue with --resume, replace them with --force, or name \
              another folder with --output",
             folder.path.display()
         ),
@@ -247,7 +247,7 @@ fn run_to_end(
     say(ranks, &summary(&outcome, &resume, ranks.size()))
 }
 
-/// A step that failed, and where to go on: what it has begun has no meaning and is written nowhere.
+/// A step that failed, and where to resume: what it has begun has no meaning and is written nowhere.
 fn with_newest_checkpoint(
     error: RunError,
     folder: &Path,
@@ -259,7 +259,7 @@ fn with_newest_checkpoint(
     let newest = checkpoint::files_in(folder).ok().and_then(|files| files.into_iter().next_back());
     let advice = match newest {
         Some(path) => format!(
-            "the state of this step is not written; the newest checkpoint is {}: go on from it with another time.step, or \
+            "the state of this step is not written; the newest checkpoint is {}: continue from it with another time.step, or \
              what else is to change, by: {} --set time.step=...",
             path.display(),
             resume(&path)
@@ -276,7 +276,7 @@ fn summary(outcome: &Outcome, resume: &str, ranks: usize) -> String {
     let end = match outcome.complete {
         true => format!("complete at time {}; the end state is in {checkpoint}", outcome.time),
         false => {
-            format!("stopped at time {} with {checkpoint}; go on with: {resume}", outcome.time)
+            format!("stopped at time {} with {checkpoint}; resume with: {resume}", outcome.time)
         }
     };
     format!("{table}{end}\ndigest {}", outcome.digest)

@@ -4,10 +4,10 @@
 //! theirs: at l times the overlap all forces, of springs and of adhesion, are multiplied by one factor, and restitution and
 //! friction stay. No factor keeps everything (Di Renzo et al. 2021, section 3, compare the rules in use):
 //!
-//! | kept | forces | stiffnesses | work of parting | duration of a contact | what stays | what changes |
+//! | kept | forces | stiffnesses | work of separation | duration of a contact | what stays | what changes |
 //! | --- | --- | --- | --- | --- | --- | --- |
 //! | `strength` | l^2 | l | l^3 | l | stresses, tensile strength, overlap over the diameter in an impact, speed below which impacts stick (Bierwisch et al. 2009) | Bond number F / (m g), by 1 / l |
-//! | `bond_number` | l^3 | l^2 | l^4 | l^(1/2) | F, k d and work of parting over d, all over the weight m g | tensile strength and the square of the speed of sticking, by l |
+//! | `bond_number` | l^3 | l^2 | l^4 | l^(1/2) | F, k d and work of separation over d, all over the weight m g | tensile strength and the square of the speed of sticking, by l |
 //!
 //! References:
 //! * C. Bierwisch, T. Kraft, H. Riedel, M. Moseler, "Three-dimensional discrete element models for the granular statics and

@@ -14,25 +14,25 @@ pub struct StoredInContact {
 }
 
 impl StoredInContact {
-    /// Of a law that does not tell it.
+    /// Placeholder for a law that does not give energies.
     pub const UNKNOWN: Self = Self { normal: f64::NAN, tangential: f64::NAN };
 }
 
 /// Work of a contact on its bodies over a step, by mechanism: negative where they lose energy that no spring stores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork {
-    /// Of dashpots.
+    /// Work of dashpots.
     pub dashpot: f64,
-    /// Of sliding friction, and of resistance to rolling and twisting beyond springs and dashpots.
+    /// Work of sliding friction, and of resistance to rolling and twisting beyond springs and dashpots.
     pub friction: f64,
-    /// Of plastic deformation.
+    /// Work of plastic deformation.
     pub plasticity: f64,
-    /// Of adhesion that acts at once when a contact forms.
+    /// Work of adhesion that acts at once when a contact forms.
     pub adhesion: f64,
 }
 
 impl ContactWork {
-    /// Of a law that does not tell it.
+    /// Placeholder for a law that does not give energies.
     pub const UNKNOWN: Self =
         Self { dashpot: f64::NAN, friction: f64::NAN, plasticity: f64::NAN, adhesion: f64::NAN };
 }

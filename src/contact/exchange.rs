@@ -1,4 +1,4 @@
-//! What touching particles exchange beside momentum: heat, charge, or whatever else a user's own law says.
+//! What touching particles exchange beside momentum: heat, charge, or whatever else a custom law says.
 //!
 //! Each particle has a number of the law's field, which ghosts know as it is at the beginning of a step. While two particles
 //! touch, an amount flows from one to the other; the sums of these flows change the field at the end of the step. Flows are
@@ -56,7 +56,7 @@ pub(crate) struct FlowOutOfRange {
     limit: f64,
 }
 
-/// The same laws, not laws that say the same.
+/// Equal if the laws are the same objects, not only laws that say the same.
 impl PartialEq for Exchanges {
     fn eq(&self, other: &Self) -> bool {
         self.0.len() == other.0.len()

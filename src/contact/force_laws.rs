@@ -92,7 +92,7 @@ impl<'a> ForceLaws<'a> {
 }
 
 impl<'a> WallLaws<'a> {
-    /// Those of a wall and a species, out of the contact models of pairs and of walls.
+    /// The laws of a wall and a species, out of the contact models of pairs and of walls.
     #[inline(always)]
     pub(crate) fn of(
         wall: usize,

@@ -62,7 +62,7 @@ pub trait ContactForceLaw {
     fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64;
 
     /// Energy stored in a contact of this history, and work over a step: for the ledger of energies. A law that does not
-    /// tell them leaves the ledger undefined.
+    /// give them leaves the ledger undefined.
     fn stored_energy(&self, _contact: &Contact, _history: &ContactHistory) -> StoredInContact {
         StoredInContact::UNKNOWN
     }

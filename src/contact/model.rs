@@ -16,7 +16,7 @@ pub struct ContactModel {
 }
 
 impl ContactModel {
-    /// The same with another law.
+    /// This model with another law.
     #[must_use]
     pub fn with_law(&self, law: &ContactLaw) -> Self {
         Self { law: law.clone(), ..self.clone() }

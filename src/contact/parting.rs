@@ -17,7 +17,7 @@ pub struct AttractionInContact {
     pub work: f64,
 }
 
-/// The work of parting two bodies slowly, after they came together as slowly under their own adhesion: from the overlap
+/// The work of separating two bodies slowly, after they came together as slowly under their own adhesion: from the overlap
 /// at which the force of first loading balances the attraction, along the law's unloading, to separation.
 pub fn work_of_parting(
     law: &ContactLaw,

@@ -18,7 +18,7 @@ const WORDS: &[Word] = &[
     ),
     Word::with(
         "keeps_work",
-        "adhesive forces are scaled so that the work of parting is that of the real particles",
+        "adhesive forces are scaled so that the work of separation is that of the real particles",
         &[STIFFNESS_REDUCTION],
     ),
 ];
@@ -33,7 +33,7 @@ pub const SOFTENING: Key =
 pub struct Softening {
     /// Lambda, the stiffness of the real particles over that of the law.
     pub reduction: f64,
-    /// Whether adhesion is scaled so that the work of parting is that of the real particles.
+    /// Whether adhesion is scaled so that the work of separation is that of the real particles.
     pub keeps_work: bool,
 }
 

@@ -7,7 +7,7 @@ pub struct WallTallies {
     diameters: Vec<f64>,
     /// Radii between those of neighbouring classes.
     limits: Vec<f64>,
-    /// Of class c on wall w at w times the number of classes plus c.
+    /// The tally of class c on wall w, at w times the number of classes plus c.
     counts: Vec<[i64; 3]>,
 }
 

@@ -27,11 +27,11 @@ pub struct ColumnDeposition {
     /// Smallest and largest diameter.
     diameters: [f64; 2],
     share: DragShare,
-    /// Of volume and its flux; of shares of drag and their flux.
+    /// Quanta of volume and its flux, and of shares of drag and their flux.
     quanta: [[Quantum; 2]; 2],
     /// The particles as they were deposited last.
     blocks: Vec<ColumnBlock>,
-    /// Those of volume, then of shares of drag: the latter follow from the former if all are of one size.
+    /// Sums of volume, then of shares of drag: the latter follow from the former if all are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
 }
 

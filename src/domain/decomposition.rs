@@ -60,7 +60,7 @@ impl Decomposition {
         Self { grid, cut_planes }
     }
 
-    /// The same grid of ranks with other cut planes; each list increases from 0 to the length of the box.
+    /// This grid of ranks with other cut planes; each list increases from 0 to the length of the box.
     pub fn with_cut_planes(&self, cut_planes: [Vec<f64>; 3]) -> Self {
         debug_assert!(
             (0..3).all(|a| cut_planes[a].len() == self.grid.0[a] + 1 && cut_planes[a].is_sorted())

@@ -3,7 +3,7 @@
 //! A [`Field`] is one line in a list: name, kind, unit, meaning, and how it travels. From that line follow its place in records
 //! that ranks send to each other, its dataset in checkpoints, its part of the digest, its history seen from the other body, its
 //! column in memory and what `talcum info` and docs/files.md say about it. The macro `records!` makes a record and its list;
-//! fields of a user's own are added to the list of the particles when a run is set up.
+//! custom fields are added to the list of the particles when a run is set up.
 
 mod counters;
 mod record;
@@ -149,28 +149,28 @@ impl Field {
         Self { name, kind, unit, meaning, travel, parity, comes_with: None, in_column: false }
     }
 
-    /// The same, held by a column of its own, and absent until `what` brings it.
+    /// Makes it be held by a column of its own, absent until `what` brings it.
     #[must_use]
     pub const fn column_of(mut self, what: &'static str) -> Self {
         (self.comes_with, self.in_column) = (Some(what), true);
         self
     }
 
-    /// The same, absent until `what` brings it.
+    /// Makes it absent until `what` brings it.
     #[must_use]
     pub const fn comes_with(mut self, what: &'static str) -> Self {
         self.comes_with = Some(what);
         self
     }
 
-    /// The same, but known elsewhere too.
+    /// Makes it known elsewhere too.
     #[must_use]
     pub const fn travels(mut self, travel: Travel) -> Self {
         self.travel = travel;
         self
     }
 
-    /// The same, of the other sign if it is seen from the other body.
+    /// Makes it change sign when seen from the other body.
     #[must_use]
     pub const fn odd(mut self) -> Self {
         self.parity = Parity::Odd;

@@ -37,7 +37,7 @@ pub trait Record: Pod {
         bytemuck::cast_slice(std::slice::from_ref(self))
     }
 
-    /// The same, to be changed.
+    /// Mutable access to the words.
     fn words_mut(&mut self) -> &mut [u64] {
         bytemuck::cast_slice_mut(std::slice::from_mut(self))
     }

@@ -1,4 +1,4 @@
-//! Why a gas cannot go on.
+//! Why a gas step fails.
 
 use crate::linear_solver::LinearSolverError;
 use thiserror::Error;
@@ -50,7 +50,7 @@ pub enum GasForceOutOfRange {
     /// On the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
     NoBalance(f64),
-    /// Of a compressible column gas.
+    /// The absolute pressure in a compressible column gas is not positive.
     #[error(
         "the compressible gas would have a pressure of {pressure:.3e} at height {height:.3e}, less that above the bed \
          ({ambient:.3e}): the absolute pressure has to be above 0"
@@ -63,7 +63,7 @@ pub enum GasForceOutOfRange {
         /// Absolute pressure above the bed.
         ambient: f64,
     },
-    /// Of a compressible column gas whose drag depends on the Reynolds number.
+    /// The velocity of a compressible column gas, whose drag depends on the Reynolds number, does not settle.
     #[error(
         "the velocity of the compressible gas does not settle within one step: shorten time.step"
     )]

@@ -48,7 +48,7 @@ impl GasModel {
         }
     }
 
-    /// The same gas around parcels of l^3 particles each, l being `size`.
+    /// This gas around parcels of l^3 particles each, l being `size`.
     #[must_use]
     pub fn around_parcels(mut self, size: f64) -> Self {
         match &mut self {
@@ -77,7 +77,7 @@ impl GasModel {
         step.is_multiple_of(self.substeps())
     }
 
-    /// How far particles may move before they are sorted to their ranks anew; length.
+    /// How far particles may move before they are sorted to their ranks again; length.
     pub fn reach(&self) -> f64 {
         match self {
             Self::None | Self::Column(_) => f64::INFINITY,

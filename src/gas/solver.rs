@@ -140,7 +140,7 @@ impl GasSolver {
         }
     }
 
-    /// Adds the force of a column gas to each owned particle; that of a gas in three dimensions, which is constant between its
+    /// Adds the force of a column gas to each owned particle; that of a volume-averaged gas, which is constant between its
     /// steps, has been added already.
     ///
     /// # Errors

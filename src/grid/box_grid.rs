@@ -35,7 +35,7 @@ impl BoxGrid {
         Self { counts, spacing, periodic }
     }
 
-    /// The same box with each cell cut into `factor` along each axis.
+    /// This grid with each cell cut into `factor` along each axis.
     pub fn refined(&self, factor: usize) -> Self {
         Self {
             counts: self.counts.map(|count| count * factor),
@@ -69,7 +69,7 @@ impl BoxGrid {
         ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
     }
 
-    /// The same decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells, which
+    /// The decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells, which
     /// are given for each axis, along the divided ones.
     ///
     /// Returns `None` if the grid has too few cells for that.

@@ -39,7 +39,7 @@ impl ColumnGrid {
         Self { spacing, nodes, periodic, cross_section, height, base_volume }
     }
 
-    /// The same grid in a column of this horizontal cross-section within the box.
+    /// This grid in a column of this horizontal cross-section within the box.
     pub fn within(self, cross_section: f64) -> Self {
         let base_volume = self.base_volume * (cross_section / self.cross_section);
         Self { cross_section, base_volume, ..self }

@@ -26,7 +26,7 @@ pub struct RoundColumn {
     radius: f64,
     counts: [usize; 2],
     spacing: [f64; 2],
-    /// Of the cells across the column, x fastest; 0 if closed.
+    /// Open fractions of the cells across the column, x fastest; 0 if closed.
     open_fractions: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ impl RoundColumn {
         Ok(column)
     }
 
-    /// The same column on other cells of its box.
+    /// This column on other cells of its box.
     ///
     /// # Errors
     /// As [`RoundColumn::new`].
@@ -103,7 +103,7 @@ impl RoundColumn {
         if inside { self.open_fractions[(i + nx * j) as usize] } else { 0.0 }
     }
 
-    /// The same, counted from the first cell of a rank's part.
+    /// The open fraction of a cell, counted from the first cell of a rank's part.
     pub(crate) fn open_fraction_in(&self, part: &LocalCells, [i, j]: [isize; 2]) -> f64 {
         self.open_fraction([i + part.start[0] as isize, j + part.start[1] as isize])
     }

@@ -21,7 +21,7 @@ const LARGEST_TERM: f64 = f64::MAX / 8.0;
 
 /// Numbers in the owned cells of a rank, row by row.
 pub(super) trait Values: Copy {
-    /// Those of `length` cells from an index on, in double precision.
+    /// The values of `length` cells from an index on, in double precision.
     fn row(self, start: usize, length: usize) -> impl Iterator<Item = f64>;
 }
 
@@ -132,14 +132,14 @@ pub(super) struct DotProduct {
 }
 
 impl Default for DotProduct {
-    /// Of unknown magnitude: the first product chooses its quanta from its largest term.
+    /// A dot product of unknown magnitude: the first evaluation chooses its quanta from the largest term.
     fn default() -> Self {
         Self { quanta: TermQuanta { limit: 0.0 } }
     }
 }
 
 impl DotProduct {
-    /// Of terms that are at most this large.
+    /// A dot product of terms that are at most this large.
     pub(super) fn of_terms_up_to(largest: f64) -> Self {
         Self { quanta: TermQuanta::spanning(largest.min(LARGEST_TERM)) }
     }

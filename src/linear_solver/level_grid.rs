@@ -72,7 +72,7 @@ impl LevelGrid {
         coarse
     }
 
-    /// The same grid, of which every rank holds all cells.
+    /// This grid, with all cells on every rank.
     pub(super) fn replicated(&self) -> Self {
         let starts = self.counts.map(|count| vec![0, count]);
         Self { starts, replicated: true, ..self.clone() }

@@ -40,7 +40,7 @@ struct Followed {
     reference: Option<Reference>,
     /// The agglomerates at the end of the window before.
     before: Option<Look>,
-    /// Those of the last look.
+    /// What was found at the last sample.
     last: Option<Look>,
     rates: RateCounts,
 }
@@ -55,7 +55,10 @@ struct Reference {
 
 const PERSISTENCE: &[Word] = &[
     Word::new("both_times", "a contact of t_0 counts if the pair touches now (Liu et al. 2016)"),
-    Word::new("every_look", "a contact of t_0 counts if the pair has touched at every look since"),
+    Word::new(
+        "every_look",
+        "a contact of t_0 counts if the pair has touched at every sample since",
+    ),
 ];
 
 impl RegisteredMeasure for Agglomerates {

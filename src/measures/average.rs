@@ -1,20 +1,20 @@
-//! Averages over the looks of an interval, one row for each interval.
+//! Averages over the samples of an interval, one row for each interval.
 
 use super::registered::MeasureValues;
 use super::stored::Stored;
 use crate::parallel::Communicator;
 use crate::schema::{Allowed, Key, Value};
 
-/// `average`: over how long looks are averaged.
+/// `average`: over how long samples are averaged.
 pub(super) const AVERAGE: Key = Key::number(
     "average",
     Allowed::POSITIVE,
-    "Looks of so long an interval are averaged to one row, a whole multiple of `every`",
+    "Samples over this interval are averaged to one row; a whole multiple of `every`",
 )
 .unit("time")
-.default(Value::Derived("`every`: each look is a row"));
+.default(Value::Derived("`every`: each sample is a row"));
 
-/// Number of looks that one row averages.
+/// Number of samples that one row averages.
 pub(super) fn looks_per_row(values: &dyn MeasureValues) -> Option<u64> {
     let every = values.number("every")?;
     if !values.is_given("average") {
@@ -28,13 +28,13 @@ pub(super) fn looks_per_row(values: &dyn MeasureValues) -> Option<u64> {
     Some(looks.round() as u64)
 }
 
-/// Sums of the looks of the present interval. All ranks have the same numbers, so that plain sums in the order of the
-/// looks are the same everywhere.
+/// Sums of the samples of the present interval. All ranks have the same numbers, so that plain sums in the order of the
+/// samples are the same everywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Average {
     looks_per_row: u64,
     looks: u64,
-    /// Time of the first look of the interval.
+    /// Time of the first sample of the interval.
     from: f64,
     sums: Vec<f64>,
     squares: Vec<f64>,
@@ -43,12 +43,12 @@ pub(super) struct Average {
 /// Means and standard deviations of one interval.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Averaged {
-    /// Number of looks.
+    /// Number of samples.
     pub(super) looks: u64,
     /// Time of the first of them.
     pub(super) from: f64,
     pub(super) means: Vec<f64>,
-    /// Standard deviation between looks, with n - 1; 0 for one look.
+    /// Standard deviation between samples, with n - 1; 0 for one sample.
     pub(super) deviations: Vec<f64>,
 }
 
@@ -57,7 +57,7 @@ impl Average {
         Self { looks_per_row, ..Self::default() }
     }
 
-    /// Adds a look; returns the averages if it was the last of its interval.
+    /// Adds a sample; returns the averages if it was the last of its interval.
     pub(super) fn add(&mut self, time: f64, values: &[f64]) -> Option<Averaged> {
         if self.looks == 0 {
             self.from = time;
@@ -94,7 +94,7 @@ impl Average {
         stored.add_numbers(name, &numbers, ranks);
     }
 
-    /// Goes on from sums that were kept. Collective.
+    /// Continues from sums that were kept. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,

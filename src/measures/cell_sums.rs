@@ -1,11 +1,11 @@
-//! Sums over looks on cells that are spread over the ranks: each cell on its rendezvous rank.
+//! Sums over samples on cells that are spread over the ranks: each cell on its rendezvous rank.
 
 use super::stored::Stored;
 use crate::analysis::send_to_rendezvous;
 use crate::parallel::Communicator;
 use std::collections::BTreeMap;
 
-/// Sums by cell. What a look adds to a cell must not depend on the ranks; then the sums do not either, since looks follow
+/// Sums by cell. What a sample adds to a cell must not depend on the ranks; then the sums do not either, since samples follow
 /// one another in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CellSums {
@@ -32,7 +32,7 @@ impl CellSums {
         stored.add_records(name, &rows.collect::<Vec<[u64; 3]>>());
     }
 
-    /// Goes on from sums that were kept. Collective.
+    /// Continues from sums that were kept. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,

@@ -127,7 +127,7 @@ impl Looks {
         );
         dense.sort_unstable_by_key(|cell| cell.cell);
         let ids: Vec<u64> = dense.iter().map(|cell| cell.cell).collect();
-        // Each dense cell tells its upper neighbours of itself; those that are dense too are linked to it.
+        // Each dense cell announces itself to its upper neighbours; those that are dense too are linked to it.
         let told = ids
             .iter()
             .flat_map(|&cell| self.upper_neighbours(cell).map(move |other| [other, cell]));

@@ -1,7 +1,7 @@
 //! Contacts as lines for ParaView: pairs, forces, overlap and age.
 //!
 //! The history of a contact does not know when it began, and costs the step nothing for that. The measure follows the
-//! pairs instead: a contact is as old as the first of the looks without a gap at which the pair touched.
+//! pairs instead: a contact is as old as the first of the samples without a gap at which the pair touched.
 
 use super::layout::{Column, Layout, Rows, Table};
 use super::registered::{MeasureValues, RegisteredMeasure};
@@ -18,7 +18,7 @@ use bytemuck::{Pod, Zeroable};
 /// Settings of the kind `contacts`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contacts {
-    /// Every so many looks lines are written.
+    /// Number of samples from one writing of lines to the next.
     looks_per_write: u64,
 }
 
@@ -37,10 +37,10 @@ impl Birth {
     }
 }
 
-/// The pairs that touch, each on the rank that owned its lower id at the last look.
+/// The pairs that touch, each on the rank that owned its lower id at the last sample.
 struct Followed {
     settings: Contacts,
-    /// Ascending from the first look on.
+    /// Ascending from the first sample on.
     births: Vec<Birth>,
     /// Looks since lines were written.
     looks: u64,
@@ -53,7 +53,7 @@ impl RegisteredMeasure for Contacts {
     const KEYS: &'static [Key] = &[Key::number(
         "write",
         Allowed::POSITIVE,
-        "Interval at which lines are written, a whole multiple of `every`; looks between follow the ages, which are \
+        "Interval at which lines are written, a whole multiple of `every`; samples in between follow the ages, which are \
          known to `every`",
     )
     .unit("time")
@@ -72,7 +72,7 @@ impl RegisteredMeasure for Contacts {
 
     fn begin(&self, _: &Setting<'_>) -> Box<dyn Measure> {
         let settings = self.clone();
-        // The first look writes.
+        // The first sample writes.
         Box::new(Followed { looks: settings.looks_per_write - 1, settings, births: Vec::new() })
     }
 }
@@ -131,7 +131,7 @@ impl Measure for Followed {
 }
 
 impl Followed {
-    /// Ascending pairs of now: those that touched at the last look have the time at which they began to.
+    /// Ascending pairs of now: those that touched at the last sample have the time at which they began to.
     fn followed(&self, pairs: impl Iterator<Item = [u64; 2]>, now: f64) -> Vec<Birth> {
         let mut known = self.births.iter().peekable();
         let birth = |ids: [u64; 2]| {

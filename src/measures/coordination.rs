@@ -17,7 +17,7 @@ pub struct Coordination {
     looks_per_row: u64,
 }
 
-/// Coordination numbers, averaged over looks.
+/// Coordination numbers, averaged over samples.
 struct Looks {
     settings: Coordination,
     average: Average,
@@ -51,8 +51,8 @@ impl Measure for Looks {
     fn layout(&self) -> Layout {
         let number = Quantity::Number;
         let columns = vec![
-            Column::scalar("from", Quantity::Time, "time of the first look that is averaged"),
-            Column::scalar("looks", number, "number of looks that are averaged"),
+            Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
+            Column::scalar("looks", number, "number of samples that are averaged"),
             Column::scalar(
                 "coordination_number",
                 number,
@@ -61,7 +61,7 @@ impl Measure for Looks {
             Column::scalar(
                 "coordination_deviation",
                 number,
-                "standard deviation of that mean between looks",
+                "standard deviation of that mean between samples",
             ),
             Column::scalar("contacts", number, "number of touching pairs of particles"),
             Column::scalar("without_contact", number, "part of the particles that touch no other"),

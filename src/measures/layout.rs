@@ -73,7 +73,7 @@ impl Column {
         Self { name, shape: shape.to_vec(), along: &[], quantity, meaning }
     }
 
-    /// The same, its first dimensions along these fixed arrays.
+    /// This column with its first dimensions along these fixed arrays.
     pub fn along(self, fixed: &'static [&'static str]) -> Self {
         Self { along: fixed, ..self }
     }

@@ -20,9 +20,9 @@ pub struct Setting<'a> {
     pub column: &'a ColumnGrid,
     /// The cells of a volume-averaged gas, if the case has one.
     pub gas_grid: Option<&'a BoxGrid>,
-    /// Interval of the looks.
+    /// Interval of the samples.
     pub every: f64,
-    /// Time of the first look.
+    /// Time of the first sample.
     pub start: f64,
 }
 
@@ -52,7 +52,7 @@ impl Needs {
 /// number of ranks.
 ///
 /// Its accumulators go into checkpoints: [`Measure::stored`] on some ranks, then [`Measure::restore`] on as many or
-/// others, makes a measure that goes on with the same bits.
+/// others, makes a measure that continues with the same bits.
 pub trait Measure {
     /// What stands in its files.
     fn layout(&self) -> Layout;
@@ -65,20 +65,20 @@ pub trait Measure {
     /// Looks at the run; returns what is to be written now. Collective.
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings;
 
-    /// The agglomerate of each of this rank's particles as of the last look, by their ids; `None` if the measure does not
+    /// The agglomerate of each of this rank's particles as of the last sample, by their ids; `None` if the measure does not
     /// know agglomerates. Collective.
     fn agglomerates(&self, _: &[u64], _: &dyn Communicator) -> Option<Vec<Option<u64>>> {
         None
     }
 
-    /// What must be kept to go on later. Collective.
+    /// What must be kept to resume later. Collective.
     fn stored(&self, ranks: &dyn Communicator) -> Stored;
 
-    /// Goes on from what was kept by a measure of the same settings; `None` if something is missing in it. Collective.
+    /// Continues from what was kept by a measure of the same settings; `None` if something is missing in it. Collective.
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()>;
 }
 
-/// What a look found that is to be written.
+/// What a sample found, to be written.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     /// Rows of tables.
@@ -118,6 +118,6 @@ pub struct ContactLine {
     pub tangential_force: [f64; 3],
     /// Overlap.
     pub overlap: f64,
-    /// Time since the first look at which they touched.
+    /// Time since the first sample at which they touched.
     pub age: f64,
 }

@@ -35,7 +35,7 @@ pub struct Mixing {
 struct Followed {
     settings: Mixing,
     tracers: Tracers,
-    /// Since the start of the window; `None` before the first look.
+    /// Since the start of the window; `None` before the first sample.
     displacements: Option<Displacements>,
     reference_time: f64,
     /// Lag and S^2 along x, y and z of the present window.
@@ -56,7 +56,7 @@ impl RegisteredMeasure for Mixing {
         Key::number(
             "window",
             Allowed::POSITIVE,
-            "Time after which displacements begin anew, a whole multiple of `every`; each window gives one value of \
+            "Time after which displacements start again from zero, a whole multiple of `every`; each window gives one value of \
              the dispersion coefficients",
         )
         .unit("time"),
@@ -87,7 +87,7 @@ impl RegisteredMeasure for Mixing {
             false => 0.25 * window,
         };
         if fit_from > window - 0.999 * every {
-            values.fail("fit_from", "leaves fewer than two looks of a window".to_owned());
+            values.fail("fit_from", "leaves fewer than two samples in a window".to_owned());
             return None;
         }
         let about_mean = values.word("about")? == "mean";
@@ -211,7 +211,7 @@ fn rows_of<const N: usize>(numbers: &[f64]) -> Vec<[f64; N]> {
 }
 
 impl Followed {
-    /// The row of a look. Collective.
+    /// The row of a sample. Collective.
     fn row(
         &self,
         lag: f64,

@@ -1,4 +1,4 @@
-//! Measures that look at a run while it goes on: `[measure.NAME]` of a case.
+//! Measures that sample a run: `[measure.NAME]` of a case.
 //!
 //! A measure is a [`Measure`]: it looks at the state at its interval, keeps sums, and says what is to be written; it
 //! knows no files. `output/measure_file.rs` writes what it declares in its [`Layout`], checkpoints keep what it

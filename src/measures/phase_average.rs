@@ -59,7 +59,7 @@ const AVERAGED: [Averaged; 8] = averaged! {
 /// The samples of the present block of cycles, and one before it.
 struct Block {
     settings: PhaseAverages,
-    /// Number of the first cycle; `None` before the first look.
+    /// Number of the first cycle; `None` before the first sample.
     first: Option<f64>,
     /// Time, then the numbers.
     samples: Vec<[f64; AVERAGED.len() + 1]>,
@@ -96,7 +96,7 @@ impl RegisteredMeasure for PhaseAverages {
         let bins = values.count("phases")? as usize;
         if every * frequency * bins as f64 > 1.000_001 {
             let most = 1.0 / (frequency * bins as f64);
-            let message = format!("must be at most {most:.6}, or a bin of the phase has no look");
+            let message = format!("must be at most {most:.6}, or a bin of the phase has no sample");
             values.fail("every", message);
             return None;
         }
@@ -110,7 +110,7 @@ impl RegisteredMeasure for PhaseAverages {
     }
 }
 
-/// The part of a cycle by which a look may miss its end.
+/// The part of a cycle by which a sample may miss its end.
 const TOLERANCE: f64 = 1.0e-6;
 
 impl Block {
@@ -198,7 +198,7 @@ impl Measure for Block {
             return Findings::default();
         }
         let row = self.row();
-        // The look before the border shows that the next block begins at it.
+        // The sample before the border shows that the next block begins at it.
         self.samples.drain(..self.samples.len().saturating_sub(2));
         self.first = Some(next);
         Findings { rows: vec![row], ..Findings::default() }

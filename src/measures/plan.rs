@@ -10,9 +10,9 @@ use crate::state::SizeRange;
 pub struct MeasurePlan {
     /// What the case calls it.
     pub name: String,
-    /// Interval of its looks; time.
+    /// Interval of its samples; time.
     pub every: f64,
-    /// Time of the first look.
+    /// Time of the first sample.
     pub start: f64,
     /// What it measures.
     pub kind: MeasureKind,

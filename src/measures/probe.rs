@@ -63,7 +63,7 @@ const PLACES: &[Word] = &[
     ),
 ];
 
-/// Means over looks.
+/// Means over samples.
 struct Looks {
     settings: Probe,
     bounds: Bounds,
@@ -149,8 +149,8 @@ impl Measure for Looks {
             Place::Plane { .. } => &AT_PLANE[..],
         };
         let mut columns = vec![
-            Column::scalar("from", Quantity::Time, "time of the first look that is averaged"),
-            Column::scalar("looks", Quantity::Number, "number of looks that are averaged"),
+            Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
+            Column::scalar("looks", Quantity::Number, "number of samples that are averaged"),
         ];
         let column =
             |&(name, quantity, meaning): &Described| Column::scalar(name, quantity, meaning);
@@ -159,7 +159,7 @@ impl Measure for Looks {
             "deviations",
             &[described.len()],
             Quantity::Number,
-            "standard deviations between looks of the columns from pressure on, each in the column's unit",
+            "standard deviations between samples of the columns from pressure on, each in the column's unit",
         );
         columns.push(deviations);
         Layout { tables: vec![Table { name: "results", columns }], ..Layout::default() }

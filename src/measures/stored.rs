@@ -25,7 +25,7 @@ pub struct StoredTable {
 pub struct MeasureState {
     /// What the case calls the measure.
     pub name: String,
-    /// Its settings: with others it cannot go on.
+    /// Its settings: with others it cannot continue.
     pub settings: String,
     /// What it keeps.
     pub stored: Stored,

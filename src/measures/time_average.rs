@@ -1,7 +1,7 @@
 //! Means and standard deviations over time of the fields of gas and solids: on the cells of a volume-averaged gas, or over
 //! height.
 //!
-//! With n looks of an interval, mean M = sum x / n and deviation sqrt((sum x^2 - n M^2) / (n - 1)). Means of velocities
+//! With n samples of an interval, mean M = sum x / n and deviation sqrt((sum x^2 - n M^2) / (n - 1)). Means of velocities
 //! are means over time, not weighted by how much gas or solids there is.
 
 use super::average::{AVERAGE, Average, looks_per_row};
@@ -77,8 +77,8 @@ impl RegisteredMeasure for TimeAverage {
 /// The columns that every row begins with.
 fn head() -> Vec<Column> {
     vec![
-        Column::scalar("from", Quantity::Time, "time of the first look that is averaged"),
-        Column::scalar("looks", Quantity::Number, "number of looks that are averaged"),
+        Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
+        Column::scalar("looks", Quantity::Number, "number of samples that are averaged"),
         Column::scalar(
             "solids_fraction_mean",
             Quantity::Number,

@@ -86,7 +86,7 @@ impl ExactSum {
         self.not_finite |= other.not_finite;
     }
 
-    /// The same sum with the other sign.
+    /// This sum with the other sign.
     #[must_use]
     pub fn negated(&self) -> Self {
         let mut negated = self.clone();

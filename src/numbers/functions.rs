@@ -89,7 +89,7 @@ fn exp2(t: f64) -> f64 {
     series * scale
 }
 
-/// Of artanh(s) / s = sum q^n / (2n + 1), q = s^2.
+/// Coefficients of artanh(s) / s = sum q^n / (2n + 1), q = s^2.
 const ARTANH: [f64; 10] = {
     let mut coefficients = [1.0; 10];
     let mut n = 1;
@@ -100,7 +100,7 @@ const ARTANH: [f64; 10] = {
     coefficients
 };
 
-/// Of 2^f = sum (f ln 2)^n / n!.
+/// Coefficients of 2^f = sum (f ln 2)^n / n!.
 const EXP2: [f64; 14] = {
     let mut coefficients = [1.0; 14];
     let mut n = 1;

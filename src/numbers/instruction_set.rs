@@ -6,7 +6,7 @@ use thiserror::Error;
 /// Sets of vector instructions, from the narrowest to the widest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum InstructionSet {
-    /// Those that every processor of the target has.
+    /// The instructions that every processor of the target has.
     Baseline,
     /// AVX2 of x86-64.
     Avx2,

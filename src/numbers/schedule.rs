@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// A number as a function of time: constant, a ramp, steps, or a sine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
-    /// The same at all times.
+    /// Constant in time.
     Constant(f64),
     /// `from` until `start`, then linear up to `to` at `end`, then `to`.
     Ramp {
@@ -77,7 +77,7 @@ impl Schedule {
         }
     }
 
-    /// The same schedule with every value multiplied by `factor`.
+    /// This schedule with every value multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         match &mut scaled {

@@ -64,7 +64,7 @@ const NUMBERS: [LineColumn; 5] = [
         name: "age",
         width: 1,
         unit: |units| units.time,
-        description: "time since the first look at which the two touched, and have touched at every look since",
+        description: "time since the first of the samples at all of which the two have touched",
         of: |line| std::slice::from_ref(&line.age),
     },
 ];
@@ -124,7 +124,7 @@ fn tables(extent: Extent) -> Vec<(String, u64)> {
     line_tables(extent).into_iter().chain(of_steps).collect()
 }
 
-/// Those of the lines, which are not copied at checkpoints.
+/// The tables of the lines, which are not copied at checkpoints.
 fn bulk() -> Vec<String> {
     line_tables(Extent::default()).into_iter().map(|(name, _)| name).collect()
 }

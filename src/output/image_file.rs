@@ -46,7 +46,7 @@ pub(super) fn tables<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String
     of_fields.chain(["/VTKHDF/Steps/Values".to_owned()]).collect()
 }
 
-/// Those of the numbers of cells, which are not copied at checkpoints.
+/// The tables of the numbers of cells, which are not copied at checkpoints.
 pub(super) fn bulk(tables: &[String]) -> Vec<String> {
     tables.iter().filter(|name| name.starts_with(&data(""))).cloned().collect()
 }

@@ -73,7 +73,7 @@ pub(crate) fn holder(path: &Path) -> String {
     }
 }
 
-/// Whether the process of a signature still exists; `None` if that cannot be told on this host.
+/// Whether the process of a signature still exists; `None` if that cannot be found out on this host.
 pub(crate) fn is_alive(signature: &str) -> Option<bool> {
     let (process, rest) = signature.strip_prefix("process ")?.split_once(" on ")?;
     let process = Pid::from_raw(process.parse().ok()?)?;

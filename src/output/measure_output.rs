@@ -51,7 +51,7 @@ impl MeasureOutput {
         Ok(Self { table, image, lines })
     }
 
-    /// Adds what a look found. Collective.
+    /// Adds what a sample found. Collective.
     ///
     /// # Errors
     /// If a file cannot be written.

@@ -57,7 +57,7 @@ pub(super) fn commit(path: &Path, bulk: &[String]) -> MessageResult<()> {
     copied.map_err(|error| format!("its metadata cannot be copied: {error}"))
 }
 
-/// The same on rank 0. Collective.
+/// Commits on rank 0. Collective.
 pub(super) fn commit_on_root(
     path: &Path,
     bulk: &[String],
@@ -266,7 +266,7 @@ mod tests {
                     std::fs::write(&path, mixed(&before, &after, trial)).unwrap();
                     resume(&path, rows).unwrap();
                 }
-                // Killed once more, after the resumed run has committed what it goes on from.
+                // Killed once more, after the resumed run has committed what it continues from.
                 commit(&path, &tables()).unwrap();
                 let seed = 1000 + step as u64;
                 std::fs::write(&path, mixed(&before, &after, seed)).unwrap();

@@ -124,6 +124,8 @@ fn set_aside(path: &Path, reason: &str) -> MessageResult<()> {
     let aside = free_name(path);
     std::fs::rename(path, &aside).map_err(|error| format!("cannot be renamed: {error}"))?;
     let [path, aside] = [path.display(), aside.display()];
-    log::warn!("{path} cannot be continued ({reason}); it is kept as {aside}, and a new one begun");
+    log::warn!(
+        "{path} cannot be continued ({reason}); it is kept as {aside}, and a new one is started"
+    );
     Ok(())
 }

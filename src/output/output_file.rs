@@ -1,4 +1,4 @@
-//! What every file of results can do: begin or go on, write an instant, and be safe against a kill.
+//! What every file of results can do: begin or continue, write an instant, and be safe against a kill.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::grid::{BoxGrid, ColumnGrid};
 use crate::parallel::{CellSample, Communicator, ParticleRecord, Records};
 use crate::state::EnergyRow;
 
-/// A file of results that grows while a run goes on.
+/// A file of results that grows during a run.
 ///
 /// A new kind is a file with such a type and its [`OutputKind`], and one line in the list of `simulation/outputs.rs`.
 pub trait Output {
@@ -175,7 +175,7 @@ pub(super) fn rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before < row_time)
 }
 
-/// The same where several rows may be of one time.
+/// Number of rows up to a time, where several rows may be of one time.
 pub(super) fn shared_rows_up_to(times: &[f64], time: f64) -> MessageResult<usize> {
     leading_rows(times, time, |before, row_time| before <= row_time)
 }

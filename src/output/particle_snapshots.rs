@@ -2,7 +2,7 @@
 //!
 //! One partition for each time, rows sorted by id, so that the file does not depend on the number of ranks.
 //! Rows are written first, then what makes them a time step; the file is closed after each, so that it can
-//! be read while the run goes on; at each checkpoint its rows are made safe against a kill.
+//! be read during the run; at each checkpoint its rows are made safe against a kill.
 
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ const STEP_PIECE: usize = 256;
 pub struct ParticleSnapshots {
     path: PathBuf,
     format: SnapshotFormat,
-    /// Whether the file is compressed; one that was begun otherwise goes on as it is.
+    /// Whether the file is compressed; one that was begun otherwise continues as it is.
     compressed: bool,
     steps: u64,
     /// Rows, those between snapshots included.
@@ -118,7 +118,7 @@ impl ParticleSnapshots {
         ranks.sum_integers(&mut counts);
         let [steps, points, compressed] = counts.map(|count| count as u64);
         let (path, format) = (path.to_owned(), format.clone());
-        // A file that has begun otherwise goes on as it is.
+        // A file that was begun otherwise continues as it is.
         Ok(Self { path, format, compressed: compressed == 1, steps, points })
     }
 

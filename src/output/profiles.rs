@@ -1,5 +1,5 @@
 //! Profiles over height and time for space-time plots: `profiles.h5`, written by rank 0. The file is
-//! closed after each row, so that it can be read while the run goes on; at each checkpoint its rows are made
+//! closed after each row, so that it can be read during the run; at each checkpoint its rows are made
 //! safe against a kill.
 
 use std::path::{Path, PathBuf};
@@ -134,7 +134,7 @@ impl Output for Profiles {
     }
 }
 
-/// Those of them that are not copied at checkpoints: all but the times.
+/// The tables that are not copied at checkpoints: all but the times.
 fn bulk() -> Vec<String> {
     GROWING[1..].iter().map(|&name| name.to_owned()).collect()
 }

@@ -26,7 +26,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Of this program, now, on these ranks: the same on all of them. Collective.
+    /// Describes this program, now, on these ranks; the same on all of them. Collective.
     pub fn here_and_now(title: &str, units: &str, ranks: &dyn Communicator) -> Self {
         let mut here = machine().into_bytes();
         ranks.broadcast_from_root(&mut here);

@@ -20,7 +20,7 @@ pub(super) enum Rows {
     Fixed(u64),
     /// None yet; stored in pieces of so many rows.
     Growing(usize),
-    /// The same, each piece compressed; every piece may be written at one time only.
+    /// Compressed pieces; every piece may be written at one time only.
     Compressed {
         /// Rows of a piece.
         piece: usize,

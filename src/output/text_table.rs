@@ -157,17 +157,14 @@ fn put_back(path: &Path, mut file: &File) -> MessageResult<File> {
     let read = file.rewind().and_then(|()| file.read_to_string(&mut text));
     read.map_err(|error| error.to_string())?;
     if path.exists() {
-        set_aside(path, "it is not the one that this run has begun")?;
+        set_aside(path, "it is not the one that this run started")?;
     }
-    log::warn!(
-        "{} was removed or replaced while the run went on: it is written again",
-        path.display()
-    );
+    log::warn!("{} was removed or replaced during the run: it is written again", path.display());
     replace(path, &text)
 }
 
 /// The text of a table up to and including a time. Damaged rows are left out with a warning, and a copy of the file as it
-/// was is kept; a last row that a kill has cut short is not damage. Rows that end too early are told.
+/// was is kept; a last row that a kill has cut short is not damage. Rows that end too early are reported.
 fn rows_up_to(path: &Path, time: f64, format: &TableFormat) -> Result<String, Obstacle> {
     let text = std::fs::read_to_string(path).map_err(|error| Obstacle::of_io(&error))?;
     let (mut kept, rows) = head_and_rows(&text, format).map_err(Obstacle::Unusable)?;
@@ -267,9 +264,7 @@ fn keep_copy(path: &Path, lines: &str) -> MessageResult<()> {
     let copy = free_name(path);
     std::fs::copy(path, &copy).map_err(|error| format!("cannot be copied: {error}"))?;
     let [path, copy] = [path.display(), copy.display()];
-    log::warn!(
-        "{path}: rows that are damaged are left out (line {lines}); as it was it is kept as {copy}"
-    );
+    log::warn!("{path}: damaged rows are left out (line {lines}); the original is kept as {copy}");
     Ok(())
 }
 
@@ -346,7 +341,7 @@ mod tests {
         assert_eq!(missing_after(0.3, &times), Some(0.2));
         assert_eq!(missing_after(0.29, &times), None);
         assert_eq!(missing_after(0.3, &[0.0, 0.11, 0.2]), None);
-        // Later rows than the time are dropped; one row tells no interval.
+        // Later rows than the time are dropped; one row gives no interval.
         assert_eq!(missing_after(0.05, &times), None);
         assert_eq!(missing_after(9.0, &[0.0, 0.0]), None);
     }

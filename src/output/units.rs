@@ -6,39 +6,39 @@ use crate::fields::Unit;
 /// The name of the unit of each kind of quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ColumnUnits {
-    /// Of time.
+    /// Time.
     pub time: &'static str,
-    /// Of length.
+    /// Length.
     pub length: &'static str,
-    /// Of velocity.
+    /// Velocity.
     pub speed: &'static str,
-    /// Of angle.
+    /// Angle.
     pub angle: &'static str,
-    /// Of angular velocity.
+    /// Angular velocity.
     pub angular_speed: &'static str,
-    /// Of force.
+    /// Force.
     pub force: &'static str,
-    /// Of torque.
+    /// Torque.
     pub torque: &'static str,
-    /// Of pressure.
+    /// Pressure.
     pub pressure: &'static str,
-    /// Of mass.
+    /// Mass.
     pub mass: &'static str,
-    /// Of energy.
+    /// Energy.
     pub energy: &'static str,
-    /// Of volume.
+    /// Volume.
     pub volume: &'static str,
-    /// Of mass per area and time.
+    /// Mass per area and time.
     pub mass_flux: &'static str,
-    /// Of area.
+    /// Area.
     pub area: &'static str,
-    /// Of squared velocity.
+    /// Squared velocity.
     pub squared_speed: &'static str,
-    /// Of squared length over time.
+    /// Squared length over time.
     pub diffusivity: &'static str,
     /// Per time.
     pub rate: &'static str,
-    /// Of what has none.
+    /// No unit, for pure numbers.
     pub number: &'static str,
 }
 

@@ -188,7 +188,7 @@ fn resident() -> usize {
 mod tests {
     use super::*;
 
-    /// Whether large pages were asked for the memory that begins here; None where the system does not tell.
+    /// Whether large pages were asked for the memory that begins here; None where the system does not say.
     fn asked_for(memory: *const u8) -> Option<bool> {
         std::fs::metadata("/sys/kernel/mm/transparent_hugepage").ok()?;
         let maps = std::fs::read_to_string("/proc/self/smaps").ok()?;

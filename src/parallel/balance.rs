@@ -73,7 +73,7 @@ impl RankLoad {
         }
     }
 
-    /// The same rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
+    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
     /// at least `least_width` wide; `particles` are those owned, positions wrapped, and how many pairs are counted with each.
     /// This call is collective.
     ///
@@ -103,7 +103,7 @@ impl RankLoad {
         decomposition.with_cut_planes(cut_planes)
     }
 
-    /// Of a particle with which so many pairs are counted, in the histogram.
+    /// Weight in the histogram of a particle with which so many pairs are counted.
     fn weight(&self, pairs: u32) -> i64 {
         let cost = self.cost_of_particle + self.cost_of_pair * f64::from(pairs);
         (cost * MEAN_WEIGHT).round() as i64

@@ -54,7 +54,7 @@ pub fn migrate(
     }
 }
 
-/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles, with the rows of a user's own fields.
+/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles, with the rows of custom fields.
 /// This call is collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,

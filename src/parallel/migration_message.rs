@@ -7,7 +7,7 @@ use bytemuck::{Pod, cast_slice};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MigrationMessage {
     pub(super) particles: Vec<ParticleRecord>,
-    /// Numbers of these particles in a user's own fields.
+    /// Numbers of these particles in custom fields.
     pub(super) own: Vec<f64>,
     pub(super) pairs: Vec<ContactRecord>,
     pub(super) walls: Vec<WallContactRecord>,

@@ -18,7 +18,7 @@
 //! | pressure equation: small levels | numbers | 8 per cell | all | [`sum_exact`] |
 //!
 //! Columns of particles that travel ([`Travel`](crate::fields::Travel)) follow the records of velocities, of forces and of new ghosts in
-//! the same messages, 8 bytes for each number; a user's own fields follow the records of particles.
+//! the same messages, 8 bytes for each number; custom fields follow the records of particles.
 //!
 //! When the neighbour list is rebuilt:
 //!

@@ -1,4 +1,4 @@
-//! What a look at the particles of a rank takes from its lists.
+//! What a sample of the particles of a rank takes from its lists.
 
 use super::agglomerates::ParticleSample;
 use super::ownership::Ownership;

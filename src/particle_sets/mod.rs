@@ -1,7 +1,7 @@
 //! Sets of particles that are spread over ranks: who owns which particle, pairs that touch, contacts that persist, connected
 //! sets of them, and agglomerates.
 //!
-//! What a look finds depends on ids, positions and contacts alone, and is the same bits for any distribution over ranks, if
+//! What a sample finds depends on ids, positions and contacts alone, and is the same bits for any distribution over ranks, if
 //! positions are multiples of the quantum of positions. It knows nothing of forces: the drag of agglomerates and the measures
 //! of a run are made of it alike.
 

@@ -1,7 +1,7 @@
 //! Which rank owns a particle, for records that must be where their particle is.
 //!
-//! What is kept from one look to the next about a particle stays on the rank that owned it; only the records of those that
-//! have moved to another rank travel. So a look costs messages for the particles near borders of ranks, not for all.
+//! What is kept from one sample to the next about a particle stays on the rank that owned it; only the records of those that
+//! have moved to another rank travel. So a sample costs messages for the particles near borders of ranks, not for all.
 
 use super::rendezvous::{OwnersOf, owners_of};
 use crate::numbers::sorted_by_key;

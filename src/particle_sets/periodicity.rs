@@ -14,7 +14,7 @@ pub struct Periodicity {
 }
 
 impl Periodicity {
-    /// That of a box.
+    /// The periodicity of a box.
     pub fn of(bounds: &Bounds) -> Self {
         let length = |axis: usize| bounds.is_periodic(axis).then(|| bounds.lengths()[axis]);
         Self { lengths: [length(0), length(1), length(2)] }

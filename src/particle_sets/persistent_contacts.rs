@@ -1,4 +1,4 @@
-//! Contacts that persist: those of a reference time that are still there at later looks.
+//! Contacts that persist: those of a reference time that are still there at later samples.
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), section 2.4.
 
@@ -11,23 +11,23 @@ use crate::parallel::Communicator;
 pub enum Persistence {
     /// The pair touches at t_0 and at t; it may have parted and met again in between (the paper's definition).
     AtBothTimes,
-    /// The pair touches at t_0 and has touched at every look since. It may part between two looks without being
-    /// noticed: the interval of the looks belongs to the definition.
+    /// The pair touches at t_0 and has touched at every sample since. It may part between two samples without being
+    /// noticed: the interval of the samples belongs to the definition.
     AtEveryLook,
 }
 
 /// The contacts of a reference time t_0, and which of them were kept.
 ///
-/// A pair is held by the rank that owned its lower id at the last look.
+/// A pair is held by the rank that owned its lower id at the last sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PersistentContacts {
     persistence: Persistence,
-    /// Of t_0, or those kept at every look so far; ascending from the first look on.
+    /// The pairs of t_0, or those kept at every sample so far; ascending from the first sample on.
     candidates: Vec<Pair>,
 }
 
 impl PersistentContacts {
-    /// Takes all ranks' touching pairs at t_0, each on one rank, or goes on from pairs that were
+    /// Takes all ranks' touching pairs at t_0, each on one rank, or continues from pairs that were
     /// [stored](Self::stored) by whatever ranks.
     pub fn begin(persistence: Persistence, touching: &[Pair]) -> Self {
         Self { persistence, candidates: touching.to_vec() }
@@ -49,12 +49,12 @@ impl PersistentContacts {
         kept
     }
 
-    /// What must be stored to go on later: this rank's pairs.
+    /// What must be stored to resume later: this rank's pairs.
     pub fn stored(&self) -> &[Pair] {
         &self.candidates
     }
 
-    /// Number of the pairs that a look compares with, on all ranks. Collective.
+    /// Number of the pairs that a sample compares with, on all ranks. Collective.
     pub fn count(&self, ranks: &dyn Communicator) -> usize {
         ranks.total(self.candidates.len())
     }
@@ -78,7 +78,7 @@ mod tests {
     use crate::parallel::run_on_threads;
     use std::collections::BTreeSet;
 
-    /// Which of the particles 0 to 59 a rank owns at a look.
+    /// Which of the particles 0 to 59 a rank owns at a sample.
     fn owned(look: usize, rank: usize, n: usize) -> Ownership {
         let mine = |id: &u64| (*id as usize * (3 + look) % 11 % n) == rank;
         Ownership::of((0..60).filter(mine).collect())
@@ -90,7 +90,7 @@ mod tests {
         here.into_iter().collect()
     }
 
-    /// The pairs kept at each of several looks (the first is t_0), with another distribution at each.
+    /// The pairs kept at each of several samples (the first is t_0), with another distribution at each.
     fn kept(n: usize, persistence: Persistence, looks: &[Vec<Pair>]) -> Vec<Vec<Pair>> {
         let made = run_on_threads(n, |ranks| {
             let owned = |k: usize| owned(k, ranks.rank(), n);

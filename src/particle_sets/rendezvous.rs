@@ -36,7 +36,7 @@ pub(crate) fn send_to_rendezvous<T: Pod>(
     exchanged(outgoing, ranks)
 }
 
-/// The same of keys and what belongs to them. Collective.
+/// Sends keys and what belongs to them. Collective.
 pub(crate) fn send_keyed<T: Pod>(
     records: impl IntoIterator<Item = (u64, T)>,
     ranks: &dyn Communicator,

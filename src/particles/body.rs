@@ -51,7 +51,7 @@ impl Body {
         Self { position, radius, velocity, mass, angular_velocity: Vector3::zeros(), species: 0.0 }
     }
 
-    /// The same of another species.
+    /// This body with another species.
     #[must_use]
     pub fn of_species(self, species: usize) -> Self {
         Self { species: species as f64, ..self }
@@ -75,7 +75,7 @@ impl Body {
         bytemuck::cast_ref(self)
     }
 
-    /// The same, mutable.
+    /// Mutable access to them.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 3] {
         bytemuck::cast_mut(self)
@@ -115,7 +115,7 @@ impl ForceTorque {
         bytemuck::cast_ref(self)
     }
 
-    /// The same, mutable; the zeros must stay.
+    /// Mutable access to them; the zeros must stay.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 2] {
         bytemuck::cast_mut(self)

@@ -19,7 +19,7 @@ pub struct Column {
     values: Vec<f64>,
 }
 
-/// All columns of the particles: those of the built-in fields, then those of a user's own, one for each field.
+/// All columns of the particles: those of the built-in fields, then those of custom fields, one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns(Vec<Column>);
 
@@ -66,13 +66,13 @@ impl Columns {
         &self.0[number]
     }
 
-    /// The same, to be changed.
+    /// Mutable access to a column.
     #[inline(always)]
     pub fn at_mut(&mut self, number: usize) -> &mut Column {
         &mut self.0[number]
     }
 
-    /// The column of a user's own field that travels so.
+    /// The column of a custom field that travels so.
     pub(crate) fn number_of_own(&self, name: &str, travel: Travel) -> Option<usize> {
         let is_it = |column: &Column| column.fields[0].name == name && column.travel() == travel;
         Some(BUILT_IN + self.0[BUILT_IN..].iter().position(is_it)?)
@@ -83,7 +83,7 @@ impl Columns {
         self.0.iter().position(|column| column.fields.iter().any(|field| field.name == name))
     }
 
-    /// The columns of a user's own fields; what is returned at each step is none of them, since it is zero between steps.
+    /// The columns of custom fields; what is returned at each step is none of them, since it is zero between steps.
     pub fn own(&self) -> impl Iterator<Item = &Column> {
         self.0[BUILT_IN..].iter().filter(|column| column.travel() != Travel::Returned)
     }
@@ -97,7 +97,7 @@ impl Columns {
         self.0[BUILT_IN..].iter_mut().filter(|column| column.travel() != Travel::Returned)
     }
 
-    /// Adds a column of zeros for a user's own field. There must be no ghosts.
+    /// Adds a column of zeros for a custom field. There must be no ghosts.
     pub fn add(&mut self, field: Field) {
         let count = self.0[GAS_FORCE].count;
         self.0.push(Column { count, ..Column::of(&[field]) });

@@ -107,7 +107,7 @@ impl ContactState {
         bytemuck::cast_slice_mut(std::slice::from_mut(self))
     }
 
-    /// The same contact seen from the other body. An angle about the normal is the same from both sides: normal and spin change
+    /// This contact seen from the other body. An angle about the normal is the same from both sides: normal and spin change
     /// their signs together.
     #[must_use]
     pub fn seen_from_the_other_side(mut self) -> Self {

@@ -30,7 +30,7 @@ pub struct LostContact(u64, String);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct WallPair {
     pub(crate) wall: u32,
-    /// Of the particle.
+    /// Species of the particle.
     pub(crate) species: u32,
     pub(crate) particle: u32,
 }
@@ -62,7 +62,7 @@ pub struct Contacts {
     pub(crate) wall_state: Vec<ContactState>,
 }
 
-/// Of a slot whose pair has no history.
+/// Marks a slot whose pair has no history.
 const NO_HISTORY: u32 = u32::MAX;
 
 impl Contacts {
@@ -290,7 +290,7 @@ impl Contacts {
         Ok(of_slots)
     }
 
-    /// The same with walls: a particle that has no pair with the wall is away from it.
+    /// Restores contacts with walls: a particle that has no pair with the wall is away from it.
     fn restore_walls(
         &mut self,
         particles: &Particles,

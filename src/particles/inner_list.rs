@@ -5,7 +5,7 @@
 //! approached each other by more than its margin. The law is evaluated on **active** pairs, those within the range of
 //! contacts, at every step. Of the others, the **candidates**, only the distance is computed, and the attraction if there
 //! is any; a candidate that comes within the range of contacts is promoted. Which pairs beyond the interaction range the
-//! list holds changes no result. But all ranks choose one margin, so that they make their lists anew at the same steps: else
+//! list holds changes no result. But all ranks choose one margin, so that they rebuild their lists at the same steps: else
 //! the others would wait at each step at which one of them does.
 //!
 //! The pairs of each two species are held apart, so that one law holds for all pairs of a block; and so are those with a
@@ -40,9 +40,9 @@ pub(super) struct Rows<'a> {
 /// Which pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PairGroup {
-    /// Those of two owned particles, also through a periodic face.
+    /// Pairs of two owned particles, also through a periodic face.
     Own,
-    /// Those with a particle of another rank.
+    /// Pairs with a particle of another rank.
     Shared,
 }
 
@@ -188,7 +188,7 @@ impl InnerList {
         self.kinds_mut(group)[kind_of_bodies(bodies)].restore(pair, state);
     }
 
-    /// Makes the list anew if it may lack a pair of the neighbour list that is within the range of any force. Candidates
+    /// Rebuilds the list if it may lack a pair of the neighbour list that is within the range of any force. Candidates
     /// may have come within the range of contacts since it was made: [`InnerList::find_promotions`].
     pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: InteractionRanges) {
         if !self.validity.covers(ranges) {

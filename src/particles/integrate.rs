@@ -10,7 +10,7 @@ pub(crate) fn kick(particles: &mut Particles, dt: f64) {
 }
 
 /// Half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then those of
-/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a gas in three dimensions, as of its last step: all others
+/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a volume-averaged gas, as of its last step: all others
 /// are still to be added.
 /// The second half of the previous step's kick, of length `pending`, is done first if it has not been done yet: one pass
 /// through memory does it all. Returns a bound of the displacements of all particles; infinite if a velocity is undefined.
@@ -74,7 +74,7 @@ impl Weight {
         self.quantum.round(mass * self.gravity)
     }
 
-    /// The same as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
+    /// The weight as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
     /// bit would depend on which pairs are looked at.
     #[inline(always)]
     fn force(&self, mass: f64) -> ForceTorque {
@@ -154,7 +154,7 @@ vectorised!(
     }
 );
 
-/// Advances bodies, which it prefetches if `fetches`; with `GAS`, there is a gas in three dimensions. Returns a bound of the
+/// Advances bodies, which it prefetches if `fetches`; with `GAS`, there is a volume-averaged gas. Returns a bound of the
 /// displacements. Each has a loop of its own: one loop for both takes a quarter more instructions.
 #[inline(always)]
 fn integrate_bodies<Q: F64x4, const GAS: bool>(

@@ -1,4 +1,4 @@
-//! A user's own fields, beside the records of particles.
+//! Custom fields, beside the records of particles.
 
 use super::Particles;
 use crate::fields::Field;
@@ -23,7 +23,7 @@ impl OwnFields {
         &self.numbers[index * self.width()..][..self.width()]
     }
 
-    /// The same with rows of zeros for more particles, so many in all.
+    /// A copy with rows of zeros for more particles, so many in all.
     #[must_use]
     pub fn extended(&self, particles: usize) -> Self {
         let mut extended = self.clone();

@@ -67,7 +67,7 @@ impl PairsOfKind {
         Candidates { pairs: &self.candidates, to_promote: &mut self.to_promote }
     }
 
-    /// The same pairs, to be read.
+    /// The separated pairs, to be read.
     pub(super) fn separated(&self) -> &[Pair] {
         &self.candidates
     }

@@ -5,9 +5,9 @@
 pub enum Skin {
     /// Always this separation; length.
     Fixed(f64),
-    /// What the particles' speeds make cheapest, anew for each list.
+    /// The cheapest for the particles' speeds, chosen again for each list.
     FromSpeeds {
-        /// Of the largest particles; length.
+        /// Diameter of the largest particles.
         diameter: f64,
     },
 }

@@ -75,7 +75,7 @@ fn scalars(found: &[(&Measure, Findings)]) -> ResultTable {
     let columns = vec![
         Column::new("name", "of the number or text", Cells::Text(rows.iter().map(name).collect())),
         Column::new("value", "not a number where there is none", value),
-        Column::new("error", "standard error, where it can be told", error),
+        Column::new("error", "standard error, where it can be estimated", error),
         Column::new("text", "of what is a text", text),
         Column::new("unit", "of value and error", texts(&|scalar| scalar.unit.to_owned())),
         Column::new("meaning", "what it is", texts(&|scalar| scalar.kind.meaning.to_owned())),

@@ -40,7 +40,7 @@ pub enum Value {
     Number {
         /// Its value.
         value: f64,
-        /// Its standard error, where it can be told.
+        /// Its standard error, where it can be estimated.
         error: Option<f64>,
     },
     /// A text.
@@ -57,7 +57,7 @@ impl From<f64> for Value {
 
 impl From<Estimate> for Value {
     fn from(Estimate { value, error }: Estimate) -> Self {
-        // Errors are infinite where there is too little to tell them from.
+        // Errors are infinite where there is too little to estimate them from.
         Self::Number { value, error: Some(error).filter(|error| error.is_finite()) }
     }
 }

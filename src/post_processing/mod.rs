@@ -35,7 +35,7 @@ pub struct Measure {
     pub title: &'static str,
     /// The numbers and texts that it may give; one with an empty name goes by the measure's own.
     pub scalars: fn() -> Vec<Kind>,
-    /// Whether a run of this case gives it, so far as the case can tell.
+    /// Whether a run of this case gives it, as far as the case shows.
     pub of_case: fn(&Case) -> Result<(), NoValue>,
     /// Measures.
     pub find: fn(&Results) -> Result<Findings, Unmeasured>,

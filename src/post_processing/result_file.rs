@@ -23,13 +23,13 @@ impl ResultFile {
         }
     }
 
-    /// That there is no such file, and which key would give it.
+    /// Says that there is no such file, and which key would give it.
     pub(super) fn absent(self) -> NoValue {
         let key = match self {
             Self::Series => "output.series",
             Self::Profiles => "output.profiles",
             Self::Particles => "output.particles",
-            Self::Gas => "output.gas, of a gas in three dimensions,",
+            Self::Gas => "output.gas, of a volume-averaged gas,",
         };
         let name = self.name();
         NoValue::because(format!("there is no {name}: the key {key} of the case would give it"))

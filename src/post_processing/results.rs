@@ -69,7 +69,7 @@ impl Results {
         Ok(Self { folder, window, case_text, case, is_whole, series, profiles, checkpoints })
     }
 
-    /// The same results as those of a run that has come to its end: a file that the case asks for and that is not there is
+    /// These results as those of a run that has come to its end: a file that the case asks for and that is not there is
     /// an error, not the lack of something to measure.
     pub fn of_complete_run(self) -> Self {
         Self { is_whole: true, ..self }
@@ -150,7 +150,7 @@ impl Results {
         Ok(snapshots)
     }
 
-    /// The snapshots of a gas in three dimensions that count; at least one.
+    /// The snapshots of a volume-averaged gas that count; at least one.
     pub fn gas_snapshots(&self) -> Result<GasSnapshotReader, Unmeasured> {
         let path = self.file(ResultFile::Gas)?;
         let snapshots = GasSnapshotReader::open(&path)?;
@@ -172,7 +172,7 @@ impl Results {
         as_ref(self.checkpoints.get_or_init(list)).map(Vec::as_slice)
     }
 
-    /// A checkpoint, whole; `None` if its time does not count, or if a run that goes on has removed it meanwhile.
+    /// A checkpoint, whole; `None` if its time does not count, or if an active run has removed it meanwhile.
     pub fn checkpoint(&self, path: &Path) -> Result<Option<Checkpoint>, Unmeasured> {
         if !path.exists() {
             return Ok(None);
@@ -184,7 +184,7 @@ impl Results {
     /// The last time of the results, window or not.
     ///
     /// # Errors
-    /// If no file tells it.
+    /// If no file gives it.
     pub fn last_time(&self) -> Result<f64, OutputError> {
         let series = self.whole_series();
         match series.map(|series| series.column("time").and_then(|times| times.last().copied())) {
@@ -240,7 +240,9 @@ impl Results {
             0 if self.window == TimeWindow::WHOLE => {
                 Err(NoValue::because(format!("{name} holds no results yet")))
             }
-            0 => Err(NoValue::because(format!("{name} holds nothing of the times {from} to {to}"))),
+            0 => Err(NoValue::because(format!(
+                "{name} holds nothing between the times {from} and {to}"
+            ))),
             _ => Ok(()),
         }
     }

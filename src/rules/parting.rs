@@ -51,7 +51,7 @@ impl WorkOfParting {
 }
 
 /// The factor by which adhesive forces are to be multiplied, for particles whose stiffness is `reduction` times smaller
-/// than that of the real ones, so that the spring's part of the work of parting stays.
+/// than that of the real ones, so that the spring's part of the work of separation stays.
 ///
 /// ```text
 /// Lambda^(-1 / (n + 1)),   F = K delta^n,   Lambda = K_real / K

@@ -79,7 +79,7 @@ pub enum Kind {
     Named(&'static [Key]),
     /// A section whose keys later stages, or walls, may change: only what has been merged is complete.
     Merged(Merged),
-    /// One of several kinds; what is written tells which.
+    /// One of several kinds; what is written shows which.
     Either(&'static [Kind]),
 }
 

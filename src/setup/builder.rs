@@ -106,7 +106,7 @@ impl Setup {
         self
     }
 
-    /// Layers of particles. Their ids go on from the number of particles before them.
+    /// Layers of particles. Their ids continue from the number of particles before them.
     #[must_use]
     pub fn layers(self, layers: &Layers) -> Self {
         let spheres: Vec<Sphere> = layers.spheres(&self.domain.bounds).collect();

@@ -35,7 +35,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// If a force or a speed has no meaning, or a particle passes a face of kind [`Stop`](crate::domain::Face::Stop).
-    /// The run cannot go on.
+    /// The run cannot continue.
     pub fn step(&mut self) -> Result<(), StepError> {
         self.steps(1)
     }

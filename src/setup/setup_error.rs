@@ -21,7 +21,7 @@ pub enum SetupError {
         /// The axis.
         axis: &'static str,
     },
-    /// A snapshot with a field of a user's own that the setup has not registered.
+    /// A snapshot with a custom field that the setup has not registered.
     #[error("the snapshot has the field \"{name}\", which this setup does not know: register it")]
     UnknownField {
         /// Name of the field.
@@ -54,7 +54,7 @@ pub enum SetupError {
     /// A number that must be above 0.
     #[error("{quantity} is {value}: must be a number above 0")]
     NotPositive {
-        /// Of what.
+        /// The quantity.
         quantity: &'static str,
         /// The number.
         value: f64,

@@ -11,7 +11,7 @@ use crate::particle_sets::Pair;
 use crate::particles::{AGGLOMERATE, ContactHistories, Contacts, GAS_FORCE, OwnFields, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 
-/// A state as records: of all particles, or of those that one rank has. A run that goes on from it comes to the same
+/// A state as records: of all particles, or of those that one rank has. A run that continues from it comes to the same
 /// bits as one that was never stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
@@ -23,7 +23,7 @@ pub struct Snapshot {
     pub sizes: SizeRange,
     /// Particles.
     pub particles: Vec<ParticleRecord>,
-    /// A user's own fields of these particles, in the same order.
+    /// Custom fields of these particles, in the same order.
     pub own: OwnFields,
     /// Histories of touching pairs.
     pub pairs: Vec<ContactRecord>,
@@ -33,7 +33,7 @@ pub struct Snapshot {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last look at agglomerates, if drag follows from them and there was one.
+    /// Pairs that touched at the last search for agglomerates, if drag follows from them and there was one.
     pub looked_at: Option<Vec<Pair>>,
 }
 
@@ -79,7 +79,7 @@ impl Snapshot {
         }
     }
 
-    /// The same with the records of all ranks on every rank, sorted by their ids. Collective.
+    /// This snapshot with the records of all ranks on every rank, sorted by their ids. Collective.
     pub fn gathered(self, ranks: &dyn Communicator) -> Self {
         let particles = share_with_all(self.particles, ranks);
         let own = OwnFields { numbers: share_with_all(self.own.numbers, ranks), ..self.own };

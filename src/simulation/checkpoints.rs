@@ -15,7 +15,7 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub(super) struct WrittenCheckpoint {
     pub(super) path: PathBuf,
-    /// Of the state in it.
+    /// Digest of the state in it.
     pub(super) digest: Digest,
 }
 

@@ -21,7 +21,7 @@ pub struct OutputFolder {
 
 /// The mark of a run that came to the end that it was asked for: holds the digest.
 const COMPLETE: &str = "complete";
-/// Locked while a run goes on; says who runs.
+/// Locked while a run is active; says who runs.
 const RUNNING: &str = "running";
 
 /// Keeps other runs out of a folder of results for as long as it lives. On rank 0; the file system forgets the lock of
@@ -132,7 +132,7 @@ fn is_of_measure(name: &str) -> bool {
     name.starts_with("measure-") && ["", ".metadata"].into_iter().any(plain)
 }
 
-/// Makes the folder, with the case in effect; a run that goes on is no longer complete.
+/// Makes the folder, with the case in effect; a run that is continued is no longer complete.
 pub(super) fn make_folder(
     path: &Path,
     case_text: &str,

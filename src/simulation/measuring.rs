@@ -1,4 +1,4 @@
-//! The measures of a run: when each looks, what it writes, and what it keeps in checkpoints.
+//! The measures of a run: when each samples, what it writes, and what it keeps in checkpoints.
 
 use super::interval::Interval;
 use crate::case::Case;
@@ -31,7 +31,7 @@ pub(super) struct Beginning<'a> {
     pub(super) head: Head<'a>,
     /// The time up to which earlier files are continued.
     pub(super) continue_after: Option<f64>,
-    /// What measures kept in the checkpoint from which the run goes on.
+    /// What measures kept in the checkpoint from which the run continues.
     pub(super) kept: &'a [MeasureState],
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Beginning<'a> {
 pub(super) struct Measuring(Vec<Scheduled>);
 
 impl Measuring {
-    /// Begins the measures of a case, or lets them go on. Collective.
+    /// Begins the measures of a case, or continues them. Collective.
     pub(super) fn open(
         case: &Case,
         beginning: &Beginning<'_>,
@@ -65,7 +65,7 @@ impl Measuring {
         self.0.iter().any(|scheduled| scheduled.is_due(clock, clock.step))
     }
 
-    /// What those that look now need.
+    /// What those that sample now need.
     pub(super) fn needs(&self, clock: &Clock) -> Needs {
         let due = self.0.iter().filter(|scheduled| scheduled.is_due(clock, clock.step));
         due.fold(Needs::default(), |needs, scheduled| needs.or(scheduled.measure.needs()))
@@ -114,7 +114,7 @@ impl Measuring {
     }
 }
 
-/// A measure that goes on from what it kept, if it kept something with the same settings.
+/// A measure that continues from what it kept, if it kept something with the same settings.
 fn begin(
     plan: &MeasurePlan,
     kept: &[MeasureState],
@@ -129,7 +129,7 @@ fn begin(
     }
     if ranks.is_root() {
         let name = &plan.name;
-        log::warn!("measure {name} had other settings in the checkpoint: it begins anew");
+        log::warn!("measure {name} had other settings in the checkpoint: it starts again");
     }
     plan.kind.begin(setting)
 }

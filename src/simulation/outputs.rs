@@ -92,7 +92,7 @@ impl Outputs {
         due.into_iter().try_for_each(|file| file.output.write(sample, ranks))
     }
 
-    /// Makes safe what was written so far: a run that is killed goes on from the next checkpoint with all of it.
+    /// Makes safe what was written so far: a run that is killed resumes from the next checkpoint with all of it.
     /// Collective.
     pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         self.0.iter().try_for_each(|file| file.output.commit(ranks))

@@ -14,7 +14,7 @@ pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
     let mut columns: Vec<PointColumn> =
         plan.particle_fields.iter().map(|&field| column_of(field, &units)).collect();
     if plan.agglomerates.is_some() {
-        let meaning = "smallest id of the particle's agglomerate as of the last look; -1: none";
+        let meaning = "smallest id of the particle's agglomerate as of the last sample; -1: none";
         columns.push(whole("agglomerate", meaning));
     }
     let storage =

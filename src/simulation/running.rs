@@ -23,7 +23,7 @@ use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Steps between looks at the wall-clock time, and between reports of the progress.
+/// Steps between checks of the wall-clock time, and between reports of the progress.
 pub(super) const WATCH_EVERY: u64 = 64;
 
 /// A run between two steps.
@@ -272,7 +272,7 @@ impl<'a> Simulation<'a> {
         let state = state.synchronised(&mut work.timers);
         time_step::confirm(state, work, *ranks)?;
         if needs.contact_forces {
-            // Their velocities are those of the half step before; the next step sets them anew in any case.
+            // Their velocities are those of the half step before; the next step sets them again in any case.
             time_step::refresh_ghosts(state, work, *ranks);
         }
         let gas_cells = match needs.gas_cells {
@@ -285,7 +285,7 @@ impl<'a> Simulation<'a> {
         Ok(measuring.look(&clock, &view, *ranks)?)
     }
 
-    /// Commits the results and then writes a checkpoint, so that a run that is killed goes on from it with all of them.
+    /// Commits the results and then writes a checkpoint, so that a run that is killed resumes from it with all of them.
     /// Collective.
     fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
         let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;

@@ -9,14 +9,14 @@ use std::time::Instant;
 pub(super) struct StageRate {
     begin: Instant,
     first_step: u64,
-    /// Steps that are timed together: a gas in three dimensions makes a step with every n-th step of the particles.
+    /// Steps that are timed together: a volume-averaged gas makes a step with every n-th step of the particles.
     together: u64,
     last_timed: Option<Instant>,
     durations: RecentDurations,
 }
 
 impl StageRate {
-    /// Of a stage with this gas, which begins after a step.
+    /// Starts to time a stage with this gas, which begins after a step.
     pub(super) fn begin(step: u64, gas: &GasModel) -> Self {
         Self {
             begin: Instant::now(),

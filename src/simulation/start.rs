@@ -38,7 +38,7 @@ pub enum StartError {
     /// A checkpoint with cells that the gas does not have.
     #[error("{0}")]
     Cells(CollectiveError),
-    /// The particles of the checkpoint carry a field of a program of the user's own.
+    /// The particles of the checkpoint carry a custom field of another program.
     #[error(
         "the particles of the checkpoint carry the field \"{name}\" ({meaning}), which this program does not \
          know: restart it with the program that wrote it"
@@ -137,7 +137,7 @@ pub fn start_from_checkpoint(
         .map_err(StartError::Cells)?;
     let (pairs, mut walls) = (checkpoint.contacts, checkpoint.wall_contacts);
     if let Ok(before) = &before {
-        number_walls_anew(&mut walls, &before.domain.walls, &case.domain.walls);
+        renumber_walls(&mut walls, &before.domain.walls, &case.domain.walls);
     }
     let origin = if continues { Origin::ContinuedRun } else { Origin::Checkpoint };
     let end = Snapshot {
@@ -171,7 +171,7 @@ fn require_same_parcels(changes: &[Change]) -> Result<(), StartError> {
     match changes.iter().find(|change| change.key == PARCEL_SIZE) {
         Some(change) => Err(StartError::Changed {
             change: change.clone(),
-            reason: "cannot be another than in the run that this one begins with",
+            reason: "must be the same as in the run that this one starts from",
         }),
         None => Ok(()),
     }
@@ -183,7 +183,7 @@ const PARCEL_SIZE: &str = "coarse_graining.factor";
 /// Sections that describe a new bed: a checkpoint has its own.
 const OF_A_NEW_BED: [&str; 4] = ["units", "box.lengths", "particles", PARCEL_SIZE];
 
-/// Refuses what cannot change when a run goes on; `over` counts the stages that are over.
+/// Refuses what cannot change when a run is continued; `over` counts the stages that are over.
 fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), StartError> {
     for change in changes {
         let is_below = |section: &&str| {
@@ -196,10 +196,14 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
         let of_species = is_below(&"species")
             && ["name", "density"].iter().any(|key| change.key.rsplit('.').next() == Some(key));
         if OF_A_NEW_BED.iter().any(is_below) || of_species {
-            return refused("cannot change when a run goes on: the bed is that of the checkpoint");
+            return refused(
+                "cannot change when a run is continued: the bed is that of the checkpoint",
+            );
         }
         if change.key.ends_with("gas.cells") && change.before.is_some() && change.after.is_some() {
-            return refused("cannot change when a run goes on: the gas is that of the checkpoint");
+            return refused(
+                "cannot change when a run is continued: the gas is that of the checkpoint",
+            );
         }
         let stage =
             change.key.strip_prefix("stage.").and_then(|rest| rest.split('.').next()?.parse().ok());
@@ -212,7 +216,7 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
 
 /// Contacts with walls go by the numbers of the walls, and these by the order in the case: they are found again by their
 /// names. A contact with a wall that is gone ends.
-fn number_walls_anew(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
+fn renumber_walls(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
     let new_number = |old: u64| {
         let name = &before.get(old as usize)?.name;
         now.iter().position(|wall| wall.name == *name).map(|number| number as u64)

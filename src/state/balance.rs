@@ -1,22 +1,22 @@
 //! When cut planes move.
 
 /// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
-/// since the last look. Where lists stay, ranks first look after that many steps of a run, whose loads nobody has measured yet,
+/// since the last check. Where lists stay, ranks first check after that many steps of a run, whose loads nobody has measured yet,
 /// then each time after twice as many as before, up to [`Balance::LATEST`] times the least number. Lists are then rebuilt only if loads
 /// are so uneven that this saves more time than it takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
-    /// Least number of steps between looks.
+    /// Least number of steps between checks.
     pub every: u64,
     /// Largest over mean time that ranks spend on their particles above which planes move.
     pub threshold: f64,
     last_look: u64,
-    /// Most steps between the last look and the next.
+    /// Most steps between the last check and the next.
     latest: u64,
 }
 
 impl Balance {
-    /// Most steps between looks, over the fewest.
+    /// Most steps between checks, over the fewest.
     pub const LATEST: u64 = 10;
 
     /// New lists take as long as so many steps: 10 to 15 in settled beds, 30 to 40 in agitated ones.
@@ -28,22 +28,22 @@ impl Balance {
         if on_cells { 1.05 } else { 1.01 }
     }
 
-    /// From the least number of steps between looks, and the largest imbalance that is let be.
+    /// From the least number of steps between checks, and the largest imbalance that is let be.
     pub fn new(every: u64, threshold: f64) -> Self {
         Self { every, threshold, last_look: 0, latest: every }
     }
 
-    /// Whether to look although lists are not rebuilt.
+    /// Whether to check although lists are not rebuilt.
     pub fn is_overdue(&self, step: u64) -> bool {
         step - self.last_look >= self.latest
     }
 
-    /// Begins to count steps at the first of a run, which has early looks.
+    /// Begins to count steps at the first of a run, which has early checks.
     pub fn begin(&mut self, step: u64) {
         *self = Self { last_look: step, ..Self::new(self.every, self.threshold) };
     }
 
-    /// Whether to look at this step, if lists are rebuilt.
+    /// Whether to check at this step, if lists are rebuilt.
     pub fn look(&mut self, step: u64) -> bool {
         let due = step - self.last_look >= self.every;
         if due {
@@ -54,7 +54,7 @@ impl Balance {
     }
 
     /// Whether loads of this imbalance, largest over mean, are uneven enough for planes to move. If lists would be rebuilt for nothing
-    /// else, the imbalance must cost more steps until the next look than new lists take.
+    /// else, the imbalance must cost more steps until the next check than new lists take.
     pub fn are_uneven(&self, imbalance: f64, rebuilt_anyway: bool) -> bool {
         let saved = (imbalance - 1.0) * self.latest as f64; // steps
         imbalance > self.threshold && (rebuilt_anyway || saved > Self::STEPS_FOR_LISTS)

@@ -34,7 +34,7 @@ impl Clock {
         self.step += 1;
     }
 
-    /// The same instant, continued with another step.
+    /// This instant, continued with another step.
     pub fn with_time_step(self, time_step: f64) -> Self {
         if time_step == self.time_step {
             return self;

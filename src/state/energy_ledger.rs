@@ -59,11 +59,11 @@ impl Mechanism {
 /// The energy of the particles at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StoredEnergy {
-    /// Of translation and rotation.
+    /// Energy of translation and rotation.
     pub kinetic: f64,
-    /// Of the weight, of attraction: whatever has a potential.
+    /// Potential energy of the weight and of attraction.
     pub potential: f64,
-    /// Of springs.
+    /// Energy stored in springs.
     pub elastic: f64,
 }
 
@@ -77,11 +77,11 @@ impl StoredEnergy {
 /// Energy of the particles of this rank at an instant, in exact sums: each pair counts on one rank.
 #[derive(Clone, Debug, Default)]
 pub struct StoredSums {
-    /// Of translation and rotation.
+    /// Energy of translation and rotation.
     pub kinetic: ExactSum,
-    /// Of attraction.
+    /// Potential energy of attraction.
     pub potential: ExactSum,
-    /// Of springs.
+    /// Energy stored in springs.
     pub elastic: ExactSum,
 }
 

@@ -1,5 +1,5 @@
 //! The three kinds of data: what a checkpoint holds ([`State`]), what the case chose ([`Models`]), and what can be
-//! dropped and made anew at any time ([`Workspace`]).
+//! dropped and rebuilt at any time ([`Workspace`]).
 
 mod balance;
 mod clock;

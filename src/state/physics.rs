@@ -43,7 +43,7 @@ impl Physics {
         }
     }
 
-    /// The same for parcels.
+    /// These models for parcels.
     #[must_use]
     pub fn coarse_grained(self, parcels: &CoarseGraining) -> Self {
         let contact = |model: &ContactModel| model.coarse_grained(parcels);

@@ -14,7 +14,7 @@ counters! {
     }
 }
 
-/// What a checkpoint holds: with the models, all that the future depends on. All of it is at the time of the clock;
+/// What a checkpoint holds: with the models, the complete state of the simulation. All of it is at the time of the clock;
 /// between two steps it is in the hands of [`Staggered`](crate::time_step::Staggered).
 #[derive(Clone, Debug)]
 pub struct State {
@@ -32,7 +32,7 @@ pub struct State {
     pub energy: Option<Box<EnergyLedger>>,
     /// What the gas is, on this rank's cells.
     pub gas: GasState,
-    /// Pairs that touched at the last look at agglomerates, where drag follows from them; each on the rank that owned its lower
-    /// id then. None before the first look.
+    /// Pairs that touched at the last search for agglomerates, where drag follows from them; each on the rank that owned its lower
+    /// id then. None before the first search.
     pub looked_at: Option<Vec<Pair>>,
 }

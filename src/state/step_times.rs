@@ -36,9 +36,9 @@ impl LoadTimes {
 /// The times of the last steps. It reads no clock: phases of the step are timed anyway, and none of these holds a message.
 #[derive(Clone, Debug, Default)]
 pub struct StepTimes {
-    /// At the last step, and at the last look; none before the first step of a run.
+    /// At the last step, and at the last check; none before the first step of a run.
     noted: Option<[LoadTimes; 2]>,
-    /// Since the last look.
+    /// Since the last check.
     steps: RecentDurations,
 }
 
@@ -55,7 +55,7 @@ impl StepTimes {
     }
 
     /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
-    /// disturb a core for many steps, and how many these are differs from rank to rank and from look to look. Steps at
+    /// disturb a core for many steps, and how many these are differs from rank to rank and from check to check. Steps at
     /// which inner lists are made are left out with it, as the phase of new lists is: ranks wait for each other at each step, so that
     /// it is best if the most frequent steps are even.
     pub fn take_mean(&mut self) -> LoadTimes {

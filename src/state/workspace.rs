@@ -1,4 +1,4 @@
-//! What can be dropped and made anew at any time.
+//! What can be dropped and rebuilt at any time.
 
 use super::{Balance, Domain, Models, SizeRange, StepTimes};
 use crate::contact::WallTallies;
@@ -10,7 +10,7 @@ use crate::timers::{Phase, Timers};
 use std::fmt::Display;
 use std::time::Instant;
 
-/// What can be dropped and made anew at any time: lists, plans, buffers. None of it changes a result.
+/// What can be dropped and rebuilt at any time: lists, plans, buffers. None of it changes a result.
 #[derive(Debug)]
 pub struct Workspace {
     /// When the neighbour list was built, and its cells.
@@ -27,7 +27,7 @@ pub struct Workspace {
     pub least_width: f64,
     /// When cut planes move.
     pub balance: Option<Balance>,
-    /// How the box is to be cut when particles next go to their owners, if the loads were uneven at the last look.
+    /// How the box is to be cut when particles next go to their owners, if the loads were uneven at the last check.
     pub planned: Option<Decomposition>,
     /// Where the walls are at this step.
     pub wall_poses: Vec<WallPose>,
@@ -37,7 +37,7 @@ pub struct Workspace {
     pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
-    /// That of the steps since the last look at the ranks' loads.
+    /// Times of the steps since the last check of the ranks' loads.
     pub step_times: StepTimes,
     /// What went wrong on this rank, until the ranks next agree.
     pub fault: Option<String>,
@@ -50,7 +50,7 @@ pub struct Workspace {
 pub struct Requests {
     /// Stop, with a checkpoint.
     pub stop: bool,
-    /// Write a checkpoint and go on.
+    /// Write a checkpoint and continue.
     pub checkpoint: bool,
 }
 

@@ -70,7 +70,7 @@ impl fmt::Display for Threshold {
 /// The brackets of the points of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Brackets {
-    /// The same for all points.
+    /// One bracket for all points.
     One([f64; 2]),
     /// One for each position of an axis.
     Along {

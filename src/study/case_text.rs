@@ -75,7 +75,7 @@ impl EffectiveCase {
     /// The earliest time that the last row of `series.csv` may have when the run has come to its end. Rows are due at multiples
     /// of their interval, and stand at the nearest step.
     pub(crate) fn last_row(&self) -> Option<f64> {
-        /// Of sums of steps; far below any interval.
+        /// Rounding error of sums of steps; far below any interval.
         const ROUNDING: f64 = 1.0e-9;
         let end = self.end_time()?;
         let interval = number(self.0.get("output")?.get("series")?)?;

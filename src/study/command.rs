@@ -33,7 +33,7 @@ pub struct StudyOptions {
     /// Ranks of each run, instead of what the study says.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) ranks_per_run: Option<u64>,
-    /// How many runs go on at the same time, instead of what the study says.
+    /// How many runs work at the same time, instead of what the study says.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) at_a_time: Option<u64>,
     /// The command that starts a program on several ranks, for example "srun -n {ranks}"; or "threads".
@@ -45,13 +45,13 @@ pub struct StudyOptions {
     /// A table runs.csv of this study from elsewhere, whose complete runs are not made again. May be given several times.
     #[arg(long, value_name = "RUNS_CSV")]
     pub(crate) known: Vec<PathBuf>,
-    /// Try runs again that have failed.
+    /// Retry runs that have failed.
     #[arg(long)]
     pub(crate) retry: bool,
     /// Only list the tasks, with their numbers.
     #[arg(long, group = "only")]
     pub(crate) only_list: bool,
-    /// Only say what is done, running, waiting, failed and why.
+    /// Only print what is done, running, waiting or failed, and why.
     #[arg(long, group = "only")]
     pub(crate) status: bool,
     /// Only write the tables of what is complete.
@@ -65,11 +65,11 @@ pub struct StudyOptions {
     pub(crate) write_row: bool,
 }
 
-/// Exit code of a study that was stopped and can go on: "try again", as sysexits.h has it.
+/// Exit code of a study that was stopped and can be resumed: "try again", as sysexits.h has it.
 pub(crate) const STOPPED: u8 = 75;
 
 /// Does what the options of `talcum study` ask for; `program` runs the cases. The exit code is 0 if all is complete, 1
-/// if something failed, 75 if the study was stopped and can go on.
+/// if something failed, 75 if the study was stopped and can be resumed.
 ///
 /// # Errors
 /// If the study is refused, or its folder cannot be written.
@@ -148,7 +148,7 @@ impl StudyCommand {
             print(&format!("failed: {failure}"))?;
         }
         if outcome.stopped {
-            print("stopped; the same command goes on")?;
+            print("stopped; run the same command again to resume")?;
         }
         Ok(())
     }
@@ -242,7 +242,7 @@ fn take(path: &Path, sharing: Sharing) -> anyhow::Result<File> {
             Ok(file)
         }
         None => {
-            bail!("{} is held by {}: the study is being run already", path.display(), holder(path))
+            bail!("{} is held by {}: the study is already running", path.display(), holder(path))
         }
     }
 }

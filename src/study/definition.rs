@@ -85,7 +85,7 @@ pub(crate) struct Continuation {
 pub(crate) struct Resources {
     /// Ranks of each run.
     pub(crate) ranks: u64,
-    /// How many runs go on at the same time.
+    /// How many runs work at the same time.
     pub(crate) at_a_time: u64,
     /// How a run of several ranks starts.
     pub(crate) launcher: Launcher,

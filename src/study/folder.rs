@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub(crate) const COMPLETE: &str = "complete";
 /// Why a run failed.
 pub(crate) const FAILED: &str = "failed";
-/// Held for as long as a run goes on.
+/// Held for as long as a run is active.
 const RUN_LOCK: &str = "lock";
 
 /// The folder of a study.
@@ -86,7 +86,7 @@ impl StudyFolder {
         Some(Path::new("runs").join(self.name_of(member)).join(newest))
     }
 
-    /// Takes the lock of a run; `None` if it goes on elsewhere. Its folder is made.
+    /// Takes the lock of a run; `None` if it is active elsewhere. Its folder is made.
     ///
     /// # Errors
     /// If the folder cannot be written.
@@ -96,7 +96,7 @@ impl StudyFolder {
         try_lock(&folder.join(RUN_LOCK), Sharing::Exclusive)
     }
 
-    /// Whether a run goes on at present, here or in another process.
+    /// Whether a run is active at present, here or in another process.
     pub(crate) fn is_running(&self, member: &Member) -> bool {
         let lock = self.run(member).join(RUN_LOCK);
         lock.exists() && matches!(try_lock(&lock, Sharing::Exclusive), Ok(None))

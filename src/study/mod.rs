@@ -2,7 +2,7 @@
 //!
 //! A study file is read strictly (`file`) into a `Study`; `Plan` expands it to points and tasks, which do not depend
 //! on each other. The `Scheduler` asks every task what it needs next, starts runs as processes of their own (`job`), and
-//! ends when nothing is left. All state is in the folders of the runs (`folder`), so that a study goes on wherever it
+//! ends when nothing is left. All state is in the folders of the runs (`folder`), so that a study resumes wherever it
 //! was stopped; the tables depend on the results only.
 //!
 //! A study is no part of a run: it knows how cases are read, and what the columns of `series.csv` are called, and it

@@ -46,7 +46,7 @@ pub(crate) struct Scheduler<'a> {
     pub(crate) results: Results<'a>,
     /// Starts runs.
     pub(crate) runner: &'a dyn Runner,
-    /// How many runs go on at the same time.
+    /// How many runs work at the same time.
     pub(crate) at_a_time: usize,
     /// Whether a stop is requested.
     pub(crate) stop: &'a dyn Fn() -> StopRequest,
@@ -54,7 +54,7 @@ pub(crate) struct Scheduler<'a> {
     pub(crate) pause: Duration,
 }
 
-/// A run that goes on.
+/// A run in progress.
 struct ActiveRun {
     member: Arc<Member>,
     running: Box<dyn Running>,
@@ -109,7 +109,7 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Whether a task could go on.
+    /// Whether a task could be resumed.
     fn is_anything_left(&self, tasks: &[&Task]) -> Result<bool, String> {
         for task in tasks {
             let progress = task.progress(self.search, self.factory, &self.results)?;
@@ -170,7 +170,7 @@ impl Scheduler<'_> {
             return Ok(());
         }
         if stopping {
-            log::info!("{name}: stopped, can go on");
+            log::info!("{name}: stopped, can be resumed");
             return Ok(());
         }
         let has_advanced = newest_checkpoint(&folder.run(member)) > before;

@@ -1,4 +1,4 @@
-//! What is done, what goes on, what waits, and what failed and why.
+//! What is done, what runs, what waits, and what failed and why.
 
 use crate::study::member::Member;
 use crate::study::session::{Session, count_of};

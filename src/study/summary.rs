@@ -27,13 +27,13 @@ pub struct SummaryOptions {
     /// mean, last, max, min or deviation of the rows; numbers of `talcum analyse` have their own means.
     #[arg(long, default_value = "mean")]
     pub(crate) statistic: String,
-    /// Begin with this time.
+    /// Ignore what is before this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) from: Option<f64>,
-    /// End with this time.
+    /// Ignore what is after this time.
     #[arg(long, value_name = "TIME")]
     pub(crate) to: Option<f64>,
-    /// Instead: so much time before the end of each run.
+    /// Use only this much time before the end of each run, instead of --from and --to.
     #[arg(long, value_name = "DURATION", conflicts_with_all = ["from", "to"])]
     pub(crate) last: Option<f64>,
     /// Print means and intervals over runs that differ in their seeds only, instead of a row for each run.
@@ -140,7 +140,7 @@ impl<'o> Summary<'o> {
         Ok(summary)
     }
 
-    /// Adds a column. Where a run gives nothing, the reason is told and the cell stays empty.
+    /// Adds a column. Where a run gives nothing, the reason is printed and the cell stays empty.
     fn add(&mut self, name: &str, measure: &dyn Measure) -> anyhow::Result<()> {
         let mut unit = None;
         for (run, row) in self.runs.iter().zip(&mut self.values) {

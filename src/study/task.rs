@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(crate) enum RunState {
     /// There is nothing yet.
     Waiting,
-    /// It was begun and can go on.
+    /// It was begun and can be resumed.
     Begun,
     /// It is complete, with this digest.
     Done(String),
@@ -77,7 +77,7 @@ pub(crate) struct SearchRecord {
     pub(crate) search: Search,
     /// Its runs, those that it needs next included.
     pub(crate) members: Vec<Arc<Member>>,
-    /// Why it cannot go on.
+    /// Why it cannot continue.
     pub(crate) failure: Option<String>,
 }
 
@@ -201,7 +201,7 @@ fn progress_of_runs(members: &[Arc<Member>], records: &dyn Records) -> Progress 
                 let waiting = members.len() - index - 1;
                 let rest = match waiting {
                     0 => String::new(),
-                    _ => format!("\n{waiting} more of its chain cannot begin"),
+                    _ => format!("\n{waiting} more of its chain cannot start"),
                 };
                 return Progress::Failed(format!("{}: {reason}{rest}", member.name));
             }

@@ -29,7 +29,7 @@ pub(super) struct Displacement {
 
 /// One reduction per step: how far have particles moved, how many pairs are near, is any list outdated, has any particle left, has anything
 /// gone wrong, was any rank asked to stop? If a particle may have moved farther than allowed, lists
-/// are made anew at once, where it is found: at the same step with any skin.
+/// are rebuilt at once, where it is found: at the same step with any skin.
 pub(super) fn decide(
     state: &mut State,
     Displacement { largest: displacement, allowed, .. }: Displacement,

@@ -25,7 +25,7 @@ use halo::{receive_forces, receive_ghosts, return_forces, send_ghosts};
 use rebuild::arrange;
 use thiserror::Error;
 
-/// Why a run cannot go on. The same on all ranks.
+/// Why a run cannot continue. The same on all ranks.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StepError {
     /// Numbers have lost their meaning.

@@ -11,7 +11,7 @@ use crate::particles::{ContactHistories, Particles};
 use crate::state::{Domain, LoadTimes, Models, State, Workspace};
 use std::collections::HashSet;
 
-/// Takes the lists apart and makes them anew. Collective.
+/// Takes the lists apart and rebuilds them. Collective.
 ///
 /// # Errors
 /// If a particle is too fast, or the program loses a contact.

@@ -119,7 +119,7 @@ fn a_mixture_that_shares_drag_by_surface_is_a_bed_of_its_sauter_diameter() {
     }
 }
 
-/// A bed on a plate has phi of its own at each node: the sum over nodes, by hat weights anew.
+/// A bed on a plate has phi of its own at each node: the sum over nodes, by hat weights computed again.
 #[test]
 fn the_pressure_drop_of_a_bed_on_a_plate_is_that_of_its_nodes() {
     let mut bench = Bench::new([4.2, 4.2, 30.0], [PERIODIC, PERIODIC, PLATE]);

@@ -43,7 +43,7 @@ fn numbers_of_the_bed_and_the_gas_are_told_with_their_units() {
     }
     let told = check("rank-equality", &[]).output;
     for expected in
-        ["pull-off force ", "work of parting ", "impacts stick ", " sqrt(g d) at phi 0.60"]
+        ["pull-off force ", "work of separation ", "impacts stick ", " sqrt(g d) at phi 0.60"]
     {
         assert!(told.contains(expected), "{expected}: {told}");
     }

@@ -21,7 +21,7 @@ pub(crate) fn require_written(file: &str, generated: &str, command: &str) {
     let line = committed.lines().zip(generated.lines()).position(|(a, b)| a != b);
     assert!(
         committed == generated,
-        "{file} is not what `{command}` writes, from line {}: write it anew",
+        "{file} is not what `{command}` writes, from line {}: write it again",
         line.map_or(0, |line| line + 1)
     );
 }

@@ -314,7 +314,7 @@ fn intact_files_with_inconsistent_content_are_refused() {
     assert!(refusal(earlier).contains("origin lies after"));
 }
 
-/// The digest of each file in `checkpoints`, one for each version of the schema, and of the run that goes on from it to t = 2.5;
+/// The digest of each file in `checkpoints`, one for each version of the schema, and of the run that continues from it to t = 2.5;
 /// commit c075153 found them, whose program wrote the files of versions 4 to 6. Those of versions 1 to 3 were made from its files by
 /// taking away what later versions brought.
 const OLD_FILES: [[&str; 2]; 6] = [

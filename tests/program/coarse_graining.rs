@@ -112,7 +112,7 @@ fn read(overrides: &[&str]) -> Result<Case, String> {
     Case::read(Path::new(&file()), &overrides).map_err(|errors| errors.to_string())
 }
 
-/// Force of adhesion and work of parting of two bodies, and their diameter and mass.
+/// Force of adhesion and work of separation of two bodies, and their diameter and mass.
 struct Adhesion {
     force: f64,
     work: f64,
@@ -166,7 +166,7 @@ fn parcels_have_one_digest_on_any_ranks_and_begin_with_parcels_only() {
     assert_eq!(run(2, "two", &[]).digest(), digest);
     run(2, "parts", &["--until", "0.02"]).digest();
     let refused = run(0, "parts", &["--resume", "--set", "coarse_graining.factor=2.0"]);
-    let words = "coarse_graining.factor: 4.0 -> 2.0: cannot change when a run goes on";
+    let words = "coarse_graining.factor: 4.0 -> 2.0: cannot change when a run is continued";
     assert!(refused.error().contains(words), "{}", refused.errors);
     assert_eq!(run(3, "parts", &["--resume"]).digest(), digest);
     let newest = checkpoints(&folder.path().join("whole")).pop().unwrap();
@@ -176,7 +176,7 @@ fn parcels_have_one_digest_on_any_ranks_and_begin_with_parcels_only() {
     run(0, "next", &["--set", &start]).digest();
     let of_others = ["--set", &start, "--set", "coarse_graining.factor=2.0"];
     let refused = run(0, "others", &of_others);
-    let words = "coarse_graining.factor: 4.0 -> 2.0: cannot be another than in the run that this one begins with";
+    let words = "coarse_graining.factor: 4.0 -> 2.0: must be the same as in the run that this one starts from";
     assert!(refused.error().contains(words), "{}", refused.errors);
 }
 

@@ -140,7 +140,7 @@ fn a_gas_step_that_is_too_long_leaves_the_state_of_the_gas_step_before() {
             newest.file_name().unwrap(),
             format!("checkpoint-{:012}.h5", step - 20).as_str()
         );
-        // The same step fails again, a shorter one goes on.
+        // The same step fails again, a shorter one succeeds.
         assert_eq!(failure(&go_on(&["--resume"])).lines().next(), message.lines().next());
         let shorter = ["--resume", "--set", "time.step=1.25e-7", "--until", "1.1e-5"];
         go_on(&shorter).digest();
@@ -273,7 +273,7 @@ fn check_describes_the_run_and_writes_nothing() {
         let ended = talcum(ranks, &["check", &smoke(name)]);
         assert_eq!(ended.code(), Some(0), "{ended:?}");
         let ranks = if ranks == 0 { "1 rank".to_owned() } else { format!("{ranks} ranks") };
-        for expected in ["time steps", "U_mf", "memory", "run's time", "rank 0: x"] {
+        for expected in ["time steps", "U_mf", "memory", "estimated run time", "rank 0: x"] {
             assert!(ended.output.contains(expected), "{expected}: {}", ended.output);
         }
         assert!(ended.output.contains(&format!("on {ranks}\n")), "{}", ended.output);

@@ -53,7 +53,7 @@ fn run_with_vectors(vectors: &str, ranks: usize, case: &str) -> Ended {
     start_with(&variable, ranks, &["run", &smoke(case), "--output", &output]).wait()
 }
 
-/// Pairs of one size and of many, walls, the column gas and the gas in three dimensions.
+/// Pairs of one size and of many, walls, the column gas and the volume-averaged gas.
 #[test]
 fn vectors_of_any_width_give_one_digest() {
     for case in ["fluidised", "polydisperse", "walls"] {

@@ -1,4 +1,4 @@
-//! Whatever ends a run early, it goes on from a checkpoint and comes to the same bits: signals, wall-clock
+//! Whatever ends a run early, it resumes from a checkpoint and comes to the same bits: signals, wall-clock
 //! limits, a kill at any instant, a damaged file.
 
 use crate::launch::{
@@ -32,7 +32,7 @@ fn stop_time(ended: &Ended) -> f64 {
 }
 
 /// Resumes the run in a folder for a while; it must come to the state of a run without interruption.
-fn assert_goes_on(case: &str, output: &Path, stopped: f64, ranks: usize) -> Ended {
+fn assert_resumes(case: &str, output: &Path, stopped: f64, ranks: usize) -> Ended {
     let until = (stopped + 0.1).to_string();
     let resumed =
         talcum(ranks, &["run", case, "--resume", "--output", &text(output), "--until", &until]);
@@ -54,17 +54,17 @@ fn assert_stops_on(name: &str, ranks: usize) {
     processes.iter().for_each(|&process| signal(name, process));
     let ended = running.wait();
     let stopped = stop_time(&ended);
-    let how = format!("go on with: talcum run {case} --resume --output {}", text(folder.path()));
+    let how = format!("resume with: talcum run {case} --resume --output {}", text(folder.path()));
     assert!(ended.output.contains(&how), "{}", ended.output);
     let checkpoint = checkpoints(folder.path()).pop().unwrap();
     assert!(ended.output.contains(&text(&checkpoint)), "{}", ended.output);
     assert_eq!(talcum(0, &["info", &text(&checkpoint)]).digest(), ended.digest());
     assert!(!folder.path().join("complete").exists());
-    assert_goes_on(&case, folder.path(), stopped, 2 - ranks);
+    assert_resumes(&case, folder.path(), stopped, 2 - ranks);
 }
 
 #[test]
-fn a_run_is_marked_as_complete_until_it_goes_on() {
+fn a_run_is_marked_as_complete_until_it_is_continued() {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("rank-equality"), text(folder.path()));
     let mark = || fs::read_to_string(folder.path().join("complete"));
@@ -100,7 +100,7 @@ fn a_signal_to_mpirun_or_to_one_rank_stops_all() {
         let one = running.rank_processes()[1];
         signal("USR1", if to_mpirun { running.process() } else { one });
         let stopped = stop_time(&running.wait());
-        assert_goes_on(&case, folder.path(), stopped, 0);
+        assert_resumes(&case, folder.path(), stopped, 0);
     }
 }
 
@@ -118,7 +118,7 @@ fn the_resume_command_of_a_stopped_run_repeats_its_overrides() {
     let again = talcum(0, &["restart", &checkpoint, "--until", "1e6"]);
     stop_time(&again);
     let newest = text(&checkpoints(folder.path()).pop().unwrap());
-    let message = format!("go on with: talcum restart {newest} --until 1000000");
+    let message = format!("resume with: talcum restart {newest} --until 1000000");
     assert!(newest > checkpoint && again.output.contains(&message), "{}", again.output);
 }
 
@@ -131,7 +131,7 @@ fn wall_clock_time_stops_a_run_with_a_checkpoint() {
         let limit = ["--until", "1e6", "--set", "run.wall_clock=1s"];
         let ended = talcum(ranks, &[&["run", &case, "--output", &output], &limit[..]].concat());
         let stopped = stop_time(&ended);
-        let resumed = assert_goes_on(&case, folder.path(), stopped, 0);
+        let resumed = assert_resumes(&case, folder.path(), stopped, 0);
         assert!(
             resumed.output.contains("changed since the checkpoint: run.wall_clock: "),
             "{}",

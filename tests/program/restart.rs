@@ -1,4 +1,4 @@
-//! A run that was stopped goes on as if it had not been, on any number of ranks: the same digest, the same
+//! A run that was stopped continues as if it had not been, on any number of ranks: the same digest, the same
 //! series, profiles and snapshots.
 
 use crate::launch::{checkpoints, series, smoke, talcum};
@@ -88,7 +88,7 @@ fn a_restart_on_other_ranks_gives_the_same_bits() {
         assert_same_results(&resumed, &whole);
         assert!(kept() == before);
     }
-    // The control: to a later time it goes on.
+    // The control: to a later time it continues.
     let later = ["run", &case, "--output", &output, "--resume", "--until", "3.6"];
     assert!(talcum(0, &later).digest() != digest);
 }
@@ -133,7 +133,7 @@ fn a_run_can_start_from_the_end_of_another() {
     assert_eq!(one.digest(), run("two", 2).digest());
     let first = series(&place("one")).lines().nth(1).unwrap().to_owned();
     let last = series(&place("settled")).lines().last().unwrap().to_owned();
-    // Time begins anew, the bed does not.
+    // Time starts again, the bed does not.
     assert!(first.starts_with("0,") && last.starts_with("1,"));
     assert_eq!(first.split(',').nth(6), last.split(',').nth(6));
 }

@@ -1,4 +1,4 @@
-//! `talcum check` prints what a softened spring adds to the work of parting, for every contact law, and warns above 0.1.
+//! `talcum check` prints what a softened spring adds to the work of separation, for every contact law, and warns above 0.1.
 
 use crate::launch::talcum;
 use std::path::Path;
@@ -75,7 +75,7 @@ fn check_tells_the_work_of_parting_of_every_law_with_adhesion() {
     // All laws of the registry: the two above and the three cases.
     assert_eq!(told.len(), ContactLaw::NAMES.len());
     for output in told {
-        assert!(number_after(&output, "work of parting") > 0.0, "{output}");
+        assert!(number_after(&output, "work of separation") > 0.0, "{output}");
     }
     // Where all of the work depends on the stiffness it is compared with the real particles': E^(2/3) of JKR.
     let softened = ["contact.softening=keeps_force", "contact.stiffness_reduction=1000"];
@@ -84,5 +84,5 @@ fn check_tells_the_work_of_parting_of_every_law_with_adhesion() {
     assert!(jkr.contains(WARNING));
     // Negative control: without adhesion there is nothing to tell.
     let plain = check("plain.toml", &[]);
-    assert!(!plain.contains("work of parting"), "{plain}");
+    assert!(!plain.contains("work of separation"), "{plain}");
 }

@@ -6,7 +6,7 @@ use crate::launch::{Ended, in_repository, signal, start, talcum, turn_of_mpirun}
 use crate::toml_files::toml_files;
 use std::path::{Path, PathBuf};
 
-/// Exit code of a study that was stopped and can go on.
+/// Exit code of a study that was stopped and can be resumed.
 const STOPPED: i32 = 75;
 
 fn data(name: &str) -> PathBuf {
@@ -103,7 +103,7 @@ fn tables_do_not_depend_on_ranks_and_interruptions() {
     let status = run(&study, &broken, &["--status"]);
     assert!(status.output.contains(" 0 running"), "{}", status.output);
 
-    // Killed at once: its run goes on by itself, and the next study waits for it instead of running it twice.
+    // Killed at once: its run carries on by itself, and the next study waits for it instead of running it twice.
     assert_eq!(interrupt(&study, &broken, &on_two, "KILL").code(), None);
     assert_code(&run(&study, &broken, &on_two), 0);
     assert_eq!(tables(&broken), expected);
@@ -348,7 +348,7 @@ fn a_table_of_another_study_is_refused() {
 }
 
 #[test]
-fn a_study_goes_on_after_a_run_was_killed_while_it_wrote_its_case() {
+fn a_study_resumes_after_a_run_was_killed_while_it_wrote_its_case() {
     let folder = tempfile::tempdir().unwrap();
     let study = written(
         folder.path(),

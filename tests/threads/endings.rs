@@ -13,7 +13,7 @@ fn failure(ended: &Ended) -> &str {
     ended.error()
 }
 
-/// Stops an endless run by a signal; the run that goes on from there must come to the state of one without interruption.
+/// Stops an endless run by a signal; the run that continues from there must come to the state of one without interruption.
 fn assert_stops_on(name: &str) {
     let folder = tempfile::tempdir().unwrap();
     let (case, output) = (smoke("rank-equality"), folder.path().display().to_string());

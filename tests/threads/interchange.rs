@@ -1,4 +1,4 @@
-//! Files of ranks as threads and of ranks of MPI are interchangeable: the same rows, and each goes on from the other's
+//! Files of ranks as threads and of ranks of MPI are interchangeable: the same rows, and each resumes from the other's
 //! checkpoint.
 
 use super::on_threads;
@@ -63,7 +63,7 @@ fn threads_and_processes_write_the_same_rows() {
 
 /// Half of the run on processes and the rest on threads, and the reverse.
 #[test]
-fn each_goes_on_from_the_checkpoints_of_the_other() {
+fn each_resumes_from_the_checkpoints_of_the_other() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name);
     let (case, whole) = (smoke("staged"), place("whole"));

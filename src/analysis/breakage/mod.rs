@@ -1,6 +1,6 @@
-//! Breakage and growth of agglomerates between two looks.
+//! Breakage and growth of agglomerates between two samples.
 //!
-//! Two looks label every particle with its agglomerate, or with none. What an agglomerate X of the first look and an
+//! Two samples label every particle with its agglomerate, or with none. What an agglomerate X of the first sample and an
 //! agglomerate Y of the second share is the number of particles that belong to both.
 //!
 //! * The **successor** of X is the Y that shares most particles with X; the **origin** of Y is the X that shares most
@@ -29,7 +29,7 @@ use rustc_hash::FxHashMap;
 /// Stands for no agglomerate where labels travel.
 const NONE: u64 = u64::MAX;
 
-/// The agglomerates of all particles at one look, on the ranks that owned the particles then.
+/// The agglomerates of all particles at one sample, on the ranks that owned the particles then.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Look {
     /// [id, label].
@@ -50,12 +50,12 @@ impl Look {
         ids.iter().map(|&id| labels.get(id).filter(|&label| label != NONE)).collect()
     }
 
-    /// What must be stored to go on later; [`Look::of_records`] reads it on whatever ranks.
+    /// What must be stored to resume later; [`Look::of_records`] reads it on whatever ranks.
     pub fn records(&self) -> &[[u64; 2]] {
         &self.labels
     }
 
-    /// Goes on from records that were stored, by whatever ranks.
+    /// Continues from records that were stored, by whatever ranks.
     pub fn of_records(records: Vec<[u64; 2]>) -> Self {
         Self { labels: records }
     }
@@ -86,20 +86,20 @@ struct Share {
 }
 
 impl Share {
-    /// The agglomerate of the second look; none for particles that are in none, or have left.
+    /// The agglomerate of the second sample; none for particles that are in none, or have left.
     fn after(&self) -> Option<u64> {
         (self.after != NONE).then_some(self.after)
     }
 }
 
-/// What became of one agglomerate of the first look.
+/// What became of one agglomerate of the first sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fate {
-    /// Its label at the first look.
+    /// Its label at the first sample.
     pub label: u64,
     /// Number of its members then.
     pub size: u64,
-    /// The agglomerates of the second look that hold members of it, by ascending label.
+    /// The agglomerates of the second sample that hold members of it, by ascending label.
     pub fragments: Vec<Fragment>,
     /// Members that are in no agglomerate now.
     pub released: u64,
@@ -107,18 +107,18 @@ pub struct Fate {
     pub successor: Option<usize>,
 }
 
-/// An agglomerate of the second look that holds members of one of the first.
+/// An agglomerate of the second sample that holds members of one of the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fragment {
-    /// Its label at the second look.
+    /// Its label at the second sample.
     pub label: u64,
     /// Members that both share.
     pub shared: u64,
     /// Number of its members.
     pub size: u64,
-    /// Number of agglomerates of the first look that it has members of.
+    /// Number of agglomerates of the first sample that it has members of.
     pub sources: u64,
-    /// The one of the first look that it shares most with.
+    /// The one of the first sample that it shares most with.
     pub origin: u64,
 }
 
@@ -145,7 +145,7 @@ impl Fate {
     }
 }
 
-/// What all ranks know of an agglomerate of the second look.
+/// What all ranks know of an agglomerate of the second sample.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct After {
@@ -155,17 +155,17 @@ struct After {
     origin: u64,
 }
 
-/// Events between two looks.
+/// Events between two samples.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// What became of the agglomerates of the first look whose label meets on this rank, by ascending label.
+    /// What became of the agglomerates of the first sample whose label meets on this rank, by ascending label.
     pub fates: Vec<Fate>,
-    /// Agglomerates of the second look on this rank that have no member of one of the first: [label, size].
+    /// Agglomerates of the second sample on this rank that have no member of one of the first: [label, size].
     pub new: Vec<[u64; 2]>,
 }
 
 impl Changes {
-    /// Compares two looks. Collective.
+    /// Compares two samples. Collective.
     pub fn between(before: &Look, after: &Look, ranks: &dyn Communicator) -> Self {
         let shares = shares(&before.at_rendezvous(ranks), &after.at_rendezvous(ranks));
         let to_after = shares.iter().copied().filter(|share| share.after != NONE);
@@ -213,7 +213,7 @@ fn merged(mut shares: Vec<Share>, key: impl Fn(&Share) -> (u64, u64)) -> Vec<Sha
     of_pair.map(|group| Share { particles: sum(group), ..group[0] }).collect()
 }
 
-/// Of the shares of one agglomerate of the second look.
+/// Sums up the shares of one agglomerate of the second sample.
 fn summary(shares: &[Share]) -> After {
     let sources = || shares.iter().filter(|share| share.before != NONE);
     After {
@@ -225,7 +225,7 @@ fn summary(shares: &[Share]) -> After {
     }
 }
 
-/// Of the shares of one agglomerate of the first look.
+/// Finds what became of one agglomerate of the first sample, from its shares.
 fn fate(shares: &[Share], known: impl Fn(u64) -> Option<After>) -> Fate {
     let fragment = |share: &Share| {
         let After { label, size, sources, origin } = known(share.after()?)?;

@@ -3,7 +3,7 @@
 use super::Fate;
 use crate::parallel::Communicator;
 
-/// Counts of events by the size of the agglomerate before, over any number of pairs of looks of one interval.
+/// Counts of events by the size of the agglomerate before, over any number of pairs of samples of one interval.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RateCounts {
     /// Bin k holds `limits[k] <= members < limits[k + 1]`.
@@ -75,7 +75,7 @@ impl RateCounts {
         counts.zip(stored).for_each(|(count, stored)| *count += stored);
     }
 
-    /// The rates of each bin, of the counts of all ranks, with the time between two looks. Collective.
+    /// The rates of each bin, of the counts of all ranks, with the time between two samples. Collective.
     pub fn rates(&self, interval: f64, ranks: &dyn Communicator) -> Vec<RatesOfSize> {
         let mut sums = self.counts.concat();
         ranks.sum_integers(&mut sums);

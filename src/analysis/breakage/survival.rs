@@ -22,12 +22,12 @@ pub struct CriticalTimes {
     /// choose). None if that has not happened yet.
     pub few: Option<f64>,
     /// tau_ds: the first lag from which on the diameter stays within a fraction of its mean over that stretch, up to
-    /// tau_N15 or the end, for at least three looks. The paper says "becomes steady"; the criterion is ours.
+    /// tau_N15 or the end, for at least three samples. The paper says "becomes steady"; the criterion is ours.
     pub steady: Option<f64>,
 }
 
 impl CriticalTimes {
-    /// Of looks at ascending lags; `few` is 15 in the paper, `tolerance` the fraction within which a diameter is
+    /// From samples at ascending lags; `few` is 15 in the paper, `tolerance` the fraction within which a diameter is
     /// steady.
     pub fn of(looks: &[AtLag], few: u64, tolerance: f64) -> Self {
         let largest = looks.iter().map(|look| look.count).max().filter(|&count| count > 0);

@@ -1,4 +1,4 @@
-//! What becomes of agglomerates between two looks, on made sets whose fate is known.
+//! What becomes of agglomerates between two samples, on made sets whose fate is known.
 
 use super::*;
 use crate::numbers::{random_of, uniform};
@@ -20,7 +20,7 @@ fn digest(changes: &Changes, ranks: &dyn Communicator) -> i64 {
     sum[0]
 }
 
-/// Fates by label and new agglomerates on n ranks, of the labels of particles 0, 1, 2 ... at two looks.
+/// Fates by label and new agglomerates on n ranks, of the labels of particles 0, 1, 2 ... at two samples.
 fn changes(n: usize, before: &[Option<u64>], after: &[Option<u64>]) -> (Vec<Fate>, Vec<[u64; 2]>) {
     let made = run_on_threads(n, |ranks| {
         let look = |labels: &[Option<u64>], salt: usize| {
@@ -78,7 +78,7 @@ fn an_agglomerate_splits_another_is_absorbed_and_a_third_exchanges() {
 
 #[test]
 fn nothing_happens_where_labels_stay() {
-    // The control: the same looks.
+    // The control: the same samples.
     let same = labels(&[(Some(0), 40), (None, 5), (Some(45), 16)]);
     let (fates, new) = changes(3, &same, &same);
     assert!(fates.iter().all(|fate| fate.lost() + fate.gained() == 0 && fate.survives()));
@@ -133,7 +133,7 @@ fn breaking_and_growing() -> Vec<Fate> {
     (0..40_000).map(fate).collect()
 }
 
-/// Rates over bins of powers of two, with half a unit of time between looks.
+/// Rates over bins of powers of two, with half a unit of time between samples.
 fn rates_on(n: usize, fates: &[Fate]) -> Vec<RatesOfSize> {
     let limits: Vec<u64> = (4..11).map(|k| 1 << k).collect();
     let made = run_on_threads(n, |ranks| {

@@ -21,19 +21,19 @@ pub struct Positioned {
 #[repr(C)]
 struct Track {
     id: u64,
-    /// At the last look, inside of the box.
+    /// At the last sample, inside of the box.
     last: Vector3<f64>,
     displacement: Vector3<f64>,
 }
 
-/// Displacements of all particles since a reference time, on the ranks that owned the particles at the last look.
+/// Displacements of all particles since a reference time, on the ranks that owned the particles at the last sample.
 ///
-/// The displacement between two looks is that to the nearest image, so looks must be so frequent that no particle
+/// The displacement between two samples is that to the nearest image, so samples must be so frequent that no particle
 /// moves half of a periodic length in between. Particles that leave are forgotten, new ones ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Displacements {
     periodicity: Periodicity,
-    /// Ascending ids from the first look on.
+    /// Ascending ids from the first sample on.
     tracks: Vec<Track>,
 }
 
@@ -54,7 +54,7 @@ impl MeanDisplacement {
         0.5 * self.square
     }
 
-    /// The same about the mean displacement: of particles in a bed that moves as a whole.
+    /// Half the variance about the mean displacement, for particles in a bed that moves as a whole.
     pub fn half_variance(&self) -> Vector3<f64> {
         0.5 * (self.square - self.mean.component_mul(&self.mean))
     }
@@ -83,7 +83,7 @@ impl Displacements {
         }
     }
 
-    /// Makes the last look the reference time: the next window begins.
+    /// Makes the last sample the reference time: the next window begins.
     pub fn restart(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.displacement = Vector3::zeros());
     }
@@ -102,12 +102,12 @@ impl Displacements {
         })
     }
 
-    /// What must be stored to go on later, as bytes of whole records.
+    /// What must be stored to resume later, as bytes of whole records.
     pub fn stored(&self) -> Vec<u8> {
         bytemuck::cast_slice(&self.tracks).to_vec()
     }
 
-    /// Goes on from what was stored, by whatever ranks.
+    /// Continues from what was stored, by whatever ranks.
     pub fn restore(stored: &[u8], periodicity: Periodicity) -> Self {
         Self { periodicity, tracks: crate::parallel::records_of_bytes(stored).collect() }
     }

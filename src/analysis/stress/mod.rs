@@ -102,9 +102,9 @@ pub struct CellStress {
     pub velocity: Vector3<f64>,
     /// (1/V) sum m v~ (x) v~.
     pub kinetic: Matrix3<f64>,
-    /// Of spring, dashpot and friction. Not symmetric where torques act.
+    /// Stress of spring, dashpot and friction; not symmetric where torques act.
     pub contact: Matrix3<f64>,
-    /// Of cohesion.
+    /// Stress of cohesion.
     pub cohesive: Matrix3<f64>,
     volume: f64,
 }
@@ -305,7 +305,7 @@ pub struct ContactForces {
 }
 
 impl ContactForces {
-    /// Of these contacts.
+    /// Collects these contacts.
     pub fn of(contacts: Vec<ContactForce>) -> Self {
         let largest = largest_components(&contacts);
         Self { contacts, largest }
@@ -351,7 +351,7 @@ impl<const N: usize> InOrder<N> {
         Self(sums.into_iter().peekable())
     }
 
-    /// Those of a key; zero if there are none.
+    /// The sums of a key; zero if there are none.
     fn of_key(&mut self, key: u64) -> [f64; N] {
         self.0.next_if(|sums| sums.key == key).map_or([0.0; N], |sums| sums.values)
     }

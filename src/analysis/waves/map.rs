@@ -106,7 +106,7 @@ pub(super) fn examine(rows: &Rows, bed: &Bed, tiling: &Tiling) -> Vec<Examined> 
         .collect()
 }
 
-/// What states are told by.
+/// What distinguishes the states.
 pub(super) struct Judge<'a> {
     pub(super) rows: &'a Rows,
     pub(super) flux: &'a SolidsFlux,

@@ -1,6 +1,6 @@
 //! The solids fraction in the frame of the material, and the part of the material that waves sweep.
 //!
-//! A layer of material is told by the mass below it, m = ∫ phi dz up to its height, which nothing changes while particles keep their
+//! A layer of material is marked by the mass below it, m = ∫ phi dz up to its height, which nothing changes while particles keep their
 //! order along the vertical. In a bed that stands, rises as a plug or swings with its plate each layer keeps its phi. Where a wave
 //! passes, layers become dilute and dense again one after another, from below; one void shows as clearly as a train of them.
 
@@ -17,7 +17,7 @@ const LEAST_CORRELATION: f64 = 0.5;
 /// Part of the bed's layers of material, the lowest and the highest left out, in which phi has a standard deviation above `least_deviation`
 /// over the record and a pattern that rises through the material.
 ///
-/// The rise is told by r = -<d phi/dt d phi/dm> / sqrt(<(d phi/dt)^2> <(d phi/dm)^2>), means over the record at constant m: 1 if a pattern of
+/// The rise is measured by r = -<d phi/dt d phi/dm> / sqrt(<(d phi/dt)^2> <(d phi/dm)^2>), means over the record at constant m: 1 if a pattern of
 /// constant shape rises through the material, -1 if it sinks, 0 if it stands. Differences in time are over the lag at which phi
 /// of the layers that vary has lost half of its correlation, so that noise hardly counts. 0 for beds of fewer than three layers.
 pub(super) fn swept_share(rows: &Rows, least_deviation: f64) -> f64 {

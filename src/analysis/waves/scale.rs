@@ -131,7 +131,7 @@ fn try_windows(rows: &Rows, bed: &Bed, tiling: Tiling, options: &WaveOptions) ->
     Some(Trial { tiling, share, slowness: waves.slowness.value, period, is_certain })
 }
 
-/// Whether the material moves at half the pattern's speed or more: the pattern of a plug, whose speed such windows tell poorly.
+/// Whether the material moves at half the pattern's speed or more: the pattern of a plug, whose speed such windows show poorly.
 fn is_carried(rows: &Rows, examined: &[Examined], slowness: f64) -> bool {
     let flux = SolidsFlux::of(rows);
     let filled = examined.iter().filter(|examined| examined.filled);

@@ -39,19 +39,19 @@ pub struct Waves {
 /// Parts of the windows that the bed fills, by state; they sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateShares {
-    /// Of windows with waves all over.
+    /// Part of the windows with waves all over.
     pub waves: f64,
-    /// With waves in a part.
+    /// Part of the windows with waves in places.
     pub intermittent: f64,
-    /// That stand still.
+    /// Part that stands still.
     pub frozen: f64,
-    /// That rise as a plug.
+    /// Part that rises as a plug.
     pub rising_plug: f64,
-    /// That vary without waves.
+    /// Part that varies without waves.
     pub disordered: f64,
 }
 
-/// What the bed does as a whole. Waves that no window shows are told by the part of the material that they sweep: nine tenths
+/// What the bed does as a whole. Waves that no window shows are recognised by the part of the material that they sweep: nine tenths
 /// of it for `Waves`, a quarter for `WavesInPart`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BedState {
@@ -113,7 +113,7 @@ pub struct WaveMap {
     pub waves: Result<Waves, NoValue>,
     /// The front between waves and still bed, or why there is none.
     pub front: Result<Front, NoValue>,
-    /// The same waves by the voids' tracks.
+    /// The waves as the voids' tracks show them.
     pub voids: Result<TrackedVoids, NoValue>,
 }
 

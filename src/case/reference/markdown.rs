@@ -19,7 +19,7 @@ Keys without a default are required. No default hides physics: those few that to
 the coherent units that `units` names, and their magnitude is between 1e-30 and 1e30, or 0.
 
 `talcum keys SECTION` prints the keys of a section in the terminal. Editors complete keys, show their meaning and mark
-what is wrong if the first line of the file names the schema, by its path relative to the file or by its address (Taplo,
+errors if the first line of the file gives the schema, by its path relative to the file or by its address (Taplo,
 and Even Better TOML in VS Code):
 
     #:schema ../../docs/case.schema.json

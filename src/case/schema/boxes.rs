@@ -44,20 +44,21 @@ const FACE_NAMES: &[Word] = &[
 
 /// `[[wall]]`.
 pub(in crate::case) const WALL: &[Key] = &[
-    Key::new("name", Kind::Text, "What results call the wall; each has its own name").or(&["face"]),
+    Key::new("name", Kind::Text, "Name of the wall in results, different for each wall")
+        .or(&["face"]),
     Key::new(
         "normal",
         Kind::Vector(Allowed::FINITE, 3),
-        "Of a plane: its normal into the bed, not all 0; it is made a unit vector",
+        "Normal of a plane, into the bed, not all 0; it is scaled to a unit vector",
     )
     .or(&["radius", "face"]),
-    Key::new("point", Kind::Vector(Allowed::FINITE, 3), "Of a plane: a point on it")
+    Key::new("point", Kind::Vector(Allowed::FINITE, 3), "A point on the plane")
         .unit("length")
         .with("normal"),
     Key::number(
         "radius",
         Allowed::POSITIVE,
-        "Of a round column along z with the particles inside: its radius",
+        "Radius of a round column along z, with the particles inside",
     )
     .unit("length")
     .or(&["normal", "face"]),

@@ -27,6 +27,6 @@ With l the factor:
 | duration of a contact | `strength`: l; `bond_number`: l^(1/2) |
 | drag | l^3 times that of a particle at the same velocities and voidage |
 
-`time.step` stays as it is given: it may be as much longer as contacts last. `talcum check` and all results tell of parcels. No rule keeps everything: see
+`time.step` stays as it is given: it may be as much longer as contacts last. `talcum check` and all results describe parcels. No rule keeps everything: see
 docs/how-to/parcels.md for what a bed keeps at factors 2 and 4.",
 };

@@ -45,7 +45,7 @@ ones, whose contacts last longer the slower the impact is, that of an impact wit
 stores energy under an adhesive force F0, which parting the particles takes on top of the work of the attraction: F0^2 / (2
 k_n) on top of 2 F0 `cut_off` in `linear_spring_dashpot` with `[cohesion]`. `check` prints this part, and warns above 0.1 of
 the rest. `softening` states how much stiffer the real particles are (`stiffness_reduction`, Lambda). With `keeps_force` the
-adhesion is the one given, and `check` compares the work of parting with that of the real particles. With `keeps_work` the
+adhesion is the one given, and `check` compares the work of separation with that of the real particles. With `keeps_work` the
 given adhesion is that of the real particles, and the run scales it so that the work stays: forces (F0, the attraction of
 `[cohesion]`, the surface energy) by Lambda^(-1/2), in `hertz_mindlin` and `jkr` by Lambda^(-2/5); lengths over which they
 act by the inverse, `cut_off` so that the work within `range` stays. Impacts of two particles then end as those of the real

@@ -173,8 +173,8 @@ const AGGLOMERATES: &[Key] = &[
     Key::new(
         "every",
         Kind::Count(1, 1_000_000_000),
-        "Steps of the gas from one look at the agglomerates to the next: connected sets of the pairs that touch at a look and \
-         touched at the one before",
+        "Steps of the gas from one search for agglomerates to the next; they are connected sets of pairs that touch now and \
+         touched at the search before",
     ),
     Key::new(
         "smallest",

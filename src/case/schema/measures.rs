@@ -1,4 +1,4 @@
-//! `[measure.NAME]`: what is measured while the run goes on. The kinds are those of the registry in `src/measures`.
+//! `[measure.NAME]`: what is measured during the run. The kinds are those of the registry in `src/measures`.
 
 use super::Chapter;
 use crate::measures::MeasureKind;
@@ -7,16 +7,20 @@ use crate::schema::{Allowed, Key, Value};
 /// `[measure.NAME]`.
 pub(in crate::case) const MEASURE: &[Key] = &[
     Key::word("kind", MeasureKind::WORDS, "What is measured"),
-    Key::number("every", Allowed::POSITIVE, "Interval of looks at the bed, at least `time.step`")
-        .unit("time"),
-    Key::number("start", Allowed::NOT_NEGATIVE, "Time of the first look; none is taken before")
+    Key::number(
+        "every",
+        Allowed::POSITIVE,
+        "Interval between samples of the bed, at least `time.step`",
+    )
+    .unit("time"),
+    Key::number("start", Allowed::NOT_NEGATIVE, "Time of the first sample; none is taken before")
         .unit("time")
         .default(Value::Number(0.0)),
 ];
 
 pub(super) const CHAPTER: Chapter = Chapter {
     path: "measure",
-    title: "what is measured while the run goes on",
+    title: "what is measured during the run",
     keys: MEASURE,
     before: "\
 Each `[measure.NAME]` writes `measure-NAME.h5`, and some kinds `measure-NAME.vtkhdf` beside it; NAME is yours, of characters

@@ -97,7 +97,7 @@ const UNITS: &[Word] = &[
 
 /// The top level of the file.
 pub(super) const ROOT: &[Key] = &[
-    Key::new("title", Kind::Text, "What you call the run"),
+    Key::new("title", Kind::Text, "Name of the run"),
     Key::word("units", UNITS, "System of units of all numbers"),
     Key::new("box", Kind::Table(BOX), "The box and its faces"),
     Key::new("wall", Kind::Tables(WALL), "Further walls, and faces of the box that move")
@@ -116,7 +116,7 @@ pub(super) const ROOT: &[Key] = &[
     Key::new("time", Kind::Table(TIME), "Time step and end of the run"),
     Key::new("stage", Kind::Tables(STAGE), "Stages of the run, one after another").optional(),
     Key::new("output", Kind::Table(OUTPUT), "Intervals of results"),
-    Key::new("measure", Kind::Named(MEASURE), "What is measured while the run goes on").optional(),
+    Key::new("measure", Kind::Named(MEASURE), "What is measured during the run").optional(),
     Key::new("checkpoint", Kind::Table(CHECKPOINT), "When checkpoints are written").optional(),
     Key::new("run", Kind::Table(RUN), "Limit of wall-clock time").optional(),
     Key::new("parallel", Kind::Table(PARALLEL), "How the run is spread over ranks").optional(),

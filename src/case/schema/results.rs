@@ -10,7 +10,7 @@ const PARTICLE_FIELDS: &[Word] = &[
     Word::new("force", "all that acts on it, at the end of the step"),
     Word::new(
         "gas_force",
-        "the part of the gas: drag, pressure gradient and, in three dimensions, buoyancy",
+        "force of the gas: drag, pressure gradient and, in a volume-averaged gas, buoyancy",
     ),
     Word::new("coordination", "how many particles it touches"),
     Word::new(
@@ -49,7 +49,7 @@ pub(in crate::case) const OUTPUT: &[Key] = &[
         "agglomerates",
         Kind::Text,
         "Name of a measure of the kind `agglomerates`: snapshots of the particles show the agglomerate of each, as of \
-         the measure's last look",
+         the measure's last sample",
     )
     .with("particles")
     .optional(),
@@ -129,7 +129,7 @@ const BALANCE: &[Key] = &[
         "Cut planes move if the largest over the mean time that ranks spend on their particles is above this; where \
          lists stay, only if that saves more time than new lists take",
     )
-    .optionally("1.01; 1.05 with a gas in three dimensions, whose cells they do not cut"),
+    .optionally("1.01; 1.05 with a volume-averaged gas, whose cells they do not cut"),
 ];
 
 /// `[parallel]`.

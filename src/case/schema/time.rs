@@ -18,7 +18,7 @@ pub(in crate::case) const TIME: &[Key] = &[
 
 /// `[[stage]]`.
 pub(in crate::case) const STAGE: &[Key] = &[
-    Key::new("name", Kind::Text, "What results call the stage; each has its own name"),
+    Key::new("name", Kind::Text, "Name of the stage in results, different for each stage"),
     Key::number("duration", Allowed::POSITIVE, "How long it lasts, at least `time.step`")
         .unit("time"),
     Key::new("gravity", merged("gravity", GRAVITY), "Changes `[gravity]`").optional(),

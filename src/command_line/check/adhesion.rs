@@ -22,7 +22,7 @@ pub(super) fn describe_adhesion(lines: &mut Lines, case: &Case, stage: &Stage) {
     }
 }
 
-/// What an impact meets: adhesion number 2 W / (m* U^2), with the work of parting W and the velocity U of the gas, and the speed
+/// What an impact meets: adhesion number 2 W / (m* U^2), with the work of separation W and the velocity U of the gas, and the speed
 /// at which it is 1. Faster ones part again, if nothing else takes their energy.
 fn describe_impacts(
     lines: &mut Lines,
@@ -41,7 +41,7 @@ fn describe_impacts(
     lines.add(&format!("impacts{} stick", partners.name), &text);
 }
 
-/// Force and work of parting, the latter returned; nothing if the two do not adhere.
+/// Force and work of separation, the latter returned; nothing if the two do not adhere.
 fn describe(
     lines: &mut Lines,
     partners: &Partners<'_>,
@@ -75,7 +75,7 @@ fn describe(
         };
         text += &format!(", {} times as stiff", softening.reduction);
     }
-    lines.add(&format!("work of parting{name}"), &text);
+    lines.add(&format!("work of separation{name}"), &text);
     let excess = match &real {
         Some(real) => softened.excess_over(real),
         None if softened.surface > 0.0 => softened.spring_part(),
@@ -84,7 +84,7 @@ fn describe(
     if excess > LARGEST_SPRING_PART {
         let of = if real.is_some() { "the real particles" } else { "stiff particles" };
         lines.warn(&format!(
-            "the soft spring adds {excess:.3} times the work of parting of {of} to it (advised: at most \
+            "the soft spring adds {excess:.3} times the work of separation of {of} to it (advised: at most \
              {LARGEST_SPRING_PART}): raise the stiffness, or see contact.softening"
         ));
     }
@@ -98,7 +98,7 @@ fn spring_part(work: &WorkOfParting) -> String {
     }
 }
 
-/// The work of parting real particles; `None` if their stiffness is not stated or the law does not tell it.
+/// The work of separation of real particles; `None` if their stiffness is not stated or the law does not give it.
 fn work_of_real_particles(
     partners: &Partners<'_>,
     softened: &WorkOfParting,

@@ -21,11 +21,11 @@ const LOST_DEPTH: f64 = 0.85;
 const OF_FILTER: f64 = 0.75;
 /// Diameters across the cells of `gas.local_voidage` that are advised.
 const ADVISED_CELL: f64 = 1.5;
-/// The part of the pressure drop whose loss is told.
+/// The part of the pressure drop whose loss is printed.
 const LARGE_LOSS: f64 = 0.15;
 /// The largest overlap over the diameter of a bed at rest: beyond it solids fractions and drag depend on the stiffness.
 const AT_REST: f64 = 0.05;
-/// The same of an impact at the highest speed, which is rare and short.
+/// Largest overlap of an impact at the highest speed, which is rare and short.
 const IN_IMPACT: f64 = 0.1;
 
 /// The bed that the particles of a case form under gravity.

@@ -11,7 +11,7 @@ use crate::rules::{
 };
 use crate::state::SizeRange;
 
-/// Solids fractions of settled beds, at which the minimum fluidisation velocity is told.
+/// Solids fractions of settled beds, at which the minimum fluidisation velocity is printed.
 const SETTLED: [f64; 3] = [0.60, 0.62, 0.64];
 /// Solids over gas density below which the gas is rather a liquid, whose added mass and lubrication are not modelled.
 const LEAST_DENSITY_RATIO: f64 = 10.0;
@@ -94,13 +94,13 @@ fn describe_lone_fall(
     let percent = format!("{:.0} %", 100.0 * excess);
     if excess > LARGE_EXCESS {
         lines.warn(&format!(
-            "alone in these cells a particle of diameter {diameter:.4e} falls some {percent} too fast, with the gas that it moves itself: \
-             gas.undisturbed_velocity leaves that out (a dense bed is the same with it and without)"
+            "a lone particle of diameter {diameter:.4e} falls about {percent} too fast in these cells, together with the gas that it drags along: \
+             gas.undisturbed_velocity corrects this (it makes no difference in a dense bed)"
         ));
     } else {
         lines.add(
             "fall of a lone particle",
-            &format!("some {percent} too fast, with the gas that it moves itself"),
+            &format!("about {percent} too fast, together with the gas that it drags along"),
         );
     }
 }
@@ -119,18 +119,18 @@ fn describe_mixture(lines: &mut Lines, case: &Case, stage: &Stage) {
     );
     let text = match share {
         DragShare::Surface => format!(
-            "that of the local Sauter mean diameter, in a packed bed up to {:.1} % less than by each particle's own",
+            "by the local Sauter mean diameter; in a packed bed up to {:.1} % less than by each particle's own",
             100.0 * excess / (1.0 + excess)
         ),
         DragShare::Diameter => format!(
-            "each by its own diameter, in a packed bed up to {:.1} % more than by the Sauter diameter (gas.drag_in_mixtures)",
+            "by each particle's own diameter; in a packed bed up to {:.1} % more than by the Sauter diameter (gas.drag_in_mixtures)",
             100.0 * excess
         ),
     };
     lines.add("drag of the mixture", &text);
 }
 
-/// Members, packing and surroundings of the agglomerates whose drag is told.
+/// Members, packing and surroundings of the agglomerates whose drag is printed.
 const MEMBERS: [f64; 3] = [10.0, 30.0, 100.0];
 const PACKING: f64 = 0.4;
 const AROUND: [f64; 2] = [0.0, 0.2];
@@ -143,8 +143,8 @@ fn describe_agglomerates(lines: &mut Lines, stage: &Stage, diameter: f64) {
     lines.add(
         "drag of agglomerates",
         &format!(
-            "xi of each particle; a look each {interval:.4e}, every {every} steps of the gas; sets of {smallest} or more that \
-             touch at two looks"
+            "xi of each particle; agglomerates identified every {interval:.4e} ({every} gas steps): sets of {smallest} or more that \
+             touch at two successive times"
         ),
     );
     for around in AROUND {

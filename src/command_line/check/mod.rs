@@ -70,7 +70,7 @@ fn describe_trials(case: &Case, trials: &Trials, ranks: &dyn Communicator) -> St
     let pace = if trials.dense { "of each stage in a dense bed" } else { "of the first steps" };
     let _ = writeln!(
         message,
-        "run's time: {steps:.0} steps, about {total} at the pace {pace} here on {on_ranks}"
+        "estimated run time: about {total} for {steps:.0} steps, at the pace {pace} on {on_ranks} of this machine"
     );
     message
 }
@@ -90,8 +90,8 @@ fn describe_parcels(message: &mut String, case: &Case) {
     };
     let _ = writeln!(
         message,
-        "parcels: {} particles of diameter {diameter:.4e} {unit} in each; {kept}; the groups of the gas are those of the \
-         particles, all else is that of parcels",
+        "parcels: {} particles of diameter {diameter:.4e} {unit} in each; {kept}; dimensionless groups of the gas refer to the \
+         particles, everything else to the parcels",
         parcels.particles()
     );
 }

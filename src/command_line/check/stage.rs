@@ -21,9 +21,9 @@ use std::fmt::Write;
 
 /// The jump of the effective gravity, over g, that passes without a warning: rounding of the stages' times.
 const SMALL_JUMP: f64 = 1.0e-3;
-/// Overlap over diameter at which stiffness is told.
+/// Overlap over diameter at which stiffness is printed.
 const SMALL_OVERLAP: f64 = 0.01;
-/// Voidage of a loose bed, at which the response of particles to the gas is told.
+/// Voidage of a loose bed, at which the response of particles to the gas is printed.
 const LOOSE: f64 = 0.45;
 /// Cells of more diameters hide small bubbles and clusters, whose drag is not that of a uniform bed.
 const COARSE_CELL: f64 = 10.0;
@@ -191,8 +191,8 @@ fn describe_cells(lines: &mut Lines, model: &VolumeAveragedModel, sizes: &SizeRa
     }
     if in_diameters.max() > COARSE_CELL {
         lines.warn(&format!(
-            "cells are wider than {COARSE_CELL} diameters: the drag laws are those of a bed that is uniform within a cell, \
-             which small bubbles and clusters are not"
+            "cells are wider than {COARSE_CELL} diameters: the drag laws assume a bed that is uniform within a cell, \
+             and small bubbles and clusters are not"
         ));
     }
 }

@@ -13,7 +13,7 @@ const FIRST_STEPS: Duration = Duration::from_millis(500);
 /// How long all stages together are tried in a dense bed.
 const DENSE_BED: Duration = Duration::from_millis(500);
 
-/// What trials of a case have told.
+/// Results of the trials of a case.
 pub(super) struct Trials {
     /// Seconds that the run will take.
     pub(super) seconds: f64,
@@ -92,7 +92,7 @@ fn pace(
     let mut state = Staggered::new(state);
     let start = Instant::now();
     let mut steps = 0;
-    // The pace of rank 0 decides for all: a collective look every few steps.
+    // The pace of rank 0 decides for all: a collective check every few steps.
     while !ranks.any(ranks.is_root() && start.elapsed() > how_long) {
         for _ in 0..10 {
             time_step::advance(&mut state, &case.domain, &models, work, ranks)?;

@@ -1,4 +1,4 @@
-//! `talcum watch`: a run while it goes on, in the terminal or in a browser.
+//! `talcum watch`: a run in progress, in the terminal or in a browser.
 //!
 //! `run/` reads the folder of results and changes nothing in it; `terminal/`, `serve/` and `plain.rs` show what it found.
 
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 /// Options of `talcum watch`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct WatchOptions {
-    /// The folder of results of a run, which may go on, be over, or not have begun to write.
+    /// The folder of results of a run, which may be running, finished, or not yet writing.
     results: PathBuf,
     /// Columns of series.csv to draw, instead of a choice of those that have something to show.
     #[arg(long, value_name = "NAME,NAME,...", value_delimiter = ',')]

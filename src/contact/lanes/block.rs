@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 pub(crate) struct ContactBlock {
     pub(crate) overlap: Lanes,
     pub(crate) normal: [Lanes; 3],
-    /// That of the surfaces at the contact.
+    /// Relative velocity of the surfaces at the contact.
     pub(crate) relative_velocity: [Lanes; 3],
     /// omega_j - omega_i; only if rolling is resisted.
     pub(crate) relative_spin: [Lanes; 3],
@@ -42,7 +42,7 @@ pub(crate) struct ExcessForce {
     pub(crate) force_on_j: Vector3<f64>,
 }
 
-/// That the forces of four pairs, from lane `from` on, are within a limit.
+/// Requires the forces of four pairs, from lane `from` on, to be within a limit.
 ///
 /// # Errors
 /// The first that is not.

@@ -15,7 +15,7 @@ pub(crate) trait Sizes: Copy {
     fn reduced(&self, lane: usize) -> ReducedSizes;
 }
 
-/// Those of pairs of particles.
+/// Sizes of pairs of particles.
 pub(crate) trait SizesOfPairs: Sizes {
     /// Stores the sizes of a pair in a lane.
     fn gather(&mut self, lane: usize, pair: [&Body; 2]);
@@ -33,7 +33,7 @@ pub(crate) struct ReducedSizes {
 }
 
 impl ReducedSizes {
-    /// Those of two solid spheres.
+    /// The reduced sizes of two solid spheres.
     #[inline(always)]
     fn of_spheres([radius_i, radius_j]: [f64; 2], [mass_i, mass_j]: [f64; 2]) -> Self {
         let inertia_i = 0.4 * mass_i * radius_i * radius_i;
@@ -134,7 +134,7 @@ pub(crate) struct SizesAtWall {
 impl Sizes for SizesAtWall {
     const EQUAL: bool = false;
 
-    /// That of the particle twice: the second would be infinite.
+    /// The radius of the particle twice, as that of the wall would be infinite.
     #[inline(always)]
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
         [Q::load(four(&self.radius, from)); 2]

@@ -18,7 +18,7 @@ impl<Q: F64x4> FourVectors<Q> {
         Self([x, y, z])
     }
 
-    /// The same vector four times.
+    /// One vector in all four lanes.
     #[inline(always)]
     pub(crate) fn of_vector(vector: &Vector3<f64>) -> Self {
         Self([Q::splat(vector.x), Q::splat(vector.y), Q::splat(vector.z)])

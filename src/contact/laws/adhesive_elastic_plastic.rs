@@ -195,7 +195,7 @@ impl ContactForceLaw for AdhesiveElasticPlastic {
         self.hysteresis.slide(history, force);
     }
 
-    /// That of the springs, and -F0 delta of the attraction.
+    /// Energy of the springs, and -F0 delta of the attraction.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         let springs = self.hysteresis.stored_energy(contact.overlap, history);
         StoredInContact { normal: springs.normal - self.attraction * contact.overlap, ..springs }

@@ -35,7 +35,7 @@ pub trait RegisteredContactLaw: ContactForceLaw + Sized {
     #[must_use]
     fn stiffened(&self, factor: f64) -> Self;
 
-    /// The law with its own adhesion so that the work of parting is the one of [`stiffened`](Self::stiffened) bodies
+    /// The law with its own adhesion so that the work of separation is the one of [`stiffened`](Self::stiffened) bodies
     /// ([`adhesion_factor`](crate::rules::adhesion_factor)). The same law if it has no adhesion, or one that is a
     /// stiffness.
     #[must_use]

@@ -71,7 +71,7 @@ macro_rules! contact_laws {
             }
 
             /// Power n of the overlap that the normal force of first loading is proportional to; 1 for a law from outside the
-            /// crate, which does not tell it.
+            /// crate, which does not give it.
             pub fn overlap_exponent(&self) -> f64 {
                 match self {
                     $(Self::$Law(_) => <$Law as $crate::contact::RegisteredContactLaw>::OVERLAP_EXPONENT,)*
@@ -89,7 +89,7 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law with its own adhesion so that the work of parting is that of bodies `reduction` times as stiff. A law
+            /// The law with its own adhesion so that the work of separation is that of bodies `reduction` times as stiff. A law
             /// from outside the crate stays as it is.
             #[must_use]
             pub fn keeping_work(&self, reduction: f64) -> Self {

@@ -44,8 +44,8 @@ fn forces(
     particles.forces.clone()
 }
 
-/// The first step of 3000 at which a list that lives for long, and is told this share of the displacements, gives other
-/// forces than one that is made anew; none if it never does.
+/// The first step of 3000 at which a list that lives for long, and is given this share of the displacements, gives other
+/// forces than one that is rebuilt; none if it never does.
 fn first_difference(share: f64) -> Option<usize> {
     let attraction =
         VanDerWaals::square(&Schedule::Constant(10.0), &Schedule::Constant(0.0), 0.3, 0.02);
@@ -78,7 +78,7 @@ fn first_difference(share: f64) -> Option<usize> {
 #[test]
 fn a_list_that_lives_for_many_steps_gives_the_forces_of_a_new_one() {
     assert_eq!(first_difference(1.0), None);
-    assert!(first_difference(0.2).is_some(), "a control: what has moved must be told");
+    assert!(first_difference(0.2).is_some(), "a control: what has moved must be given");
 }
 
 /// Forces of some steps in which spheres move and spin, by the loop for one size or by that for many.

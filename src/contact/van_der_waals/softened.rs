@@ -4,7 +4,7 @@ use super::{VanDerWaals, VanDerWaalsNow};
 
 impl VanDerWaals {
     /// The attraction whose largest force is multiplied by `factor`, at most 1, and whose cut-off is so much larger that
-    /// the work of parting two particles of radius `radius` stays; the range stays, but that of a square force grows with
+    /// the work of separating two particles of radius `radius` stays; the range stays, but that of a square force grows with
     /// its cut-off. `None` if no cut-off within the range gives that work.
     ///
     /// Forces at walls are multiplied by the same factor.

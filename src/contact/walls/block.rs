@@ -137,7 +137,7 @@ impl WallBlock {
         }
     }
 
-    /// Of four particles, the rows of their bodies: sets sizes, overlap, normal, and the motion of the wall's surface relative to
+    /// Takes the rows of four particles' bodies and sets sizes, overlap, normal, and the motion of the wall's surface relative to
     /// theirs.
     #[inline(always)]
     fn set_kinematics<Q: F64x4, R: Rolling>(

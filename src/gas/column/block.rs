@@ -22,9 +22,9 @@ pub(super) struct ParticlesInColumn<'a> {
 /// U_s over the height.
 #[derive(Clone, Copy)]
 pub(super) enum SuperficialVelocity<'a> {
-    /// The same everywhere: of an incompressible gas.
+    /// The same everywhere, in an incompressible gas.
     Uniform(f64),
-    /// Of each interval of the grid its value at the lower end, and its change to the upper end.
+    /// For each interval of the grid, the value at its lower end and the change to its upper end.
     Between(&'a [[f64; 2]]),
 }
 
@@ -110,7 +110,7 @@ impl GasBlock {
         }
     }
 
-    /// Of sizes that differ: V B in the place of V beta, B = c over a particle's share of drag times the sum of shares per
+    /// For sizes that differ: V B in the place of V beta, B = c over a particle's share of drag times the sum of shares per
     /// volume.
     #[inline(always)]
     fn share_gradient(&mut self, share: DragShare, radius: &Lanes) {
@@ -148,7 +148,7 @@ impl GasBlock {
 
 /// A force that has no meaning.
 pub(super) struct ForceTooLarge {
-    /// Of which particle.
+    /// Index of the particle.
     pub(super) index: usize,
     /// A component of it.
     pub(super) force: f64,

@@ -6,7 +6,7 @@ use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, Quantum, vectorised};
 use crate::particles::LANES;
 
-/// Of the particles in one interval, as counts of their lattices: the forces at U = 0 that go to its lower and upper node, and
+/// Sums over the particles in one interval, as counts of their lattices: the forces at U = 0 that go to its lower and upper node, and
 /// the slopes that go to the lower one alone, to both and to the upper one, by hat weights.
 pub(super) const SUMS: usize = 5;
 

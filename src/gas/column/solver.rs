@@ -26,7 +26,7 @@ pub struct ColumnSolver {
     pub(super) superficial_velocity: f64,
     /// U at the nodes of a compressible gas; none if it is `superficial_velocity` everywhere.
     pub(super) velocities: Vec<f64>,
-    /// The same between the nodes.
+    /// U between the nodes.
     pub(super) between_velocities: Vec<[f64; 2]>,
     /// What flows out above.
     pub(super) outflow: f64,

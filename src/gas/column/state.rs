@@ -5,12 +5,12 @@ use crate::parallel::{CellRecord, Communicator};
 use bytemuck::Zeroable;
 
 /// In checkpoints a plenum is the cell of this number. The intervals of a compressible gas, from the plate upwards, have those
-/// before it, downwards: no gas in three dimensions has so many cells.
+/// before it, downwards: no volume-averaged gas has so many cells.
 const PLENUM: u64 = u64::MAX;
 /// No interval has a smaller number.
 const LOWEST_NUMBER: u64 = 1 << 63;
 
-/// Of a compressible gas or a plenum; the same on all ranks.
+/// State of a compressible gas or a plenum; the same on all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnState {
     /// Pressure of the plenum less that above the bed, if there is one.

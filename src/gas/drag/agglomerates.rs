@@ -14,10 +14,10 @@ use std::f64::consts::PI;
 
 /// How drag follows from the agglomerates of the particles.
 ///
-/// They are found anew at looks: connected sets of the pairs that touch now and touched at the look before (Liu et al. 2016).
+/// They are found again at each search: connected sets of the pairs that touch now and touched at the search before (Liu et al. 2016).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AgglomerateDrag {
-    /// Steps of the gas from one look to the next.
+    /// Steps of the gas from one search to the next.
     pub every: u64,
     /// Sets of fewer particles are taken for single ones.
     pub smallest: u64,
@@ -40,7 +40,7 @@ impl AgglomerateBall {
     /// ```
     ///
     /// R is the radius of gyration of the members' centres, r the radius of the sphere of their mean volume, V the volume of all.
-    /// Of one particle it is the particle itself.
+    /// For a single particle it is the particle itself.
     pub fn of(radius_of_gyration: f64, member_radius: f64, volume: f64) -> Self {
         let square = 5.0 / 3.0 * radius_of_gyration.powi(2) + member_radius.powi(2);
         let diameter = 2.0 * square.sqrt();

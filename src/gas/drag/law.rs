@@ -11,7 +11,7 @@ pub trait DragCorrelation {
     /// eps F at a solids fraction in [0, 1) and a Reynolds number >= 0.
     fn scaled_drag(&self, solids_fraction: f64, reynolds: f64) -> f64;
 
-    /// The same for many particles at once, in vector instructions.
+    /// The drags of many particles at once, in vector instructions.
     #[inline(always)]
     fn scaled_drags<const N: usize>(
         &self,

@@ -54,7 +54,7 @@ impl ParticleDrag {
         self.per_velocity(mean, solids_fraction, slip) * (ratio * ratio)
     }
 
-    /// The same for many particles at once, in vector instructions.
+    /// The drags of many particles at once, in vector instructions.
     #[inline(always)]
     pub fn per_velocities<const N: usize>(
         &self,

@@ -215,7 +215,7 @@ fn continue_tangential(
     places.for_each(|place| values[place] = beyond(values[stepped(place, steps, inwards)]));
 }
 
-/// The same where gas may come in: it then brings the velocity of the gas outside.
+/// Continues the velocity where gas may come in: it then brings the velocity of the gas outside.
 fn continue_through_opening(
     component: &mut Field,
     (part, face, depth): (&LocalCells, LocalFace, isize),

@@ -60,7 +60,7 @@ pub struct Jet {
 /// Velocity over a face, relative to the one that is given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
-    /// The same everywhere.
+    /// Uniform over the face.
     Uniform,
     /// 6 s (1 - s) along each axis of the face that is not periodic, s from 0 to 1 across the box: the given
     /// velocity is the mean.
@@ -83,7 +83,7 @@ pub struct FaceConditions<'a> {
 /// Velocity along the normal of a face.
 #[derive(Clone, Copy, Debug)]
 pub enum NormalVelocity<'a> {
-    /// That of an inlet, or zero.
+    /// Velocity of an inlet, or zero.
     Fixed(Option<&'a Inlet>),
     /// From the momentum balance in the face, without a gradient along the normal.
     FromMomentum {
@@ -95,7 +95,7 @@ pub enum NormalVelocity<'a> {
 /// Velocity in the plane of a face.
 #[derive(Clone, Copy, Debug)]
 pub enum TangentialVelocity {
-    /// That of a wall in this motion.
+    /// Velocity of a wall in this motion.
     Value(WallMotion),
     /// No gradient along the normal.
     NoGradient,
@@ -162,7 +162,7 @@ impl Boundary {
         Some(conditions)
     }
 
-    /// The same boundary in a face whose wall, which particles touch, moves like this.
+    /// This boundary in a face whose wall, which particles touch, moves like this.
     pub(super) fn with_wall(self, wall: WallMotion) -> Self {
         match self {
             Self::NoSlip { .. } => Self::NoSlip { motion: wall },

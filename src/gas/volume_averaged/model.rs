@@ -105,7 +105,7 @@ pub struct VolumeAveragedGas {
 }
 
 impl VolumeAveragedGas {
-    /// The same gas beside the walls of a run: where it sticks to a face of the box, the face moves as the wall in it
+    /// This gas beside the walls of a run: where it sticks to a face of the box, the face moves as the wall in it
     /// that particles touch.
     pub fn with_walls(mut self, bounds: &Bounds, walls: &[Wall]) -> Self {
         for face in BoxFace::ALL.into_iter().filter(|&face| bounds.face(face) == Face::Wall) {

@@ -39,13 +39,13 @@ impl Exchanged {
 /// Volumes of cells, in the box or in a round column.
 #[derive(Clone, Copy)]
 pub(super) struct CellVolumes<'a> {
-    /// Of a whole cell.
+    /// Volume of a whole cell.
     pub(super) whole: f64,
     pub(super) column: Option<&'a ColumnOnCells>,
 }
 
 impl CellVolumes<'_> {
-    /// Of the cell at an index into a field.
+    /// Volume of the cell at an index into a field.
     fn at(self, index: usize) -> f64 {
         self.column.map_or(self.whole, |column| self.whole * column.at(index))
     }

@@ -234,7 +234,7 @@ impl NavierStokesSolver {
         result
     }
 
-    /// The same for a bed with its halos, within a round wall if there is one.
+    /// Advances a bed with its halos, within a round wall if there is one.
     fn advance_in(
         &mut self,
         wall: Option<&RoundWall>,

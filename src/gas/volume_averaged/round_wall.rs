@@ -39,10 +39,10 @@ pub(super) struct RoundWall {
     pub(super) voidage_before: Field,
 }
 
-/// That a face has no open neighbour on one side along an axis across the column.
+/// A face without open neighbour on one side along an axis across the column.
 #[derive(Clone, Copy, Debug)]
 struct ClosedNeighbour {
-    /// Of the face, counted from the part's first cell.
+    /// Place of the face, counted from the part's first cell.
     place: [isize; 2],
     axis: usize,
     side: isize,
@@ -224,7 +224,7 @@ fn friction(component: Component, viscosity: f64) -> Field {
     friction
 }
 
-/// Those of the owned faces of a component.
+/// The closed neighbours of the owned faces of a component.
 fn closed_neighbours(component: Component) -> Vec<ClosedNeighbour> {
     let [nx, ny, _] = component.part.count.map(|count| count as isize);
     let places = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j]));

@@ -14,7 +14,7 @@ const MOST_MEMBERS: u64 = 20_000;
 
 const UNDEFINED: f64 = f64::NAN;
 
-/// The rows of a look, and what critical times need of it. Collective.
+/// The rows of a sample, and what critical times need of it. Collective.
 pub(super) fn of_look(
     found: &Found,
     search: &Search<'_>,

@@ -34,7 +34,7 @@ pub(super) const TRACERS: &[Word] = &[
     ),
     Word::with(
         "region",
-        "particles that were in a part of the box at the first look",
+        "particles that were in a part of the box at the first sample",
         &[
             Key::new("lower_corner", Kind::Vector(Allowed::FINITE, 3), "Its lower corner")
                 .unit("length"),
@@ -87,7 +87,7 @@ pub(super) struct Tracers {
     settings: TracerSettings,
     grid: CellGrid,
     periodicity: Periodicity,
-    /// Of a region: ids on their rendezvous ranks, ascending; `None` before the first look.
+    /// Ids of the tracers of a region on their rendezvous ranks, ascending; `None` before the first sample.
     marked: Option<Vec<u64>>,
 }
 
@@ -110,7 +110,7 @@ impl Tracers {
         self.periodicity
     }
 
-    /// At the first look, marks the particles in the region. Collective.
+    /// At the first sample, marks the particles in the region. Collective.
     pub(super) fn mark(&mut self, samples: &[ParticleSample], ranks: &dyn Communicator) {
         let Class::Region([lower, upper]) = self.settings.class else { return };
         if self.marked.is_some() {
@@ -163,7 +163,7 @@ impl Tracers {
         }
     }
 
-    /// Goes on from what was kept. Collective.
+    /// Continues from what was kept. Collective.
     pub(super) fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
         let records: Option<Vec<[u64; 2]>> = stored.records("tracers");
         self.marked = records.map(|records| {

@@ -1,4 +1,4 @@
-//! Stress and granular temperature on cells, averaged over looks: fields for ParaView.
+//! Stress and granular temperature on cells, averaged over samples: fields for ParaView.
 
 use super::columns::{Derived, fields};
 use super::frame::FrameSettings;
@@ -70,8 +70,8 @@ fn values_of(cell: &Derived) -> Vec<f64> {
 impl Measure for Fields {
     fn layout(&self) -> Layout {
         let columns = vec![
-            Column::scalar("from", Time, "time of the first look that is averaged"),
-            Column::scalar("looks", Number, "number of looks that are averaged"),
+            Column::scalar("from", Time, "time of the first sample that is averaged"),
+            Column::scalar("looks", Number, "number of samples that are averaged"),
             Column::scalar(
                 "granular_temperature_mean",
                 SquaredSpeed,

@@ -70,8 +70,8 @@ pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
         _ => (vec![phases, layers], &["phase", "height"]),
     };
     let scalars = [
-        ("from", Time, "time of the first look that is averaged"),
-        ("looks", Number, "number of looks that are averaged"),
+        ("from", Time, "time of the first sample that is averaged"),
+        ("looks", Number, "number of samples that are averaged"),
         ("granular_temperature_mean", SquaredSpeed, "mean over layers, by their solids"),
         ("kinetic_pressure", Pressure, "tr(sigma)/3 of the kinetic part, mean by solids"),
         ("contact_pressure", Pressure, "the same of contacts"),

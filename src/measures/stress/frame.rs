@@ -27,7 +27,7 @@ pub(super) const FRAMES: &[Word] = &[
     ),
     Word::with(
         "phase",
-        "that of the box, but looks are averaged by the phase of the vibration",
+        "that of the box, but samples are averaged by the phase of the vibration",
         &[Key::new("phases", PHASES, "Bins of the phase").default(Value::Count(24)), FREQUENCY],
     ),
 ];
@@ -38,7 +38,7 @@ const FREQUENCY: Key = Key::number("frequency", Allowed::POSITIVE, "Cycles per t
     .unit("1/time")
     .default(Value::Derived("that of `[vibration]`"));
 
-/// The frame of a measure, and the bins in which its looks are averaged.
+/// The frame of a measure, and the bins in which its samples are averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FrameSettings {
     /// Moves upwards with a wave; None: at rest in the box.
@@ -80,7 +80,7 @@ impl FrameSettings {
         Some(Self { wave, cycle })
     }
 
-    /// Whether looks are averaged by the phase of the vibration.
+    /// Whether samples are averaged by the phase of the vibration.
     pub(super) fn has_phases(&self) -> bool {
         self.cycle.is_some()
     }
@@ -150,7 +150,7 @@ impl Cycle {
 
     fn bin_at(&self, time: f64) -> usize {
         let cycles = self.frequency * (time - self.start);
-        // Rounded, so that looks on the border of two bins fall into the same in every cycle.
+        // Rounded, so that samples on the border of two bins fall into the same in every cycle.
         let place = (self.phases as f64 * (cycles - cycles.floor()) * 1.0e6).round() * 1.0e-6;
         (place as usize) % self.phases
     }

@@ -1,14 +1,14 @@
-//! Averages of the layers over looks, by phase.
+//! Averages of the layers over samples, by phase.
 
 use super::{NUMBERS, numbers_of};
 use crate::analysis::stress::CellStress;
 
-/// Sums over looks of the numbers of each layer, phase by phase. All ranks have the same.
+/// Sums over samples of the numbers of each layer, phase by phase. All ranks have the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profiles {
     layers: usize,
     looks: u64,
-    /// Time of the first look.
+    /// Time of the first sample.
     from: f64,
     /// Looks of each phase.
     of_phase: Vec<f64>,
@@ -21,7 +21,7 @@ pub(super) struct Profiles {
 pub(super) struct MeanProfiles {
     pub(super) looks: u64,
     pub(super) from: f64,
-    /// Phase by phase, layer by layer; undefined in a phase without looks.
+    /// Phase by phase, layer by layer; undefined in a phase without samples.
     pub(super) means: Vec<[f64; NUMBERS]>,
 }
 
@@ -36,7 +36,7 @@ impl Profiles {
         self.looks
     }
 
-    /// Adds the layers of a look; each stands for so many waves.
+    /// Adds the layers of a sample; each stands for so many waves.
     pub(super) fn add(&mut self, time: f64, phase: usize, cells: &[CellStress], waves: f64) {
         if self.looks == 0 {
             self.from = time;
@@ -66,7 +66,7 @@ impl Profiles {
         head.iter().chain(&self.of_phase).chain(self.sums.as_flattened()).copied().collect()
     }
 
-    /// Goes on from what was kept.
+    /// Continues from what was kept.
     pub(super) fn restore(&mut self, numbers: &[f64]) -> Option<()> {
         let (head, rest) = numbers.split_at_checked(2)?;
         let (of_phase, sums) = rest.split_at_checked(self.of_phase.len())?;

@@ -128,7 +128,7 @@ pub fn prune(folder: &Path, keep: usize, ranks: &dyn Communicator) -> Result<(),
     Ok(())
 }
 
-/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that goes on from there comes to
+/// Renames the checkpoints of steps after `step` to `<name>.superseded`: a run that continues from there comes to
 /// another future, which they must not be taken for. Collective.
 ///
 /// # Errors
@@ -141,7 +141,7 @@ pub fn supersede(folder: &Path, step: u64, ranks: &dyn Communicator) -> Result<(
             std::fs::rename(folder.join(&name), folder.join(&aside))
                 .map_err(|error| format!("{name} cannot be renamed: {error}"))?;
             log::warn!(
-                "{name} is of a later time than this run goes on from; it is kept as {aside}"
+                "{name} is of a later time than the one this run continues from; it is kept as {aside}"
             );
         }
         Ok(())

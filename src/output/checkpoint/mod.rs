@@ -39,7 +39,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub case_folder: String,
     /// This rank's particles, in any order; positions wrapped into the box.
     pub particles: P,
-    /// A user's own fields of these particles, in the same order.
+    /// Custom fields of these particles, in the same order.
     pub own: OwnFields,
     /// Histories of touching pairs, each on one rank, in any order.
     pub contacts: Vec<ContactRecord>,
@@ -49,7 +49,7 @@ pub struct Checkpoint<P = Vec<ParticleRecord>> {
     pub cells: Vec<CellRecord>,
     /// How the last step of that gas went.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last look at agglomerates, if drag follows from them: each on one rank, in any order.
+    /// Pairs that touched at the last search for agglomerates, if drag follows from them: each on one rank, in any order.
     pub looked_at: Option<Vec<Pair>>,
     /// The ledger of energies, if one is kept. It is no part of the state, nor of its digest.
     pub energy: Option<StoredLedger>,

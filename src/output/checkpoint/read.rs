@@ -55,7 +55,7 @@ pub fn read(
     read_whole(path, ranks)
 }
 
-/// The same for a file whose checksum is right. Collective.
+/// Reads a file whose checksum is known to be right. Collective.
 pub(super) fn read_whole(
     path: &Path,
     ranks: &dyn Communicator,
@@ -170,7 +170,7 @@ fn read_counters(file: &SerialFile) -> Departed {
     counters
 }
 
-/// A user's own fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
+/// Custom fields in a file, as far as it says what they are; how they travel the run that has registered them knows.
 fn own_fields(file: &SerialFile, particles: u64) -> MessageResult<Vec<Field>> {
     let field = |name: String| {
         let path = path_of::<ParticleRecord>(&name);
@@ -240,7 +240,7 @@ fn table_in_file<R: Record>(file: &SerialFile) -> MessageResult<TableInFile> {
     Ok(TableInFile { rows, fields })
 }
 
-/// The same of a record that not every file has.
+/// The table of a record that not every file has.
 fn table_if_there<R: Record>(file: &SerialFile) -> MessageResult<Option<TableInFile>> {
     let is_there = has(file, "/", &R::GROUP[1..]) && has(file, R::GROUP, R::IDS[0].name);
     is_there.then(|| table_in_file::<R>(file)).transpose()
@@ -277,7 +277,7 @@ fn read_rows<R: Record>(
     Ok(records)
 }
 
-/// This rank's even share of the rows of a user's own fields.
+/// This rank's even share of the rows of custom fields.
 fn read_own(
     file: &SharedFile<'_>,
     fields: &[Field],

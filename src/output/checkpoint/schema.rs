@@ -1,4 +1,4 @@
-//! What stands where in a checkpoint: a dataset for each id and each field of a record, and one for each of a user's own fields.
+//! What stands where in a checkpoint: a dataset for each id and each field of a record, and one for each of the custom fields.
 
 use crate::analysis::Pair;
 use crate::fields::{Field, Id, Record, groups};
@@ -16,7 +16,7 @@ pub(super) const FORMAT: &str = "talcum checkpoint";
 /// 4: twisting angles of contacts, and a ledger of energies.
 /// 5: species, where there are several.
 /// 6: agglomerates of particles, where drag follows from them.
-/// 7: any field that not every run has is left out where it is zero; a user's own fields.
+/// 7: any field that not every run has is left out where it is zero; custom fields.
 pub(super) const VERSION: u64 = 7;
 /// The first version whose digests are those of today.
 pub(super) const FIRST_WITH_DIGEST: u64 = 3;
@@ -78,7 +78,7 @@ pub(super) fn fields_in_use<R: Record>(
     (0..places.len()).filter(|&field| is_in_use(field)).map(|field| places[field]).collect()
 }
 
-/// A user's own fields of which one number is not zero on some rank. Collective.
+/// Custom fields of which one number is not zero on some rank. Collective.
 pub(super) fn own_fields_in_use(own: &OwnFields, ranks: &dyn Communicator) -> Vec<usize> {
     let is_used = |field| own.column(field).iter().any(|number| number.to_bits() != 0);
     let mut used: Vec<i64> = (0..own.fields.len()).map(|field| i64::from(is_used(field))).collect();
@@ -97,7 +97,7 @@ pub(super) fn fields_in_file<R: Record>(file: &SerialFile) -> MessageResult<Fiel
     Ok(R::places().filter(|(_, field)| is_there(field)).collect())
 }
 
-/// Names of datasets of particles that are none of the built-in fields: a user's own.
+/// Names of datasets of particles that are none of the built-in fields: custom fields.
 pub(super) fn own_names(file: &SerialFile) -> MessageResult<Vec<String>> {
     let mut names = file.names(ParticleRecord::GROUP)?;
     let is_built_in = |name: &String| {

@@ -262,7 +262,7 @@ fn numbers_of<R: Record, const WIDTH: usize>(place: usize, records: &[R]) -> Vec
     rows.into_flattened()
 }
 
-/// Writes a user's own fields, in the order of the particles' records.
+/// Writes custom fields, in the order of the particles' records.
 fn write_own_fields(
     file: &SharedFile<'_>,
     checkpoint: &Checkpoint<impl Records<ParticleRecord>>,

@@ -30,7 +30,7 @@ use crate::parallel::{Communicator, FileAccess};
 ///
 /// Without a lock: many file systems of clusters have none, and a script that reads a table while it grows must not end
 /// the run. And without the library's buffers for numbers: what waits in one is written as its dataset is closed, where a
-/// write that fails is told to nobody.
+/// write that fails is not reported.
 fn options() -> FileBuilder {
     let mut options = File::with_options();
     options.with_fapl(|properties| {
@@ -348,7 +348,7 @@ impl<'r> SharedFile<'r> {
         Self::open(path, ranks, true, access_to(path, ranks))
     }
 
-    /// The same where rank 0 writes the rows of all.
+    /// Opens a file whose rows rank 0 writes for all.
     pub(super) fn open_to_write_on_root(
         path: &Path,
         ranks: &'r dyn Communicator,

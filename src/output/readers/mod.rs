@@ -28,8 +28,8 @@ fn reading<T>(
     let opened = check_signature(path).and_then(|()| SerialFile::open(path));
     let opened = opened.map_err(|message| {
         format!(
-            "{message}. If the run was killed while it wrote, `talcum run --resume` mends the file; if the run goes \
-             on, try again"
+            "{message}. If the run was killed while it wrote, `talcum run --resume` mends the file; if the run is \
+             still active, try again"
         )
     });
     opened

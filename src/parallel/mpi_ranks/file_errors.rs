@@ -42,7 +42,7 @@ const OF_FILES: [Errno; 12] = [
     Errno::NODEV,
     Errno::ISDIR,
 ];
-/// Less room than this, in bytes, is told.
+/// Free space below which a warning is printed, in bytes.
 const LITTLE: u64 = 100_000_000;
 
 /// The file that was opened last; the error names it.

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::{Thread, current, park};
 use std::time::{Duration, Instant};
 
-/// The fewest looks before a thread sleeps, about a microsecond, and the most, about 100.
+/// The fewest checks before a thread sleeps, about a microsecond, and the most, about 100.
 const LOOKS: [u32; 2] = [50, 4000];
 /// After a sleep shorter than this a thread looks longer the next time: to be woken takes about as long.
 const SHORT: Duration = Duration::from_micros(100);

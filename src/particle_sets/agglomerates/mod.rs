@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 use properties::Members;
 use rustc_hash::FxHashMap;
 
-/// What is known of a particle at the time of a look.
+/// What is known of a particle at the time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ParticleSample {
@@ -67,7 +67,7 @@ pub struct Agglomerates {
     /// The centre of each of this rank's particles where it lies in the unwrapped agglomerate: relative to the
     /// particle whose id is the label, which lies in the box.
     pub unwrapped: Vec<Vector3<f64>>,
-    /// Those whose label meets on this rank, by ascending label. Each agglomerate is on one rank.
+    /// Agglomerates whose label meets on this rank, by ascending label. Each is on one rank.
     pub found: Vec<Agglomerate>,
 }
 

@@ -56,12 +56,12 @@ impl Agglomerate {
         self.contacts as f64 / self.members as f64
     }
 
-    /// The same, of neighbours that are members.
+    /// Mean number of touching neighbours of the members that are members themselves.
     pub fn coordination_within(&self) -> f64 {
         self.contacts_within as f64 / self.members as f64
     }
 
-    /// The same, of contacts that have been kept since t_0.
+    /// Mean number of contacts of a member that have been kept since t_0.
     pub fn bonds_per_member(&self) -> f64 {
         self.bonds as f64 / self.members as f64
     }

@@ -36,7 +36,7 @@ pub(super) struct SetOfNode {
     pub(super) winds: Image,
 }
 
-/// A parent, as told to its child.
+/// A parent, as sent to its child.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Parent {

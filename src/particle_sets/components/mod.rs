@@ -133,7 +133,7 @@ pub(crate) struct Part {
     pub(crate) winds: [bool; 3],
 }
 
-/// What a rank tells the owner of a particle about it.
+/// What a rank sends the owner of a particle about it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 struct InLocalSet {

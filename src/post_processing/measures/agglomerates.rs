@@ -169,7 +169,7 @@ fn add_means(found: &mut Findings, last: &AtTime) {
     found.add(&DIMENSION, fit.ok_or_else(few));
 }
 
-/// Rates over all pairs of successive looks; none with fewer than two looks, or if their intervals differ.
+/// Rates over all pairs of successive samples; none with fewer than two samples, or if their intervals differ.
 fn rates(all: &[AtTime]) -> Option<Vec<RatesOfSize>> {
     let interval = all.get(1)?.time - all.first()?.time;
     let even =

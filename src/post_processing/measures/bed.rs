@@ -133,7 +133,7 @@ fn shape_of(
     Ok(Shape { height, by_mass, bulk })
 }
 
-/// The mean with its error; without an error where the values do not tell one.
+/// The mean with its error; without an error where the values do not give one.
 fn mean_of(values: &[f64]) -> Result<Estimate, NoValue> {
     match correlated_mean(values) {
         Ok(found) => Ok(found.mean),

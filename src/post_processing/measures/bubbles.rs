@@ -1,4 +1,4 @@
-//! Bubbles in a gas in three dimensions.
+//! Bubbles in a volume-averaged gas.
 
 use crate::analysis::bubbles::{
     Bubble, BubbleOptions, Track, TrackingOptions, VoidageField, find_bubbles, track_bubbles,

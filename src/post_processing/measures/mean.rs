@@ -26,7 +26,7 @@ struct Row {
     unit: String,
     mean: Estimate,
     deviation: f64,
-    /// Of the series, in units of time.
+    /// Correlation time of the series, in units of time.
     correlation_time: f64,
     independent: f64,
     reason: String,

@@ -35,7 +35,7 @@ const fn of(column: &'static str) -> Kind {
 
 /// Segments that overlap by half, of which a spectrum is the mean: seven of a quarter of the series each.
 const PARTS: usize = 4;
-/// Of the confidence band.
+/// Level of the confidence band.
 const CONFIDENCE: f64 = 0.95;
 /// Deviation over the largest magnitude below which a column is constant but for rounding.
 const CONSTANT: f64 = 1.0e-12;

@@ -44,7 +44,7 @@ fn from_text(text: &str, path: &Path, measures: &Registry, problems: &Problems) 
 }
 
 fn study(root: &Section<'_>, path: &Path, registry: &Registry) -> Option<Study> {
-    let title = root.required("title", "a text: what you call the study");
+    let title = root.required("title", "a text: the name of the study");
     let case = root.required("case", "the path of a case file, relative to the study file");
     let common = root.optional("set").map(|entry| settings(&entry)).unwrap_or_default();
     let axes = axes::axes(root);
@@ -132,7 +132,7 @@ fn measures(
     let mut measures: Vec<NamedMeasure> = Vec::new();
     for (entry, measure) in names.iter().filter_map(|e| Some((e, listed_measure(e, registry)?))) {
         if measures.iter().any(|known| known.name == measure.name) {
-            entry.fail("stands there twice");
+            entry.fail("is listed twice");
         }
         measures.push(measure);
     }

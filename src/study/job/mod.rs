@@ -30,14 +30,14 @@ pub(crate) struct Exit {
 
 /// Starts runs.
 pub(crate) trait Runner {
-    /// Starts a run, or goes on with it.
+    /// Starts a run, or resumes it.
     ///
     /// # Errors
     /// If it cannot be started.
     fn start(&self, job: Job) -> Result<Box<dyn Running>, String>;
 }
 
-/// A run that goes on.
+/// A run in progress.
 pub(crate) trait Running {
     /// How it ended, if it has.
     fn poll(&mut self) -> Option<Exit>;

@@ -41,7 +41,7 @@ impl TalcumRunner {
         words.push(self.program.display().to_string());
         words.extend(["run".to_owned(), case.display().to_string()]);
         words.extend(["--output".to_owned(), folder.display().to_string()]);
-        // Goes on from the newest checkpoint, or begins if there is none.
+        // Continues from the newest checkpoint, or begins if there is none.
         words.push("--resume".to_owned());
         if several && self.resources.launcher == Launcher::Threads {
             words.extend(["--threads".to_owned(), ranks]);

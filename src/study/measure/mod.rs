@@ -67,7 +67,7 @@ pub(crate) trait Measure: fmt::Debug {
     /// What is wrong, and what is allowed.
     fn check(&self, run: &RunOutline) -> Result<(), String>;
 
-    /// Why this run will have nothing to measure, so far as its case can tell.
+    /// Why this run will have nothing to measure, as far as its case shows.
     fn impossible(&self, _run: &RunOutline) -> Option<String> {
         None
     }

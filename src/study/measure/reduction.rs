@@ -64,7 +64,7 @@ pub(crate) struct Reduction {
 }
 
 impl Reduction {
-    /// That of the keys `statistic` and `window` of a section; `None` if one is wrong, which has then been reported.
+    /// The reduction that the keys `statistic` and `window` of a section ask for; `None` if one is wrong, which has then been reported.
     pub(super) fn of_section(section: &Section<'_>) -> Option<Self> {
         let statistic =
             section.required("statistic", "\"mean\", \"last\", \"max\", \"min\" or \"deviation\"");

@@ -33,7 +33,7 @@ fn what_is_left_of_a_study_is_done_from_its_table() {
     let runner = FakeRunner::new(falling);
     whole.work(&runner, None);
     let all = runner.started.borrow().len();
-    // All but the last rows: the search goes on where the table ends.
+    // All but the last rows: the search resumes where the table ends.
     let table = kept_table(&whole);
     let rows: Vec<&str> = table.lines().collect();
     let part = rows[..rows.len() - 3].join("\n") + "\n";

@@ -65,7 +65,7 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     (
         "measures = [\"bed.height\", \"bed.height\"]\n",
-        "study.toml:3: measures.2 = \"bed.height\": stands there twice",
+        "study.toml:3: measures.2 = \"bed.height\": is listed twice",
     ),
     (
         "[measure.x]\nsource = \"analysis\"\nquantity = \"bed.hight\"\n",

@@ -166,7 +166,7 @@ fn a_chain_runs_in_its_order_and_ends_where_a_run_fails() {
     let runner = FakeRunner::new(fails_at_four);
     let outcome = desk.work(&runner, None);
     assert_eq!((runner.started.borrow().len(), runner.most_active.get()), (3, 1));
-    assert!(outcome.failures[0].contains("1 more of its chain cannot begin"), "{outcome:?}");
+    assert!(outcome.failures[0].contains("1 more of its chain cannot start"), "{outcome:?}");
 }
 
 #[test]

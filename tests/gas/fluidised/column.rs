@@ -1,4 +1,4 @@
-//! The gas in three dimensions on one cell across, against the column of gas, in the vibrated bed of Moon 2006: Bo 20,
+//! The volume-averaged gas on one cell across, against the column of gas, in the vibrated bed of Moon 2006: Bo 20,
 //! Gamma 3, f 0.16, U_s 0.016 (its Figs 6 to 8), 12 layers deep.
 //!
 //! The bed of the column is shaken on and on; each of its cycles is run again with another gas from the same particles,
@@ -38,7 +38,7 @@ fn bed() -> Bench {
     bench
 }
 
-/// In a column of gas that resists lateral motion, as the gas in three dimensions does, and sees the half cell on the
+/// In a column of gas that resists lateral motion, as the volume-averaged gas does, and sees the half cell on the
 /// plate.
 fn in_column(spacing: f64) -> Bench {
     let mut column = gas(VELOCITY);

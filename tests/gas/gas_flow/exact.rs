@@ -297,7 +297,7 @@ fn what_cannot_be_is_said() {
 }
 
 #[test]
-fn a_uniform_flow_whose_continuity_is_rounding_alone_goes_on() {
+fn a_uniform_flow_whose_continuity_is_rounding_alone_continues() {
     // The pressure has nothing to correct: the right-hand side of its equation is the rounding of the flows. No solver
     // takes fifteen digits off it, and none needs to.
     for trial in 0..12 {

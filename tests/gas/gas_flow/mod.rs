@@ -1,4 +1,4 @@
-//! The gas in three dimensions, alone: exact answers, orders of convergence, published numbers, one answer.
+//! The volume-averaged gas, alone: exact answers, orders of convergence, published numbers, one answer.
 
 mod cavity;
 mod driver;

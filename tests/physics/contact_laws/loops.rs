@@ -133,7 +133,7 @@ fn the_loop_of_the_adhesive_law_goes_where_the_model_says() {
     let x = 0.6;
     let on_line = x * at_limit;
     near(hand.go(on_line, [0.0; 2]), (1.0 - x) * -F0 + x * limit);
-    // Pressed again, it climbs with k_unload from there, up to the loading line, and goes on along that.
+    // Pressed again, it climbs with k_unload from there, up to the loading line, and continues along that.
     let force = hand.last.normal;
     near(hand.go(on_line + 0.05, [0.0; 2]), force + 0.05);
     // With k_c = 0.3 / (0.5 - 0.3) the lines cross at (1 + 1.5) / 0.2 of the overlap where it turned.

@@ -74,7 +74,7 @@ impl Pair {
         self.force * CUT_OFF * CUT_OFF * (1.0 / separation - 1.0 / RANGE)
     }
 
-    /// The same from the equation of motion of the separation s, written anew: the gap before contact by energy,
+    /// The same from the equation of motion of the separation s, written independently: the gap before contact by energy,
     /// the contact in fine steps of the midpoint rule, the parting by energy.
     fn sticks_by_reference(self, speed: f64) -> bool {
         let m = Self::REDUCED_MASS;

@@ -126,7 +126,7 @@ fn spinning_impact() {
 }
 
 /// Tangential velocity after an elastic impact: the motion of the surface against spring and slider,
-/// integrated in small steps along the closed form of the normal motion. Symplectic Euler, written anew.
+/// integrated in small steps along the closed form of the normal motion. Symplectic Euler, written independently.
 fn reference_tangential(contact: (f64, f64), mu: f64, [vx, vz]: [f64; 2], mass: f64) -> f64 {
     let (kn, kt) = contact;
     let natural = (kn / mass).sqrt();

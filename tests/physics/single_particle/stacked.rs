@@ -27,7 +27,7 @@ fn stack(restitution: f64, time_step: f64) -> Bench {
     bench
 }
 
-/// The two equations of motion, written here anew.
+/// The two equations of motion, written independently here.
 fn rates(masses: [f64; 2], damping_ratio: f64, [z1, z2, v1, v2]: Motion) -> Motion {
     let contact = |overlap: f64, separation_speed: f64, reduced_mass: f64| {
         let damping = 2.0 * damping_ratio * (STIFFNESS * reduced_mass).sqrt();

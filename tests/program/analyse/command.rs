@@ -104,7 +104,7 @@ fn bad_options_are_refused() {
     std::fs::create_dir(&none).unwrap();
     let late = analyse(made.path(), &["--measure", "mean", "--from", "1000"]);
     assert_eq!(late.code(), Some(0));
-    assert!(late.output.contains("holds nothing of the times 1000"), "{}", late.output);
+    assert!(late.output.contains("holds nothing between the times 1000"), "{}", late.output);
 }
 
 #[test]

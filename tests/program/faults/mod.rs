@@ -84,7 +84,7 @@ fn arguments(owned: &[String]) -> Vec<&str> {
 }
 
 #[test]
-fn a_write_that_fails_on_one_rank_ends_all_ranks_and_the_run_goes_on_where_it_was() {
+fn a_write_that_fails_on_one_rank_ends_all_ranks_and_the_run_resumes_where_it_was() {
     let whole = tempfile::tempdir().unwrap();
     let expected = talcum(0, &arguments(&run_in(whole.path(), &[]))).digest();
     let files = ["particles.vtkhdf", "profiles.h5", "series.csv", ".h5.partial"];
@@ -130,7 +130,7 @@ fn no_single_write_that_fails_goes_unnoticed() {
 }
 
 #[test]
-fn a_read_that_fails_is_an_error_and_the_same_command_goes_on_later() {
+fn a_read_that_fails_is_an_error_and_the_same_command_resumes_later() {
     let whole = tempfile::tempdir().unwrap();
     let expected = talcum(0, &arguments(&run_in(whole.path(), &[]))).digest();
     for file in ["checkpoint-", "series.csv", "profiles.h5", "particles.vtkhdf"] {
@@ -213,18 +213,14 @@ fn a_damaged_row_of_the_series_is_left_out_with_a_warning() {
     let again = run_in(folder.path(), &["--resume"]);
     let resumed = talcum(0, &arguments(&again));
     assert_eq!(resumed.digest(), digest);
-    assert!(
-        resumed.errors.contains("rows that are damaged are left out (line "),
-        "{}",
-        resumed.errors
-    );
+    assert!(resumed.errors.contains("damaged rows are left out (line "), "{}", resumed.errors);
     assert_eq!(fs::read_to_string(&path).unwrap(), whole.replace(&format!("{row}\n"), ""));
     let copy = folder.path().join("series.csv.unreadable-1");
     assert_eq!(fs::read_to_string(copy).unwrap(), damaged);
 }
 
 #[test]
-fn results_that_are_missing_begin_anew_with_a_warning() {
+fn results_that_are_missing_start_again_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     talcum(0, &arguments(&run_in(folder.path(), &[]))).digest();
     fs::remove_file(folder.path().join("profiles.h5")).unwrap();

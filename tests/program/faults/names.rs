@@ -29,7 +29,7 @@ fn a_folder_of_any_name_holds_results_that_can_be_gone_on_from() {
 }
 
 #[test]
-fn the_command_that_goes_on_can_be_given_to_a_shell() {
+fn the_command_that_resumes_can_be_given_to_a_shell() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("it's two words");
     let ended = talcum(
@@ -47,7 +47,7 @@ fn the_command_that_goes_on_can_be_given_to_a_shell() {
     );
     assert_eq!(ended.code(), Some(0), "{ended:?}");
     let line =
-        ended.output.lines().find_map(|line| line.split_once("go on with: talcum ")).unwrap();
+        ended.output.lines().find_map(|line| line.split_once("resume with: talcum ")).unwrap();
     let command = line.1.replace("--until 1000000", "--until 0.01 --force").replace("--resume", "");
     let command = format!("{} {command}", env!("CARGO_BIN_EXE_talcum"));
     let status = Command::new("sh").args(["-c", &command]).output().unwrap().status;

@@ -22,7 +22,7 @@ fn case(text: &str) -> Case {
 /// A part of a run on thread ranks.
 struct Part {
     ranks: usize,
-    /// Begin anew, or go on from the newest checkpoint in the folder.
+    /// Start from the beginning, or continue from the newest checkpoint in the folder.
     resume: bool,
     until: f64,
 }
@@ -45,7 +45,7 @@ fn run(case: &Case, folder: &Path, part: &Part) -> Digest {
     digests[0]
 }
 
-/// Removes the newest checkpoint: a run that goes on from the one before finds rows of a later time.
+/// Removes the newest checkpoint: a run that continues from the one before finds rows of a later time.
 fn remove_newest_checkpoint(folder: &Path) {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let is_checkpoint = |path: &std::path::PathBuf| {

@@ -90,7 +90,7 @@ every = 0.01
 average = 0.09
 "#;
 
-/// A bed with a gas in three dimensions.
+/// A bed with a volume-averaged gas.
 fn fluidised_bed() -> String {
     std::fs::read_to_string(in_repository("cases/smoke/fluidised.toml")).unwrap()
 }

@@ -177,7 +177,7 @@ fn a_file_damaged_by_a_kill_is_continued_from_its_last_commit() {
 }
 
 #[test]
-fn a_file_goes_on_as_it_has_begun_and_one_that_shows_more_is_set_aside() {
+fn a_file_continues_as_it_was_begun_and_one_that_shows_more_is_set_aside() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     let resume = |format: &SnapshotFormat| {

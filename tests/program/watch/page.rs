@@ -1,4 +1,4 @@
-//! `talcum watch --serve`: a page and its documents over HTTP, for this machine alone, read only, of a run that goes on.
+//! `talcum watch --serve`: a page and its documents over HTTP, for this machine alone, read only, of a run in progress.
 
 use super::made;
 use crate::analyse::made::CASE;
@@ -183,7 +183,7 @@ fn a_growing_run_is_followed_to_its_end() {
         (&state["state"], &state["state_text"]),
         (&"complete".into(), &"complete, digest 0123456789abcdef".into())
     );
-    // The run begins anew: the folder is emptied, then a case stands in it.
+    // The run starts again: the folder is emptied, then a case stands in it.
     fs::remove_file(made.path().join("complete")).unwrap();
     fs::remove_file(&path).unwrap();
     fs::write(made.path().join("case.toml"), CASE).unwrap();

@@ -27,7 +27,7 @@ fn one_report_tells_title_state_progress_and_the_newest_numbers() {
         assert_eq!(report.lines().next(), Some("Made by hand"));
         assert_eq!(
             entry(report, "state"),
-            Some("stopped before its end; `talcum run --resume` goes on")
+            Some("stopped before its end; `talcum run --resume` continues it")
         );
         assert_eq!(entry(report, "progress"), Some("time 20 of 1000 sqrt(d/g), 2 %"));
         assert_eq!(entry(report, "bed_top"), Some("50 d, so far between 40 and 50"));

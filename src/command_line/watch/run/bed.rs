@@ -27,7 +27,7 @@ pub(in super::super) struct Bed {
     pub(in super::super) time: f64,
     /// Particles in the file.
     pub(in super::super) count: usize,
-    /// Those in front, from the back to the front; the eye looks along y.
+    /// Particles in front, from the back to the front; the eye looks along y.
     pub(in super::super) seen: Vec<SeenParticle>,
 }
 

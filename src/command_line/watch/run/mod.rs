@@ -88,7 +88,7 @@ impl WatchedRun {
     fn renew_marks(&mut self, has_grown: bool) {
         let marks = Marks::read(&self.folder);
         let is_unlocked = marks.holder.is_none();
-        // Twice without a lock: between two looks a run may write its last row and unlock the folder.
+        // Twice without a lock: between two checks a run may write its last row and unlock the folder.
         let grows = is_unlocked
             && (self.marks.grows_without_lock || self.marks.holder.is_none() && has_grown);
         let last_write = self.listing.last_write();
@@ -96,7 +96,7 @@ impl WatchedRun {
     }
 
     fn renew_pace(&mut self) {
-        if !self.state().goes_on() {
+        if !self.state().is_active() {
             self.pace.forget();
             return;
         }
@@ -244,7 +244,7 @@ mod tests {
     use super::*;
     use std::io::Write;
 
-    /// A row more, and a look. A reading of some microseconds asks for a rest of some more.
+    /// A row more, and a check. A reading of some microseconds asks for a rest of some more.
     fn look_after(run: &mut WatchedRun, text: &str) -> Overview {
         std::thread::sleep(Duration::from_millis(20));
         let file = std::fs::File::options().append(true).open(run.folder.join("series.csv"));
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_are_no_locks_growth_tells_that_a_run_goes_on() {
+    fn where_there_are_no_locks_growth_shows_that_a_run_is_active() {
         let (_folder, mut run) = begun();
         assert_eq!(run.overview().state, RunState::Stopped);
         assert_eq!(look_after(&mut run, "0.").state, RunState::Stopped);

@@ -41,9 +41,9 @@ impl Overview {
         (end > 0.0).then(|| (time / end).clamp(0.0, 1.0))
     }
 
-    /// Seconds until the end, if the run goes on at its rate.
+    /// Seconds until the end, if the run continues at its rate.
     pub(in super::super) fn seconds_left(&self) -> Option<f64> {
-        let rate = self.rate.filter(|&rate| rate > 0.0 && self.state.goes_on())?;
+        let rate = self.rate.filter(|&rate| rate > 0.0 && self.state.is_active())?;
         Some((self.end? - self.time?).max(0.0) / rate)
     }
 
@@ -60,7 +60,7 @@ impl Overview {
 
     /// `1200 steps/s, 36 sqrt(d/g) per minute, 45 s left`; `None` while it is not known, and after the end.
     pub(in super::super) fn pace_text(&self) -> Option<String> {
-        let rate = self.rate.filter(|_| self.state.goes_on())?;
+        let rate = self.rate.filter(|_| self.state.is_active())?;
         let steps =
             self.stage.as_ref().map(|(_, step)| format!("{} steps/s, ", brief(rate / step)));
         let left = self.seconds_left().map(|left| format!(", {} left", readable(left)));

@@ -13,7 +13,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Notes that the run had reached a time. One that lies back says that it began anew.
+    /// Notes that the run had reached a time. An earlier time shows that it started again.
     pub(super) fn note(&mut self, at: SystemTime, time: f64) {
         if self.samples.back().is_some_and(|&(_, last)| time < last) {
             self.samples.clear();
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_newest_rows_count_and_a_new_beginning_starts_anew() {
+    fn only_the_newest_rows_count_and_a_new_beginning_starts_again() {
         let mut pace = Pace::default();
         let slow_then_fast = (0..200).map(|n| (n, if n < 100 { 0.1 } else { 1.0 } * n as f64));
         for (second, time) in slow_then_fast {

@@ -1,4 +1,4 @@
-//! Whether a run goes on.
+//! Whether a run is in progress.
 
 use crate::command_line::progress::readable;
 use crate::output::{lock, read_text};
@@ -13,12 +13,12 @@ const JUST_NOW: Duration = Duration::from_secs(5);
 pub(in super::super) enum RunState {
     /// It has not written anything yet.
     Waiting,
-    /// It goes on.
+    /// It is in progress.
     Running {
         /// Who runs, if it is known.
         holder: Option<String>,
     },
-    /// It seems to go on, but has not written for long.
+    /// It seems to be in progress, but has not written for long.
     Quiet {
         /// Who runs, if it is known.
         holder: Option<String>,
@@ -65,28 +65,30 @@ impl RunState {
                 let silence = readable(silence.as_secs_f64());
                 format!("nothing written for {silence}{}", name(holder))
             }
-            Self::Stopped => "stopped before its end; `talcum run --resume` goes on".to_owned(),
+            Self::Stopped => {
+                "stopped before its end; `talcum run --resume` continues it".to_owned()
+            }
             Self::Died { holder } => {
-                format!("died: {holder}, is gone; `talcum run --resume` goes on")
+                format!("died: {holder}, is gone; `talcum run --resume` continues it")
             }
             Self::Complete { digest } => format!("complete, digest {digest}"),
         }
     }
 
     /// Whether rows are still to be expected.
-    pub(in super::super) fn goes_on(&self) -> bool {
+    pub(in super::super) fn is_active(&self) -> bool {
         matches!(self, Self::Running { .. } | Self::Quiet { .. })
     }
 }
 
-/// What tells the state of a run.
+/// What shows the state of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Marks {
     /// The digest in the mark of completion.
     pub(super) complete: Option<String>,
     /// What the lock says of who runs.
     pub(super) holder: Option<String>,
-    /// Whether that process still exists, if it can be told from here.
+    /// Whether that process still exists, if it can be found out from here.
     pub(super) is_alive: Option<bool>,
     /// Files have grown although there is no lock: the file system has none.
     pub(super) grows_without_lock: bool,

@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// The place of the page if none is named.
 pub(in super::super) const DEFAULT: &str = "127.0.0.1:8017";
 
-/// An address with a port, on this machine alone unless told otherwise.
+/// An address with a port, on this machine alone by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Address(pub(super) SocketAddr);
 

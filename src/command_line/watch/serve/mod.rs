@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// Between looks at signals.
+/// Time between checks for signals.
 const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 200_000_000 };
 /// Before the next attempt where the system gives no connection, for example since there are no file descriptors left.
 const PAUSE: Duration = Duration::from_millis(200);

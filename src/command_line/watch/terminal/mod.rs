@@ -16,9 +16,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Between looks at the folder.
+/// Time between checks of the folder.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
-/// Between looks at keys and signals.
+/// Time between checks for keys and signals.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Shows the run until `q`, Esc, Ctrl-C, a signal or the end of the terminal; leaves the terminal as it was, after an error too.
@@ -60,7 +60,7 @@ enum Wish {
     Look,
 }
 
-/// Waits for a key, or for the next look. A terminal that changes its size is drawn anew at once.
+/// Waits for a key, or for the next check. A terminal that changes its size is redrawn at once.
 fn wait(stop: &AtomicBool) -> anyhow::Result<Wish> {
     let begin = Instant::now();
     while begin.elapsed() < BETWEEN_LOOKS {

@@ -14,7 +14,7 @@ const WARNINGS: usize = 4;
 /// Plots beside one another need so many columns.
 const WIDE: u16 = 80;
 
-/// One look at a run.
+/// What one check of a run found.
 pub(super) struct Screen {
     pub(super) overview: Overview,
     pub(super) curves: Vec<Curve>,
