@@ -78,7 +78,7 @@ fn cells_of_single_layers_are_warned_of() {
 /// 16 % of a powder of 40 um in cells of 3 diameters (docs/verification.md).
 #[test]
 fn cells_in_which_a_lone_particle_falls_too_fast_are_warned_of() {
-    let words = "gas.undisturbed_velocity leaves that out";
+    let words = "gas.undisturbed_velocity corrects this";
     // The case has a fifth of the law's drag.
     warned_only_with("fluidised", &["gas.drag_factor=1.0"], words);
     let with = check("fluidised", &["gas.drag_factor=1.0", "gas.undisturbed_velocity=true"]);
@@ -94,7 +94,7 @@ fn nothing_is_said_of_a_lone_particle_where_drag_follows_from_agglomerates() {
         let arguments = ["check", &case, "--set", "parallel.ranks=[1, 1, 1]"];
         talcum(0, &[&arguments[..], more].concat())
     };
-    let words = "gas.undisturbed_velocity leaves that out";
+    let words = "gas.undisturbed_velocity corrects this";
     let one_factor = check(&["--set", "gas.drag_factor=1.0"]);
     assert!(warns(&one_factor, words), "{one_factor:?}");
     let of_agglomerates = check(&[]);
