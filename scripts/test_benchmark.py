@@ -12,7 +12,7 @@ from unittest import mock
 import numpy as np
 
 from benchmark import (
-    agreement, coupled, floor, gas, kernels, measures, peers, processor, ranks, runs, scaling, states, tables
+    agreement, coupled, floor, gas, instructions, kernels, measures, peers, processor, ranks, runs, scaling, states, tables
 )  # fmt: skip
 from benchmark.beds import BEDS, ROOT, ContactLaw, beds_named
 from benchmark.states import Particles
@@ -69,6 +69,23 @@ class TestReadingPrograms(unittest.TestCase):
     def test_waiting_for_a_core_is_told_from_sleeping(self) -> None:
         seen = runs.Watched(ran={1: (900, 100), 2: (1000, 0)}, memory=[5.0] * 5 + [7.0] * 4 + [9.0])
         self.assertEqual((seen.share_of_cores, seen.usual_memory), (0.95, 7.0))
+
+
+class TestInstructions(unittest.TestCase):
+    def counted(self, *factors: float) -> str:
+        """What is said if the kept beds take these factors of the instructions that are kept."""
+        kept = json.loads(instructions.KEPT.read_text(encoding="utf-8")).values()
+        counts = [factor * before for factor, before in zip(factors, kept)]
+        with (
+            mock.patch.object(instructions, "state"),
+            mock.patch.object(instructions, "per_particle_step", side_effect=counts),
+        ):
+            return instructions.require_kept()
+
+    def test_more_instructions_than_kept_are_an_error_that_names_the_bed(self) -> None:
+        self.assertEqual(len(self.counted(1.0, 1.009, 0.5).splitlines()), 5)
+        with self.assertRaisesRegex(runs.BenchmarkError, "^3,000 settled, gas and cohesion: more than 1 %"):
+            self.counted(1.0, 1.011, 1.0)
 
 
 class TestMeasures(unittest.TestCase):

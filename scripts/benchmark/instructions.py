@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
-from .beds import RESULTS, Bed
+from .beds import RESULTS, ROOT, Bed, beds_named
 from .runs import BenchmarkError, execute, on_cores
 from .states import state
 from .talcum import PROGRAM, restart
@@ -38,6 +39,34 @@ def per_particle_step(bed: Bed, start: Path, program: Path = PROGRAM) -> float:
     many = 4 * few
     counts = [count(bed, steps, start, program) for steps in (few, many)]
     return (counts[1] - counts[0]) / ((many - few) * bed.particles)
+
+
+# Counts of the build that scripts/test makes, by name of the bed.
+KEPT = ROOT / "tests" / "instructions.json"
+# The checks of arithmetic and of arguments in that build triple the count: 1 % of it is 3 % of what users run. Counts repeat
+# to 0.1 %.
+ALLOWED = 0.01
+
+
+def require_kept() -> str:
+    """Counts the beds of `KEPT` again, and fails if one takes more instructions than are kept there."""
+    kept: dict[str, float] = json.loads(KEPT.read_text(encoding="utf-8"))
+    prepare = lambda command: execute(on_cores(command, 1))  # noqa: E731
+    rows = ["| bed | instructions per particle and step | kept |", "| --- | --- | --- |"]
+    grown = []
+    for name, before in kept.items():
+        bed = next(bed for bed in beds_named([name]) if bed.name == name)
+        counted = per_particle_step(bed, state(bed.state, prepare, PROGRAM))
+        rows.append(f"| {name} | {counted:.1f} | {before:.1f} |")
+        if counted > before * (1.0 + ALLOWED):
+            grown.append(name)
+    table = "\n".join(rows)
+    if grown:
+        raise BenchmarkError(
+            f"{', '.join(grown)}: more than {100 * ALLOWED:.0f} % above the kept count; if a change is worth it, "
+            f"its commit says why and changes {KEPT.relative_to(ROOT)}\n{table}"
+        )
+    return table
 
 
 def instructions(beds: list[Bed]) -> str:
