@@ -3,7 +3,7 @@
 use super::errors::{Problems, SourcePlace};
 use super::schema::ROOT;
 use super::tree::{Node, Value};
-use crate::schema::{Key, Kind, every_key, renamed};
+use crate::schema::{Key, Kind, declaration_of};
 use toml::Table;
 
 /// What becomes of a former name.
@@ -32,17 +32,14 @@ type Report<'a> = &'a dyn Fn(&Node, String);
 /// well, and nothing is missed that is only misnamed.
 fn rename_former(table: &mut Node, keys: &'static [Key], report: Report<'_>) {
     let Value::Table(entries) = &mut table.value else { return };
-    let declared = every_key(keys);
     for (name, node) in entries {
-        if let Some(key) = renamed(keys, name) {
+        let Some(key) = declaration_of(keys, name) else { continue };
+        if key.name != name {
             let section = node.path.strip_suffix(name.as_str()).unwrap_or_default();
             report(node, format!("is now {section}{}", key.name));
             key.name.clone_into(name);
         }
-        let has_keys = |key: &&&Key| key.name == *name && !key.kind.keys().is_empty();
-        if let Some(key) = declared.iter().find(has_keys) {
-            rename_below(node, key, report);
-        }
+        rename_below(node, key, report);
     }
 }
 
@@ -72,10 +69,8 @@ pub(crate) fn use_first_names(table: &mut Table) {
 }
 
 fn rename(table: &mut Table, keys: &'static [Key], name_of: fn(&Key) -> &'static str) {
-    let declared = every_key(keys);
     for (name, mut value) in std::mem::take(table) {
-        let present = declared.iter().copied().find(|key| key.name == name);
-        let key = present.or_else(|| renamed(keys, &name));
+        let key = declaration_of(keys, &name);
         let below = key.map_or(&[][..], |key| key.kind.keys());
         let is_named = key.is_some_and(|key| matches!(key.kind, Kind::Named(_)));
         match &mut value {

@@ -13,7 +13,7 @@ mod values;
 pub use allowed::Allowed;
 pub use mixing::Mixing;
 pub use schedule::{NOT_NEGATIVE_SCHEDULE, SIGNED_SCHEDULE};
-pub use table::{ActiveKeys, displaced_by, every_key, renamed};
+pub use table::{ActiveKeys, declaration_of, displaced_by, every_key};
 pub use values::KeyValues;
 
 use std::fmt;

@@ -62,7 +62,7 @@ impl ActiveKeys {
                     _ => {
                         let chosen = chosen.map(|word| Chosen { key: key.name, word: word.name });
                         self.inactive
-                            .extend(all_of(word.keys).into_iter().map(|key| (key, chosen)));
+                            .extend(every_key(word.keys).into_iter().map(|key| (key, chosen)));
                     }
                 }
             }
@@ -70,29 +70,29 @@ impl ActiveKeys {
     }
 }
 
-fn all_of(keys: &'static [Key]) -> Vec<&'static Key> {
+/// Every declaration that a table holds, with those of all words that may be chosen in it.
+pub fn every_key(keys: &'static [Key]) -> Vec<&'static Key> {
     let mut found = Vec::new();
     for key in keys {
         found.push(key);
-        found.extend(key.kind.words().iter().flat_map(|word| all_of(word.keys)));
+        found.extend(key.kind.words().iter().flat_map(|word| every_key(word.keys)));
     }
     found
 }
 
-/// Every declaration that a table holds, with those of all words that may be chosen in it.
-pub fn every_key(keys: &'static [Key]) -> Vec<&'static Key> {
-    all_of(keys)
-}
-
-/// The declaration of which this is a former name; `None` if a key of the table has it now, or none ever had.
-pub fn renamed(keys: &'static [Key], name: &str) -> Option<&'static Key> {
-    let all = all_of(keys);
-    let is_present = all.iter().any(|key| key.name == name);
-    all.into_iter().find(|key| !is_present && key.former.contains(&name))
+/// The declaration of a name that a key of the table has, or had before if none has it now. Of several declarations of one name
+/// it is the one with keys of its own.
+pub fn declaration_of(keys: &'static [Key], name: &str) -> Option<&'static Key> {
+    let all = every_key(keys);
+    let had_before = || all.iter().find(|key| key.former.contains(&name));
+    let present = all.iter().find(|key| key.name == name).or_else(had_before)?.name;
+    let mut declared = all.iter().copied().filter(|key| key.name == present);
+    let has_keys = |key: &&Key| !key.kind.keys().is_empty();
+    declared.clone().find(has_keys).or_else(|| declared.next())
 }
 
 /// Names of the keys of which a key takes the place when it is set: its partners, and those that it had before.
 pub fn displaced_by(keys: &'static [Key], name: &str) -> Vec<&'static str> {
-    let declared = all_of(keys).into_iter().filter(|key| key.name == name);
+    let declared = every_key(keys).into_iter().filter(|key| key.name == name);
     declared.flat_map(|key| key.partners.iter().chain(key.former).copied()).collect()
 }
