@@ -88,6 +88,18 @@ class TestInstructions(unittest.TestCase):
             self.counted(1.0, 1.011, 1.0)
 
 
+class TestPlaces(unittest.TestCase):
+    def test_each_part_has_its_place_in_the_tables(self) -> None:
+        text = (ROOT / "docs" / "performance-tables.md").read_text(encoding="utf-8")
+        # `__main__` measures when it is imported.
+        source = (ROOT / "scripts" / "benchmark" / "__main__.py").read_text(encoding="utf-8")
+        parts = re.findall(r'^    "([a-z]+)": ', source, re.MULTILINE)
+        self.assertGreater(len(parts), 10)
+        for part in parts:
+            self.assertIn(f"<!-- {part} -->\n", text)
+            self.assertIn(f"<!-- end of {part} -->", text)
+
+
 class TestMeasures(unittest.TestCase):
     """What measures cost."""
 

@@ -97,7 +97,6 @@ PARTS: dict[str, Callable[[argparse.Namespace], str]] = {
     "beds": measure_beds,
     "agreement": lambda _: agreement.agreement(),
     "instructions": lambda wanted: instructions.instructions(beds_named(wanted.beds)),
-    "kept-instructions": lambda _: instructions.require_kept(),
     "floor": lambda _: floor.floor(latest_rate(LARGE)),
     "kernels": lambda _: kernels.kernels(),
     "messages": lambda _: kernels.messages(),
