@@ -59,11 +59,10 @@ pub(crate) fn add_contact_forces(
     for (kind, pairs) in contacts.inner.kinds_mut(group).iter_mut().enumerate() {
         let (pairs, laws) = (&mut pairs.active, laws.of_kind(kind));
         let law = laws.contact.law.as_block_law();
-        match needs_extras(&laws) {
-            true => {
-                law.add_contacts_with_extras(ContactLoop { particles, pairs, one_size, laws })?
-            }
-            false => law.add_contacts(ContactLoop { particles, pairs, one_size, laws })?,
+        if needs_extras(&laws) {
+            law.add_contacts_with_extras(ContactLoop { particles, pairs, one_size, laws })?;
+        } else {
+            law.add_contacts(ContactLoop { particles, pairs, one_size, laws })?;
         }
     }
     Ok(())
