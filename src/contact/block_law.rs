@@ -6,8 +6,9 @@ use super::pair_loop::{ContactLoop, add_contacts};
 use super::walls::{WallLoop, add_wall};
 use std::fmt::Debug;
 
-/// A contact law that is compiled into the loops over blocks of pairs, which are called through a table of functions: every
-/// [`ContactForceLaw`] whose type the compiler may send between threads and print. It cannot be implemented otherwise.
+/// A contact law that is compiled into the loops over blocks of pairs, which are called through a table of functions.
+/// Every [`ContactForceLaw`] whose type is `Send`, `Sync` and `Debug` implements it; there can be no other
+/// implementation.
 pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
     /// Adds the forces and torques of pairs that may touch.
     ///
@@ -16,7 +17,7 @@ pub trait BlockLaw: ContactForceLaw + Send + Sync + Debug {
     #[doc(hidden)]
     fn add_contacts(&self, contacts: ContactLoop<'_, false>) -> Result<(), ForceOutOfRange>;
 
-    /// The same loop where twisting is resisted, or where asperities attract.
+    /// The loop of [`add_contacts`](Self::add_contacts) with resistance to twisting or attraction of asperities.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.

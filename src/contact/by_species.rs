@@ -1,4 +1,4 @@
-//! What differs between species, and between their pairs.
+//! Values that differ between species, and between pairs of them.
 
 use crate::particles::kind_of_species;
 
@@ -39,7 +39,7 @@ impl<T> BySpecies<T> {
         &self.0
     }
 
-    /// What follows from each value.
+    /// A new value computed from each value.
     #[must_use]
     pub fn map<U>(&self, function: impl FnMut(&T) -> U) -> BySpecies<U> {
         BySpecies(self.0.iter().map(function).collect())
@@ -60,7 +60,8 @@ impl<T> ByPair<T> {
         Self(values)
     }
 
-    /// The same, if there is a value for each pair; `value` is called for all of them.
+    /// Like [`ByPair::of_species`], but returns `None` unless there is a value for each pair; `value` is called for all
+    /// of them.
     pub fn of_species_if(
         count: usize,
         value: impl FnMut(usize, usize) -> Option<T>,
@@ -91,7 +92,7 @@ impl<T> ByPair<T> {
         &self.0
     }
 
-    /// What follows from each value.
+    /// A new value computed from each value.
     #[must_use]
     pub fn map<U>(&self, function: impl FnMut(&T) -> U) -> ByPair<U> {
         ByPair(self.0.iter().map(function).collect())

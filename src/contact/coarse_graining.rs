@@ -1,8 +1,9 @@
-//! Parcels: bodies of the run that stand for many particles each.
+//! Parcels: bodies of the run that represent many particles each.
 //!
-//! A parcel is l times as large as its particles, of the same density, and moves at their velocity. Its contacts are similar to
-//! theirs: at l times the overlap all forces, of springs and of adhesion, are multiplied by one factor, and restitution and
-//! friction stay. No factor keeps everything (Di Renzo et al. 2021, section 3, compare the rules in use):
+//! A parcel is l times as large as its particles, has the same density, and moves at their velocity. Its contacts are
+//! similar to theirs: at l times the overlap all forces, of springs and of adhesion, are multiplied by one factor, and
+//! restitution and friction are kept. No factor keeps all properties (Di Renzo et al. 2021, section 3, compare the
+//! rules in use):
 //!
 //! | kept | forces | stiffnesses | work of separation | duration of a contact | what stays | what changes |
 //! | --- | --- | --- | --- | --- | --- | --- |
@@ -38,7 +39,7 @@ const WORDS: &[Word] = &[
 pub const COARSE_GRAINING: &[Key] =
     &[FACTOR, Key::word("keeps", WORDS, "What stays of contacts and cohesion")];
 
-/// What parcels keep of the contacts and the adhesion of their particles.
+/// Property of the contacts and the adhesion of particles that parcels keep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
     /// Force over the square of the diameter.
@@ -48,22 +49,22 @@ pub enum Kept {
 }
 
 impl Kept {
-    /// Each as `keeps` of the case file calls it.
+    /// Each with its name under `keeps` in the case file.
     pub const ALL: [(&'static str, Self); 2] =
         [("strength", Self::Strength), ("bond_number", Self::BondNumber)];
 }
 
-/// Parcels and what they keep.
+/// Parcels, and the property that they keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoarseGraining {
-    /// l, the diameter of a parcel over that of its particles; at least 1.
+    /// l, the ratio of the diameter of a parcel to that of its particles; at least 1.
     pub factor: f64,
-    /// What stays of their contacts and their adhesion.
+    /// Property of their contacts and their adhesion that is kept.
     pub keeps: Kept,
 }
 
 impl CoarseGraining {
-    /// Particles in a parcel, l^3.
+    /// Number of particles in a parcel, l^3.
     pub fn particles(&self) -> f64 {
         self.factor * self.factor * self.factor
     }

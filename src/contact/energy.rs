@@ -1,4 +1,4 @@
-//! What contacts do with energy: what their springs store, and what dashpots, sliding, plasticity and adhesion take.
+//! Energies of contacts: the energy stored in springs, and the work of dashpots, sliding, plasticity and adhesion.
 
 use super::{Contact, ContactForce};
 use crate::particles::ContactHistory;
@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 /// Energy stored in a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StoredInContact {
-    /// In the normal spring, with the energy of a law's own adhesion.
+    /// Energy of the normal spring, with that of a law's own adhesion.
     pub normal: f64,
-    /// In the tangential spring.
+    /// Energy of the tangential spring.
     pub tangential: f64,
 }
 
@@ -18,7 +18,7 @@ impl StoredInContact {
     pub const UNKNOWN: Self = Self { normal: f64::NAN, tangential: f64::NAN };
 }
 
-/// Work of a contact on its bodies over a step, by mechanism: negative where they lose energy that no spring stores.
+/// Work of a contact on its bodies over a step, by mechanism: negative if they lose energy that no spring stores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactWork {
     /// Work of dashpots.
@@ -50,30 +50,30 @@ impl std::ops::Add for ContactWork {
     }
 }
 
-/// A contact over a step at whose end the bodies touch.
+/// A contact over a step at the end of which the bodies touch.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactStep<'a> {
-    /// The contact at the end of the step, with the velocities of its middle.
+    /// The contact at the end of the step, with the velocities at its middle.
     pub contact: &'a Contact,
     /// Its history before the step; all zero if it has just begun.
     pub before: &'a ContactHistory,
-    /// Its history after.
+    /// Its history after the step.
     pub after: &'a ContactHistory,
-    /// The force at the end.
+    /// The force at the end of the step.
     pub force: &'a ContactForce,
-    /// Whether the bodies did not touch before.
+    /// Whether the bodies did not touch before the step.
     pub began: bool,
     /// Length of the step.
     pub dt: f64,
 }
 
 impl ContactStep<'_> {
-    /// v_n, positive if the bodies separate.
+    /// v_n, positive if the bodies separate; length per time.
     pub fn separation_speed(&self) -> f64 {
         self.contact.normal.dot(&self.contact.relative_velocity)
     }
 
-    /// The overlap before the step, in which it changed by -v_n dt.
+    /// The overlap before the step, in which it changed by -v_n dt; length.
     pub fn overlap_before(&self) -> f64 {
         overlap_before(self.contact, self.dt)
     }
@@ -98,7 +98,7 @@ impl ContactStep<'_> {
     }
 }
 
-/// The overlap of a contact before a step of this length, whose velocities it has.
+/// The overlap before a step of this length, from the velocities of the contact.
 pub(super) fn overlap_before(contact: &Contact, dt: f64) -> f64 {
     contact.overlap + contact.normal.dot(&contact.relative_velocity) * dt
 }
@@ -114,33 +114,35 @@ pub struct SpringStep {
     pub loading_factor: f64,
 }
 
-/// Deflections of such a spring, and what moves it.
+/// Deflections, rate and force of such a spring.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpringMotion {
     /// Deflection before the step.
     pub(super) before: Vector3<f64>,
-    /// The same in the plane of the end of the step, with the loading factor.
+    /// Deflection before the step, turned into the tangent plane at the end of the step and scaled by the loading
+    /// factor.
     pub(super) turned: Vector3<f64>,
     /// Deflection after the step.
     pub(super) after: Vector3<f64>,
-    /// Its rate in the step.
+    /// Rate of the deflection in the step.
     pub(super) rate: Vector3<f64>,
     /// The force, or torque, at the end of the step.
     pub(super) force: Vector3<f64>,
 }
 
 impl SpringStep {
-    /// Work of dashpot and slider. What the spring loses where its plane turns or it stiffens counts as friction.
+    /// Work of dashpot and slider. Energy that the spring loses because its plane turns or it stiffens counts as
+    /// friction.
     ///
-    /// While the slider holds, F = -k s - eta v: the dashpot takes eta v^2 dt. While it slides, the bodies lose -F v dt, of
-    /// which the spring stores (k/2) (s'^2 - s^2).
+    /// While the slider holds, F = -k s - eta v, and the dashpot takes eta v^2 dt. While it slides, the bodies lose -F
+    /// v dt, and the spring stores (k/2) (s'^2 - s^2) of this.
     pub(super) fn work(&self, motion: &SpringMotion, dt: f64) -> ContactWork {
         let SpringMotion { before, turned, after, rate, force } = *motion;
         let [stiffness_before, stiffness] = self.stiffness;
         let turning =
             0.5 * (stiffness_before * before.norm_squared() - stiffness * turned.norm_squared());
         let (stretched, held) = (turned + rate * dt, after * -stiffness - rate * self.damping);
-        // Up to rounding.
+        // Equal up to rounding.
         let differs =
             |one: Vector3<f64>, other: Vector3<f64>| (one - other).norm() > 1.0e-9 * other.norm();
         let slides = differs(after, stretched) || differs(force, held);

@@ -1,4 +1,4 @@
-//! Energies of all contacts of a rank: work over a step, and what is stored. Each pair counts on one rank.
+//! Energies of all contacts of a rank: work over a step, and stored energy. Each pair is counted on one rank.
 
 use super::energy::overlap_before;
 use super::force_laws::{ForceLaws, PairLaws};
@@ -10,7 +10,7 @@ use crate::domain::PosedWalls;
 use crate::particles::{ContactState, Contacts, PairGroup, Particles};
 use nalgebra::Vector3;
 
-/// What a wall does with the energy of a particle in a step.
+/// Work of a wall's contact with a particle in a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallWork {
     /// Number of the wall.
@@ -21,7 +21,8 @@ pub(crate) struct WallWork {
     pub(crate) force: Vector3<f64>,
 }
 
-/// Work of the contacts of a group of pairs over a step; histories are those before it, positions those at its end.
+/// Work of the contacts of a group of pairs over a step; histories are those before the step, positions those at its
+/// end.
 pub(crate) fn work_of_pairs(
     particles: &Particles,
     contacts: &Contacts,
@@ -55,7 +56,7 @@ pub(crate) fn work_of_walls(
     }
 }
 
-/// A particle near a wall: the contact as it is now, what it carries from the step before if the two touched then, and its model.
+/// A particle near a wall: the present contact, its state at the previous step if the two touched then, and its model.
 struct WallContact<'a> {
     wall: usize,
     contact: Contact,
@@ -131,7 +132,7 @@ fn work_over_step(
     Some((work, LawForce { normal: force.normal, tangential: force.tangential }))
 }
 
-/// Work of a contact that ends in a step: what its springs still hold is lost.
+/// Work of a contact that ends in a step: the energy that its springs still hold is lost.
 fn work_of_parting(
     model: &ContactModel,
     contact: &Contact,
@@ -151,7 +152,7 @@ fn work_of_parting(
     }
 }
 
-/// Energy of the rolling and the twisting spring at a stiffness of the law.
+/// Energy of the rolling and the twisting spring at a given stiffness of the law.
 fn energy_of_spin(
     model: &ContactModel,
     contact: &Contact,
@@ -195,7 +196,7 @@ pub(crate) fn elastic_energy(
     }
 }
 
-/// Energy of the attraction of all pairs, and of particles and walls; nothing without attraction.
+/// Energy of the attraction of all pairs, and of particles and walls; zero without attraction.
 pub(crate) fn attraction_energy(
     particles: &Particles,
     contacts: &Contacts,

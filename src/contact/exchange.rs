@@ -1,9 +1,10 @@
-//! What touching particles exchange beside momentum: heat, charge, or whatever else a custom law says.
+//! Exchange of quantities other than momentum between touching particles: heat, charge, or any other quantity of a
+//! custom law.
 //!
-//! Each particle has a number of the law's field, which ghosts know as it is at the beginning of a step. While two particles
-//! touch, an amount flows from one to the other; the sums of these flows change the field at the end of the step. Flows are
-//! rounded to a quantum before they are added, so that neither the order of contacts nor the rank that evaluates one changes a
-//! bit.
+//! Each particle has a value of the law's field; ghosts have its value at the beginning of each step. While two
+//! particles touch, an amount flows from one to the other; the sums of these flows change the field at the end of the
+//! step. Flows are rounded to a quantum before they are added, so that neither the order of contacts nor the rank that
+//! evaluates one changes a bit.
 
 use crate::fields::{Field, Travel};
 use crate::numbers::Quantum;
@@ -12,30 +13,32 @@ use std::fmt::Debug;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A law of the exchange between touching particles. `examples/own_field.rs` is one: conduction of heat.
+/// A law of the exchange between touching particles. `examples/own_field.rs` contains one: conduction of heat.
 pub trait ContactExchange: Debug + Send + Sync {
-    /// The field that is exchanged, one number for each particle.
+    /// The exchanged field, one number for each particle.
     fn field(&self) -> Field;
 
-    /// What flows from the first particle to the second; amount per time. The first has the lower id.
+    /// Flow from the first particle to the second; amount per time. The first has the lower id.
     fn flow(&self, contact: &TouchingParticles, values: [f64; 2]) -> f64;
 
-    /// The largest flow between two particles, by magnitude. Flows are rounded to a fraction of about 10^-15 of it; a larger one
-    /// ends the run.
+    /// The largest flow between two particles, by magnitude; amount per time. Flows are rounded to a fraction of about
+    /// 10^-15 of it; a larger flow ends the run.
     fn largest_flow(&self) -> f64;
 
-    /// The rate at which a particle's number changes by what flows to it from all contacts; the field's unit per time.
+    /// The rate at which a particle's value changes through the total inflow from all contacts; the field's unit per
+    /// time.
     fn rate(&self, particle: &Body, inflow: f64) -> f64;
 }
 
 /// Two particles that touch.
 #[derive(Clone, Copy, Debug)]
 pub struct TouchingParticles<'a> {
-    /// The particles; that with the lower id first.
+    /// The particles; the one with the lower id is first.
     pub bodies: [&'a Body; 2],
-    /// Sum of the radii less the distance of the centres; may be below zero where the law lets contacts last beyond.
+    /// Sum of the radii less the distance of the centres; may be negative if the law lets contacts last beyond
+    /// touching.
     pub overlap: f64,
-    /// r_1 r_2 / (r_1 + r_2).
+    /// r_1 r_2 / (r_1 + r_2); length.
     pub reduced_radius: f64,
 }
 
@@ -43,7 +46,7 @@ pub struct TouchingParticles<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Exchanges(Vec<Arc<dyn ContactExchange>>);
 
-/// A flow beyond what its law allows.
+/// A flow above the limit of its law.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "{flow:.3e} of \"{field}\" flows between the particles {lower} and {higher} (limit {limit:.3e})"
@@ -56,7 +59,7 @@ pub(crate) struct FlowOutOfRange {
     limit: f64,
 }
 
-/// Equal if the laws are the same objects, not only laws that say the same.
+/// Two are equal if their laws are the same objects; laws that merely compute the same are not equal.
 impl PartialEq for Exchanges {
     fn eq(&self, other: &Self) -> bool {
         self.0.len() == other.0.len()
@@ -70,12 +73,12 @@ impl Exchanges {
         self.0.push(Arc::new(law));
     }
 
-    /// The fields that are exchanged, as ghosts have them.
+    /// The exchanged fields, with the travel that ghosts need.
     pub fn fields(&self) -> impl Iterator<Item = Field> + '_ {
         self.0.iter().map(|law| law.field().travels(Travel::EachStep))
     }
 
-    /// Adds the columns of flows to the particles, beside those of the fields.
+    /// Adds the columns of flows to the particles, in addition to those of the fields.
     pub(crate) fn add_flow_columns(&self, particles: &mut Particles) {
         self.fields().for_each(|field| particles.columns.add(field.travels(Travel::Returned)));
     }
@@ -125,7 +128,7 @@ fn add_flows_of(
     Ok(())
 }
 
-/// Advances the fields by the flows of a step of this length, and takes the flows away.
+/// Advances the fields by the flows of a step of this length, and sets the flows to zero.
 pub(crate) fn advance_fields(particles: &mut Particles, exchanges: &Exchanges, dt: f64) {
     for law in &exchanges.0 {
         let Some([value, inflow]) = columns_of(&**law, particles) else { continue };

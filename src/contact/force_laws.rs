@@ -1,4 +1,4 @@
-//! What acts between particles, and between particles and walls, at one instant.
+//! The forces between particles, and between particles and walls, at one instant.
 
 use super::{ByPair, BySpecies, ContactModel, Exchanges, VanDerWaalsNow};
 use crate::numbers::Quantum;
@@ -6,7 +6,7 @@ use crate::particles::InteractionRanges;
 use nalgebra::Vector3;
 use thiserror::Error;
 
-/// A contact force beyond what the case allows: the time step is too long, or particles overlapped at the start.
+/// A contact force above the limit of the case: the time step is too long, or particles overlapped at the start.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "the contact of particle {particle} with {other} has a force of {force:.3e} (limit {limit:.3e}), at an \
@@ -30,12 +30,12 @@ pub struct ForceOutOfRange {
 pub(crate) struct ForceLaws<'a> {
     /// Contact models of two particles.
     pub(crate) contact: &'a ByPair<ContactModel>,
-    /// Contact models of particles and walls, by the walls' numbers; for walls beyond its end, those of two particles of
-    /// the same species hold.
+    /// Contact models of particles and walls, by the numbers of the walls; for walls beyond its end, those of two
+    /// particles of the same species hold.
     pub(crate) at_walls: &'a [BySpecies<ContactModel>],
-    /// Attraction at this instant; that of two particles of the same species says how it is at walls.
+    /// Attraction at this instant; at walls, that of two particles of the same species applies.
     pub(crate) cohesion: Option<ByPair<VanDerWaalsNow>>,
-    /// What touching particles exchange beside momentum.
+    /// Quantities other than momentum that touching particles exchange.
     pub(crate) exchanges: &'a Exchanges,
     /// Separations of surfaces up to which contacts act, and up to which any force acts.
     pub(crate) ranges: InteractionRanges,
@@ -92,7 +92,7 @@ impl<'a> ForceLaws<'a> {
 }
 
 impl<'a> WallLaws<'a> {
-    /// The laws of a wall and a species, out of the contact models of pairs and of walls.
+    /// The laws of a wall and a species, from the contact models of pairs and of walls.
     #[inline(always)]
     pub(crate) fn of(
         wall: usize,

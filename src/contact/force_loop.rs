@@ -1,4 +1,5 @@
-//! Normal force over overlap of two bodies that are slowly pressed together and separated: the force loop of a law.
+//! Force loop of a contact law: the normal force over the overlap of two bodies that are slowly pressed together and
+//! separated.
 
 use super::{Contact, ContactForce, ContactForceLaw, ContactLaw};
 use crate::particles::ContactHistory;
@@ -10,14 +11,15 @@ pub struct LoopPoint {
     /// Number of the part of the loop, from 0: loading to half the largest overlap, unloading to a twentieth of it,
     /// loading to the largest, and separation.
     pub part: usize,
-    /// Overlap; negative: separation.
+    /// Overlap; a negative value is a separation.
     pub overlap: f64,
     /// Normal force, positive if it pushes the bodies apart.
     pub force: f64,
 }
 
-/// The force loop up to a largest overlap, with `points` points per part, so slow that dashpots do not act. `attraction`
-/// is the cohesion, at a separation, that is not part of the law, and `range` the separation where it ends.
+/// The force loop up to a largest overlap, with `points` points per part, so slow that dashpots do not act.
+/// `attraction` is the cohesion, as a function of the separation, that is not part of the law, and `range` the
+/// separation at which it ends.
 pub fn force_loop(
     law: &ContactLaw,
     (reduced_mass, reduced_radius): (f64, f64),
@@ -25,7 +27,7 @@ pub fn force_loop(
     points: usize,
     (attraction, range): (&dyn Fn(f64) -> f64, f64),
 ) -> Vec<LoopPoint> {
-    // A little beyond the range of the law, and beyond zero if it has none.
+    // The loop extends slightly beyond the range of the law, and beyond zero if the law has none.
     let apart = 1.02 * law.contact_range(reduced_radius).max(range).max(0.02 * largest_overlap);
     let turns = [0.5 * largest_overlap, 0.05 * largest_overlap, largest_overlap, -apart];
     let mut history = ContactHistory::default();
@@ -81,11 +83,11 @@ mod tests {
             };
             points.windows(2).map(work).sum::<f64>()
         };
-        // Pressed to 1/2: 1/8, of which 1/16 comes back; from 1/20 on along k_2, 1/400, and from 1/10 along k_1, 0.495;
-        // given back k_1^2 / (2 k_2) = 1/4. Trapezoids of 1/1000 see the corners to 1e-6.
+        // Pressed to 1/2: 1/8, of which 1/16 is returned; from 1/20 on along k_2, 1/400, and from 1/10 along k_1,
+        // 0.495; k_1^2 / (2 k_2) = 1/4 is returned. Trapezoids of 1/1000 resolve the corners to 1e-6.
         let expected = 1.0 / 8.0 - 1.0 / 16.0 + 1.0 / 400.0 + 0.495 - 0.25;
         assert!((lost(0.0) - expected).abs() < 1.0e-5, "{}", lost(0.0));
-        // Negative control: with adhesion more is lost.
+        // Negative control: with adhesion more energy is lost.
         assert!(lost(0.5) > expected + 0.02);
     }
 }

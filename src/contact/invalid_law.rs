@@ -1,9 +1,9 @@
-//! The error of a parameter that has no physical meaning, for all contact laws.
+//! The error of a parameter without physical meaning, for all contact laws.
 
 use crate::schema::{Key, Kind};
 use thiserror::Error;
 
-/// A parameter of a contact law has no physical meaning.
+/// A parameter of a contact law without physical meaning.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{parameter} is {value}, it must be {allowed}")]
 pub struct InvalidContactLaw {
@@ -15,7 +15,7 @@ pub struct InvalidContactLaw {
     pub allowed: String,
 }
 
-/// Returns an error unless a parameter has a meaning.
+/// Returns an error unless a parameter has a physical meaning.
 pub(super) fn require(
     is_valid: bool,
     parameter: &'static str,

@@ -1,11 +1,11 @@
-//! What a contact law is given, and what it returns.
+//! Input and output of a contact law.
 
 use nalgebra::Vector3;
 
 /// A contact of two bodies: the first is a particle, the second another particle or a wall.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Overlap delta; negative while a neck joins bodies whose surfaces are apart.
+    /// Overlap delta; negative while a neck joins bodies whose surfaces are separated.
     pub overlap: f64,
     /// Unit vector n from the first body towards the second.
     pub normal: Vector3<f64>,
@@ -18,7 +18,8 @@ pub struct Contact {
     pub reduced_mass: f64,
     /// Reduced radius R* with 1/R* = 1/r_1 + 1/r_2; the particle's radius at a wall.
     pub reduced_radius: f64,
-    /// Reduced moment of inertia I* with 1/I* = 1/I_1 + 1/I_2, about the centres; the particle's at a wall.
+    /// Reduced moment of inertia I* with 1/I* = 1/I_1 + 1/I_2, about the centres; the particle's moment of inertia at a
+    /// wall.
     pub reduced_inertia: f64,
     /// Magnitude of the cohesive force at this contact that is not part of the law.
     pub cohesion: f64,
@@ -32,14 +33,14 @@ impl Contact {
     }
 }
 
-/// The force of a contact on its second body; the first body feels the opposite.
+/// The force of a contact on its second body; the force on the first body is the opposite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
     /// Component along the normal; positive if it pushes the bodies apart.
     pub normal: f64,
     /// Component in the tangent plane.
     pub tangential: Vector3<f64>,
-    /// Normal force that friction is proportional to, in sliding and in rolling; not negative.
+    /// Normal force to which friction is proportional, in sliding and in rolling; not negative.
     pub friction_normal: f64,
 }
 

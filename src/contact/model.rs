@@ -2,7 +2,7 @@
 
 use super::{CoarseGraining, ContactLaw, RollingFriction, Softening, TwistingFriction};
 
-/// How two kinds of bodies act on each other in contact: two particles, or a particle and a wall.
+/// Interaction of two kinds of bodies in contact: two particles, or a particle and a wall.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactModel {
     /// Law of contact.
@@ -11,7 +11,8 @@ pub struct ContactModel {
     pub rolling: Option<RollingFriction>,
     /// Resistance to twisting.
     pub twisting: Option<TwistingFriction>,
-    /// How much softer the law is than the real particles, if that is stated. It acts on nothing: the law is what acts.
+    /// Factor by which the law is softer than the real particles, if it is given. It has no effect of its own: only the
+    /// law acts.
     pub softening: Option<Softening>,
 }
 
@@ -22,7 +23,7 @@ impl ContactModel {
         Self { law: law.clone(), ..self.clone() }
     }
 
-    /// The model of parcels: resistance to rolling and twisting goes by the law and the radius.
+    /// The model of parcels; resistance to rolling and twisting scales with the law and the radius.
     #[must_use]
     pub fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
         self.with_law(&self.law.coarse_grained(parcels))

@@ -1,4 +1,4 @@
-//! The work that parts two bodies which adhesion holds together.
+//! The work of separating two bodies that are held together by adhesion.
 
 use super::{Contact, ContactForceLaw, ContactLaw};
 use crate::particles::ContactHistory;
@@ -11,14 +11,14 @@ const POINTS: usize = 4000;
 /// Attraction that is not part of a law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AttractionInContact {
-    /// Its force in contact.
+    /// The force of the attraction in contact.
     pub force: f64,
-    /// The work of taking the bodies from contact out of its range.
+    /// The work of moving the bodies from contact out of the range of the attraction.
     pub work: f64,
 }
 
-/// The work of separating two bodies slowly, after they came together as slowly under their own adhesion: from the overlap
-/// at which the force of first loading balances the attraction, along the law's unloading, to separation.
+/// The work of slowly separating two bodies that came together slowly under their own adhesion: from the overlap at
+/// which the force of first loading balances the attraction, along the law's unloading, to separation; energy.
 pub fn work_of_parting(
     law: &ContactLaw,
     bodies: ReducedBody,
@@ -34,13 +34,13 @@ pub fn work_of_parting(
     WorkOfParting { surface: attraction.work, spring: in_contact + neck }
 }
 
-/// The overlap at which a law's force, loaded slowly for the first time, balances a force that presses two bodies together;
+/// The overlap at which a law's force in slow first loading balances a force that presses two bodies together; length,
 /// at most the reduced radius.
 pub fn overlap_under(law: &ContactLaw, bodies: ReducedBody, force: f64) -> f64 {
     Slowly { law, bodies }.held_by(force).0
 }
 
-/// The force that parts two bodies slowly, after they came together as slowly under their own adhesion: the largest tension
+/// The force that slowly separates two bodies that came together slowly under their own adhesion: the largest tension
 /// along the law's unloading. Positive; zero if they do not adhere.
 pub fn pull_off_force(
     law: &ContactLaw,
@@ -98,7 +98,7 @@ impl Slowly<'_> {
             high *= 2.0;
         }
         let mut low = 0.5 * high;
-        // More halvings than a number has bits.
+        // The number of halvings exceeds the number of bits.
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if is_pulled(middle) { low = middle } else { high = middle }
@@ -136,8 +136,9 @@ mod tests {
 
     #[test]
     fn springs_add_what_the_closed_forms_say() {
-        // F0^2 / (2 k), and Hertz's F0 delta - (2/5) F0 delta with F0 = (4/3) E* sqrt(R*) delta^(3/2). The midpoint rule is exact for
-        // the first; for the second its error is 1 / (24 POINTS^2) of the second derivative, singular at the end.
+        // F0^2 / (2 k), and Hertz's F0 delta - (2/5) F0 delta with F0 = (4/3) E* sqrt(R*) delta^(3/2). The midpoint
+        // rule is exact for the first; for the second its error is 1 / (24 POINTS^2) of the second derivative, singular
+        // at the end.
         let exact = 2.0 * 2.0 / (2.0 * 1.0e4);
         assert!((spring_work(&linear(1.0e4), 2.0) / exact - 1.0).abs() < 1.0e-9);
         let hertz = HertzMindlin::new(ContactModuli { normal: 1.0e5, shear: 1.0e4 }, 1.0, 0.0);
@@ -163,7 +164,7 @@ mod tests {
         };
         for (modulus, energy) in [(1.0e6, 0.05), (1.0e8, 0.05), (1.0e6, 0.5)] {
             let constant = of(modulus, energy) / scale(modulus, energy);
-            // The midpoint rule beside the vertical end of the neck: (1 / 4000)^(3/2).
+            // The error of the midpoint rule near the vertical end of the neck: (1 / 4000)^(3/2).
             assert!((constant / 37.128 - 1.0).abs() < 1.0e-4, "{constant}");
         }
         // Negative control: the work from first touch on.
@@ -187,12 +188,12 @@ mod tests {
             let real = law.stiffened(100.0).unwrap();
             let soft = law.keeping_work(100.0);
             let ratio = |soft: &ContactLaw| spring_work(soft, 0.0) / spring_work(&real, 0.0);
-            // Similar curves at similar points: rounding, and that of the equilibrium.
+            // Similar curves at similar points, up to rounding, including that of the equilibrium.
             assert!((ratio(&soft) - 1.0).abs() < 1.0e-9, "{}: {}", law.name(), ratio(&soft));
-            // Negative control: with the adhesion as it was.
+            // Negative control: adhesion is unchanged.
             assert!(ratio(&law) > 5.0, "{}: {}", law.name(), ratio(&law));
         }
-        // With an attraction outside of the law: the force falls by the factor of the law's exponent.
+        // With an attraction outside the law, the force falls by the factor of the law's exponent.
         for (law, exponent) in [(linear(1.0e4), 1.0), (hertz(), 1.5)] {
             assert_eq!(law.overlap_exponent(), exponent);
             let real = spring_work(&law.stiffened(100.0).unwrap(), 2.0);
@@ -212,7 +213,7 @@ mod tests {
         let attraction = AttractionInContact { force: 2.0, work: 0.1 };
         assert_eq!(pull_off_force(&linear(1.0e4), BODIES, attraction), 2.0);
         assert_eq!(pull_off_force(&hertz(), BODIES, attraction), 2.0);
-        // Negative control: without adhesion there is none.
+        // Negative control: without adhesion there is no pull-off force.
         assert_eq!(pull_off_force(&linear(1.0e4), BODIES, none), 0.0);
     }
 

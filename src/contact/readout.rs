@@ -1,7 +1,7 @@
-//! The forces of single contacts as they are now, to be read: histories are not advanced, nothing is changed.
+//! Read-only access to the present forces of single contacts: histories are not advanced, and nothing is changed.
 //!
-//! Velocities are those of the particles as they stand, at the time of the clock, while the forces of the last step
-//! were evaluated at half-step velocities: dashpot and rate-dependent parts differ by terms of the order of the step.
+//! Velocities are those of the particles at the time of the clock, while the forces of the last step were evaluated at
+//! half-step velocities: dashpot and rate-dependent parts differ by terms of the order of the step.
 
 use super::{
     ByPair, Contact, ContactForce, ContactForceLaw, ContactModel, VanDerWaalsNow, WallLaws,
@@ -20,15 +20,15 @@ pub struct PairForce {
     pub higher: u64,
     /// Whether the two are in contact.
     pub touching: bool,
-    /// Centre of the particle of the lower id, in the image that this rank holds.
+    /// Centre of the particle with the lower id, in the image that this rank holds.
     pub position: Vector3<f64>,
-    /// From that centre to the centre of the other.
+    /// Vector from that centre to the centre of the other.
     pub branch: Vector3<f64>,
-    /// Overlap; negative: separation.
+    /// Overlap; a negative value is a separation.
     pub overlap: f64,
     /// Normal force of spring, dashpot and the law's own adhesion; positive if it pushes the two apart.
     pub normal: f64,
-    /// Tangential force on the higher.
+    /// Tangential force on the particle with the higher id.
     pub tangential: Vector3<f64>,
     /// Magnitude of the van der Waals attraction.
     pub cohesion: f64,
@@ -43,7 +43,7 @@ pub struct WallPairForce {
     pub wall: u32,
     /// Whether the two are in contact.
     pub touching: bool,
-    /// From the particle's centre to the contact point on the wall.
+    /// Vector from the particle's centre to the contact point on the wall.
     pub branch: Vector3<f64>,
     /// Force on the particle by spring, dashpot and friction.
     pub contact: Vector3<f64>,
@@ -52,7 +52,7 @@ pub struct WallPairForce {
 }
 
 impl PairForce {
-    /// Forces on the lower: by spring, dashpot and friction, and by van der Waals attraction.
+    /// Forces on the particle with the lower id: by spring, dashpot and friction, and by van der Waals attraction.
     #[inline(always)]
     pub fn on_lower(&self) -> [Vector3<f64>; 2] {
         // Unit vector from the lower to the higher.
@@ -61,7 +61,7 @@ impl PairForce {
     }
 }
 
-/// Passes on the forces of all pairs of this rank that touch or attract each other.
+/// Passes the forces of all pairs of this rank that touch or attract each other to a function.
 ///
 /// Before: ghosts have the velocities of their originals.
 #[inline]
@@ -133,7 +133,7 @@ fn ordered(
     Ordered { pair: [pair[1], pair[0]], history: history.map(reversed) }
 }
 
-/// The contact of two particles, the second body being the one of the higher id.
+/// The contact of two particles; the second body is the one with the higher id.
 #[inline(always)]
 fn contact_of(
     particles: &Particles,

@@ -32,23 +32,23 @@ pub const ROLLING: &[Word] = &[
     ),
 ];
 
-/// How a contact resists rolling.
+/// A kind of resistance to rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RollingKind {
-    /// A torque mu_r R* F against the rolling, however slow (type A of Ai et al.).
+    /// A torque mu_r R* F against rolling at any speed (type A of Ai et al.).
     ConstantTorque,
     /// A rolling spring k_r = 2.25 k_n (mu_r R*)^2 that yields at mu_r R* F, and a dashpot (type C of Ai et al., EPSD).
     ElasticPlastic {
-        /// eta_r, over the critical damping 2 sqrt(I_r k_r); I_r = (7/2) I* is the moment of inertia about the contact.
+        /// eta_r, relative to the critical damping 2 sqrt(I_r k_r); I_r = (7/2) I* is the moment of inertia about the
+        /// contact.
         damping: f64,
     },
 }
 
 /// Rolling friction.
 ///
-/// With F the normal force that friction is proportional to ([`super::ContactForce::friction_normal`]) and
-/// omega the relative spin in the tangent plane (spin about the normal is not resisted), the torque on the
-/// second body is
+/// With F the normal force to which friction is proportional ([`super::ContactForce::friction_normal`]) and omega the
+/// relative spin in the tangent plane (spin about the normal is not resisted), the torque on the second body is
 ///
 /// ```math
 /// \begin{aligned}
@@ -59,10 +59,11 @@ pub enum RollingKind {
 /// ```
 ///
 /// with theta the angle rolled; the spring yields at |k_r theta| = mu_r R* F. (Ai et al. switch the dashpot off only
-/// while the spring yields: when a fast rolling begins, its torque would be many times that of friction.)
+/// while the spring yields, but when fast rolling begins, the torque of the dashpot would be many times that of
+/// friction.)
 ///
-/// k_n is the law's stiffness at the overlap. Where it grows while the contact is loaded, the torque stays and
-/// theta shrinks: a spring that stiffens while it is deflected would create energy.
+/// k_n is the law's stiffness at the overlap. If it grows while the contact is loaded, the torque is kept and theta
+/// shrinks: a spring that stiffens while it is deflected would create energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollingFriction {
     kind: RollingKind,
@@ -70,7 +71,7 @@ pub struct RollingFriction {
 }
 
 impl RollingFriction {
-    /// Makes rolling friction of a kind, with the dimensionless coefficient mu_r.
+    /// Rolling friction of a given kind, with the dimensionless coefficient mu_r.
     ///
     /// # Errors
     /// If mu_r or eta_r is negative, or eta_r above 1.
@@ -84,12 +85,12 @@ impl RollingFriction {
 }
 
 impl RollingFriction {
-    /// How it acts.
+    /// Its kind.
     pub(crate) fn kind(&self) -> RollingKind {
         self.kind
     }
 
-    /// mu_r R*.
+    /// mu_r R*; length.
     #[inline(always)]
     fn arm(&self, contact: &Contact) -> f64 {
         self.coefficient * contact.reduced_radius
@@ -110,7 +111,7 @@ impl RollingFriction {
         }
     }
 
-    /// Energy of the rolling spring at a stiffness of the law.
+    /// Energy of the rolling spring at a given stiffness of the law.
     pub(super) fn stored_energy(
         &self,
         contact: &Contact,
@@ -120,8 +121,8 @@ impl RollingFriction {
         0.5 * self.spring(contact, stiffness)[0] * angle.norm_squared()
     }
 
-    /// Work of the resistance to rolling over a step in which the angle went from `before` to `after`, and at whose end the
-    /// torque is this. `stiffness` is that of the law before and after the step.
+    /// Work of the resistance to rolling over a step in which the angle changed from `before` to `after` and which
+    /// ended with this torque. `stiffness` is that of the law before and after the step.
     pub(super) fn work(
         &self,
         contact: &Contact,
@@ -147,7 +148,7 @@ fn within(limit: f64, squared: f64) -> f64 {
     if squared > limit * limit { limit / squared.sqrt() } else { 1.0 }
 }
 
-/// A resistance to rolling, and to twisting, or none, chosen once for all pairs.
+/// Resistance to rolling, and to twisting, or none, chosen once for all pairs.
 pub(crate) trait Rolling: Copy {
     /// Whether there is any resistance.
     const ACTS: bool;
@@ -265,7 +266,8 @@ impl Rolling for RollingFriction {
     }
 }
 
-/// Rolling friction that is known to be of this kind: a loop that does not know computes both kinds for each pair.
+/// Rolling friction with a constant torque. The kind is known at compile time: a loop without this knowledge would
+/// compute both kinds for each pair.
 #[derive(Clone, Copy)]
 pub(crate) struct ConstantTorque(pub(crate) RollingFriction);
 
@@ -291,7 +293,7 @@ impl Rolling for ConstantTorque {
     }
 }
 
-/// The same of this kind, with its eta_r.
+/// Rolling friction with a spring and a dashpot, with its eta_r.
 #[derive(Clone, Copy)]
 pub(crate) struct ElasticPlastic(pub(crate) RollingFriction, pub(crate) f64);
 

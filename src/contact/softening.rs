@@ -1,4 +1,4 @@
-//! Particles that are softer in the run than the real ones, for the sake of longer time steps.
+//! Particles that are softer in the run than the real ones, which allows longer time steps.
 
 use crate::rules::adhesion_factor;
 use crate::schema::{Allowed, Key, Value, Word};
@@ -28,12 +28,12 @@ pub const SOFTENING: Key =
     Key::word("softening", WORDS, "What stays of the adhesion of stiffer, real particles")
         .default(Value::Word("unstated"));
 
-/// How much softer a law is than the real particles, and what stays of their adhesion.
+/// The degree to which a law is softer than the real particles, and the treatment of their adhesion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Softening {
-    /// Lambda, the stiffness of the real particles over that of the law.
+    /// Lambda, the ratio of the stiffness of the real particles to that of the law.
     pub reduction: f64,
-    /// Whether adhesion is scaled so that the work of separation is that of the real particles.
+    /// Whether adhesion is scaled such that the work of separation is that of the real particles.
     pub keeps_work: bool,
 }
 

@@ -45,9 +45,9 @@ pub const TWISTING: &[Word] = &[
 /// M = -(k_o \theta + \eta_o\, 2 \sqrt{I^* k_o}\, \omega_n)\, n, \qquad k_o = \kappa\, k_n R^{*2}, \qquad |M| \le \mu_o R^* F
 /// ```
 ///
-/// with F the normal force that friction is proportional to ([`super::ContactForce::friction_normal`]) and I* the reduced
-/// moment of inertia; the spring yields at k_o |theta| = mu_o R* F. k_n is the law's stiffness at the overlap; where it grows
-/// while the contact is loaded, the torque stays and theta shrinks, as in rolling.
+/// with F the normal force to which friction is proportional ([`super::ContactForce::friction_normal`]) and I* the
+/// reduced moment of inertia; the spring yields at k_o |theta| = mu_o R* F. k_n is the law's stiffness at the overlap;
+/// if it grows while the contact is loaded, the torque is kept and theta shrinks, as in rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwistingFriction {
     coefficient: f64,
@@ -56,7 +56,7 @@ pub struct TwistingFriction {
 }
 
 impl TwistingFriction {
-    /// Makes twisting friction of the dimensionless mu_o, kappa and eta_o.
+    /// Twisting friction with the dimensionless mu_o, kappa and eta_o.
     ///
     /// # Errors
     /// If mu_o or eta_o is negative, eta_o above 1, or kappa not positive.
@@ -84,7 +84,7 @@ impl TwistingFriction {
         let limit = self.coefficient * contact.reduced_radius * friction_normal;
         let loading = if before < now { before / now } else { 1.0 };
         let theta = *angle * loading + rate * dt;
-        // Selects instead of branches: contacts are evaluated side by side, in lanes.
+        // Selects are used instead of branches: contacts are evaluated side by side, in lanes.
         let within = |value: f64| if value.abs() > limit { limit.copysign(value) } else { value };
         let held = within(spring * theta);
         *angle = if spring > 0.0 { held / spring } else { 0.0 };
@@ -99,13 +99,13 @@ impl TwistingFriction {
         [spring, self.damping * 2.0 * (contact.reduced_inertia * spring).sqrt()]
     }
 
-    /// Energy of the spring at a stiffness of the law.
+    /// Energy of the spring at a given stiffness of the law.
     pub(super) fn stored_energy(&self, contact: &Contact, stiffness: f64, angle: f64) -> f64 {
         0.5 * self.spring(contact, stiffness)[0] * angle * angle
     }
 
-    /// Work of the resistance to twisting over a step in which the angle went from `before` to `after`, and at whose end the
-    /// torque is this.
+    /// Work of the resistance to twisting over a step in which the angle changed from `before` to `after` and which
+    /// ended with this torque.
     pub(super) fn work(
         &self,
         contact: &Contact,

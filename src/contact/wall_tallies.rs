@@ -1,9 +1,9 @@
-//! Forces of particles on walls, as counts of the force quantum: in all, and by classes of size.
+//! Forces of particles on walls, as counts of the force quantum: total forces, and forces by classes of size.
 
 /// Forces on walls at the last evaluation, as counts of the force quantum: sums over particles and ranks are exact.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WallTallies {
-    /// Diameters of the size classes, ascending; empty if sizes are not in classes.
+    /// Diameters of the size classes, ascending; empty if there are no classes.
     diameters: Vec<f64>,
     /// Radii between those of neighbouring classes.
     limits: Vec<f64>,
@@ -12,7 +12,7 @@ pub struct WallTallies {
 }
 
 impl WallTallies {
-    /// Tells particles of these diameters apart; fewer than two are no classes.
+    /// Sets size classes for particles of these diameters; fewer than two give no classes.
     pub fn set_classes(&mut self, mut diameters: Vec<f64>) {
         let walls = self.walls();
         diameters.sort_by(f64::total_cmp);
@@ -22,7 +22,7 @@ impl WallTallies {
         self.reset(walls);
     }
 
-    /// No force on any of so many walls.
+    /// Sets the forces on this number of walls to zero.
     pub(crate) fn reset(&mut self, walls: usize) {
         self.counts.clear();
         self.counts.resize(walls * self.classes(), [0; 3]);
@@ -41,7 +41,7 @@ impl WallTallies {
         (0..3).for_each(|axis| sum[axis] += force[axis]);
     }
 
-    /// Diameters of the size classes, ascending; empty if sizes are not in classes.
+    /// Diameters of the size classes, ascending; empty if there are no classes.
     pub fn diameters(&self) -> &[f64] {
         &self.diameters
     }
@@ -51,12 +51,12 @@ impl WallTallies {
         self.counts.len() / self.classes()
     }
 
-    /// On one wall, by the particles of each class.
+    /// Force on one wall by the particles of each class, in quanta.
     pub fn by_class(&self, wall: usize) -> &[[i64; 3]] {
         &self.counts[wall * self.classes()..][..self.classes()]
     }
 
-    /// On one wall, by all particles.
+    /// Force on one wall by all particles, in quanta.
     pub fn on_wall(&self, wall: usize) -> [i64; 3] {
         let of_classes = self.by_class(wall);
         [0, 1, 2].map(|axis| of_classes.iter().map(|force| force[axis]).sum())

@@ -1,4 +1,4 @@
-//! Particles and the cells of one rank: where each particle lies among them, and sums over ranks.
+//! Transfers between the particles and the cells of one rank, with sums over ranks.
 
 use super::corners::{Corners, deposit};
 use super::filter::Filter;
@@ -10,8 +10,8 @@ use crate::particles::{Body, Particles, sphere_volume};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Transfers between the particles and the cells of one rank: hats around cell centres, then the filter if there is
-/// one. Disposable.
+/// Transfers between the particles and the cells of one rank: hat functions around cell centres, then the filter if
+/// there is one. Disposable.
 ///
 /// One set of weights serves both directions, so that interpolation is the adjoint of deposition.
 #[derive(Clone, Debug)]
@@ -24,9 +24,9 @@ pub(crate) struct CellTransfer {
     /// The round column that bounds the gas, if there is one.
     column: Option<ColumnOnCells>,
     filter: Option<Filter>,
-    /// Where each owned particle was at the last deposition of volume.
+    /// Cells around each owned particle at the last deposition of volume.
     corners: Vec<Corners>,
-    /// The least range that holds all of their places.
+    /// The smallest range that contains all of their places.
     places: Range<usize>,
 }
 
@@ -50,7 +50,7 @@ vectorised!(
 
 impl CellTransfer {
     /// For one rank's part of a grid, in the box or in a round column in it, and a filter of this full width at half
-    /// maximum (0 for none). Fields are like `field`.
+    /// maximum (0 for none). Fields have the shape of `field`.
     pub(crate) fn new(
         (grid, column): (&BoxGrid, Option<&RoundColumn>),
         filter_width: f64,
@@ -72,7 +72,8 @@ impl CellTransfer {
         }
     }
 
-    /// How far particles may move, after they were sorted to ranks, and still lie within reach of their rank's halos.
+    /// Largest distance that particles may move, after they were sent to ranks, and still lie within reach of their
+    /// rank's halos; length.
     pub(crate) fn reach(grid: &BoxGrid) -> f64 {
         CellLocator::MARGIN * grid.spacing().min()
     }
@@ -82,7 +83,7 @@ impl CellTransfer {
         self.locator.cells()
     }
 
-    /// What the filter leaves of a wave: see [`Filter::part_of_wave`]; all of it without a filter.
+    /// Fraction of a wave's amplitude that the filter leaves: see [`Filter::part_of_wave`]; 1 without a filter.
     pub(crate) fn part_of_wave(&self, squares: [f64; 3]) -> f64 {
         self.filter.as_ref().map_or(1.0, |filter| filter.part_of_wave(squares))
     }
@@ -92,7 +93,7 @@ impl CellTransfer {
         self.column.as_ref()
     }
 
-    /// The cells around each owned particle, as of the last [`CellTransfer::deposit_volume`].
+    /// The cells around each owned particle at the last [`CellTransfer::deposit_volume`].
     pub(crate) fn corners(&self) -> &[Corners] {
         &self.corners
     }
@@ -102,7 +103,7 @@ impl CellTransfer {
         self.places.clone()
     }
 
-    /// The cells around a point, for fields that are like `field`.
+    /// The cells around a point, for fields of the shape of `field`.
     #[inline(always)]
     pub(crate) fn corners_at(&self, position: &Vector3<f64>, field: &Field) -> Corners {
         let wrapped = self.bounds.wrap(*position);
@@ -115,8 +116,8 @@ impl CellTransfer {
         }
     }
 
-    /// Sets the fraction of each owned cell that particles fill, and finds the cells around each particle.
-    /// Shares of volume are rounded to `quantum`. Collective.
+    /// Sets the solids fraction of each owned cell, and finds the cells around each particle. Shares of volume are
+    /// rounded to `quantum`. Collective.
     ///
     /// Before: owned particles are current. After: halos of the field are out of date.
     pub(crate) fn deposit_volume(
@@ -151,12 +152,12 @@ impl CellTransfer {
         self.filter(fields, ranks);
     }
 
-    /// Adds what halos hold to the cells that own it. Collective.
+    /// Adds the values in halos to the cells of their owners. Collective.
     pub(crate) fn add_to_owners(&mut self, fields: &mut [&mut Field], ranks: &dyn Communicator) {
         self.halo.add_to_owners(fields, ranks);
     }
 
-    /// Filters fields that are then interpolated, and fills their halos. Collective.
+    /// Filters fields before they are interpolated, and fills their halos. Collective.
     pub(crate) fn prepare_interpolation(
         &mut self,
         fields: &mut [&mut Field],
@@ -178,7 +179,7 @@ impl CellTransfer {
     }
 }
 
-/// Closed cells were given nothing.
+/// Divides a field by the open fraction of each cell; closed cells were given nothing.
 fn divide_by_open_fractions(field: &mut Field, column: &ColumnOnCells) {
     let values = field.values_mut().iter_mut().zip(column.values());
     for (value, &open) in values.filter(|(_, open)| **open > 0.0) {

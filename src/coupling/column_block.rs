@@ -4,8 +4,8 @@ use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, four, four_mut};
 use crate::particles::{Body, LANES, Lanes};
 
-/// Where the particles of a block are in the column, and what the gas needs of them. Lanes beyond the last particle
-/// repeat it.
+/// Positions of the particles of a block in the column, and the quantities that the gas needs of them. Lanes beyond the
+/// last particle repeat it.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))] // see `Lanes`
 pub(crate) struct ColumnBlock {
@@ -18,7 +18,7 @@ pub(crate) struct ColumnBlock {
 }
 
 impl ColumnBlock {
-    /// Brings up to `LANES` particles, at least one, into lanes.
+    /// Loads up to `LANES` particles, at least one, into lanes.
     #[inline(always)]
     pub(super) fn gather<Q: F64x4>(&mut self, bodies: &[Body], grid: &ColumnGrid) {
         let last = bodies.len() - 1;
@@ -70,8 +70,8 @@ impl ColumnBlock {
     }
 }
 
-/// Of two fields at the nodes of a grid: in each interval the first's value at its lower end and its change to the
-/// upper end, then the second's.
+/// Coefficients of two fields at the nodes of a grid, for each interval: the first field's value at the lower end and
+/// its change to the upper end, then the same for the second field.
 pub(crate) fn interval_fields(
     grid: &ColumnGrid,
     [first, second]: [&[f64]; 2],

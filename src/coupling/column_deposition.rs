@@ -8,20 +8,20 @@ use crate::parallel::Communicator;
 use crate::particles::{Body, LANES, Lanes, Particles, sphere_volume};
 use std::f64::consts::PI;
 
-/// The bed as the gas sees it: fields at the nodes of the column grid.
+/// The bed as seen by the gas: fields at the nodes of the column grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bed {
     /// phi, volume of solids per volume.
     pub solids_fraction: Vec<f64>,
     /// u_s, mean vertical velocity of the solids by volume; 0 where there are none.
     pub solids_velocity: Vec<f64>,
-    /// Sum of the particles' shares of drag per volume: of their diameters, or of the squares.
+    /// Sum of the particles' shares of drag per volume: of their diameters, or of the squares of these.
     pub share_density: Vec<f64>,
     /// u_d, mean vertical velocity of the solids by these shares, and so by drag; u_s if all are of one size.
     pub drag_velocity: Vec<f64>,
 }
 
-/// Sums over particles, exact in any order: every addend lies on a lattice.
+/// Sums over particles, exact in any order: every addend is a multiple of a quantum.
 #[derive(Clone, Debug)]
 pub struct ColumnDeposition {
     /// Smallest and largest diameter.
@@ -31,11 +31,11 @@ pub struct ColumnDeposition {
     quanta: [[Quantum; 2]; 2],
     /// The particles as they were deposited last.
     blocks: Vec<ColumnBlock>,
-    /// Sums of volume, then of shares of drag: the latter follow from the former if all are of one size.
+    /// Sums of volume, then of shares of drag; the latter follow from the former if all particles are of one size.
     in_intervals: [Vec<IntervalSums>; 2],
 }
 
-/// What particles give to the nodes of a column grid, by fields and nodes: of one rank, or summed over all.
+/// Contributions of particles to the nodes of a column grid, by fields and nodes: of one rank, or summed over all.
 #[derive(Debug)]
 pub struct NodeSums(Vec<f64>);
 
@@ -46,22 +46,22 @@ impl From<NodeSums> for Vec<f64> {
     }
 }
 
-/// Numbers that have been added over the ranks.
+/// Sums that have been added over the ranks.
 impl From<Vec<f64>> for NodeSums {
     fn from(numbers: Vec<f64>) -> Self {
         Self(numbers)
     }
 }
 
-/// What the particles in one interval of the grid give to its ends: amount and flux to the lower, amount and flux
-/// to the upper. Every fourth particle has sums of its own, so that none waits for the last one's.
+/// Contributions of the particles in one interval of the grid to its ends: amount and flux to the lower, amount and
+/// flux to the upper. Every fourth particle has sums of its own, so that no addition waits for the previous one.
 type IntervalSums = [[f64; 4]; 4];
 
 impl ColumnDeposition {
-    /// Room for solids fractions up to 4 (they end the run at 1) and for speeds up to the limit.
+    /// Quanta with room for solids fractions up to 4 (they end the run at 1) and for speeds up to the limit.
     pub fn new(grid: &ColumnGrid, speed_limit: f64, diameters: [f64; 2], share: DragShare) -> Self {
         let volume = grid.cell_volume();
-        // No more spheres fit into a cell than its volume over twice that of the smallest, d^3 / 4.
+        // The number of spheres in a cell is at most its volume over twice that of the smallest sphere, d^3 / 4.
         let smallest = diameters[0];
         let shares = match share {
             DragShare::Diameter => 4.0 * volume / smallest.powi(2),
@@ -82,10 +82,10 @@ impl ColumnDeposition {
         &self.blocks
     }
 
-    /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d or d^2 in
-    /// the place of V for the sum of the shares of drag and the velocity by drag.
+    /// phi = sum_i h V / (S dz) and phi u_s = sum_i h V v_z / (S dz), h = 1 - |z_i - z_0| / dz; likewise with d or d^2
+    /// in place of V for the sum of the shares of drag and the velocity by drag.
     ///
-    /// Velocities are those that the particles have now. Collective; before: owned particles are current.
+    /// Velocities are the present ones of the particles. Collective; before: owned particles are current.
     pub fn deposit(
         &mut self,
         particles: &Particles,
@@ -112,7 +112,7 @@ impl ColumnDeposition {
         self.add_up_nodes(kinds, grid)
     }
 
-    /// Each node has a share of the interval below and one of that above.
+    /// Sums at the nodes: each node has a share of the interval below and one of the interval above.
     fn add_up_nodes(&self, kinds: usize, grid: &ColumnGrid) -> NodeSums {
         let nodes = grid.nodes();
         let mut at_nodes = vec![0.0; 2 * kinds * nodes];
@@ -159,8 +159,8 @@ impl ColumnDeposition {
 }
 
 vectorised!(
-    /// Gathers the particles of a rank into blocks, and adds to the sums of the intervals: those of volume, and perhaps those of
-    /// shares of drag.
+    /// Gathers the particles of a rank into blocks, and adds to the sums of the intervals: those of volume, and
+    /// optionally those of shares of drag.
     fn deposit<Q: F64x4>(
         bodies: &[Body],
         blocks: &mut [ColumnBlock],
@@ -171,7 +171,7 @@ vectorised!(
     ) {
         for (bodies, block) in bodies.chunks(LANES).zip(blocks) {
             block.gather::<Q>(bodies, grid);
-            // What only fills up the last block carries nothing.
+            // Lanes that only fill up the last block contribute nothing.
             let mut amounts = [[0.0; LANES]; 2];
             for (lane, &radius) in block.radius[..bodies.len()].iter().enumerate() {
                 amounts[0][lane] = sphere_volume(radius);
@@ -184,7 +184,7 @@ vectorised!(
     }
 );
 
-/// Adds amounts and their fluxes, each rounded to its lattice.
+/// Adds amounts and their fluxes, each rounded to its quantum.
 #[inline(always)]
 fn add<Q: F64x4>(
     block: &ColumnBlock,

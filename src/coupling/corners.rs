@@ -12,7 +12,7 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
-    /// For fields that are like `field`.
+    /// For fields of the shape of `field`.
     #[inline(always)]
     pub(crate) fn of(weights: &CellWeights, field: &Field) -> Self {
         let corners = weights.corners();
@@ -22,7 +22,7 @@ impl Corners {
         }
     }
 
-    /// The least range that holds the places of all of these.
+    /// The smallest range that contains the places of all of these.
     pub(crate) fn places_of(all: &[Self]) -> Range<usize> {
         let ends = all.iter().map(|corners| [corners.places[0], corners.places[7] + 1]);
         let around =
@@ -30,18 +30,19 @@ impl Corners {
         ends.reduce(around).map_or(0..0, |[start, end]| start as usize..end as usize)
     }
 
-    /// Place and weight of each.
+    /// Place and weight of each cell.
     #[inline(always)]
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.places.iter().map(|&place| place as usize).zip(self.weights)
     }
 
-    /// The sum of the squares of the weights: what a point sees of what it gives, 8/27 in the mean over a cell.
+    /// Sum of the squares of the weights: the share of its own contribution that a point interpolates back, 8/27 in the
+    /// mean over a cell.
     pub(crate) fn own_share(&self) -> f64 {
         self.weights.iter().map(|weight| weight * weight).sum()
     }
 
-    /// The weights of the open cells of a round column alone, over their sum.
+    /// The weights of only the open cells of a round column, divided by their sum.
     pub(crate) fn in_column(mut self, column: &ColumnOnCells) -> Self {
         for (place, weight) in self.places.into_iter().zip(&mut self.weights) {
             if column.at(place as usize) == 0.0 {
@@ -54,7 +55,7 @@ impl Corners {
     }
 }
 
-/// Adds amounts to the cells around a point, each share rounded to the field's lattice: their sums are exact.
+/// Adds amounts to the cells around a point, each share rounded to the field's quantum, so that their sums are exact.
 #[inline(always)]
 pub(crate) fn deposit<const N: usize>(
     fields: [&mut Field; N],

@@ -1,14 +1,14 @@
-//! How particles of different sizes share the drag of the bed around them.
+//! Distribution of drag among particles of different sizes.
 
 use std::f64::consts::PI;
 
-/// What the drag on a particle is proportional to among its neighbours.
+/// The quantity to which the drag on a particle is proportional among its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DragShare {
-    /// Its diameter d: each particle has the drag of a bed of its own size.
+    /// The diameter d: each particle has the drag of a bed of its own size.
     #[default]
     Diameter,
-    /// Its surface, d^2: all together have the drag of a bed of the Sauter mean diameter, sum d^3 / sum d^2.
+    /// The surface, d^2: all particles together have the drag of a bed of the Sauter mean diameter, sum d^3 / sum d^2.
     Surface,
 }
 
@@ -22,8 +22,8 @@ impl DragShare {
         }
     }
 
-    /// The diameter of equal spheres that fill a part of the volume, the solids fraction, and whose shares per volume have
-    /// this sum: the square root of 6 phi / (pi sum d), or 6 phi / (pi sum d^2).
+    /// The diameter of equal spheres that have this solids fraction and whose shares per volume have this sum: the
+    /// square root of 6 phi / (pi sum d), or 6 phi / (pi sum d^2).
     #[inline(always)]
     pub fn diameter_of_equals(self, solids_fraction: f64, shares: f64) -> f64 {
         let ratio = 6.0 * solids_fraction / (PI * shares);

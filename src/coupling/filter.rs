@@ -4,17 +4,19 @@ use crate::grid::{BoxGrid, ColumnOnCells, Field};
 use crate::parallel::{Communicator, FieldHalo};
 use std::f64::consts::LN_2;
 
-/// Diffusion over a pseudo-time, which spreads a field as a Gaussian of a given width does (Capecelatro &
-/// Desjardins, J. Comput. Phys. 238 (2013), section 3.3): in steps
+/// Diffusion over a pseudo-time, which spreads a field as a Gaussian of a given width does (Capecelatro & Desjardins,
+/// J. Comput. Phys. 238 (2013), section 3.3). Each step is
 ///
 /// f_c <- f_c + sum over axes of kappa (f_above - 2 f_c + f_below),  kappa = width^2 / (16 ln 2 dx^2 n),
 ///
-/// n steps, so many that sum 2 kappa <= 1: then no weight is negative, and what is positive stays so. Nothing
-/// passes the ends of a box that does not repeat. The filter is symmetric, so that what it does to a field
-/// given by particles and to one read by particles is adjoint, and conserves sums to round-off.
+/// where the number n of steps is chosen so that sum 2 kappa <= 1: no weight is then negative, and positive fields stay
+/// positive. Nothing passes the ends of a box that is not periodic. The filter is symmetric, so that its effect on a
+/// field deposited by particles is adjoint to its effect on a field read by particles, and it conserves sums to
+/// round-off.
 ///
-/// In a round column a difference across it counts min(theta_c, theta_nb) / theta_c, theta the open fractions of the two
-/// cells: that is symmetric per volume, leaves what is uniform as it is, and no weight is negative.
+/// In a round column a difference across it is weighted by min(theta_c, theta_nb) / theta_c, with theta the open
+/// fractions of the two cells: this is symmetric per volume, leaves uniform fields unchanged, and no weight is
+/// negative.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Filter {
     steps: usize,
@@ -25,14 +27,14 @@ pub(crate) struct Filter {
     scratch: Vec<f64>,
 }
 
-/// What the differences to the cells below and above along x and y count in a round column, for each cell.
+/// Weights of the differences to the cells below and above along x and y in a round column, for each cell.
 #[derive(Clone, Debug, PartialEq)]
 struct ColumnShares {
     sides: [[Vec<f64>; 2]; 2],
 }
 
 impl Filter {
-    /// Full width at half maximum of the Gaussian; none if it is 0.
+    /// Full width at half maximum of the Gaussian; no filter if it is 0.
     pub(crate) fn new(
         grid: &BoxGrid,
         width: f64,
@@ -48,7 +50,8 @@ impl Filter {
         (steps > 0).then_some(Self { steps, strength, periodic, column, scratch: Vec::new() })
     }
 
-    /// What it leaves of a wave, given by sin^2 of half its angle from cell to cell along each axis.
+    /// Factor by which the filter multiplies a wave, given by sin^2 of half its phase angle from cell to cell along
+    /// each axis.
     pub(crate) fn part_of_wave(&self, squares: [f64; 3]) -> f64 {
         let change: f64 = (0..3).map(|axis| 4.0 * self.strength[axis] * squares[axis]).sum();
         (1.0 - change).powi(self.steps as i32)
@@ -70,7 +73,7 @@ impl Filter {
         }
     }
 
-    /// One step; `ends` says along each axis whether the part reaches the lower and upper end of the grid.
+    /// One step; `ends` holds for each axis whether the part reaches the lower and upper end of the grid.
     fn step(&mut self, field: &mut Field, ends: &[[bool; 2]; 3]) {
         for axis in (0..3).filter(|&axis| !self.periodic[axis]) {
             for side in (0..2).filter(|&side| ends[axis][side]) {
@@ -156,7 +159,7 @@ mod tests {
         Bounds::new(Vector3::new(8.0, 9.0, 16.0), [periodic, [Face::Wall; 2], periodic])
     }
 
-    /// A field of the whole grid after filtering on so many ranks.
+    /// A field of the whole grid after filtering on this number of ranks.
     fn filtered(
         width: f64,
         grid: [usize; 3],
@@ -203,7 +206,7 @@ mod tests {
             .enumerate()
             .map(|(n, f)| f * ((n / (COUNTS[0] * COUNTS[1])) as f64 - 8.0).powi(2))
             .sum();
-        // Diffusion gives the variance of each step exactly, but for what meets its image 8 cells away.
+        // Diffusion gives the variance of each step exactly, except for the part that meets its image 8 cells away.
         assert!((variance - width * width / (8.0 * LN_2)).abs() < 1.0e-6, "{variance}");
         assert!(field.iter().all(|&f| f >= 0.0));
     }

@@ -1,11 +1,11 @@
-//! Four fields side by side, so that all that a corner has is loaded in one vector.
+//! Four fields side by side, so that all values at a corner are loaded in one vector.
 
 use super::Corners;
 use crate::grid::Field;
 use crate::numbers::F64x4;
 use std::ops::Range;
 
-/// The values of four fields of one shape in a range of places in their memory, those of one place side by side.
+/// The values of four fields of one shape in a range of places in their memory, with those of one place side by side.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FourFields {
     places: Range<usize>,
@@ -18,7 +18,7 @@ pub(crate) struct FourFields {
 struct AtPlace([f64; 4]);
 
 impl FourFields {
-    /// Copies what fields have in a range of places.
+    /// Copies the values of fields in a range of places.
     pub(crate) fn copy_from(&mut self, fields: [&Field; 4], places: Range<usize>) {
         let [a, b, c, d] = fields.map(|field| &field.values()[places.clone()]);
         let values = a.iter().zip(b).zip(c).zip(d);
@@ -56,7 +56,8 @@ impl FourFields {
         sum
     }
 
-    /// Adds amounts to the cells around a point, as [`deposit`](super::deposit) does; `shifts` are those of the quanta.
+    /// Adds amounts to the cells around a point, as [`deposit`](super::deposit) does; `shifts` are the rounding shifts
+    /// of the quanta.
     #[inline(always)]
     pub(crate) fn deposit<Q: F64x4>(&mut self, corners: &Corners, amounts: Q, shifts: Q) {
         for (place, weight) in corners.iter() {

@@ -1,4 +1,4 @@
-//! Means in cells of what is known in or across their faces.
+//! Means in cells of quantities that are known in or across their faces.
 
 use crate::grid::{ColumnOnCells, Field};
 use crate::numbers::vectorised;
@@ -6,7 +6,7 @@ use crate::numbers::vectorised;
 vectorised!(
     /// Sets each owned cell to the mean of a face field's values at its two faces along `axis`.
     ///
-    /// The gas averages two cells to a face, so that this is the adjoint.
+    /// It is the adjoint of the gas's average of two cells to a face.
     pub(crate) fn mean_of_faces(faces: &Field, axis: usize, cells: &mut Field) {
         let (stride, length) = (faces.strides()[axis], faces.row_length());
         for (from, to) in faces.rows().zip(cells.rows()) {
@@ -37,8 +37,8 @@ vectorised!(
     }
 );
 
-/// Replaces the gradient across a round column, as [`mean_gradient`] left it, in cells beside closed ones: there it is that
-/// of the open side alone, as if the field went on linearly beyond the wall.
+/// Replaces the gradient across a round column, as [`mean_gradient`] left it, in cells next to closed ones. The
+/// gradient there is the one on the open side alone, as if the field continued linearly beyond the wall.
 pub(crate) fn mend_gradient_at_wall(
     field: &Field,
     (axis, distance): (usize, f64),

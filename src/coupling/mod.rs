@@ -1,4 +1,5 @@
-//! Transfers between particles and grids: deposition, interpolation, filter. Which gas they serve is not known here.
+//! Transfers between particles and grids: deposition, interpolation, filter. This module does not depend on the model
+//! of the gas.
 //!
 //! The coupling is unresolved: grids are coarser than particles, and the gas sees their volume and drag as averages.
 

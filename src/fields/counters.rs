@@ -1,4 +1,4 @@
-//! Counters: numbers of a run that all ranks know together.
+//! Counters: numbers of a run that are known to all ranks.
 
 /// The type of a counter.
 macro_rules! counter_type {
@@ -11,8 +11,8 @@ macro_rules! counter_type {
 }
 pub(crate) use counter_type;
 
-/// Declares counters, one line each: `name: Integer or Number, Unit, "meaning";`. It makes the struct and its list `COUNTERS`, by
-/// which checkpoints keep them and `talcum info` prints them.
+/// Declares counters, one per line: `name: Integer or Number, Unit, "meaning";`. It makes the struct and its list
+/// `COUNTERS`, by which checkpoints store them and `talcum info` prints them.
 macro_rules! counters {
     (
         $(#[$outer:meta])*

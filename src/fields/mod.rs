@@ -1,9 +1,10 @@
-//! What particles, contacts, cells and a run carry from one step to the next, as plain data: each quantity is declared once.
+//! Quantities that particles, contacts, cells and a run carry from one step to the next, as plain data: each is
+//! declared once.
 //!
-//! A [`Field`] is one line in a list: name, kind, unit, meaning, and how it travels. From that line follow its place in records
-//! that ranks send to each other, its dataset in checkpoints, its part of the digest, its history seen from the other body, its
-//! column in memory and what `talcum info` and docs/files.md say about it. The macro `records!` makes a record and its list;
-//! custom fields are added to the list of the particles when a run is set up.
+//! A [`Field`] is one line in a list: name, kind, unit, meaning, and where it is sent. This line determines its place
+//! in the records that ranks send to each other, its dataset in checkpoints, its part of the digest, its history as
+//! seen from the other body, its column in memory, and its entry in `talcum info` and docs/files.md. The macro
+//! `records!` makes a record and its list; custom fields are added to the list of the particles when a run is set up.
 
 mod counters;
 mod record;
@@ -14,7 +15,7 @@ pub(crate) use record::{records, seen_from_the_other_side, words_of};
 
 use std::fmt;
 
-/// What a quantity is made of.
+/// The components of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One number.
@@ -54,23 +55,24 @@ pub enum Unit {
     Named(&'static str),
 }
 
-/// Where a quantity of a particle is known beside its owner.
+/// Where a quantity of a particle is known besides its owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
     /// Nowhere.
     Stays,
-    /// Ghosts have it from when they are made: for what does not change.
+    /// Ghosts receive it when they are made: for quantities that do not change.
     WithNewGhosts,
-    /// Ghosts have it as it is at the beginning of each step.
+    /// Ghosts have its value at the beginning of each step.
     EachStep,
-    /// What is added to ghosts goes back to their originals at each step, where it is summed exactly: multiples of one quantum.
+    /// Amounts added on ghosts are returned to their originals at each step, where they are summed exactly: they are
+    /// multiples of one quantum.
     Returned,
 }
 
 /// How a quantity of a contact changes when it is seen from the other body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// Not at all.
+    /// It does not change.
     Even,
     /// Its sign changes.
     Odd,
@@ -81,31 +83,31 @@ pub enum Parity {
 pub struct Field {
     /// The name of its dataset, of its column in snapshots and of its place in the record.
     pub name: &'static str,
-    /// What it is made of.
+    /// Its components.
     pub kind: Kind,
     /// Its unit.
     pub unit: Unit,
-    /// What it is, as files of results say it.
+    /// Its meaning, as files of results give it.
     pub meaning: &'static str,
-    /// Where it is known beside the owner.
+    /// Where it is known besides its owner.
     pub travel: Travel,
-    /// How it is seen from the other body of a contact.
+    /// How it changes when it is seen from the other body of a contact.
     pub parity: Parity,
-    /// What brings it, if not every run has it: then it takes no memory, no message, no dataset and no part of the digest until
-    /// one of its values, or of those that come with it, is not zero.
+    /// The model that brings it, if not every run has it. It then takes no memory, no part of messages, no dataset and
+    /// no part of the digest until one of its values, or of the fields that come with it, is not zero.
     pub comes_with: Option<&'static str>,
-    /// Whether a column of its own holds it, rather than the data that loops over pairs read.
+    /// Whether it is held in a column of its own rather than in the data that loops over pairs read.
     pub in_column: bool,
 }
 
-/// A number that a run counts, of all ranks together.
+/// A number that a run counts, over all ranks together.
 #[derive(Clone, Copy, Debug)]
 pub struct Counter<C: 'static> {
     /// Group and name of its attribute in checkpoints.
     pub place: [&'static str; 2],
     /// Its unit.
     pub unit: Unit,
-    /// What it counts, as files of results and `talcum info` say it.
+    /// Its meaning, as files of results and `talcum info` give it.
     pub meaning: &'static str,
     /// Its value.
     pub get: fn(&C) -> CounterValue,
@@ -132,7 +134,7 @@ impl fmt::Display for CounterValue {
 }
 
 impl Kind {
-    /// How many numbers it has.
+    /// Number of its components.
     pub const fn width(self) -> usize {
         match self {
             Self::Number | Self::Integer => 1,
@@ -149,35 +151,35 @@ impl Field {
         Self { name, kind, unit, meaning, travel, parity, comes_with: None, in_column: false }
     }
 
-    /// Makes it be held by a column of its own, absent until `what` brings it.
+    /// Gives it a column of its own, absent until `what` brings it.
     #[must_use]
     pub const fn column_of(mut self, what: &'static str) -> Self {
         (self.comes_with, self.in_column) = (Some(what), true);
         self
     }
 
-    /// Makes it absent until `what` brings it.
+    /// Makes the field absent until `what` brings it.
     #[must_use]
     pub const fn comes_with(mut self, what: &'static str) -> Self {
         self.comes_with = Some(what);
         self
     }
 
-    /// Makes it known elsewhere too.
+    /// Makes the field known elsewhere too.
     #[must_use]
     pub const fn travels(mut self, travel: Travel) -> Self {
         self.travel = travel;
         self
     }
 
-    /// Makes it change sign when seen from the other body.
+    /// Makes the field change its sign when it is seen from the other body.
     #[must_use]
     pub const fn odd(mut self) -> Self {
         self.parity = Parity::Odd;
         self
     }
 
-    /// How many numbers it has.
+    /// Number of its components.
     pub const fn width(&self) -> usize {
         self.kind.width()
     }
@@ -187,7 +189,7 @@ impl Field {
         are_equal(self.name, name)
     }
 
-    /// Whether the same thing brings both.
+    /// Whether both are brought by the same model.
     pub const fn comes_together_with(&self, other: &Self) -> bool {
         match (self.comes_with, other.comes_with) {
             (Some(one), Some(other)) => are_equal(one, other),
@@ -197,7 +199,7 @@ impl Field {
     }
 }
 
-/// Whether two texts are the same; the operator cannot be used in constants.
+/// Whether two texts are equal; the operator cannot be used in constants.
 const fn are_equal(one: &str, other: &str) -> bool {
     let (one, other) = (one.as_bytes(), other.as_bytes());
     if one.len() != other.len() {

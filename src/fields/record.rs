@@ -4,22 +4,22 @@ use super::{Field, Parity};
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// A whole number by which records are told apart and sorted.
+/// A whole number by which records are identified and sorted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Id {
     /// The name of its dataset.
     pub name: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
-/// A record of 64-bit words: ids, then the numbers of its fields, one after another. Its memory holds nothing else.
+/// A record of 64-bit words: ids, then the numbers of its fields, one after another. It contains nothing else.
 pub trait Record: Pod {
     /// The group of its datasets in a checkpoint.
     const GROUP: &'static str;
     /// The whole numbers at its beginning.
     const IDS: &'static [Id];
-    /// What follows.
+    /// The fields that follow.
     const FIELDS: &'static [Field];
 
     /// Each field with the place of its first word.
@@ -43,7 +43,7 @@ pub trait Record: Pod {
     }
 }
 
-/// Fields that come together, from left to right: what brings them, and where they are in the list.
+/// Fields that come together, from left to right: the model that brings them, and their range in the list.
 pub fn groups(fields: &[Field]) -> impl Iterator<Item = (&'static str, Range<usize>)> + '_ {
     let mut first = 0;
     let chunks = fields.chunk_by(Field::comes_together_with);
@@ -83,8 +83,8 @@ macro_rules! words_of {
 }
 pub(crate) use words_of;
 
-/// Declares a record: its ids, then one line a field, `name: Kind, Unit, "meaning" => attribute, ...;` with the methods of
-/// [`Field`] as attributes. It makes the struct and its list `FIELDS`.
+/// Declares a record: its ids, then one line per field, `name: Kind, Unit, "meaning" => attribute, ...;` with the
+/// methods of [`Field`] as attributes. It makes the struct and its list `FIELDS`.
 macro_rules! records {
     (
         $(#[$outer:meta])*

@@ -1,5 +1,5 @@
-//! Large arrays lie in large pages, and what is freed returns to the system. When there is no more memory, the program says how
-//! much it asked for, and all ranks end.
+//! An allocator that places large arrays in large pages and returns freed memory to the system. When there is no more
+//! memory, the program reports how much it requested, and all ranks end.
 
 #![allow(unsafe_code, reason = "an allocator hands out raw memory")]
 
@@ -9,50 +9,52 @@ use std::io::{Read, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code of all ranks, that of any other error.
+/// Exit code of all ranks; the same as for any other error.
 const CODE: i32 = 1;
 
-/// This process among others: its rank, and how to end all of them with an exit code. Not set where this process is alone.
+/// This process among others: its rank, and a function that ends all of them with an exit code. Not set if this process
+/// is alone.
 static PROCESS: OnceLock<(usize, fn(i32))> = OnceLock::new();
-/// Whether the message is on its way.
+/// Whether the message is being printed.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator, which asks for large pages for large arrays. Where it has no memory left, a message is printed and all
-/// ranks end, while Rust's own way is to crash this process.
+/// The system's allocator, which requests large pages for large arrays. When it has no memory left, a message is
+/// printed and all ranks end, whereas Rust's default is to abort this process.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AllocatorOfRanks;
 
-/// Arrays of this many bytes are large. They are asked to lie in large pages, of 2 MiB on most machines, of which smaller ones would have
-/// too few, and return to the system as soon as they are freed. Smaller ones, those of a rank with up to some 20,000 particles, are
-/// kept for the next, so that new lists need no memory from the system.
+/// Size from which arrays are large, in bytes. Large arrays are placed in large pages if possible (2 MiB on most
+/// machines; smaller arrays would have too few of them), and return to the system as soon as they are freed. Smaller
+/// arrays, such as those of a rank with up to some 20,000 particles, are kept for reuse, so that new lists need no
+/// memory from the system.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;
 
 impl AllocatorOfRanks {
-    /// Lets large arrays return to the system when they are freed. By itself glibc keeps what is freed below 32 MB, holes that the
-    /// next arrays seldom fit into: a fifth of the most that a large bed takes. To be called at the start of the program;
-    /// with other allocators nothing happens.
+    /// Lets large arrays return to the system when they are freed. By default glibc keeps freed arrays below 32 MB,
+    /// which leaves holes that the next arrays seldom fit into: a fifth of the peak memory of a large bed. To be called
+    /// at the start of the program; with other allocators it does nothing.
     pub fn return_large_arrays() {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
-        // SAFETY: two numbers of the allocator are set. The second is twice the first, as glibc itself has them.
+        // SAFETY: two parameters of the allocator are set. The second is twice the first, as in glibc itself.
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE as libc::c_int);
             libc::mallopt(libc::M_TRIM_THRESHOLD, 2 * LARGE as libc::c_int);
         }
     }
 
-    /// Returns to the system what was freed, where the allocator can do that (glibc): after something large that does not come again
-    /// soon, a start or a checkpoint.
+    /// Returns freed memory to the system, where the allocator can do so (glibc). It is called after large temporary
+    /// arrays that are not needed again soon: at a start or after a checkpoint.
     pub(crate) fn return_freed() {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
-        // SAFETY: it may be called at any time, from any thread.
+        // SAFETY: the function may be called at any time, from any thread.
         unsafe {
             libc::malloc_trim(0);
         }
     }
 }
 
-/// Says that this process is one rank of several, and how to end them all.
+/// Registers this process as one rank of several, with a function that ends them all.
 #[cfg(feature = "mpi")]
 pub(super) fn set_process(rank: usize, end_all: fn(i32)) {
     // Ranks start once in a process.
@@ -61,14 +63,14 @@ pub(super) fn set_process(rank: usize, end_all: fn(i32)) {
 
 #[cfg(target_os = "linux")]
 impl AllocatorOfRanks {
-    /// An array moved to a new place of this many bytes.
+    /// Moves an array to a new place of this many bytes.
     ///
     /// # Safety
-    /// As of [`GlobalAlloc::realloc`].
+    /// Requirements as for [`GlobalAlloc::realloc`].
     #[cold]
     unsafe fn moved(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: the caller promises a size that is not 0 and does not overflow with this alignment, and gives up the old place;
-        // both places have the smaller of the two sizes.
+        // SAFETY: the caller promises a size that is not 0 and does not overflow with this alignment, and gives up the
+        // old place; both places have at least the smaller of the two sizes.
         unsafe {
             let new = self.alloc(Layout::from_size_align_unchecked(size, layout.align()));
             std::ptr::copy_nonoverlapping(memory, new, size.min(layout.size()));
@@ -78,10 +80,10 @@ impl AllocatorOfRanks {
     }
 }
 
-// SAFETY: the system's allocator does all the work, and is asked for what this one is asked for.
+// SAFETY: the system's allocator does all the work, and receives the same requests as this one.
 unsafe impl GlobalAlloc for AllocatorOfRanks {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are those that the system's allocator needs; so below.
+        // SAFETY: the caller's promises are those that the system's allocator needs; the same holds below.
         given(unsafe { System.alloc(layout) }, layout.size())
     }
 
@@ -106,7 +108,8 @@ unsafe impl GlobalAlloc for AllocatorOfRanks {
     }
 }
 
-/// What the system gave for so many bytes. If it gave nothing, all ranks end; if they are many, it is asked for large pages.
+/// Checks the memory that the system gave for this many bytes. If there is none, all ranks end; if the array is large,
+/// large pages are requested for it.
 #[inline]
 fn given(memory: *mut u8, size: usize) -> *mut u8 {
     if memory.is_null() {
@@ -119,7 +122,7 @@ fn given(memory: *mut u8, size: usize) -> *mut u8 {
     memory
 }
 
-/// The system may refuse. Allocates nothing.
+/// Requests large pages for an array, which the system may refuse. Allocates nothing.
 #[cfg(target_os = "linux")]
 #[cold]
 fn ask_for_large_pages(memory: *mut u8, size: usize) {
@@ -136,17 +139,18 @@ fn ask_for_large_pages(memory: *mut u8, size: usize) {
     }
 }
 
-/// Whether an array is moved when it grows to so many bytes: if it becomes large, or if the system's allocator would move it because
-/// of its alignment, and fill small pages before large ones are asked for. Otherwise a large array keeps its large pages.
+/// Whether an array is moved when it grows to this many bytes: if it becomes large, or if the system's allocator would
+/// move it because of its alignment and fill small pages before large ones are requested. Otherwise a large array keeps
+/// its large pages.
 #[cfg(target_os = "linux")]
 #[inline]
 fn moves_to_large_pages(layout: Layout, size: usize) -> bool {
-    /// The system aligns every array so.
+    /// Alignment of every array of the system; bytes.
     const ALIGNED: usize = 2 * size_of::<usize>();
     size >= LARGE && (layout.size() < LARGE || layout.align() > ALIGNED)
 }
 
-/// Allocates nothing.
+/// Prints the message and ends all ranks. Allocates nothing.
 #[cold]
 fn end_all_ranks(size: usize) -> ! {
     if ENDING.swap(true, Ordering::SeqCst) {
@@ -173,7 +177,7 @@ fn end_all_ranks(size: usize) -> ! {
     super::end_at_once(CODE)
 }
 
-/// Bytes of this process in the machine's memory; 0 where that is not known.
+/// Bytes of this process in the machine's memory; 0 if that is not known.
 fn resident() -> usize {
     let mut text = [0_u8; 4096];
     let read = File::open("/proc/self/status").and_then(|mut file| file.read(&mut text));
@@ -188,7 +192,7 @@ fn resident() -> usize {
 mod tests {
     use super::*;
 
-    /// Whether large pages were asked for the memory that begins here; None where the system does not say.
+    /// Whether large pages were requested for the memory that begins here; `None` if the system does not report it.
     fn asked_for(memory: *const u8) -> Option<bool> {
         std::fs::metadata("/sys/kernel/mm/transparent_hugepage").ok()?;
         let maps = std::fs::read_to_string("/proc/self/smaps").ok()?;
@@ -204,7 +208,7 @@ mod tests {
         Some(flags.unwrap().split_whitespace().any(|flag| flag == "hg"))
     }
 
-    /// Large arrays are by themselves from now on, as in the program: small ones are in no place where a large one was.
+    /// Keeps large arrays separate from now on, as in the program: small ones are not placed where a large one was.
     fn begin() {
         AllocatorOfRanks::return_large_arrays();
     }
@@ -213,7 +217,8 @@ mod tests {
         assert_eq!(asked_for(memory).unwrap_or(large), large);
     }
 
-    /// Runs a test again in a process of its own, where no other test has freed a large array before; whether this is that process.
+    /// Runs a test again in a process of its own, in which no other test has freed a large array; returns whether this
+    /// is that process.
     fn is_alone(test: &str) -> bool {
         const ALONE: &str = "TALCUM_TEST_IS_ALONE";
         if std::env::var_os(ALONE).is_some() {
@@ -235,7 +240,7 @@ mod tests {
         begin();
         for align in [1, 16, 64, 4096] {
             let layout = |size| Layout::from_size_align(size, align).unwrap();
-            // SAFETY: each array is used with the layout that it has, and freed once.
+            // SAFETY: each array is used with its own layout, and freed once.
             unsafe {
                 let small = AllocatorOfRanks.alloc(layout(LARGE / 4));
                 is_in(false, small);
@@ -254,7 +259,7 @@ mod tests {
             let layout = |size| Layout::from_size_align(size, align).unwrap();
             let value = |i: usize| (i % 251) as u8;
             let sizes = [LARGE / 4, LARGE / 2, LARGE + 3, 3 * LARGE, LARGE, 1000];
-            // SAFETY: each array is used with the layout that it has, read where it was written, and freed once.
+            // SAFETY: each array is used with its own layout, read where it was written, and freed once.
             unsafe {
                 let mut memory = AllocatorOfRanks.alloc(layout(sizes[0]));
                 (0..sizes[0]).for_each(|i| memory.add(i).write(value(i)));

@@ -8,14 +8,14 @@ use std::time::Duration;
 /// Number of bins, along each axis, of the histogram from which cut planes are chosen.
 const BINS: usize = 1024;
 
-/// Weight in the histogram of a particle of mean cost.
+/// Weight of a particle of mean cost in the histogram.
 const MEAN_WEIGHT: f64 = 1024.0;
 
-/// Range of a particle's cost, its pairs included, relative to the mean. Particles in flight cost a tenth of those at rest on
-/// others; a ratio outside this range is taken for an error of the measured time.
+/// Range of a particle's cost, its pairs included, relative to the mean. Particles in flight cost a tenth of those at
+/// rest on others; a ratio outside this range is treated as an error of the measured time.
 const COST_RANGE: [f64; 2] = [0.1, 10.0];
 
-/// How many particles, or pairs, a rank has, and the time of a step that it spends on them, waiting excluded.
+/// Number of particles or pairs of a rank, and the time of a step that it spends on them, waiting excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RankWork {
     /// Number of particles or pairs.
@@ -24,7 +24,7 @@ pub struct RankWork {
     pub time: Duration,
 }
 
-/// How evenly the work is distributed over the ranks.
+/// Distribution of the work over the ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RankLoad {
     /// Maximum over mean of the ranks' times, or of their particle counts if no time is known; 1 if there are no
@@ -32,7 +32,7 @@ pub struct RankLoad {
     pub imbalance: f64,
     /// Time of this rank per particle, without its pairs, relative to the time of all ranks per particle, with its pairs.
     cost_of_particle: f64,
-    /// Time of this rank per pair, relative to the same.
+    /// Time of this rank per pair, relative to the time of all ranks per particle, with its pairs.
     cost_of_pair: f64,
 }
 
@@ -44,7 +44,7 @@ impl RankLoad {
         Self { imbalance, cost_of_particle: 1.0, cost_of_pair: 0.0 }
     }
 
-    /// From the work of this rank on particles, and that on their pairs. This call is collective.
+    /// The load from the work of this rank on particles and on their pairs. This call is collective.
     pub fn measured(on_particles: RankWork, on_pairs: RankWork, ranks: &dyn Communicator) -> Self {
         let nanoseconds = [on_particles, on_pairs].map(|work| work.time.as_nanos() as i64);
         let own = [on_particles.count as i64, nanoseconds.iter().sum()];
@@ -73,11 +73,11 @@ impl RankLoad {
         }
     }
 
-    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are
-    /// at least `least_width` wide; `particles` are those owned, positions wrapped, and how many pairs are counted with each.
-    /// This call is collective.
+    /// The rank grid with cut planes at the quantiles of the cost over the particles' coordinates. Subdomains are at
+    /// least `least_width` wide; `particles` are the owned ones, as wrapped positions and numbers of pairs counted with
+    /// each. This call is collective.
     ///
-    /// The planes change which rank does which work, never a result.
+    /// The planes determine which rank does which work, but never change a result.
     pub fn balanced(
         &self,
         decomposition: &Decomposition,
@@ -103,7 +103,7 @@ impl RankLoad {
         decomposition.with_cut_planes(cut_planes)
     }
 
-    /// Weight in the histogram of a particle with which so many pairs are counted.
+    /// Weight in the histogram of a particle with this number of pairs.
     fn weight(&self, pairs: u32) -> i64 {
         let cost = self.cost_of_particle + self.cost_of_pair * f64::from(pairs);
         (cost * MEAN_WEIGHT).round() as i64
@@ -141,8 +141,8 @@ mod tests {
     use crate::domain::{Face, RankGrid};
     use crate::parallel::run_on_threads;
 
-    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles of
-    /// which those below a third have three pairs each.
+    /// The imbalance of times on four slabs after some rounds of balancing, in a box of height 16 with 1600 particles,
+    /// of which those in the lowest third have three pairs each.
     fn imbalance_of_a_bed_with_a_dense_bottom(known: Known, rounds: usize) -> f64 {
         let bounds = Bounds::new(Vector3::new(4.0, 4.0, 16.0), [[Face::Wall; 2]; 3]);
         let heights: Vec<f64> = (0..1600).map(|i| (f64::from(i) + 0.5) / 100.0).collect();
@@ -174,7 +174,7 @@ mod tests {
         found[0]
     }
 
-    /// What is known of the work.
+    /// Data on the work.
     #[derive(Clone, Copy, PartialEq)]
     enum Known {
         Counts,
@@ -184,10 +184,10 @@ mod tests {
 
     #[test]
     fn expensive_particles_are_shared_among_more_ranks() {
-        // Where pairs are known, the planes are right at once, to a bin in a thousand.
+        // If pairs are known, the planes are right at once, to a bin in a thousand.
         let found = imbalance_of_a_bed_with_a_dense_bottom(Known::TimeOfPairs, 1);
         assert!(found < 1.02, "{found}");
-        // Where they are not, all particles of a slab count the same: the planes approach that place in several rounds.
+        // If they are not, all particles of a slab count the same: the planes approach that place in several rounds.
         let found = [1, 5].map(|n| imbalance_of_a_bed_with_a_dense_bottom(Known::Time, n));
         assert!(found[0] > 1.1 && found[1] < 1.05, "{found:?}");
         // Negative control: equal counts are not equal work.

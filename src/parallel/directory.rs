@@ -1,13 +1,13 @@
-//! At the start of a run contact histories are sent to the owners of their particles, which the ranks that have read
-//! them do not know.
+//! Sends contact histories, at the start of a run, to the owners of their particles, which are not known to the ranks
+//! that have read them.
 //!
 //! The owners are found in a distributed directory, by a rendezvous algorithm (the distributed directory of Zoltan; S.
 //! J. Plimpton, C. Knight, "Rendezvous algorithms for large-scale modeling and simulation", J. Parallel Distrib.
 //! Comput. 147 (2021) 184-195). The range of ids is divided into equal chunks, one for each rank, which keeps the
 //! owners of the particles in its chunk: its entries of the directory. Each rank registers the particles that it owns,
 //! looks up those that its records name, and then sends the records. No rank ever holds more than its share of the
-//! records and of the directory. Where a rank's ids are consecutive, as those read from a checkpoint are, it sends to
-//! few others.
+//! records and of the directory. If a rank's ids are consecutive, like those read from a checkpoint, it sends to few
+//! others.
 
 use super::migrate::deliver;
 use super::sort_by_id::IdRange;
@@ -17,11 +17,11 @@ use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Owners by ids.
+/// Owners of particles, by id.
 type Owners = FxHashMap<u64, usize>;
 
 /// Sends contact records, each of which is on one rank, to the ranks that own their particles. `owned` holds the ids of
-/// the particles of this rank. Records of particles that no rank owns are dropped. This call is collective.
+/// the particles of this rank. Records of particles without an owner are dropped. This call is collective.
 pub fn send_histories_to_owners(
     mut contacts: Vec<ContactRecord>,
     mut wall_contacts: Vec<WallContactRecord>,
@@ -93,7 +93,7 @@ mod tests {
     use crate::parallel::run_on_threads;
     use bytemuck::Zeroable;
 
-    /// Ids with gaps. Their owners do not follow from their order.
+    /// Ids with gaps, whose owners do not follow from their order.
     fn id(number: u64) -> u64 {
         7 * number + 3
     }

@@ -16,7 +16,7 @@ pub(crate) struct FieldHalo {
     messages: [AxisMessages; 3],
 }
 
-/// The messages to and from the neighbours along an axis: to each rank one, also if it is the neighbour on both sides.
+/// The messages to and from the neighbours along an axis: one to each rank, even if it is the neighbour on both sides.
 #[derive(Clone, Debug)]
 struct AxisMessages {
     neighbours: AxisNeighbours,
@@ -36,7 +36,7 @@ impl Slabs {
     }
 }
 
-/// What lies across an axis when halos are copied along it.
+/// Treatment of the axes across the one along which halos are copied.
 #[derive(Clone, Copy)]
 struct Across {
     neighbours: [AxisNeighbours; 3],
@@ -44,8 +44,9 @@ struct Across {
 }
 
 impl Across {
-    /// Ranges of indices of the rows in `layers` along the axis: with the halos along the axes before it, which are filled by
-    /// then, and without those that are filled when their own axis comes; and with the cells above an upper face of the box.
+    /// Ranges of indices of the rows in `layers` along the axis. They include the halos along the axes before it, which
+    /// are filled by then, but not those that are filled when their own axis comes; they also include the cells above
+    /// an upper face of the box.
     fn rows<T: Pod>(
         self,
         field: &Field<T>,
@@ -65,7 +66,7 @@ impl Across {
 }
 
 impl FieldHalo {
-    /// For the fields of a subdomain.
+    /// A halo for the fields of a subdomain.
     pub(crate) fn new(subdomain: Subdomain) -> Self {
         let messages = [0, 1, 2].map(|axis| AxisMessages::new(subdomain.neighbours(axis)));
         Self { rank: subdomain.rank, messages }
@@ -76,8 +77,8 @@ impl FieldHalo {
     }
 
     /// Fills the halos from the owners. This call is collective. Cells beyond a face of the box that is not periodic
-    /// have no owner: there a halo stays as it is, except that it takes from the neighbours along an upper face what they
-    /// hold in the cells above it, since the lower faces of these lie in that face.
+    /// have no owner. A halo there stays as it is, with one exception: in the cells above an upper face it takes the
+    /// values that the neighbours along this face hold there, since the lower faces of these cells lie in that face.
     ///
     /// Before: owned cells are current; along a divided axis every rank has at least as many cells as the halo is wide.
     /// After: halo cells equal those of their owners.
@@ -146,7 +147,7 @@ impl AxisMessages {
         self.neighbours[side].map(|_| if side == 0 { 0 } else { self.exchange.outgoing.len() - 1 })
     }
 
-    /// Sends rows of all fields to the neighbours below and above, and waits for as many from these. Collective.
+    /// Sends rows of all fields to the neighbours below and above, and waits for as many rows from them. Collective.
     fn exchange<T: Pod, R: Iterator<Item = Range<usize>>>(
         &mut self,
         fields: &[&mut Field<T>],
@@ -168,7 +169,7 @@ impl AxisMessages {
         self.exchange.complete(ranks);
     }
 
-    /// Combines what was received from below and above with rows of the fields.
+    /// Combines the values received from below and above with rows of the fields.
     fn receive<T: Pod, R: Iterator<Item = Range<usize>>>(
         &self,
         fields: &mut [&mut Field<T>],
@@ -177,7 +178,7 @@ impl AxisMessages {
     ) {
         let mut bytes: Vec<&[u8]> =
             self.exchange.incoming.iter().map(|message| &message.bytes[..]).collect();
-        // What a rank sends downwards comes first in its message, and from above.
+        // The rows that a rank sends downwards come first in its message; they arrive from above.
         for side in [1, 0] {
             let Some(place) = self.place(side) else { continue };
             for field in fields.iter_mut() {
@@ -194,7 +195,8 @@ impl AxisMessages {
     }
 }
 
-/// Appends the values of a row. In a halo at the ends of rows they are as short as it is wide: a call that copies each takes longer than the copy.
+/// Appends the values of a row. In a halo at the ends of rows, rows are only as long as the halo is wide, and a call
+/// that copies each would take longer than the copy.
 #[inline(always)]
 fn append<T: Pod>(buffer: &mut Vec<u8>, row: &[T]) {
     match row {
@@ -207,7 +209,7 @@ fn append<T: Pod>(buffer: &mut Vec<u8>, row: &[T]) {
     }
 }
 
-/// Pairs (halo layer, owned layer) along a periodic axis that is not divided. It may be narrower than the halo.
+/// Pairs (halo layer, owned layer) along a periodic axis that is not divided. The axis may be narrower than the halo.
 fn image_layers<T: Pod>(
     field: &Field<T>,
     axis: usize,
@@ -229,8 +231,8 @@ fn copy_images<T: Pod>(field: &mut Field<T>, across: Across) {
     }
 }
 
-/// A row holds its own images along it. They are so few that a call that copies them takes longer than the copy. The
-/// nearest ones come first: those further out may be images of images.
+/// Fills the halo along rows, where each row holds its own images. The images are so few that a call that copies them
+/// would take longer than the copy. The nearest ones come first, since those further out may be images of images.
 fn copy_images_along_rows<T: Pod>(field: &mut Field<T>) {
     let (count, halo) = (field.row_length(), field.halo());
     for row in field.values_mut().chunks_exact_mut(count + 2 * halo) {

@@ -1,4 +1,4 @@
-//! Particles change owner: each is sent with its contact histories to the rank whose subdomain holds it.
+//! Change of owner: each particle is sent with its contact histories to the rank whose subdomain contains it.
 
 use super::migration_message::MigrationMessage;
 use super::{Communicator, Message, ParticleRecord, records_of_bytes};
@@ -9,12 +9,12 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// Sends every owned particle with its contact histories to the rank whose subdomain holds its position. This call is
-/// collective.
+/// Sends every owned particle with its contact histories to the rank whose subdomain contains its position. This call
+/// is collective.
 ///
-/// Before: there are no ghosts; positions are wrapped; the history of two ranks' particles is on both, or on one that knows
-/// where the other's particle is. After: every rank owns exactly the particles in its subdomain and holds the histories of all
-/// their contacts. A pair may be listed twice, with the same contents.
+/// Before: there are no ghosts; positions are wrapped; the history of two particles on different ranks is on both
+/// ranks, or on one that knows where the other's particle is. After: every rank owns exactly the particles in its
+/// subdomain and holds the histories of all their contacts. A pair may be listed twice, with the same contents.
 pub fn migrate(
     particles: &mut Particles,
     histories: &mut ContactHistories,
@@ -54,8 +54,8 @@ pub fn migrate(
     }
 }
 
-/// Sends records, at the start of a run, to the ranks whose subdomains hold the particles, with the rows of custom fields.
-/// This call is collective.
+/// Sends records, at the start of a run, to the ranks whose subdomains contain the particles, with the rows of custom
+/// fields. This call is collective.
 pub fn send_to_owners(
     records: Vec<ParticleRecord>,
     own: OwnFields,
@@ -72,7 +72,7 @@ pub fn send_to_owners(
         outgoing[owner].push(record);
         rows[owner].extend_from_slice(own.row(index));
     }
-    // Both in the order of the senders.
+    // Both are in the order of the senders.
     let numbers = if own.fields.is_empty() { Vec::new() } else { deliver(rows, ranks) };
     (deliver(outgoing, ranks), OwnFields { numbers, ..own })
 }
@@ -100,10 +100,11 @@ pub fn share_with_all<T: Pod>(records: Vec<T>, ranks: &dyn Communicator) -> Vec<
     records_of_bytes(&held).collect()
 }
 
-/// The messages by the rank to which they are sent.
+/// The messages, by the receiving rank.
 type OutgoingMessages = BTreeMap<usize, MigrationMessage>;
 
-/// A history is sent to the owners of its particles that are known to be elsewhere, and kept if one of them may be here.
+/// Adds a history to the messages to those owners of its particles that are known to be on other ranks, and keeps it if
+/// one of the particles may be here.
 fn pack_histories(
     messages: &mut OutgoingMessages,
     ContactHistories { pairs, walls, .. }: &mut ContactHistories,
@@ -127,7 +128,7 @@ fn pack_histories(
     });
 }
 
-/// Particles are sent to their owners; those that stay keep their order.
+/// Adds particles to the messages to their owners; those that stay keep their order.
 fn pack_particles(
     messages: &mut OutgoingMessages,
     particles: &mut Particles,
@@ -144,8 +145,8 @@ fn pack_particles(
     particles.select(&staying);
 }
 
-/// Sends `outgoing[r]` to rank r; returns what was received, in the order of the senders. The records of this rank to
-/// itself are not copied. This call is collective.
+/// Sends `outgoing[r]` to rank r; returns the received records, in the order of the senders. The records of this rank
+/// to itself are not copied. This call is collective.
 pub(super) fn deliver<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
     let mut own = std::mem::take(&mut outgoing[ranks.rank()]);
     if ranks.size() == 1 {

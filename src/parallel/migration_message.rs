@@ -28,7 +28,7 @@ impl MigrationMessage {
         Message { rank, bytes: parts.concat() }
     }
 
-    /// The contents of a message; `own_width` is the number of own numbers of a particle.
+    /// The contents of a message; `own_width` is the number of values of a particle in custom fields.
     pub(super) fn of(message: &Message, own_width: usize) -> Self {
         let mut rest = &message.bytes[..];
         let counts: Vec<u64> = take_records(&mut rest, 3);

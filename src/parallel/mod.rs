@@ -1,9 +1,9 @@
-//! Communication between ranks, which knows no physics.
+//! Communication between ranks; it contains no physics.
 //!
 //! One rank is not a special case: periodic images are ghosts that a rank sends to itself. A call is *collective* if all
 //! ranks must make it, in the same order.
 //!
-//! # What ranks send to each other
+//! # Messages between ranks
 //!
 //! At every step:
 //!
@@ -80,18 +80,18 @@ pub use records::{CellRecord, CellSample, ComputedRecords, Records, records_of_b
 pub use sort_by_id::{SortedRows, sort_by_id, sort_by_id_in_chunks, sort_numbers_by_id};
 pub use thread_ranks::{is_on_root, run_on_threads, start_on_threads};
 
-/// Without MPI there is no such communicator.
+/// Without MPI this communicator has no values.
 #[cfg(not(feature = "mpi"))]
 #[derive(Clone, Copy)]
 pub enum RawCommunicator {}
 
-/// The name and version of the library of MPI that the program was built with; without MPI there is none.
+/// Name and version of the MPI library with which the program was built; `None` without MPI.
 #[cfg(not(feature = "mpi"))]
 pub fn mpi_library() -> Option<String> {
     None
 }
 
-/// How all ranks write a file together.
+/// The way in which all ranks write a file together.
 #[derive(Clone, Copy)]
 pub enum FileAccess {
     /// Every rank writes its own rows, through MPI-IO.
@@ -118,13 +118,14 @@ impl Message {
         Self { rank, bytes: bytemuck::cast_slice(records).to_vec() }
     }
 
-    /// The record at a place.
+    /// The record at a given place.
     #[inline(always)]
     fn record<T: Pod>(&self, place: usize) -> T {
         bytemuck::pod_read_unaligned(&self.bytes[place * size_of::<T>()..][..size_of::<T>()])
     }
 
-    /// Writes records over those of the message, which has as many. To append each to a message that grows takes twice as long.
+    /// Overwrites the records of the message, which has as many. Appending each to a growing message would take twice
+    /// as long.
     #[inline(always)]
     fn overwrite<T: Pod>(&mut self, records: impl Iterator<Item = T>) {
         for (room, record) in self.bytes.chunks_exact_mut(size_of::<T>()).zip(records) {
@@ -133,7 +134,7 @@ impl Message {
     }
 }
 
-/// Ranks that exchange bytes and add numbers. Every method but `rank`, `size`, `file_access`, `kind` and `is_root`
+/// Ranks that exchange bytes and add numbers. Every method except `rank`, `size`, `file_access`, `kind` and `is_root`
 /// is collective: all ranks must call it in the same order. None can fail: a broken connection ends the program on all
 /// ranks.
 pub trait Communicator {
@@ -143,10 +144,10 @@ pub trait Communicator {
     /// Number of ranks.
     fn size(&self) -> usize;
 
-    /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above. After: `incoming[0]` is what the
-    /// neighbour below sent up, `incoming[1]` what the one above sent down. Where there is no neighbour, nothing is
-    /// sent and `incoming` is empty. A rank may be its own neighbour (one rank along a periodic axis), and both
-    /// neighbours may be the same rank (two ranks).
+    /// Sends `outgoing[0]` to the neighbour below and `outgoing[1]` to the one above. After: `incoming[0]` is the
+    /// message that the neighbour below sent up, `incoming[1]` the one that the neighbour above sent down. If there is
+    /// no neighbour, nothing is sent and `incoming` is empty. A rank may be its own neighbour (one rank along a
+    /// periodic axis), and both neighbours may be the same rank (two ranks).
     fn exchange(
         &self,
         neighbours: AxisNeighbours,
@@ -154,23 +155,23 @@ pub trait Communicator {
         incoming: &mut [Vec<u8>; 2],
     );
 
-    /// Begins to send messages to other ranks, and to receive those from other ranks. Until it is finished, ranks may
-    /// call all other methods, but begin no second exchange.
+    /// Begins to send messages to other ranks, and to receive messages from them. Until this exchange is finished,
+    /// ranks may call all other methods, but must not begin a second exchange.
     fn start_exchange(&self, exchange: Exchange) -> Pending<'_, Exchange>;
 
     /// Sends at most one message to each rank, this one included, and returns the messages to this rank in the order of
-    /// their senders. An empty message is not sent. Ranks need not know who sends to them. The cost grows with the
-    /// number of messages and the logarithm of the number of ranks.
+    /// their senders. An empty message is not sent. Ranks need not know which ranks send to them. The cost grows with
+    /// the number of messages and the logarithm of the number of ranks.
     fn sparse_exchange(&self, outgoing: &[Message]) -> Vec<Message>;
 
-    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [quantum], and their sums
-    /// within its range: then the result is exact, and therefore the same for any number of ranks.
+    /// Replaces each number by its sum over ranks. The numbers must be multiples of one [quantum], and their sums must
+    /// lie within its range. The result is then exact, and therefore does not depend on the number of ranks.
     ///
     /// [quantum]: crate::numbers::Quantum
     fn sum_exact(&self, values: &mut [f64]);
 
-    /// Begins what [`Communicator::sum_exact`] does. Until it is finished, ranks may call all other methods, but begin no
-    /// second sum.
+    /// Begins the sum of [`Communicator::sum_exact`]. Until it is finished, ranks may call all other methods, but must
+    /// not begin a second sum.
     fn start_sum_exact(&self, values: Vec<f64>) -> Pending<'_, Vec<f64>>;
 
     /// Replaces each integer by its sum over ranks, modulo 2^64.
@@ -186,13 +187,13 @@ pub trait Communicator {
     /// Replaces the bytes on all ranks by those of rank 0.
     fn broadcast_from_root(&self, bytes: &mut Vec<u8>);
 
-    /// How all ranks open this file together.
+    /// The way in which all ranks open this file together.
     fn file_access(&self, path: &Path) -> FileAccess;
 
-    /// What ranks are, as results say it: `MPI processes`, `threads`.
+    /// The kind of ranks, as results give it: `MPI processes`, `threads`.
     fn kind(&self) -> &'static str;
 
-    /// How many processes the ranks are in; fewer than ranks where these are threads.
+    /// Number of processes that contain the ranks; smaller than the number of ranks if these are threads.
     fn processes(&self) -> usize {
         self.size()
     }
@@ -217,8 +218,8 @@ pub trait Communicator {
     }
 }
 
-/// An error that occurred on one rank or several, with the message of the lowest of them. It is the same on all ranks,
-/// so that all react in the same way.
+/// An error on one or several ranks, with the message of the lowest of them. It is equal on all ranks, so that all
+/// react in the same way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CollectiveError(pub String);
 
@@ -251,14 +252,14 @@ pub fn agree<T, E: fmt::Display>(
     Err(CollectiveError(String::from_utf8_lossy(&first).into_owned()))
 }
 
-/// Ends this process at once, after an error that leaves nothing in order: what other threads and libraries would do at the
-/// end of a program is left out.
+/// Ends this process at once, after an error that leaves its state undefined: the clean-up that other threads and
+/// libraries would do at the end of a program is skipped.
 pub fn end_at_once(code: i32) -> ! {
     flush_standard_streams();
     signal_hook::low_level::exit(code)
 }
 
-/// Flushes what was printed before all ranks end. Errors no longer matter.
+/// Flushes printed output before all ranks end. Errors no longer matter.
 fn flush_standard_streams() {
     let _ = std::io::stdout().flush();
     let _ = std::io::stderr().flush();

@@ -23,43 +23,46 @@ use super::{
     flush_standard_streams,
 };
 
-/// The communicator in the form that the HDF5 library needs.
+/// The communicator in the form required by the HDF5 library.
 pub type RawCommunicator = mpi::ffi::MPI_Comm;
 
 /// Messages to the neighbour below.
 const DOWNWARDS: Tag = 1;
-/// Messages to the neighbour above. Another tag, because both neighbours may be one rank.
+/// Messages to the neighbour above. They have another tag because both neighbours may be one rank.
 const UPWARDS: Tag = 2;
 /// Messages of collective operations.
 const COLLECTIVE: Tag = 3;
 /// Messages that travel while ranks compute.
 const UNDER_WAY: Tag = 6;
 
-/// Exit code of all ranks after a panic on one, the one of an ordinary Rust program.
+/// Exit code of all ranks after a panic on one; the same as for an ordinary Rust program.
 const PANIC_CODE: i32 = 101;
 
 /// Largest number of bytes in one message of MPI, which counts with 32-bit integers.
 const LONGEST_MESSAGE: usize = 1 << 30;
 
-/// How Open MPI writes files, where the user has not said otherwise; other implementations of MPI ignore these variables.
+/// Settings of Open MPI for writing files, used unless the user has set them; other implementations of MPI ignore these
+/// variables.
 ///
-/// Its own MPI-IO, OMPIO, keeps a position in the file that all ranks share, which nobody uses here, and by default guards
-/// it by a semaphore that is named after the file alone and shared by all jobs on the machine. A run that is killed while it
-/// opens a file leaves the semaphore locked, and every later run that opens a file of this name hangs (seen with 4.1.4, 5.0.7
-/// and 6.0.0rc2; <https://github.com/open-mpi/ompi/pull/14058>). So OMPIO may keep that position in other ways only, and stands
-/// back behind ROMIO where there is one: up to version 5, since 6.0 has OMPIO alone.
+/// Open MPI's own MPI-IO, OMPIO, keeps a position in the file that all ranks share, although Talcum does not use it. By
+/// default OMPIO guards this position by a semaphore that is named after the file alone and shared by all jobs on the
+/// machine. A run that is killed while it opens a file leaves the semaphore locked, and every later run that opens a
+/// file of this name hangs (seen with 4.1.4, 5.0.7 and 6.0.0rc2; <https://github.com/open-mpi/ompi/pull/14058>). OMPIO
+/// may therefore keep that position only in other ways, and ROMIO is preferred where it exists: up to version 5, since
+/// 6.0 has only OMPIO.
 const FILE_ACCESS: [(&str, &str); 2] =
     [("OMPI_MCA_io_ompio_priority", "1"), ("OMPI_MCA_sharedfp", "^sm,lockedfile")];
 
-/// Up to this many bytes Open MPI sends a message to another process of the same node at once, where the user has not said otherwise:
-/// 32 KiB, the most that it takes into one piece, in place of 4. Longer messages are announced first, and wait for the answer: 3.5 us for
-/// 6 kB instead of 1 us, 4.7 us for 12 kB instead of 2.3 (4.1.4 on an AMD EPYC). A rank with a thousand particles or a hundred cells along an edge
-/// has halos of such lengths. Shared memory is called "vader" in version 4 and "sm" in 5.
+/// Settings for messages to another process of the same node, used unless the user has set them: Open MPI sends
+/// messages of up to this many bytes at once, 32 KiB, the most that it takes into one piece, instead of 4. Longer
+/// messages are announced first and wait for the answer: 3.5 us for 6 kB instead of 1 us, 4.7 us for 12 kB instead of
+/// 2.3 (4.1.4 on an AMD EPYC). A rank with a thousand particles or a hundred cells along an edge has halos of such
+/// lengths. Shared memory is called "vader" in version 4 and "sm" in 5.
 const SENT_AT_ONCE: [(&str, &str); 2] =
     [("OMPI_MCA_btl_vader_eager_limit", "32768"), ("OMPI_MCA_btl_sm_eager_limit", "32768")];
 
-/// Largest number of bytes in one message that travels while ranks compute, which Open MPI thus sends at once, its header
-/// included: an announced message waits until the other rank calls MPI again, after its computation.
+/// Largest number of bytes, header included, in one message that travels while ranks compute, so that Open MPI sends it
+/// at once. An announced message would wait until the other rank calls MPI again, after its computation.
 const LONGEST_UNDER_WAY: usize = 32_000;
 
 /// Whether MPI may be called: it was initialised and is not being finalised.
@@ -75,14 +78,14 @@ pub struct MpiRanks {
     rank: usize,
     size: usize,
     longest_message: usize,
-    /// Which of the two tags the next sparse exchange uses.
+    /// Index of the tag for the next sparse exchange, one of two.
     next_tag: Cell<usize>,
     scratch: RefCell<Vec<f64>>,
     integer_scratch: RefCell<Vec<u64>>,
     universe: Universe,
 }
 
-/// A process can initialise MPI only once.
+/// The error that MPI was initialised before; a process can do so only once.
 #[derive(Debug, thiserror::Error)]
 #[error("MPI was already started in this process; it can be started only once")]
 pub struct AlreadyStarted;
@@ -179,15 +182,15 @@ impl MpiRanks {
     }
 }
 
-/// The name and version of the library of MPI that the program was built with.
+/// Name and version of the MPI library with which the program was built.
 pub fn mpi_library() -> Option<String> {
     let text = mpi::environment::library_version().unwrap_or_default();
-    // Implementations end it with a zero, go on with how they were built, or have several lines.
+    // Implementations end the text with a zero, continue with their build options, or have several lines.
     let whole = |sign: char| sign == '\0' || sign == '\n' || sign == ',';
     Some(text.split(whole).next().unwrap_or_default().trim().to_owned())
 }
 
-/// Chooses how Open MPI writes files and sends messages, unless the user has.
+/// Sets the options of Open MPI for files and messages, unless the user has set them.
 fn choose_options() {
     if RUNNING.load(Ordering::SeqCst) {
         return;
@@ -261,7 +264,7 @@ impl Communicator for MpiRanks {
         let mut summed = self.scratch.borrow_mut();
         summed.resize(values.len(), 0.0);
         self.world.all_reduce_into(&*values, &mut summed[..], SystemOperation::sum());
-        // Whether a zero has a sign must not depend on the number of ranks.
+        // The sign of a zero must not depend on the number of ranks.
         values.iter_mut().zip(&*summed).for_each(|(value, sum)| *value = sum + 0.0);
     }
 
@@ -285,7 +288,7 @@ impl Communicator for MpiRanks {
     }
 
     fn sum_integers(&self, values: &mut [i64]) {
-        // The sum of unsigned integers is defined modulo 2^64, also if it overflows.
+        // The sum of unsigned integers is defined modulo 2^64, even if it overflows.
         let mut summed = self.integer_scratch.borrow_mut();
         summed.resize(values.len(), 0);
         let unsigned: &[u64] = bytemuck::cast_slice(values);
@@ -333,7 +336,7 @@ impl Communicator for MpiRanks {
     }
 }
 
-/// Sends in progress, which are waited for when they are dropped. Nearly every message is one piece, for which no
+/// Sends in progress, which are waited for when they are dropped. Nearly every message is a single piece, for which no
 /// memory is allocated.
 type Sent<G> = (Option<G>, Vec<G>);
 
@@ -355,7 +358,7 @@ fn end_all_ranks_on_panic() {
     }));
 }
 
-/// Ends all ranks, if there are others still.
+/// Ends all ranks, if there are others.
 fn end_all_ranks(code: i32) {
     if RUNNING.load(Ordering::SeqCst) {
         flush_standard_streams();

@@ -22,7 +22,7 @@ impl Communicator for OneRank {
         outgoing: [&[u8]; 2],
         incoming: &mut [Vec<u8>; 2],
     ) {
-        // What is sent down through a periodic face arrives from above.
+        // Data sent down through a periodic face arrive from above.
         for (side, neighbour) in neighbours.iter().enumerate() {
             incoming[side].clear();
             if neighbour.is_some() {
@@ -40,7 +40,7 @@ impl Communicator for OneRank {
     }
 
     fn sum_exact(&self, values: &mut [f64]) {
-        // As on several ranks, a zero has no sign.
+        // A zero has no sign, as on several ranks.
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 

@@ -1,13 +1,13 @@
 //! Ghosts: copies of the particles near the faces of this rank's subdomain that other ranks own, and periodic images.
 //!
-//! A rank has those of them that are [ahead](Subdomain::is_ahead) of its subdomain: the others are in pairs that other ranks
-//! evaluate, or that are met through an image of the other particle.
+//! A rank only has those ghosts that are [ahead](Subdomain::is_ahead) of its subdomain: the others are in pairs that
+//! other ranks evaluate, or that are found through an image of the other particle.
 //!
 //! When lists are made, ghosts are sent axis by axis: those received along one axis are sent on along the next, so that
-//! edges and corners need no messages of their own. Each says where its original is, and each rank then tells the owners
-//! of those ghosts that are in a pair of its list which particles they are copies of. At a step an owner sends the
-//! velocities of such a particle once, whatever the number of its copies; these move by them as the original did, to the
-//! bit. The forces on copies then go back the other way.
+//! edges and corners need no messages of their own. Each ghost records where its original is. Each rank then informs
+//! the owners of those ghosts that are in a pair of its list which particles they are copies of. At a step an owner
+//! sends the velocities of such a particle once, whatever the number of its copies; the copies move by these velocities
+//! exactly as the original did, bit for bit. The forces on copies are sent back the other way.
 
 mod columns;
 
@@ -26,19 +26,19 @@ pub struct ParticleHalo {
     origins: Vec<Origin>,
     images: Vec<Images>,
     copies: Vec<Copies>,
-    /// For each rank that has copies of this rank's particles, which particles these are.
+    /// The particles of this rank of which other ranks have copies, for each of these ranks.
     exported: Vec<Vec<u32>>,
-    /// Velocities of these particles go to those ranks, velocities of the copies come from their owners, in the order of
-    /// `exported` and of `copies`.
+    /// Velocities of the exported particles, sent to those ranks, and of the copies, received from their owners, in the
+    /// order of `exported` and of `copies`.
     velocities: Exchange,
-    /// Forces on the copies go to their owners, forces on exported particles come back.
+    /// Forces on the copies, sent to their owners, and on exported particles, received from other ranks.
     forces: Exchange,
 }
 
-/// Periodic images of owned particles, by one shift: ghost and original.
+/// Periodic images of owned particles with the same shift: ghost and original.
 #[derive(Clone, Debug)]
 struct Images {
-    /// Along x, y and z, and zero.
+    /// Shift along x, y and z, and a zero.
     shift: [f64; 4],
     pairs: Vec<[u32; 2]>,
 }
@@ -47,7 +47,7 @@ struct Images {
 /// index of the ghost.
 type Copies = Vec<[u32; 2]>;
 
-/// The particles that are sent to one neighbour along an axis, and their shift if that is beyond a periodic face.
+/// The particles that are sent to one neighbour along an axis, and their shift if it is beyond a periodic face.
 struct SendList {
     indices: Vec<u32>,
     shift: f64,
@@ -56,9 +56,9 @@ struct SendList {
 impl ParticleHalo {
     /// Makes ghosts of all particles within `width` of this rank's subdomain that are ahead of it. This call is collective.
     ///
-    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts
-    /// follow the owned particles, with current position (of the image), velocity, angular velocity, radius and mass; none
-    /// is brought up to date before [`ParticleHalo::follow`].
+    /// Before: each rank owns the particles of its subdomain, wrapped, and has no ghosts. After: the ghosts follow the
+    /// owned particles, with current position (of the image), velocity, angular velocity, radius and mass; none is
+    /// updated before [`ParticleHalo::follow`].
     pub fn make_ghosts(
         &mut self,
         particles: &mut Particles,
@@ -71,7 +71,7 @@ impl ParticleHalo {
         let last = axes.clone().next_back();
         for axis in axes {
             let list = |side| match side == 1 && last == Some(axis) {
-                // What went up would be behind the rank above, and is sent on no more.
+                // Ghosts that were sent up would be behind the rank above, and are not sent on.
                 true => SendList { indices: Vec::new(), shift: 0.0 },
                 false => send_list(particles, subdomain, width, axis, side),
             };
@@ -87,7 +87,7 @@ impl ParticleHalo {
         self.origins = ahead.iter().map(|&ghost| self.origins[ghost as usize - owned]).collect();
     }
 
-    /// From now on the ghosts for which `is_followed` holds, given their index, are brought up to date. This call is
+    /// Selects the ghosts that are updated from now on: those for whose index `is_followed` holds. This call is
     /// collective.
     pub fn follow(
         &mut self,
@@ -101,8 +101,8 @@ impl ParticleHalo {
         }
     }
 
-    /// Brings velocity and angular velocity of the ghosts that are followed up to date, and the position of images. This
-    /// call is collective.
+    /// Updates velocity and angular velocity of the selected ghosts, and the position of images. This call is
+    /// collective.
     ///
     /// Before: owned particles are current, the ghosts are those of the last rebuild, and copies are where their
     /// originals are.
@@ -118,7 +118,7 @@ impl ParticleHalo {
         self.give_numbers_to_copies(particles);
     }
 
-    /// Images become like their originals; the velocities that other ranks need go into the messages to them.
+    /// Updates images from their originals, and puts the velocities that other ranks need into the messages to them.
     pub fn pack_velocities(&mut self, particles: &mut Particles) {
         for Images { shift, pairs } in &self.images {
             follow_originals(&mut particles.body, pairs, *shift);
@@ -140,7 +140,7 @@ impl ParticleHalo {
         self.velocities = velocities.finish();
     }
 
-    /// Gives the copies the velocities that have come, and moves each as its original was moved.
+    /// Gives the copies the received velocities, and moves each as its original was moved.
     pub(crate) fn drift_copies(&self, particles: &mut Particles, step: DriftStep) {
         for (message, copies) in self.velocities.incoming.iter().zip(&self.copies) {
             let velocities = |place| {
@@ -152,7 +152,7 @@ impl ParticleHalo {
         self.give_numbers_to_copies(particles);
     }
 
-    /// Takes the forces off the copies, into the messages to their owners.
+    /// Moves the forces on copies into the messages to their owners.
     pub fn pack_forces(&mut self, particles: &mut Particles) {
         for (message, copies) in self.forces.outgoing.iter_mut().zip(&self.copies) {
             let taken = |of_particle: &[[u32; 2]]| {
@@ -177,7 +177,7 @@ impl ParticleHalo {
         self.forces = forces.finish();
     }
 
-    /// Adds the forces that have come to the owned particles. Sums are exact: the order of the ranks changes no bit.
+    /// Adds the received forces to the owned particles. Sums are exact, so the order of the ranks changes no bit.
     pub fn unpack_forces(&self, particles: &mut Particles) {
         for (message, exported) in self.forces.incoming.iter().zip(&self.exported) {
             for (forces, &index) in records_of_bytes::<GhostForces>(&message.bytes).zip(exported) {
@@ -187,8 +187,8 @@ impl ParticleHalo {
         self.add_returned(particles);
     }
 
-    /// Adds the counts of copies to those of their originals, on the ranks that own these: of counts for all particles of a
-    /// rank, owned ones and ghosts. This call is collective.
+    /// Adds the counts of copies to those of their originals, on the ranks that own these. `counts` has an entry for
+    /// every particle of this rank, owned ones and ghosts. This call is collective.
     pub fn return_counts(&self, counts: &mut [u32], ranks: &dyn Communicator) {
         let to_owner = |(message, copies): (&Message, &Copies)| {
             let of_particle = |same: &[[u32; 2]]| -> u32 {
@@ -209,7 +209,7 @@ impl ParticleHalo {
         }
     }
 
-    /// Sends the particles of both lists to the neighbours along an axis, and adds what they send as ghosts.
+    /// Sends the particles of both lists to the neighbours along an axis, and adds the received particles as ghosts.
     fn send_new_ghosts(
         &mut self,
         (axis, neighbours): (usize, AxisNeighbours),
@@ -255,8 +255,8 @@ impl ParticleHalo {
         }
     }
 
-    /// Divides the ghosts that are followed into images of owned particles and copies of other ranks'. Returns for each owner of
-    /// copies the message that names their originals.
+    /// Divides the selected ghosts into images of owned particles and copies of particles of other ranks. Returns for
+    /// each owner of copies the message that names their originals.
     fn divide(
         &mut self,
         particles: &Particles,
@@ -298,7 +298,7 @@ impl ParticleHalo {
 
     fn add_image(&mut self, pair: [u32; 2], shift: Vector3<f64>) {
         let shift = [shift.x, shift.y, shift.z, 0.0];
-        // Ghosts of one shift follow each other, but for those of edges and corners.
+        // Ghosts of one shift follow each other, except for those of edges and corners.
         let known = self.images.iter_mut().rev().find(|images| images.shift == shift);
         match known {
             Some(images) => images.pairs.push(pair),
@@ -306,7 +306,8 @@ impl ParticleHalo {
         }
     }
 
-    /// Sends the owners of copies the indices of the originals, and makes the messages of a step. This call is collective.
+    /// Sends the indices of the originals to the owners of copies, and prepares the messages of a step. This call is
+    /// collective.
     fn ask_owners(&mut self, asked: &[Message], particles: &Particles, ranks: &dyn Communicator) {
         let asked_here = ranks.sparse_exchange(asked);
         let indices = |message: &Message| records_of_bytes(&message.bytes).collect();
@@ -325,7 +326,7 @@ impl ParticleHalo {
     }
 }
 
-/// The copies of each particle: they are in the order of their places, so that those of one particle follow each other.
+/// The copies of each particle; those of one particle follow each other, since they are in the order of their places.
 fn by_particle(copies: &Copies) -> impl Iterator<Item = &[[u32; 2]]> {
     copies.chunk_by(|[one, _], [other, _]| one == other)
 }

@@ -2,13 +2,14 @@
 
 use super::{Communicator, Message};
 
-/// Communication that is under way. It owns the buffers that travel until [`Pending::finish`] has waited for the other ranks
-/// and returns what came. A value that is dropped waits too, so that an error between begin and end leaves no message behind.
+/// Communication that is under way. It owns the travelling buffers until [`Pending::finish`] has waited for the other
+/// ranks and returns the received data. A value that is dropped also waits, so that an error between begin and end
+/// leaves no message behind.
 #[must_use = "what is not finished is waited for at once"]
 pub struct Pending<'a, T>(Option<Box<dyn FnOnce() -> T + 'a>>);
 
-/// The messages of one exchange: at most one to each rank and one from each. Sender and length of those that come are known
-/// before: the bytes of `incoming` have that length.
+/// The messages of one exchange: at most one to each rank and one from each. Sender and length of incoming messages are
+/// known in advance: the bytes of `incoming` have that length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exchange {
     /// Messages to other ranks.
@@ -30,7 +31,7 @@ impl Exchange {
         }
     }
 
-    /// Begins the exchange; the buffers come back with the messages.
+    /// Begins the exchange; the buffers are returned with the messages.
     pub(super) fn start<'r>(&mut self, ranks: &'r dyn Communicator) -> Pending<'r, Self> {
         ranks.start_exchange(std::mem::take(self))
     }
@@ -57,7 +58,7 @@ impl<'a, T> Pending<'a, T> {
 
 impl<T> Drop for Pending<'_, T> {
     fn drop(&mut self) {
-        // After a panic the others may never answer.
+        // After a panic the others might never answer.
         if let Some(wait) = self.0.take()
             && !std::thread::panicking()
         {

@@ -1,16 +1,16 @@
-//! The records that are sent between ranks and written to checkpoints. In memory, in messages and in files they are
-//! the same bytes; [`super`] lists who sends which of them when.
+//! The records that are sent between ranks and written to checkpoints. They consist of the same bytes in memory, in
+//! messages and in files; [`super`] lists when they are sent, and by which ranks.
 
 use crate::fields::{Field, Id, Record, records};
 use crate::particles::{Body, ForceTorque, Particles};
 use bytemuck::{Pod, Zeroable};
 
-/// A sequence of records that are stored, or computed when they are asked for and so take no memory.
+/// A sequence of records that are either stored, or computed when they are requested and so take no memory.
 pub trait Records<T> {
     /// Number of records.
     fn count(&self) -> usize;
 
-    /// The record of an index.
+    /// The record with this index.
     fn at(&self, index: usize) -> T;
 }
 
@@ -39,7 +39,8 @@ impl<T, F: Fn(usize) -> T> Records<T> for ComputedRecords<F> {
 }
 
 records! {
-    /// What a checkpoint keeps of the volume-averaged gas in one cell, or of a column gas: its plenum, and intervals if it is compressible.
+    /// Data in a checkpoint on one cell of the volume-averaged gas, or on a column gas: its plenum, and intervals if it
+    /// is compressible.
     pub struct CellRecord {
         [cell]: "number of the cell, x fastest, then y, then z, ascending";
         lower_velocity: Vector, Speed, "velocity at the lower face along x, y, z";
@@ -55,7 +56,7 @@ impl Record for CellRecord {
     const FIELDS: &'static [Field] = Self::FIELDS;
 }
 
-/// What snapshots show of the volume-averaged gas in one cell.
+/// Data in snapshots on one cell of the volume-averaged gas.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CellSample {
@@ -63,7 +64,7 @@ pub struct CellSample {
     pub cell: u64,
     /// Pressure less the hydrostatic head.
     pub pressure: f64,
-    /// Velocity of the gas, the mean of those at its faces.
+    /// Velocity of the gas: the mean of the velocities at the faces of the cell.
     pub velocity: [f64; 3],
     /// Volume of gas per open volume; 0 in a closed cell.
     pub voidage: f64,
@@ -73,7 +74,7 @@ pub struct CellSample {
     pub solids_velocity: [f64; 3],
 }
 
-/// Where a particle is owned: the rank, and its index there until lists are next made.
+/// The place where a particle is owned: the rank, and its index there until lists are next made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Origin {
@@ -96,7 +97,7 @@ pub(super) struct NewGhost {
 }
 
 impl NewGhost {
-    /// A particle where it is, the copy of one of that origin.
+    /// The particle with this index at its present position, as a copy of an original at this origin.
     pub(super) fn of(particles: &Particles, index: usize, origin: Origin) -> Self {
         let body = &particles.body[index];
         Self {
@@ -118,7 +119,7 @@ impl NewGhost {
     }
 }
 
-/// What is sent of a ghost's original at every step.
+/// Data on a ghost's original that are sent at every step.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GhostVelocities {
@@ -139,7 +140,8 @@ impl GhostVelocities {
     }
 }
 
-/// What goes back at every step: the sum of what a rank's pairs put on another's particle.
+/// Data that are returned at every step: the sums of the forces and torques of a rank's pairs on a particle of another
+/// rank.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GhostForces {

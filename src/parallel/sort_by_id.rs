@@ -34,9 +34,9 @@ pub fn sort_by_id<T: Pod>(
     whole.expect("there is one chunk")
 }
 
-/// Does the same chunk by chunk: `take` gets this rank's share of the first chunk of ids, then of the next. Only the
-/// records of one chunk are copied at a time, never all. Offsets and totals are those of the whole table. This call is
-/// collective.
+/// Does the same as [`sort_by_id`], but chunk by chunk: `take` receives this rank's share of the first chunk of ids,
+/// then of the next. Only the records of one chunk are copied at a time, never all. Offsets and totals are those of the
+/// whole table. This call is collective.
 pub fn sort_by_id_in_chunks<T: Pod>(
     records: &(impl Records<T> + ?Sized),
     ids_of: impl Fn(&T) -> [u64; 2],
@@ -140,7 +140,7 @@ impl IdRange {
         Self { lowest, highest }
     }
 
-    /// The chunk of an id if the range is divided into so many equal chunks; the nearest one for an id outside the
+    /// The chunk of an id if the range is divided into this many equal chunks; the nearest one for an id outside the
     /// range.
     pub(super) fn chunk_of(self, id: u64, chunks: usize) -> usize {
         let width = ((self.highest - self.lowest) / chunks as u64).saturating_add(1);
@@ -148,15 +148,15 @@ impl IdRange {
     }
 }
 
-/// Sorts numbers of particles by their ids over the ranks: `width` numbers for each id, at most six. The numbers of the rows of this
-/// rank come back one after another, without ids. Collective.
+/// Sorts numbers of particles by their ids over the ranks: `width` numbers for each id, at most six. The numbers of the
+/// rows of this rank are returned one after another, without ids. Collective.
 pub fn sort_numbers_by_id(
     ids: impl Iterator<Item = u64>,
     numbers: &[f64],
     width: usize,
     ranks: &dyn Communicator,
 ) -> SortedRows<f64> {
-    /// Most numbers of a field.
+    /// Largest number of components of a field.
     const WIDEST: usize = 6;
     let record = |(id, numbers): (u64, &[f64])| {
         let mut record = [id; 1 + WIDEST];

@@ -1,6 +1,6 @@
 //! Ranks as threads of this process.
 //!
-//! Each pair of ranks has mailboxes, which lend the receiver the bytes without a copy of its own; numbers to be reduced are
+//! Each pair of ranks has mailboxes, which lend the receiver the bytes without a copy; numbers to be reduced are
 //! published by each rank, and read by all in the order of ranks.
 
 mod mailbox;
@@ -21,7 +21,7 @@ use super::{AxisNeighbours, Communicator, Exchange, FileAccess, Message, Pending
 
 /// Messages to the neighbour below.
 const DOWNWARDS: usize = 0;
-/// Messages to the neighbour above. Another mailbox, because both neighbours may be one rank.
+/// Messages to the neighbour above. They have another mailbox because both neighbours may be one rank.
 const UPWARDS: usize = 1;
 /// Messages of collective operations.
 const COLLECTIVE: usize = 2;
@@ -29,24 +29,25 @@ const COLLECTIVE: usize = 2;
 const UNDER_WAY: usize = 3;
 const MAILBOXES: usize = 4;
 
-/// Bytes of a thread's stack, that of a program's first thread.
+/// Bytes of a thread's stack; as large as that of a program's first thread.
 const STACK: usize = 8 << 20;
 
 thread_local! {
     static IS_ON_ROOT: Cell<bool> = const { Cell::new(true) };
 }
 
-/// Whether this thread is not that of another rank than 0: what only one of the threads shall say, it says.
+/// Whether this thread may print messages that only one of the threads should print: any thread except those of ranks
+/// other than 0.
 pub fn is_on_root() -> bool {
     IS_ON_ROOT.get()
 }
 
-/// What all threads share.
+/// Data shared by all threads.
 struct Shared {
     waiters: Waiters,
-    /// From rank a to rank b in place a * size + b.
+    /// Mailboxes from rank a to rank b, at place a * size + b.
     mail: Vec<[Mailbox; MAILBOXES]>,
-    /// Numbers of each rank, for reductions that it waits for at once, and for those during which it computes.
+    /// Numbers of each rank, for reductions that it waits for at once, and for reductions during which it computes.
     numbers: Vec<[Published; 2]>,
 }
 
@@ -55,12 +56,12 @@ const AT_ONCE: usize = 0;
 /// Reductions during which it computes.
 const MEANWHILE: usize = 1;
 
-/// Numbers that a rank has published, for two reductions in turn: a rank that is in one reduction has finished the one
-/// before, but others may still read what it published there.
+/// Numbers that a rank has published, for two reductions in turn: a rank that is in one reduction has finished the
+/// previous one, but others may still read the numbers that it published there.
 #[derive(Default)]
 #[repr(align(128))]
 struct Published {
-    /// In how many reductions this rank has published its numbers.
+    /// Number of reductions for which this rank has published its numbers.
     rounds: AtomicU64,
     bits: [RwLock<Vec<u64>>; 2],
 }
@@ -77,7 +78,7 @@ struct ThreadRank {
 /// Runs `work` on `n` ranks, each of which is a thread, and returns their results in the order of the ranks.
 ///
 /// # Panics
-/// As [`start_on_threads`], and if the threads cannot be started.
+/// If the threads cannot be started, and as [`start_on_threads`].
 pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T + Sync) -> Vec<T> {
     start_on_threads(n, work).unwrap_or_else(|error| panic!("{n} threads: {error}"))
 }
@@ -85,7 +86,7 @@ pub fn run_on_threads<T: Send>(n: usize, work: impl Fn(&dyn Communicator) -> T +
 /// Runs `work` on `n` ranks, each of which is a thread, and returns their results in the order of the ranks.
 ///
 /// # Errors
-/// If the system refuses a thread. No rank has then come further than to its first wait for the others.
+/// If the system refuses a thread. No rank has then passed its first wait for the others.
 ///
 /// # Panics
 /// If `work` panics on one rank: all ranks end, and the panic continues in the caller. Also if one rank returns while
@@ -98,7 +99,7 @@ pub fn start_on_threads<T: Send>(
     let mut refused = None;
     let results: Vec<Result<T, Box<dyn Any + Send>>> = std::thread::scope(|threads| {
         let mut handles: Vec<ScopedJoinHandle<'_, T>> = Vec::with_capacity(n);
-        // Ranks that are dropped without a start are lost to those that have started.
+        // Ranks that are dropped before they start count as ended for those that have started.
         for rank in connected(n) {
             let thread = Builder::new().name(format!("rank {}", rank.rank)).stack_size(STACK);
             match thread.spawn_scoped(threads, move || work(rank.begin())) {
@@ -117,7 +118,7 @@ pub fn start_on_threads<T: Send>(
     }
 }
 
-/// What the ranks have returned, or the panic that ended them.
+/// The values returned by the ranks, or the panic that ended them.
 fn values_of<T>(results: Vec<Result<T, Box<dyn Any + Send>>>) -> Vec<T> {
     let mut returned = Vec::with_capacity(results.len());
     let mut lost = false;
@@ -148,7 +149,7 @@ fn connected(n: usize) -> Vec<ThreadRank> {
     (0..n).map(rank).collect()
 }
 
-/// Whatever ends this rank, a return or a panic: no other waits for it any longer.
+/// Whatever ends this rank, a return or a panic, no other rank waits for it any longer.
 impl Drop for ThreadRank {
     fn drop(&mut self) {
         self.shared.waiters.leave(self.rank);
@@ -174,7 +175,7 @@ impl ThreadRank {
         self.shared.waiters.wake(to);
     }
 
-    /// Receives a message in the place of what is in the buffer.
+    /// Receives a message, which replaces the contents of the buffer.
     fn receive(&self, from: usize, purpose: usize, incoming: &mut Vec<u8>) {
         let mailbox = self.mailbox(from, self.rank, purpose);
         self.wait_for(from, || !mailbox.is_empty());
@@ -188,7 +189,7 @@ impl ThreadRank {
         incoming
     }
 
-    /// Waits until another rank has made something so; ends this rank if that one has ended before.
+    /// Waits until another rank has made a condition true; ends this rank if that one has ended before.
     fn wait_for(&self, other: usize, is_so: impl Fn() -> bool) {
         self.shared.waiters.wait(self.rank, other, is_so);
     }
@@ -219,7 +220,8 @@ impl ThreadRank {
         self.others().for_each(|other| self.shared.waiters.wake(other));
     }
 
-    /// Combines what all ranks have published in the present reduction of a kind, in the order of the ranks.
+    /// Combines the numbers that all ranks have published in the present reduction of a kind, in the order of the
+    /// ranks.
     fn combine<T: bytemuck::Pod>(
         &self,
         kind: usize,
@@ -302,7 +304,7 @@ impl Communicator for ThreadRank {
 
     fn sum_exact(&self, values: &mut [f64]) {
         self.reduce(values, |a, b| a + b);
-        // Whether a zero has a sign must not depend on the number of ranks.
+        // The sign of a zero must not depend on the number of ranks.
         values.iter_mut().for_each(|value| *value += 0.0);
     }
 

@@ -1,4 +1,4 @@
-//! Records of particles: the data that a pair needs of a particle, contiguous in memory.
+//! Records of particles: the data that the evaluation of a pair needs, contiguous in memory.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
@@ -57,7 +57,7 @@ impl Body {
         Self { species: species as f64, ..self }
     }
 
-    /// Number of the species: of what material the body is; 0 in a bed of one.
+    /// Number of the species, which is the material of the body; 0 in a bed of one species.
     #[inline(always)]
     pub fn species(&self) -> usize {
         self.species as usize
@@ -69,13 +69,13 @@ impl Body {
         INERTIA_FACTOR * self.mass * self.radius * self.radius
     }
 
-    /// Position and radius, velocity and mass, angular velocity and number of the species.
+    /// The data as three vectors: position and radius, velocity and mass, angular velocity and number of the species.
     #[inline(always)]
     pub fn vectors(&self) -> &[[f64; 4]; 3] {
         bytemuck::cast_ref(self)
     }
 
-    /// Mutable access to them.
+    /// Mutable access to these vectors.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 3] {
         bytemuck::cast_mut(self)
@@ -109,13 +109,13 @@ impl ForceTorque {
         Self::of(Vector3::new(0.0, 0.0, force))
     }
 
-    /// Force and zero, torque and zero.
+    /// The data as two vectors: force and zero, torque and zero.
     #[inline(always)]
     pub fn vectors(&self) -> &[[f64; 4]; 2] {
         bytemuck::cast_ref(self)
     }
 
-    /// Mutable access to them; the zeros must stay.
+    /// Mutable access to these vectors; the zeros must stay.
     #[inline(always)]
     pub fn vectors_mut(&mut self) -> &mut [[f64; 4]; 2] {
         bytemuck::cast_mut(self)

@@ -1,4 +1,4 @@
-//! The cells that particles are sorted into to find their neighbours.
+//! The cells into which particles are sorted to find their neighbours.
 
 use super::Body;
 use nalgebra::Vector3;
@@ -7,10 +7,10 @@ use std::ops::Range;
 /// A grid of cells over the bounding box of the owned particles, each at least as wide as the range of the list, and a layer
 /// of cells around it for ghosts.
 ///
-/// The choice of cells changes the order of work, never a result.
+/// The choice of cells changes the order of work, but never a result.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellGrid {
-    /// Of the bounding box; far inside out if there are no particles.
+    /// Corners of the bounding box; without particles, the lower corner is far above the upper.
     corners: [Vector3<f64>; 2],
     inverse_width: Vector3<f64>,
     /// Cells along each axis, those for ghosts included.
@@ -28,23 +28,23 @@ struct Members {
     cell_of: Vec<u32>,
 }
 
-/// A cell with particles, and those in the cells around it.
+/// A cell with particles, and the particles in the cells around it.
 pub(crate) struct Neighbourhood<'a> {
     /// The owned particles of the cell.
     pub(crate) own: Range<usize>,
-    /// End of those in it and in the next cell along x.
+    /// End of the owned particles in this cell and in the next along x.
     pub(crate) own_end: usize,
-    /// Owned particles in the four rows of cells behind, in the order of memory.
+    /// Owned particles in the four rows of cells behind this one, in the order of memory.
     pub(crate) behind: [Range<usize>; 4],
-    /// Ghosts in each row of cells around.
+    /// Ghosts in each of the rows of cells around this one.
     pub(crate) ghosts: [&'a [u32]; 9],
 }
 
-/// Largest number of cells per particle: a few particles in a large box would need too much memory.
+/// Largest number of cells per particle: a few particles in a large box would otherwise need too much memory.
 const CELLS_PER_PARTICLE: f64 = 4.0;
 
 impl CellGrid {
-    /// Lays out cells at least `width` wide over the owned bodies and sorts these into them; there are no ghosts.
+    /// Lays out cells at least `width` wide over the owned bodies and sorts the bodies into them; there are no ghosts.
     pub(crate) fn fill(&mut self, bodies: &[Body], width: f64) {
         self.lay_out(bodies, width);
         let (cells, place) = (self.cells(), self.place());
@@ -68,7 +68,7 @@ impl CellGrid {
         &self.owned.order
     }
 
-    /// Each cell that has owned particles, for particles that have been brought into the order of the cells; ghosts are
+    /// The cells that contain owned particles, which must have been brought into the order of the cells; ghosts are
     /// numbered from 0.
     pub(crate) fn neighbourhoods(&self) -> impl Iterator<Item = Neighbourhood<'_>> {
         let has_owned = |&cell: &usize| !self.owned.in_cells(cell..cell + 1).is_empty();
@@ -130,11 +130,11 @@ impl CellGrid {
 }
 
 impl Members {
-    /// Sorts particles into so many cells, by the number of the cell of each.
+    /// Sorts particles into this number of cells, given the number of each particle's cell.
     fn sort(&mut self, cells: usize, cell_of: impl Iterator<Item = u32>) {
         self.cell_of.clear();
         self.cell_of.extend(cell_of);
-        // Counts are kept one further along, so that they end as the starts.
+        // Counts are stored one place further along, so that they turn into the starts.
         self.start.clear();
         self.start.resize(cells + 2, 0);
         for &cell in &self.cell_of {
@@ -152,14 +152,14 @@ impl Members {
         }
     }
 
-    /// Places in the order of the particles in consecutive cells.
+    /// Places of the particles of consecutive cells, in their order.
     #[inline(always)]
     fn in_cells(&self, cells: Range<usize>) -> Range<usize> {
         self.start[cells.start] as usize..self.start[cells.end] as usize
     }
 }
 
-/// Where positions lie in a grid.
+/// Location of positions in a grid.
 #[derive(Clone, Copy)]
 struct Place {
     origin: Vector3<f64>,
@@ -168,18 +168,18 @@ struct Place {
 }
 
 impl Place {
-    /// The cell of an owned particle, which are all within the outermost cells.
+    /// The cell of an owned particle; all of these lie within the outermost cells.
     fn of_owned(&self, position: &Vector3<f64>) -> u32 {
         self.cell(position, |cells, count| (cells as usize + 1).min(count - 2))
     }
 
-    /// The cell of a ghost, the nearest one if it lies farther outside.
+    /// The cell of a ghost; the nearest cell if the ghost lies farther outside.
     fn of_ghost(&self, position: &Vector3<f64>) -> u32 {
         // Negative numbers become 0.
         self.cell(position, |cells, count| ((cells + 1.0) as usize).min(count - 1))
     }
 
-    /// Finds the cell along each axis from how many widths a position is from the origin.
+    /// Finds the cell along each axis from the distance of a position from the origin, in widths of a cell.
     #[inline(always)]
     fn cell(&self, position: &Vector3<f64>, along: impl Fn(f64, usize) -> usize) -> u32 {
         let Self { origin, inverse_width, counts: [nx, ny, nz] } = *self;
@@ -202,7 +202,7 @@ mod tests {
         positions.into_iter().map(|at| Body::new(at.into(), Vector3::zeros(), 0.5, 1.0)).collect()
     }
 
-    /// All pairs of an owned body with another behind it, or with a ghost, nearer than `width`: sorted.
+    /// All pairs of an owned body with a later one, or with a ghost, nearer than `width`: sorted.
     fn near(owned: &[Body], ghosts: &[Body], width: f64) -> Vec<[usize; 2]> {
         let is_near = |one: &Body, other: &Body| (one.position - other.position).norm() < width;
         let mut pairs = Vec::new();
@@ -215,7 +215,7 @@ mod tests {
         pairs
     }
 
-    /// The same among the neighbourhoods.
+    /// The same pairs, found among the neighbourhoods.
     fn found(grid: &CellGrid, owned: &[Body], ghosts: &[Body], width: f64) -> Vec<[usize; 2]> {
         let all: Vec<&Body> = owned.iter().chain(ghosts).collect();
         let mut pairs = Vec::new();
@@ -245,7 +245,7 @@ mod tests {
             let near_pairs = near(&owned, &ghosts, width);
             assert_eq!(found(&grid, &owned, &ghosts, width), near_pairs, "{lengths:?}");
             assert!(near_pairs.len() > 100);
-            // The control: pairs farther apart than cells are wide are missed.
+            // Control: pairs farther apart than the width of a cell are missed.
             let farther = 3.0 * width;
             assert_ne!(found(&grid, &owned, &ghosts, farther), near(&owned, &ghosts, farther));
         }

@@ -5,11 +5,11 @@ use crate::fields::{Field, Travel, groups};
 use bytemuck::Pod;
 use std::ops::Range;
 
-/// The values of fields that come together, for each owned particle and, if they travel, for each ghost: in memory only once one of
-/// them is not zero, or [`Column::hold`] asks for them.
+/// The values of fields that come together, for each owned particle and, if they travel, for each ghost. They take
+/// memory only after one of them is not zero, or after [`Column::hold`] is called.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// What is in a row, side by side.
+    /// Fields of a row, side by side.
     fields: Vec<Field>,
     /// Numbers of a row.
     width: usize,
@@ -25,13 +25,13 @@ pub struct Columns(Vec<Column>);
 
 /// The column of the force of a volume-averaged gas.
 pub const GAS_FORCE: usize = columns_up_to("gas_force") - 1;
-/// The column of what a particle knows of its agglomerate.
+/// The column of the data of a particle on its agglomerate.
 pub const AGGLOMERATE: usize = columns_up_to("agglomerate_diameter") - 1;
-/// How many columns there are of built-in fields.
+/// Number of columns of built-in fields.
 const BUILT_IN: usize = columns_up_to("");
 
-/// How many columns the built-in fields have, up to that of a field; all of them if there is no such field. Fields that come together
-/// share one.
+/// Number of columns of the built-in fields, up to and including the column of a given field; all of them if there is
+/// no such field. Fields that come together share a column.
 const fn columns_up_to(name: &str) -> usize {
     let fields = ParticleRecord::FIELDS;
     let (mut columns, mut field) = (0, 0);
@@ -53,7 +53,7 @@ impl Default for Columns {
     }
 }
 
-/// Where the fields of each built-in column are in the list of fields.
+/// Range of each built-in column's fields in the list of fields.
 pub(super) fn column_groups() -> impl Iterator<Item = Range<usize>> {
     let are_columns = |range: &Range<usize>| ParticleRecord::FIELDS[range.start].in_column;
     groups(ParticleRecord::FIELDS).map(|(_, range)| range).filter(are_columns)
@@ -72,23 +72,23 @@ impl Columns {
         &mut self.0[number]
     }
 
-    /// The column of a custom field that travels so.
+    /// Number of the column of a custom field with this kind of travel.
     pub(crate) fn number_of_own(&self, name: &str, travel: Travel) -> Option<usize> {
         let is_it = |column: &Column| column.fields[0].name == name && column.travel() == travel;
         Some(BUILT_IN + self.0[BUILT_IN..].iter().position(is_it)?)
     }
 
-    /// The column of a field.
+    /// Number of the column of a field.
     pub fn number_of(&self, name: &str) -> Option<usize> {
         self.0.iter().position(|column| column.fields.iter().any(|field| field.name == name))
     }
 
-    /// The columns of custom fields; what is returned at each step is none of them, since it is zero between steps.
+    /// The columns of custom fields, except those that are returned at each step, which are zero between steps.
     pub fn own(&self) -> impl Iterator<Item = &Column> {
         self.0[BUILT_IN..].iter().filter(|column| column.travel() != Travel::Returned)
     }
 
-    /// Numbers that a particle has in them.
+    /// Number of values of a particle in these columns.
     pub(crate) fn own_width(&self) -> usize {
         self.own().map(|column| column.width).sum()
     }
@@ -103,7 +103,7 @@ impl Columns {
         self.0.push(Column { count, ..Column::of(&[field]) });
     }
 
-    /// Numbers that a particle has in columns that travel so.
+    /// Number of values of a particle in columns with this kind of travel.
     pub(crate) fn width_of(&self, travel: Travel) -> usize {
         let travelling = self.0.iter().filter(|column| column.travel() == travel);
         travelling.map(|column| column.width).sum()
@@ -114,17 +114,17 @@ impl Columns {
         self.0.iter_mut().for_each(Column::push);
     }
 
-    /// Adds a ghost, with zeros, where ghosts have values.
+    /// Adds a ghost, with zeros, in columns that ghosts have.
     pub(super) fn push_ghost(&mut self) {
         self.0.iter_mut().filter(|column| column.has_ghosts()).for_each(Column::push);
     }
 
-    /// Keeps so many particles, ghosts included.
+    /// Keeps this number of particles, ghosts included.
     pub(super) fn truncate(&mut self, count: usize) {
         self.0.iter_mut().for_each(|column| column.truncate(count));
     }
 
-    /// Copies the values of a ghost into another's place.
+    /// Copies the values of a ghost to the place of another.
     pub(super) fn copy_ghost(&mut self, from: usize, to: usize) {
         self.0.iter_mut().filter(|column| column.has_ghosts()).for_each(|column| {
             let row = column.row(from);
@@ -146,17 +146,17 @@ impl Column {
         Self { fields: fields.to_vec(), width, count: 0, values: Vec::new() }
     }
 
-    /// What is in a row, side by side.
+    /// Fields of a row, side by side.
     pub fn fields(&self) -> &[Field] {
         &self.fields
     }
 
-    /// Numbers of a row.
+    /// Number of values in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// How its first field travels; those that come together travel together.
+    /// Kind of travel of its first field; fields that come together have the same kind.
     fn travel(&self) -> Travel {
         self.fields[0].travel
     }
@@ -185,14 +185,14 @@ impl Column {
 
     /// Sets the numbers of a particle.
     pub fn set_row(&mut self, index: usize, row: &[f64]) {
-        // By their bits: the digest of a state tells -0 from +0.
+        // Bits are compared, since the digest of a state distinguishes -0 from +0.
         let is_zero = row.iter().all(|number| number.to_bits() == 0);
         if !(is_zero && self.values.is_empty()) {
             self.hold_numbers()[index * row.len()..][..row.len()].copy_from_slice(row);
         }
     }
 
-    /// The values of all particles, to be changed.
+    /// Mutable access to the values of all particles; allocates them if necessary.
     pub fn hold<T: Pod>(&mut self) -> &mut [T] {
         bytemuck::cast_slice_mut(self.hold_numbers())
     }
@@ -202,7 +202,7 @@ impl Column {
         &mut self.values
     }
 
-    /// The values of all particles, or nothing while all are zero.
+    /// The values of all particles; empty while all are zero.
     #[inline(always)]
     pub fn held<T: Pod>(&self) -> &[T] {
         bytemuck::cast_slice(&self.values)
@@ -225,7 +225,7 @@ impl Column {
         }
     }
 
-    /// Keeps the first particles. The memory stays, for those that come next.
+    /// Keeps the first particles. The memory is kept for later ones.
     fn truncate(&mut self, count: usize) {
         self.count = self.count.min(count);
         self.values.truncate(self.count * self.width);
@@ -249,7 +249,7 @@ impl PartialEq for Column {
 }
 
 impl Columns {
-    /// Appends the numbers of a particle in the columns that travel so.
+    /// Appends the numbers of a particle in the columns with this kind of travel.
     pub(crate) fn append_row(&self, travel: Travel, index: usize, numbers: &mut Vec<f64>) {
         for column in self.0.iter().filter(|column| column.travel() == travel) {
             match column.row(index) {
@@ -259,7 +259,7 @@ impl Columns {
         }
     }
 
-    /// Sets the numbers of a particle in the columns that travel so.
+    /// Sets the numbers of a particle in the columns with this kind of travel.
     pub(crate) fn set_row(&mut self, travel: Travel, index: usize, mut row: &[f64]) {
         for column in self.0.iter_mut().filter(|column| column.travel() == travel) {
             let (of_column, rest) = row.split_at(column.width);
@@ -278,7 +278,7 @@ impl Columns {
         }
     }
 
-    /// Takes the numbers of a ghost out of the columns that are returned, and adds them to a row.
+    /// Moves the numbers of a ghost from the returned columns into a row, to which they are added.
     pub(crate) fn take_returned(&mut self, index: usize, row: &mut [f64]) {
         let mut sums = row.iter_mut();
         for column in self.0.iter_mut().filter(|column| column.travel() == Travel::Returned) {

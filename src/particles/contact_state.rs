@@ -1,12 +1,13 @@
-//! What a contact carries from one step to the next, and the records of touching pairs and of particles that touch a wall.
+//! Data that a contact carries from one step to the next, and the records of touching pairs and of particles that touch
+//! a wall.
 
 use crate::fields::{Field, Id, Record, records, seen_from_the_other_side};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 
 records! {
-    /// All that a contact carries from one step to the next, seen from the first body; all zero if the bodies did not touch. A
-    /// new optional quantity is a line at the end.
+    /// All data that a contact carries from one step to the next, seen from the first body; all zero if the bodies did
+    /// not touch. A new optional quantity is a line at the end.
     #[derive(Default)]
     pub struct ContactState {
         tangential_spring: Vector, Length,
@@ -21,7 +22,7 @@ records! {
     }
 }
 
-/// History of a contact as its law sees it: one record for all contact laws, of numbers (`f64`) only.
+/// History of a contact as seen by its law: one record for all contact laws, which consists of numbers (`f64`) only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ContactHistory {
@@ -39,7 +40,7 @@ pub struct ContactRecord {
     pub lower: u64,
     /// The higher global id.
     pub higher: u64,
-    /// What the contact carries: the second body is the higher.
+    /// Data of the contact; the second body is the particle with the higher id.
     pub state: ContactState,
 }
 
@@ -51,13 +52,14 @@ pub struct WallContactRecord {
     pub particle: u64,
     /// The index of the wall in the domain's list of walls.
     pub wall: u64,
-    /// What the contact carries: the second body is the wall.
+    /// Data of the contact; the second body is the wall.
     pub state: ContactState,
 }
 
 /// The contact histories of some particles: of the pairs that touch, and of the particles that touch a wall.
 ///
-/// They outlive the slots of a neighbour list: over a rebuild, to another rank, and through a checkpoint.
+/// They outlive the slots of a neighbour list: they are kept when the list is rebuilt, and go to other ranks and
+/// through checkpoints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactHistories {
     /// Touching pairs, in no particular order. A pair may occur twice, with the same contents.
@@ -87,7 +89,7 @@ impl Record for WallContactRecord {
 }
 
 impl ContactHistory {
-    /// The spring, then the largest overlap.
+    /// The tangential spring, then the largest overlap.
     #[inline(always)]
     pub(crate) fn numbers(&self) -> &[f64; 4] {
         bytemuck::cast_ref(self)
@@ -95,7 +97,7 @@ impl ContactHistory {
 }
 
 impl ContactState {
-    /// What the contact law sees of it.
+    /// The part that the contact law sees.
     #[inline(always)]
     pub fn history(&self) -> ContactHistory {
         let Self { tangential_spring, largest_overlap, .. } = *self;
@@ -107,8 +109,8 @@ impl ContactState {
         bytemuck::cast_slice_mut(std::slice::from_mut(self))
     }
 
-    /// This contact seen from the other body. An angle about the normal is the same from both sides: normal and spin change
-    /// their signs together.
+    /// This contact seen from the other body. An angle about the normal is the same from both sides, since the normal
+    /// and the spin both change their signs.
     #[must_use]
     pub fn seen_from_the_other_side(mut self) -> Self {
         seen_from_the_other_side(Self::FIELDS, self.numbers_mut());
@@ -117,11 +119,11 @@ impl ContactState {
 }
 
 impl ContactRecord {
-    /// The contact of the particles `here` and `there`, given as seen from `here`.
+    /// The contact of the particles `here` and `there`, with its state as seen from `here`.
     pub(super) fn of([here, there]: [u64; 2], state: ContactState) -> Self {
         let mut state = if here > there { state.seen_from_the_other_side() } else { state };
-        // The difference of two equal numbers is +0 from both sides: the sign of a zero says only from which side the pair was
-        // evaluated.
+        // The difference of two equal numbers is +0 from both sides; the sign of a zero would only depend on the side
+        // from which the pair was evaluated.
         state.numbers_mut().iter_mut().for_each(|number| *number += 0.0);
         Self { lower: here.min(there), higher: here.max(there), state }
     }
@@ -133,7 +135,7 @@ impl ContactRecord {
 }
 
 impl ContactHistories {
-    /// Removes the histories of all contacts of a particle for which `is_kept` does not hold, given its global id.
+    /// Keeps the histories of contacts of the particles for whose global id `is_kept` holds.
     pub fn retain_particles(&mut self, is_kept: impl Fn(u64) -> bool) {
         self.pairs.retain(|pair| is_kept(pair.lower) && is_kept(pair.higher));
         self.walls.retain(|contact| is_kept(contact.particle));

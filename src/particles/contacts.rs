@@ -1,11 +1,11 @@
-//! The pairs of the neighbour list, and the contact histories of those that touch.
+//! The pairs of the neighbour list, and the contact histories of the touching ones.
 //!
-//! Every pair of particles closer than the range of the list has a slot, on one rank: that of two ranks' particles on the
-//! rank for which the other's is [ahead](crate::domain::Subdomain::is_ahead). Pairs are stored in rows: the row of an owned
-//! particle lists its partners, each pair of two owned particles once, also if they meet through a periodic face. The pairs
-//! that may act on each other within the next steps, and the histories of those that touch, are in the [`InnerList`].
-//! [`Contacts::histories`] takes the histories out of it, and `Contacts::restore` puts them back, over a rebuild, on another
-//! rank, and through a checkpoint.
+//! Every pair of particles closer than the range of the list has a slot, on one rank. A pair of particles of two ranks
+//! is on the rank for which the other's particle is [ahead](crate::domain::Subdomain::is_ahead). Pairs are stored in
+//! rows: the row of an owned particle lists its partners. Each pair of two owned particles is listed once, even if they
+//! meet through a periodic face. The pairs that may act on each other within the next steps, and the histories of the
+//! touching ones, are in the [`InnerList`]. [`Contacts::histories`] extracts the histories, and `Contacts::restore`
+//! puts them back: when the list is rebuilt, on another rank, or from a checkpoint.
 
 use super::contact_state::{
     ContactHistories, ContactHistory, ContactRecord, ContactState, WallContactRecord,
@@ -19,14 +19,14 @@ use rustc_hash::FxHashSet;
 use std::ops::Range;
 use thiserror::Error;
 
-/// A pair within the interaction range that the new neighbour list does not hold: a fault of the program, never of the
-/// case.
+/// A pair within the interaction range that is missing from the new neighbour list: an error of the program, never of
+/// the case.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("internal error: the contact of particle {0} with {1} was lost in a list rebuild")]
 pub struct LostContact(u64, String);
 
-/// A pair of an owned particle and a wall near it. They are in the order of the fields, so that those for which the same law
-/// holds follow each other.
+/// A pair of an owned particle and a wall near it. Pairs are sorted by their fields in order, so that those with the
+/// same law follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct WallPair {
     pub(crate) wall: u32,
@@ -41,7 +41,7 @@ impl WallPair {
         Self { wall, species, particle }
     }
 
-    /// Whether the same law holds for both.
+    /// Whether both pairs have the same law.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         (self.wall, self.species) == (other.wall, other.species)
     }
@@ -58,7 +58,7 @@ pub struct Contacts {
     pub(crate) inner: InnerList,
     pub(crate) wall_pairs: Vec<WallPair>,
     pub(crate) wall_touching: Vec<bool>,
-    /// What these contacts carry; zero for those that do not touch.
+    /// State of these contacts; zero for those that do not touch.
     pub(crate) wall_state: Vec<ContactState>,
 }
 
@@ -71,14 +71,14 @@ impl Contacts {
         self.partner.len()
     }
 
-    /// Which particles, owned ones and ghosts, are the second of a listed pair.
+    /// Whether each particle, owned or ghost, is the second of a listed pair.
     pub(crate) fn are_partners(&self, particles: &Particles) -> Vec<bool> {
         let mut are_partners = vec![false; particles.count()];
         self.partner.iter().for_each(|&partner| are_partners[partner as usize] = true);
         are_partners
     }
 
-    /// The pairs of the neighbour list: all that are within the range of any force, and more.
+    /// The pairs of the neighbour list: all pairs within the range of any force, and more.
     pub(crate) fn listed_pairs(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let rows = self.row_start.windows(2).enumerate();
         rows.flat_map(|(row, ends)| {
@@ -87,7 +87,7 @@ impl Contacts {
         })
     }
 
-    /// How many pairs within the range of contacts each owned particle is the first of.
+    /// For each owned particle, the number of pairs within the range of contacts whose first particle it is.
     pub(crate) fn active_counts(&self, particles: &Particles) -> Vec<u32> {
         let mut counts = vec![0; particles.owned_count()];
         self.inner.active_indices().for_each(|[first, _]| counts[first as usize] += 1);
@@ -110,8 +110,8 @@ impl Contacts {
         })
     }
 
-    /// Number of the touching pairs of this rank in which each particle is, owned ones and ghosts: an image's are counted with
-    /// its original.
+    /// For each particle, owned or ghost, the number of this rank's touching pairs that contain it; pairs of an image
+    /// are counted with its original.
     pub fn touching_by_particle(&self, particles: &Particles) -> Vec<u32> {
         let mut numbers = vec![0; particles.count()];
         for [first, second] in self.inner.touching_indices() {
@@ -122,14 +122,14 @@ impl Contacts {
         numbers
     }
 
-    /// All pairs that may act on each other now, with the histories of those that touch, seen from the first.
+    /// All pairs that may act on each other now, with the histories of the touching ones, seen from the first particle.
     pub(crate) fn near_pairs(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
         self.inner.with_histories()
     }
 
-    /// Owned particles and walls that may act on each other now, with the histories of those that touch.
+    /// Owned particles and walls that may act on each other now, with the histories of the touching ones.
     pub(crate) fn near_walls(
         &self,
     ) -> impl Iterator<Item = (u32, u32, Option<ContactHistory>)> + '_ {
@@ -142,26 +142,26 @@ impl Contacts {
     /// Removes all pairs of particles, for a new list.
     pub(super) fn clear_pairs(&mut self, particles: &Particles) {
         self.row_start.clear();
-        // If it grew while the partners do, each would leave holes in the memory of the other.
+        // If this vector grew while the partners grow, each would leave holes in the memory of the other.
         self.row_start.reserve_exact(particles.owned_count() + 1);
         self.row_start.push(0);
         self.partner.clear();
         self.inner.clear(particles);
     }
 
-    /// How many pairs this rank has, by which the margin of the inner list is chosen.
+    /// The numbers of this rank's pairs, from which the margin of the inner list is chosen.
     pub(crate) fn pair_counts(&self) -> PairCounts {
         let candidates = self.inner.candidates_per_length();
         PairCounts { listed: self.pair_count() as f64, candidates }
     }
 
-    /// Adds a bound of the displacements of all particles since the last call; the numbers of pairs are the largest of all
-    /// ranks.
+    /// Adds an upper bound of the displacements of all particles since the last call; the numbers of pairs are the
+    /// largest on any rank.
     pub(crate) fn moved(&mut self, displacement: f64, pairs: PairCounts) {
         self.inner.moved(displacement, pairs);
     }
 
-    /// Makes sure that the inner list holds all pairs within the interaction ranges.
+    /// Ensures that the inner list holds all pairs within the interaction ranges.
     pub(crate) fn update_inner_list(&mut self, particles: &Particles, ranges: InteractionRanges) {
         let rows = Rows { start: &self.row_start, partners: &self.partner };
         self.inner.update(particles, rows, ranges);
@@ -218,9 +218,9 @@ impl Contacts {
         self.wall_state.resize(self.wall_pairs.len(), ContactState::default());
     }
 
-    /// Gives the pairs of a new list their histories back; those of pairs that other ranks evaluate are dropped. A pair that
-    /// has parted since the last step, by more than the list reaches, has no slot, and no contact any more: its history ends,
-    /// as it would at the next force.
+    /// Restores the histories of the pairs of a new list; those of pairs that other ranks evaluate are dropped. A pair
+    /// that has separated since the last step by more than the range of the list has no slot, and is no longer a
+    /// contact: its history ends, as it would at the next evaluation of forces.
     ///
     /// # Errors
     /// If a pair within the interaction range has no slot.
@@ -249,7 +249,7 @@ impl Contacts {
         self.row_start[row] as usize..self.row_start[row + 1] as usize
     }
 
-    /// For each slot the number of the history of its pair, or [`NO_HISTORY`].
+    /// The number of the history of each slot's pair, or [`NO_HISTORY`].
     fn histories_of_slots(
         &self,
         particles: &Particles,
@@ -281,7 +281,7 @@ impl Contacts {
                     }
                 }
             }
-            // Where another rank evaluates the pair, one of the two is not known here.
+            // If another rank evaluates the pair, one of its particles is not known here.
             let is_missing = !is_listed && ids.into_iter().all(is_here);
             if is_missing && is_within(particles, ids, interaction_range) {
                 return Err(LostContact(pair.lower, format!("particle {}", pair.higher)));
@@ -290,7 +290,7 @@ impl Contacts {
         Ok(of_slots)
     }
 
-    /// Restores contacts with walls: a particle that has no pair with the wall is away from it.
+    /// Restores contacts with walls; a particle without a pair with the wall is away from it.
     fn restore_walls(
         &mut self,
         particles: &Particles,
@@ -307,8 +307,8 @@ impl Contacts {
     }
 }
 
-/// Whether an owned particle of one of two ids is within the interaction range of a particle of the other that is known
-/// here. Ghosts ahead lie at least so far beyond the subdomain.
+/// Whether an owned particle with one of two ids is within the interaction range of a particle with the other id that
+/// is known here. Ghosts ahead extend at least this far beyond the subdomain.
 fn is_within(particles: &Particles, [lower, higher]: [u64; 2], interaction_range: f64) -> bool {
     let of_id = |id: u64, count: usize| {
         let bodies = particles.id[..count].iter().zip(&particles.body);

@@ -1,11 +1,12 @@
-//! Ghosts at a step: images follow their originals, copies of other ranks' particles move by the velocities of theirs.
+//! Motion of ghosts at a step: images follow their originals, copies of other ranks' particles move by the velocities
+//! of theirs.
 
 use super::{Body, DriftStep};
 use crate::numbers::{F64x4, vectorised};
 
 vectorised!(
-    /// Makes periodic images like their originals, but for a shift of the position along x, y and z, whose fourth number is zero. Of each
-    /// image there are its own index and that of the original.
+    /// Updates periodic images from their originals, with a shift of the position along x, y and z, whose fourth number
+    /// is zero. Each image is given by its own index and that of the original.
     pub(crate) fn follow_originals<Q: F64x4>(
         bodies: &mut [Body],
         images: &[[u32; 2]],
@@ -14,7 +15,8 @@ vectorised!(
         let shift = Q::load(&shift);
         for &[image, original] in images {
             let [position, velocity, spin] = bodies[original as usize].vectors();
-            // Exact: both are multiples of the quantum of positions. The fourth number, the radius, has no shift.
+            // This is exact: both are multiples of the quantum of positions. The fourth number, the radius, has no
+            // shift.
             let position = Q::load(position).plus(shift);
             let [velocity, spin] = [Q::load(velocity), Q::load(spin)];
             let of_image = bodies[image as usize].vectors_mut();
@@ -26,9 +28,9 @@ vectorised!(
 );
 
 vectorised!(
-    /// Gives copies of particles the velocities of their originals, those of the half step, and moves them by these: x += dt v, to
-    /// the bit as [`kick_and_drift`](super::kick_and_drift) moved the originals. Of each copy there are the place at which `velocities`
-    /// knows velocity and angular velocity, and its index.
+    /// Gives copies of particles the half-step velocities of their originals, and moves them by these: x += dt v, with
+    /// the same bits as [`kick_and_drift`](super::kick_and_drift) moved the originals. Each copy is given by the number
+    /// under which `velocities` returns its velocity and angular velocity, and by its own index.
     pub(crate) fn drift_copies<Q: F64x4>(
         bodies: &mut [Body],
         copies: &[[u32; 2]],
@@ -38,7 +40,7 @@ vectorised!(
         for &[place, copy] in copies {
             let [[u, v, w], [p, q, r]] = velocities(place as usize);
             let [position, velocity, spin] = bodies[copy as usize].vectors_mut();
-            // The fourth numbers, mass and species, stay.
+            // The fourth numbers, mass and species, are kept.
             let new_velocity = Q::load(&[u, v, w, velocity[3]]);
             new_velocity.store(velocity);
             *spin = [p, q, r, spin[3]];
@@ -78,7 +80,7 @@ mod tests {
         let mut particles = particles(quantum);
         let start = particles.body.clone();
         kick_and_drift(&mut particles, None, step);
-        // The copies are in another order than the velocities, and know none before.
+        // The copies are in another order than the velocities, and have none before.
         let moved = |factor: f64| {
             let mut copies: Vec<Body> = start.iter().rev().copied().collect();
             for body in &mut copies {
@@ -95,7 +97,7 @@ mod tests {
             copies
         };
         assert_eq!(moved(1.0), particles.body);
-        // The control: with another velocity a copy goes elsewhere.
+        // Control: with another velocity a copy goes elsewhere.
         let elsewhere = moved(1.0 + 1.0e-9);
         assert!(elsewhere.iter().zip(&particles.body).all(|(a, b)| a.position != b.position));
     }

@@ -1,15 +1,17 @@
-//! The inner list: the pairs that act on each other now or may do so within the next steps, and the contact histories of
-//! those that touch.
+//! The inner list: the pairs that act on each other now or may do so within the next steps, and the contact histories
+//! of the touching ones.
 //!
 //! It is made from the pairs of the neighbour list, and is valid for some steps: as long as no two particles can have
-//! approached each other by more than its margin. The law is evaluated on **active** pairs, those within the range of
-//! contacts, at every step. Of the others, the **candidates**, only the distance is computed, and the attraction if there
-//! is any; a candidate that comes within the range of contacts is promoted. Which pairs beyond the interaction range the
-//! list holds changes no result. But all ranks choose one margin, so that they rebuild their lists at the same steps: else
-//! the others would wait at each step at which one of them does.
+//! approached each other by more than its margin. The law is evaluated at every step for **active** pairs, which are
+//! within the range of contacts. For the other pairs, the **candidates**, only the distance is computed, and the
+//! attraction if there is any; a candidate that comes within the range of contacts is promoted. The result does not
+//! depend on which pairs beyond the interaction range the list holds. All ranks nevertheless choose the same margin, so
+//! that they rebuild their lists at the same steps; otherwise all ranks would wait at each step at which one of them
+//! rebuilds.
 //!
-//! The pairs of each two species are held apart, so that one law holds for all pairs of a block; and so are those with a
-//! particle of another rank, so that all others can be evaluated while such particles' motion is on its way.
+//! Pairs are held apart by their two species, so that one law holds for all pairs of a block. Pairs with a particle of
+//! another rank are also held apart, so that all others can be evaluated while the motion of such particles is being
+//! sent.
 
 use super::contact_state::{ContactHistory, ContactState};
 use super::pair_blocks::Pair;
@@ -24,7 +26,7 @@ use crate::numbers::{F64x4, vectorised};
 pub(crate) struct InteractionRanges {
     /// Range of contacts.
     pub(crate) contact: f64,
-    /// Range of any force, of contact or attraction.
+    /// Range of any force, whether contact or attraction.
     pub(crate) any: f64,
     /// Largest diameter of a particle, the unit of margins.
     pub(crate) diameter: f64,
@@ -37,7 +39,7 @@ pub(super) struct Rows<'a> {
     pub(super) partners: &'a [u32],
 }
 
-/// Which pairs.
+/// A group of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PairGroup {
     /// Pairs of two owned particles, also through a periodic face.
@@ -50,7 +52,7 @@ impl PairGroup {
     /// Both groups.
     pub(crate) const ALL: [Self; 2] = [Self::Own, Self::Shared];
 
-    /// The group of a pair of an owned particle with another.
+    /// The group of a pair of an owned particle with a second one.
     fn of(particles: &Particles, second: u32) -> Self {
         match particles.owned_original(second as usize) {
             Some(_) => Self::Own,
@@ -62,13 +64,13 @@ impl PairGroup {
 /// The inner list.
 #[derive(Clone, Debug)]
 pub(crate) struct InnerList {
-    /// The pairs of each group by their kinds; a bed of one species has one kind.
+    /// The pairs of each group, by kind; a bed of one species has one kind.
     groups: [Vec<PairsOfKind>; 2],
-    /// Radius and mass, if all particles have the same.
+    /// Radius and mass, if they are the same for all particles.
     pub(crate) one_size: Option<[f64; 2]>,
-    /// Separation of surfaces up to which contacts act, and a little more: a pair below it is to be promoted.
+    /// Separation of surfaces up to which contacts act, slightly enlarged: a pair below it is to be promoted.
     pub(crate) contact_range: f64,
-    /// Slots of the neighbour list whose pairs are active, bit by bit.
+    /// Slots of the neighbour list whose pairs are active, one bit each.
     active_slots: Vec<u64>,
     validity: Validity,
 }
@@ -85,42 +87,42 @@ impl Default for InnerList {
     }
 }
 
-/// How long the list is valid.
+/// The period for which the list is valid.
 #[derive(Clone, Debug, Default)]
 struct Validity {
     /// Separation beyond the range of forces up to which the list holds pairs; zero if it was never made.
     margin: f64,
-    /// The ranges that the list was made for.
+    /// The ranges for which the list was made.
     ranges: InteractionRanges,
-    /// Largest possible displacement of a particle since.
+    /// Largest possible displacement of a particle since the list was made.
     displacement: f64,
-    /// Evaluations since; zero if the neighbour list is new.
+    /// Number of evaluations since the list was made; zero if the neighbour list is new.
     age: u32,
-    /// The most pairs that a rank has.
+    /// The largest numbers of pairs on any rank.
     pairs: PairCounts,
 }
 
-/// How many pairs there are.
+/// Numbers of pairs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PairCounts {
     /// Pairs of the neighbour list.
     pub(crate) listed: f64,
-    /// Candidates per length of the margin, one at least.
+    /// Candidates per length of the margin, at least one.
     pub(crate) candidates: f64,
 }
 
-/// Cost of a listed pair when the list is made, in which active pairs are marked and kept too, over the cost of a candidate at a
-/// step. Measured on one rank, for beds that are vibrated, bubble, have waves, are at rest, or are dilute: 3 costs no
-/// bed more than 2 % over its best, 1 costs one of them 3 %.
+/// Cost of a listed pair when the list is made, including the marking and keeping of active pairs, relative to the cost
+/// of a candidate at a step. Measured on one rank, for beds that are vibrated, bubble, have waves, are at rest, or are
+/// dilute: 3 exceeds the least cost by at most 2 % for all of them, 1 exceeds it by 3 % for one of them.
 const COST_RATIO: f64 = 3.0;
 
-/// Least and largest margin, in diameters. Wider lists hardly last longer than the neighbour list.
+/// Smallest and largest margin, in diameters. Wider lists hardly last longer than the neighbour list.
 const MARGINS: [f64; 2] = [1.0e-5, 0.2];
 
-/// The first margin, in diameters, before any displacement is known.
+/// The first margin, in diameters, when no displacement is known yet.
 const FIRST_MARGIN: f64 = 0.005;
 
-/// Addition to the range of contacts, since distances are rounded, in diameters.
+/// Increment of the range of contacts, in diameters, since distances are rounded.
 const ALLOWANCE: f64 = 1.0e-9;
 
 impl Validity {
@@ -129,8 +131,9 @@ impl Validity {
         self.age > 0 && ranges == self.ranges && 2.0 * self.displacement < 0.999 * self.margin
     }
 
-    /// With s the displacement in a step, a list of margin m is valid for m / 2s steps. The cost of making it from L listed
-    /// pairs and of its n m candidates, 2 s a L / m + b n m, is least for m^2 = 2 s (a / b) L / n.
+    /// Makes the list valid again, with a new margin. With s the displacement in a step, a list of margin m is valid
+    /// for m / 2s steps. The cost of making it from L listed pairs and of its n m candidates, 2 s a L / m + b n m, is
+    /// least for m^2 = 2 s (a / b) L / n.
     fn renew(&mut self, ranges: InteractionRanges) {
         let PairCounts { listed, candidates } = self.pairs;
         if self.age > 0 && candidates > 0.0 {
@@ -145,7 +148,7 @@ impl Validity {
 }
 
 impl InnerList {
-    /// The candidates of this rank, one at least, per length of the margin; none before there is a list.
+    /// Number of candidates of this rank, at least one, per length of the margin; zero before there is a list.
     pub(super) fn candidates_per_length(&self) -> f64 {
         let Validity { margin, ranges, .. } = self.validity;
         let reach = ranges.any - ranges.contact + margin;
@@ -153,8 +156,8 @@ impl InnerList {
         if reach > 0.0 { candidates.max(1) as f64 / reach } else { 0.0 }
     }
 
-    /// Adds a bound of the displacements of all particles since the last call; the numbers of pairs are the largest of all
-    /// ranks.
+    /// Adds an upper bound of the displacements of all particles since the last call; the numbers of pairs are the
+    /// largest on any rank.
     pub(super) fn moved(&mut self, displacement: f64, pairs: PairCounts) {
         self.validity.displacement += displacement;
         self.validity.pairs = pairs;
@@ -170,7 +173,7 @@ impl InnerList {
         self.validity.age = 0;
     }
 
-    /// The pairs of a group by their kinds.
+    /// The pairs of a group, by kind.
     pub(crate) fn kinds_mut(&mut self, group: PairGroup) -> &mut [PairsOfKind] {
         &mut self.groups[group as usize]
     }
@@ -180,7 +183,7 @@ impl InnerList {
         self.groups.iter().flatten()
     }
 
-    /// Adds a touching pair with what its contact carries.
+    /// Adds a touching pair with the state of its contact.
     pub(super) fn restore(&mut self, particles: &Particles, pair: Pair, state: ContactState) {
         let [first, second, _] = pair;
         let bodies = [first, second].map(|index| &particles.body[index as usize]);
@@ -189,7 +192,7 @@ impl InnerList {
     }
 
     /// Rebuilds the list if it may lack a pair of the neighbour list that is within the range of any force. Candidates
-    /// may have come within the range of contacts since it was made: [`InnerList::find_promotions`].
+    /// may have come within the range of contacts since it was made; see [`InnerList::find_promotions`].
     pub(super) fn update(&mut self, particles: &Particles, rows: Rows, ranges: InteractionRanges) {
         if !self.validity.covers(ranges) {
             if self.validity.age == 0 {
@@ -211,12 +214,12 @@ impl InnerList {
         }
     }
 
-    /// Makes the candidates of a group that were found active.
+    /// Makes active the candidates of a group that have been found.
     pub(crate) fn promote(&mut self, group: PairGroup) {
         self.kinds_mut(group).iter_mut().for_each(PairsOfKind::promote);
     }
 
-    /// The touching pairs, first and second particle, and what their contacts carry.
+    /// The touching pairs, as first and second particle, and the states of their contacts.
     pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], ContactState)> + '_ {
         self.all().flat_map(|pairs| pairs.active.touching())
     }
@@ -231,7 +234,7 @@ impl InnerList {
         self.all().flat_map(|pairs| pairs.active.pairs())
     }
 
-    /// All pairs, active ones with the histories of those that touch.
+    /// All pairs; active ones with the histories of the touching ones.
     pub(super) fn with_histories(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
@@ -241,7 +244,7 @@ impl InnerList {
         })
     }
 
-    /// The active pairs of a group with the number of their kind, and what the contact carries of those that touch.
+    /// The active pairs of a group with the number of their kind; touching ones with the state of their contact.
     pub(crate) fn active_pairs(
         &self,
         group: PairGroup,
@@ -292,15 +295,15 @@ fn mark(bits: &mut Vec<u64>, rows: Rows, pairs: impl Iterator<Item = [u32; 2]>) 
     }
 }
 
-/// A pair, with the particle that the force on the second is added to.
+/// A pair, with the particle to which the force on the second is added.
 pub(super) fn pair_of(particles: &Particles, [first, second]: [u32; 2]) -> Pair {
     let original = particles.owned_original(second as usize);
     [first, second, original.map_or(second, |index| index as u32)]
 }
 
 vectorised!(
-    /// Calls `add` with each particle, up to four of its partners, bits of those that are to be added, and whether these are
-    /// closer than the second separation, or only closer than the first. Active pairs are left out.
+    /// Calls `add` with each particle, up to four of its partners, the bits of the partners to be added, and whether
+    /// these are closer than the second separation, or only closer than the first. Active pairs are left out.
     fn find_close_pairs<Q: F64x4>(
         bodies: &[Body],
         rows: Rows,
@@ -348,7 +351,7 @@ mod tests {
 
     const RANGES: InteractionRanges = InteractionRanges { contact: 0.0, any: 0.0, diameter: 1.0 };
 
-    /// The margin after ten steps of a displacement on a rank with as many pairs as listed.
+    /// The margin after ten steps of a displacement, on a rank with `own` listed pairs; `largest` are those of all ranks.
     fn margin_of_rank(own: usize, largest: PairCounts, displacement: f64) -> f64 {
         let mut list = InnerList::default();
         let particles = Particles::default();
@@ -367,9 +370,9 @@ mod tests {
         let largest = PairCounts { listed: 3000.0, candidates: 5.0e5 };
         let margins = [10, 3000].map(|own| margin_of_rank(own, largest, 1.0e-3));
         assert_eq!(margins[0], margins[1]);
-        // sqrt(2 s 3 L / n) of s = 1e-3.
+        // The square root of 2 s 3 L / n for s = 1e-3.
         assert!((margins[0] - 6.0e-3).abs() < 1.0e-15, "{margins:?}");
-        // The control: it does depend on the displacement.
+        // Control: the margin does depend on the displacement.
         assert!(margin_of_rank(10, largest, 4.0e-3) > 1.9 * margins[0]);
     }
 }

@@ -9,14 +9,15 @@ pub(crate) fn kick(particles: &mut Particles, dt: f64) {
     integrate(particles, KickDrift { pending: None, dt, drift: None });
 }
 
-/// Half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then those of
-/// the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a volume-averaged gas, as of its last step: all others
-/// are still to be added.
-/// The second half of the previous step's kick, of length `pending`, is done first if it has not been done yet: one pass
-/// through memory does it all. Returns a bound of the displacements of all particles; infinite if a velocity is undefined.
+/// Does half a kick, then x += dt v, with dt v rounded to multiples of the position quantum. The velocities are then
+/// those of the half step, which dashpots, sliders and the gas use. Forces are set to the weight and to the force of a
+/// volume-averaged gas at its last step; all other forces are still to be added. The second half of the previous step's
+/// kick, of length `pending`, is done first if it is still due, so that one pass through memory suffices. Returns an
+/// upper bound of the displacements of all particles; infinite if a velocity is undefined.
 ///
-/// The displacement is rounded, not the sum: a sum of doubles is rounded before, to digits that depend on its distance from
-/// the origin, so that a particle beyond a periodic face would move differently before and after it is wrapped.
+/// The displacement is rounded, not the sum. A sum of doubles would first be rounded to digits that depend on its
+/// distance from the origin, so that a particle beyond a periodic face would move differently before and after it is
+/// wrapped.
 pub(crate) fn kick_and_drift(
     particles: &mut Particles,
     pending: Option<f64>,
@@ -50,7 +51,8 @@ pub(crate) struct DriftStep {
 }
 
 impl DriftStep {
-    /// dt v. The fourth number is zero: behind the position stands the radius, which does not change.
+    /// The displacement dt v. The fourth number is zero, since the radius, which follows the position in memory, does
+    /// not change.
     #[inline(always)]
     pub(super) fn displacement<Q: F64x4>(self, velocity: Q) -> Q {
         let Self { dt, quantum, .. } = self;
@@ -74,8 +76,8 @@ impl Weight {
         self.quantum.round(mass * self.gravity)
     }
 
-    /// The weight as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn that into zero, and a
-    /// bit would depend on which pairs are looked at.
+    /// The weight as a force. Without gravity it is zero, never minus zero: adding a pair's zero would turn minus zero
+    /// into zero, so a bit would depend on which pairs are evaluated.
     #[inline(always)]
     fn force(&self, mass: f64) -> ForceTorque {
         ForceTorque::along_z(0.0 - self.of(mass))
@@ -99,8 +101,8 @@ struct KickDrift {
     drift: Option<DriftStep>,
 }
 
-/// Where they exceed caches, particles are prefetched so many places ahead: left to itself, the processor does not bring so
-/// many streams in time.
+/// Number of places ahead at which particles are prefetched if they exceed the caches: the hardware prefetcher alone
+/// does not load this many streams in time.
 const FETCHED_AHEAD: usize = 32;
 
 /// Half a time step over mass and over moment of inertia of a body.
@@ -122,7 +124,7 @@ impl<Q: F64x4> HalfKick<Q> {
         self.per_inertia = Q::splat(self.half / body.inertia());
     }
 
-    /// The mass, which is stored behind the velocity, does not change: zero is added to it.
+    /// Applies the kick. The mass, which is stored behind the velocity, does not change: zero is added to it.
     #[inline(always)]
     fn apply(&self, [velocity, spin]: &mut [Q; 2], forces: &ForceTorque) {
         let [force, torque] = forces.vectors();
@@ -154,8 +156,9 @@ vectorised!(
     }
 );
 
-/// Advances bodies, which it prefetches if `fetches`; with `GAS`, there is a volume-averaged gas. Returns a bound of the
-/// displacements. Each has a loop of its own: one loop for both takes a quarter more instructions.
+/// Advances bodies, with prefetching if `fetches` is set; with `GAS`, there is a volume-averaged gas. Returns an upper
+/// bound of the displacements. The two cases have loops of their own, since one loop for both takes a quarter more
+/// instructions.
 #[inline(always)]
 fn integrate_bodies<Q: F64x4, const GAS: bool>(
     bodies: &mut [Body],
@@ -196,14 +199,14 @@ fn add_gas<'a>(forces: &mut [ForceTorque], gas_force: &mut impl Iterator<Item = 
     }
 }
 
-/// Integrates one body after the other, four at a time.
+/// Integrates bodies one by one, with position, velocity and spin in lanes.
 struct Integrator<Q> {
     step: KickDrift,
-    /// Radius and mass that the kicks and the weight are for.
+    /// Radius and mass for which the kicks and the weight are computed.
     size: [f64; 2],
     pending: HalfKick<Q>,
     kick: HalfKick<Q>,
-    /// Its force and its torque.
+    /// Weight as force and torque.
     weight: [Q; 2],
     largest_displacement: MaxDisplacement<Q>,
 }
@@ -270,7 +273,7 @@ impl<Q: F64x4> Integrator<Q> {
 struct MaxDisplacement<Q> {
     /// The largest squared length so far, in each lane.
     squared: Q,
-    /// Undefined if any displacement is.
+    /// Undefined if any displacement is undefined.
     flag: Q,
 }
 
@@ -339,7 +342,7 @@ mod tests {
         let quantum = Quantum::spanning(2.0);
         let force = |gravity: f64| Weight { gravity, quantum }.force(2.0).force.z;
         assert_eq!(force(0.0).to_bits(), 0.0_f64.to_bits());
-        // The control: what acts downwards.
+        // Control: the force that acts downwards.
         assert!((force(0.5) + 1.0).abs() < 1.0e-9, "{}", force(0.5));
     }
 
@@ -360,7 +363,7 @@ mod tests {
     #[test]
     fn the_integrator_is_of_second_order() {
         let ratio = oscillator_error(100) / oscillator_error(200);
-        // Position error falls as dt^2: a ratio of 4, less terms of order dt.
+        // The position error falls as dt^2: the ratio is 4, up to terms of order dt.
         assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
     }
 

@@ -1,4 +1,4 @@
-//! The neighbour list: how far it looks, when it is outdated, and how it is built.
+//! The neighbour list: its range, its validity, and its construction.
 
 use super::cell_grid::Neighbourhood;
 use super::contact_state::ContactHistories;
@@ -10,28 +10,29 @@ use crate::domain::{Bounds, PosedWalls, Wall, WallPose};
 use crate::numbers::{F64x4, vectorised};
 use std::ops::Range;
 
-/// What is needed to build the list, and to see when it is outdated. Disposable: a list that is built at another step
+/// Data for building the list and for checking whether it is outdated. Disposable: a list that is built at another step
 /// gives the same bits, because the pairs that act on each other are the same and force sums are exact.
 #[derive(Clone, Debug, Default)]
 pub struct NeighbourList {
     /// Largest possible displacement of a particle since the list was built.
     displacement: f64,
-    /// Steps since.
+    /// Steps since the list was built.
     age: u64,
-    /// Smallest displacement by which a particle can pass a face that particles leave through, or that ends the run.
+    /// Smallest displacement by which a particle can pass a face at which particles leave, or which ends the run.
     clearance: f64,
     reference_poses: Vec<WallPose>,
     cells: CellGrid,
 }
 
 impl NeighbourList {
-    /// Adds a bound of the displacements of all particles of all ranks since the last call.
+    /// Adds an upper bound of the displacements of all particles of all ranks since the last call.
     pub fn moved(&mut self, displacement: f64) {
         self.displacement += displacement;
         self.age += 1;
     }
 
-    /// Mean over the steps since the list was built of the largest displacement of a particle; none of a new list.
+    /// Largest displacement of a particle in a step, averaged over the steps since the list was built; `None` for a new
+    /// list.
     pub fn displacement_in_a_step(&self) -> Option<f64> {
         (self.age > 0).then(|| self.displacement / self.age as f64)
     }
@@ -41,8 +42,8 @@ impl NeighbourList {
         self.displacement >= 0.499 * range.skin
     }
 
-    /// Measures how near the owned particles are to faces that they may pass. Before: they have been sorted by cells, and no list has
-    /// been made since.
+    /// Measures the distance of the owned particles from faces that they may pass. Before: they have been sorted by
+    /// cells, and no list has been made since.
     pub fn measure_clearance(&mut self, bounds: &Bounds) {
         self.clearance = bounds.clearance(self.cells.corners());
     }
@@ -63,19 +64,19 @@ impl NeighbourList {
         !moved.map(displacement).all(|displacement| displacement < 0.5 * range.skin)
     }
 
-    /// Sorts the owned particles by cells, so that near particles are near in memory.
+    /// Sorts the owned particles by cells, so that particles that are near each other are also near in memory.
     pub fn sort_by_cells(&mut self, particles: &mut Particles, width: f64) {
         self.cells.fill(&particles.body, width);
         particles.select(self.cells.order());
     }
 
-    /// Finds all pairs within the range of the list and gives them their contact histories back.
+    /// Finds all pairs within the range of the list and restores their contact histories.
     ///
-    /// Before: the owned particles are where they were when they were last sorted by cells at least as wide as the range of
-    /// the list; ghosts are those of these positions.
+    /// Before: the owned particles have not moved since they were last sorted by cells, which are at least as wide as
+    /// the range of the list; ghosts are those of these positions.
     ///
     /// # Errors
-    /// If the history of a touching pair has no slot in the new list: a fault of the program.
+    /// If the history of a touching pair has no slot in the new list: an error of the program.
     pub fn rebuild(
         &mut self,
         particles: &Particles,
@@ -87,7 +88,7 @@ impl NeighbourList {
         (self.displacement, self.age) = (0.0, 0);
         self.reference_poses.clear();
         self.reference_poses.extend_from_slice(walls.poses);
-        // Lists live long: the cells give their memory back.
+        // Lists live long, so the cells return their memory.
         find_pairs(std::mem::take(&mut self.cells), particles, contacts, range);
         contacts.find_wall_pairs(particles, walls, range);
         contacts.restore(particles, range.interaction, histories)
@@ -107,9 +108,10 @@ fn find_pairs(
 }
 
 vectorised!(
-    /// Adds the row of each owned particle: its partners among the particles in the cells around its own. A pair of two owned particles is in
-    /// the row of the lower index only: in the order of the cells the other is in the same cell or in one behind. Ghosts
-    /// are ahead of this rank's subdomain, so that a pair with one of them is in no other row, of this rank or another.
+    /// Adds the row of each owned particle: its partners among the particles in the cells around its own. A pair of two
+    /// owned particles is only in the row of the lower index: in the order of the cells the other is in the same cell
+    /// or in one behind. Ghosts are ahead of this rank's subdomain, so that a pair with one of them is in no other row,
+    /// of this rank or another.
     fn add_rows<Q: F64x4>(
         cells: &CellGrid,
         particles: &Particles,
@@ -142,7 +144,7 @@ struct Row<'a, Q> {
 }
 
 impl<Q: F64x4> Row<'_, Q> {
-    /// Adds those of these owned particles that are near.
+    /// Adds the near ones among these owned particles.
     #[inline(always)]
     fn add_owned(&mut self, others: Range<usize>) {
         let Self { particles, i, separation, .. } = *self;
@@ -153,7 +155,7 @@ impl<Q: F64x4> Row<'_, Q> {
         }
     }
 
-    /// Adds those of these ghosts that are near.
+    /// Adds the near ones among these ghosts.
     #[inline(always)]
     fn add_ghosts(&mut self, others: &[u32]) {
         let Self { particles, i, separation, .. } = *self;

@@ -1,9 +1,10 @@
-//! Custom fields, beside the records of particles.
+//! Custom fields, which are stored separately from the records of particles.
 
 use super::Particles;
 use crate::fields::Field;
 
-/// Fields that a user has registered, and their numbers: a row for each particle, in the order of the records that they go with.
+/// Fields that a user has registered, and their numbers: a row for each particle, in the order of the corresponding
+/// records.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OwnFields {
     /// The fields, side by side in a row.
@@ -13,7 +14,7 @@ pub struct OwnFields {
 }
 
 impl OwnFields {
-    /// Numbers of a row.
+    /// Number of values in a row.
     pub fn width(&self) -> usize {
         self.fields.iter().map(Field::width).sum()
     }
@@ -23,7 +24,7 @@ impl OwnFields {
         &self.numbers[index * self.width()..][..self.width()]
     }
 
-    /// A copy with rows of zeros for more particles, so many in all.
+    /// A copy with rows of zeros added, up to this number of particles.
     #[must_use]
     pub fn extended(&self, particles: usize) -> Self {
         let mut extended = self.clone();
@@ -38,7 +39,8 @@ impl OwnFields {
         Self { fields: self.fields.clone(), numbers }
     }
 
-    /// Adds a field with its numbers for each particle, one after another; of particles that have no row yet, all else is zero.
+    /// Adds a field with its numbers for each particle, one after another; all other fields of particles that have no
+    /// row yet are zero.
     pub fn push(&mut self, field: Field, numbers: &[f64]) {
         let before = self.extended(numbers.len() / field.width());
         let rows = numbers.chunks_exact(field.width()).enumerate();
@@ -57,7 +59,7 @@ impl OwnFields {
 }
 
 impl Particles {
-    /// The own fields of the owned particles.
+    /// The custom fields of the owned particles.
     pub fn own_fields(&self) -> OwnFields {
         let fields: Vec<Field> =
             self.columns.own().flat_map(|column| column.fields()).copied().collect();
@@ -68,7 +70,7 @@ impl Particles {
         OwnFields { fields, numbers }
     }
 
-    /// Appends the numbers of a particle in its own fields.
+    /// Appends the numbers of a particle in its custom fields.
     pub(crate) fn append_own_row(&self, index: usize, numbers: &mut Vec<f64>) {
         for column in self.columns.own() {
             match column.row(index) {
@@ -78,7 +80,7 @@ impl Particles {
         }
     }
 
-    /// Sets the numbers of a particle in its own fields.
+    /// Sets the numbers of a particle in its custom fields.
     pub(crate) fn set_own_row(&mut self, index: usize, mut row: &[f64]) {
         for column in self.columns.own_mut() {
             let (of_column, rest) = row.split_at(column.width());

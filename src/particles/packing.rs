@@ -1,4 +1,4 @@
-//! Particles as records, and back: where each field lies in memory.
+//! Conversion of particles to records and back: the place of each field in memory.
 
 use super::columns::column_groups;
 use super::{Body, ForceTorque, ParticleRecord, Particles};
@@ -17,7 +17,7 @@ static COLUMN_PLACES: LazyLock<Vec<Range<usize>>> = LazyLock::new(|| {
 });
 
 impl ParticleRecord {
-    /// The record of one owned particle. Inlined, so that nothing but the id is loaded where only that is used.
+    /// The record of one owned particle. It is inlined, so that only the id is loaded if nothing else is used.
     #[inline(always)]
     pub fn of(particles: &Particles, index: usize) -> Self {
         let (body, load) = (&particles.body[index], &particles.forces[index]);

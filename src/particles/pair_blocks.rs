@@ -6,8 +6,9 @@ use super::contact_state::{ContactHistory, ContactState};
 /// it into vector instructions.
 pub(crate) const LANES: usize = 32;
 
-/// A number for each pair or particle of a block. A structure of these that lies on the stack is aligned to a cache line: where the
-/// stack of a process lies differs from run to run, and in half of all runs every second vector of four numbers would lie in two lines.
+/// A number for each pair or particle of a block. A structure of these on the stack is aligned to a cache line: the
+/// address of the stack of a process differs from run to run, and in half of all runs every second vector of four
+/// numbers would otherwise lie in two lines.
 pub(crate) type Lanes = [f64; LANES];
 
 /// Tangential springs of the pairs of a block, axis by axis.
@@ -16,8 +17,8 @@ pub(crate) type SpringLanes = [Lanes; 3];
 /// Deflection angles of rolling springs, axis by axis.
 pub(crate) type AngleLanes = [Lanes; 3];
 
-/// A block of pairs, contiguous in memory. It is aligned to a vector of four numbers, so that none lies in two cache lines; aligned to a
-/// cache line, it would be 32 bytes longer.
+/// A block of pairs, contiguous in memory. It is aligned to a vector of four numbers, so that no vector lies in two
+/// cache lines; aligned to a cache line, it would be 32 bytes longer.
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct PairBlock {
@@ -27,13 +28,13 @@ pub(crate) struct PairBlock {
     pub(crate) first: [u32; LANES],
     /// Second particle, an owned one or a ghost.
     pub(crate) second: [u32; LANES],
-    /// Particle that the force on the second is added to: the owned one that it is an image of, or itself.
+    /// Particle to which the force on the second is added: the owned particle of which it is an image, or itself.
     pub(crate) target: [u32; LANES],
-    /// Whether they touched when the force was last evaluated.
+    /// Whether the pairs touched when the force was last evaluated.
     pub(crate) touching: [bool; LANES],
 }
 
-/// A pair: its first and its second particle, and the particle that the force on the second is added to.
+/// A pair: its first and its second particle, and the particle to which the force on the second is added.
 pub(crate) type Pair = [u32; 3];
 
 /// Pairs in blocks. Unused lanes of the last block hold a pair whose results are not used.
@@ -41,25 +42,25 @@ pub(crate) type Pair = [u32; 3];
 pub(crate) struct PairBlocks {
     /// The blocks.
     pub(crate) blocks: Vec<PairBlock>,
-    /// What else contacts carry.
+    /// Further data of contacts.
     pub(crate) columns: ContactColumns,
     count: usize,
 }
 
-/// What contacts carry beside the tangential spring, seen from the first particle: a column for each further field of
-/// [`ContactState`], block after block. It takes no memory while all its numbers are zero and no law holds it. The loop over pairs
-/// reads the columns as they are here: a vector of blocks each, whose address stays in a register.
+/// Data of contacts besides the tangential spring, seen from the first particle: a column for each further field of
+/// [`ContactState`], block after block. A column takes no memory while all its numbers are zero and no law holds it.
+/// The loop over pairs reads the columns in this form: each is a vector of blocks, whose address stays in a register.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactColumns {
     pub(crate) largest_overlap: Vec<Lanes>,
     pub(crate) rolling_angle: Vec<AngleLanes>,
     pub(crate) twisting_angle: Vec<Lanes>,
-    /// Whether laws have rolling springs, and twisting springs.
+    /// Whether laws have rolling springs, and whether they have twisting springs.
     holds: [bool; 2],
 }
 
 impl ContactColumns {
-    /// Makes room for the angles of springs in so many blocks, all zero, or drops them.
+    /// Makes room for the angles of springs in this number of blocks, all zero, or drops them.
     fn hold_angles(&mut self, holds: [bool; 2], blocks: usize) {
         self.holds = holds;
         let [rolling, twisting] = holds.map(|holds| if holds { blocks } else { 0 });
@@ -67,7 +68,7 @@ impl ContactColumns {
         self.twisting_angle.resize(twisting, [0.0; LANES]);
     }
 
-    /// Keeps the columns of so many blocks, or makes room for more.
+    /// Keeps the columns of this number of blocks, or makes room for more.
     fn resize(&mut self, blocks: usize) {
         if !self.largest_overlap.is_empty() {
             self.largest_overlap.resize(blocks, [0.0; LANES]);
@@ -155,12 +156,12 @@ impl PairBlocks {
         })
     }
 
-    /// All pairs, first and second particle, and what the contact carries of those that touch.
+    /// All pairs, as first and second particle; touching ones with the state of their contact.
     pub(crate) fn all(&self) -> impl Iterator<Item = ([u32; 2], Option<ContactState>)> + '_ {
         self.pairs().enumerate().map(|(place, pair)| (pair, self.state(place)))
     }
 
-    /// The touching pairs, first and second particle, and what their contacts carry.
+    /// The touching pairs, as first and second particle, and the states of their contacts.
     pub(super) fn touching(&self) -> impl Iterator<Item = ([u32; 2], ContactState)> + '_ {
         self.all().filter_map(|(pair, state)| state.map(|state| (pair, state)))
     }
@@ -175,14 +176,14 @@ impl PairBlocks {
         })
     }
 
-    /// All pairs, and the histories of those that touch as their law sees them.
+    /// All pairs; touching ones with the history that their law sees.
     pub(super) fn with_histories(
         &self,
     ) -> impl Iterator<Item = ([u32; 2], Option<ContactHistory>)> + '_ {
         self.all().map(|(pair, state)| (pair, state.map(|state| state.history())))
     }
 
-    /// What the contact of the pair at a place carries, if it touches.
+    /// The state of the contact of the pair at a place, if it touches.
     fn state(&self, place: usize) -> Option<ContactState> {
         let (block, lane) = (&self.blocks[place / LANES], place % LANES);
         block.touching[lane].then(|| {
@@ -256,13 +257,13 @@ mod tests {
         }
     }
 
-    /// Blocks for which each column has room.
+    /// Number of blocks for which each column has room.
     fn held_blocks(pairs: &PairBlocks) -> [usize; 3] {
         let ContactColumns { largest_overlap, rolling_angle, twisting_angle, .. } = &pairs.columns;
         [largest_overlap.len(), rolling_angle.len(), twisting_angle.len()]
     }
 
-    /// Pairs (k, k + 1000), each third of them touching.
+    /// Pairs (k, k + 1000), every third of which touches.
     fn blocks(count: u32) -> PairBlocks {
         let mut pairs = PairBlocks::default();
         for k in 0..count {

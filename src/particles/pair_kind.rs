@@ -1,4 +1,4 @@
-//! Kinds of pairs: which two species meet.
+//! Kinds of pairs, by the two species that meet.
 
 use super::body::Body;
 

@@ -1,4 +1,4 @@
-//! The pairs of the inner list that two species form: one law holds for all of them.
+//! The pairs of the inner list formed by two species; one law holds for all of them.
 
 use super::contact_state::ContactState;
 use super::pair_blocks::{Pair, PairBlocks};
@@ -10,8 +10,8 @@ use super::{Body, Particles};
 /// The pairs of one kind.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PairsOfKind {
-    /// Pairs that are within the range of contacts, or were when the list was made; in the order of the neighbour list,
-    /// those that have been promoted since behind.
+    /// Pairs that are within the range of contacts, or were so when the list was made, in the order of the neighbour
+    /// list; those promoted since follow at the end.
     pub(crate) active: PairBlocks,
     /// The other pairs. They may attract each other.
     candidates: Vec<Pair>,
@@ -19,7 +19,7 @@ pub(crate) struct PairsOfKind {
     to_promote: Vec<u32>,
 }
 
-/// The candidates, for a loop that looks for those to promote.
+/// The candidates, for a loop that finds those to promote.
 pub(crate) struct Candidates<'a> {
     pub(crate) pairs: &'a [Pair],
     /// To be filled, in rising order: the numbers of the pairs to promote.
@@ -32,7 +32,7 @@ impl PairsOfKind {
         self.candidates.clear();
     }
 
-    /// Adds a touching pair with what its contact carries.
+    /// Adds a touching pair with the state of its contact.
     pub(super) fn restore(&mut self, pair: Pair, state: ContactState) {
         self.active.push(pair, Some(state));
     }
@@ -61,18 +61,18 @@ impl PairsOfKind {
         });
     }
 
-    /// The candidates, among them all pairs that attract each other without contact.
+    /// The candidates, which include all pairs that attract each other without contact.
     pub(crate) fn candidates(&mut self) -> Candidates<'_> {
         self.to_promote.clear();
         Candidates { pairs: &self.candidates, to_promote: &mut self.to_promote }
     }
 
-    /// The separated pairs, to be read.
+    /// The separated pairs, read-only.
     pub(super) fn separated(&self) -> &[Pair] {
         &self.candidates
     }
 
-    /// Finds the candidates that have come within the range of contacts, unless none can have.
+    /// Finds the candidates that have come within the range of contacts, unless none can have done so.
     pub(super) fn find_promotions(
         &mut self,
         particles: &Particles,
@@ -85,13 +85,13 @@ impl PairsOfKind {
         }
     }
 
-    /// Makes the candidates that were found active.
+    /// Makes active the candidates that have been found.
     pub(super) fn promote(&mut self) {
         let Self { active, candidates, to_promote } = self;
         for &number in &*to_promote {
             active.push(candidates[number as usize], None);
         }
-        // From the back, so that those still to be removed keep their numbers.
+        // The order is from the back, so that the pairs still to be removed keep their numbers.
         for &number in to_promote.iter().rev() {
             candidates.swap_remove(number as usize);
         }

@@ -1,15 +1,15 @@
-//! Where the particles of a rank are, by their ids.
+//! Places of the particles of a rank, by id.
 
 use rustc_hash::FxHashMap;
 
 /// The place of each particle of a list of ids.
 pub(super) enum Places {
-    /// A table by id, unless ids are sparse: one look into an array.
+    /// A table by id, unless ids are sparse; a look-up is one access to an array.
     Dense(Vec<u32>),
     Sparse(FxHashMap<u64, u32>),
 }
 
-/// A table by id has at most so many entries per particle: about the bytes of a hash map.
+/// Largest number of entries per particle in a table by id: the table then takes about as many bytes as a hash map.
 const ENTRIES_PER_PARTICLE: usize = 8;
 
 const NOWHERE: u32 = u32::MAX;

@@ -1,4 +1,4 @@
-//! Which particles are near each other, four pairs at a time.
+//! Tests of whether particles are near each other, four pairs at a time.
 
 use super::Body;
 use crate::numbers::F64x4;
@@ -10,7 +10,7 @@ pub(super) fn branch_vector<Q: F64x4>(one: &Body, other: &Body) -> Q {
     Q::load(&other.vectors()[0]).minus(Q::load(&one.vectors()[0]).times(but_the_last))
 }
 
-/// One to four pairs, and which of them are near each other.
+/// One to four pairs, with their distances and sizes.
 pub(super) struct FourPairs<Q> {
     /// Squares of the distances of the centres.
     squared: Q,
@@ -89,7 +89,7 @@ impl Iterator for SetBits {
     }
 }
 
-/// The numbers of the bits that are set in 0 to 15, lowest first, then zeros, and how many these are.
+/// The numbers of the bits that are set in 0 to 15, lowest first, then zeros, and the number of set bits.
 static SET_BITS: [([u32; 4], usize); 16] = {
     let mut table = [([0; 4], 0); 16];
     let mut bits = 0;
@@ -107,8 +107,8 @@ static SET_BITS: [([u32; 4], usize); 16] = {
     table
 };
 
-/// Adds the item of each bit that is set in the lowest four, lowest first. Four items are written at once, whatever the bits: the
-/// processor cannot foresee where a loop over so few ends.
+/// Adds the item of each bit that is set in the lowest four, lowest first. Four items are always written at once, since
+/// the processor cannot predict the end of a loop over so few items.
 #[inline(always)]
 pub(crate) fn push_set_bits<T: Copy>(items: &mut Vec<T>, bits: u32, item: impl Fn(u32) -> T) {
     let (numbers, count) = SET_BITS[bits as usize & 15];

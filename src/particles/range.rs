@@ -1,4 +1,4 @@
-//! How far the neighbour list looks.
+//! The range of the neighbour list.
 
 /// Separation of surfaces up to which the list holds pairs: the interaction range and the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]

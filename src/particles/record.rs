@@ -1,11 +1,12 @@
-//! The record of a particle: the list of all that it carries.
+//! The record of a particle: the list of all data that it carries.
 
 use crate::fields::{Id, Record, records};
 use bytemuck::{Pod, Zeroable};
 
 records! {
     /// The state of one particle. Fields without a column of their own lie in [`Body`](super::Body) and
-    /// [`ForceTorque`](super::ForceTorque), which loops over pairs read; a new optional quantity is a line at the end, with a column.
+    /// [`ForceTorque`](super::ForceTorque), which loops over pairs read; a new optional quantity is a line at the end,
+    /// with a column.
     pub struct ParticleRecord {
         [id]: "global id, ascending";
         position: Vector, Length, "centre, wrapped into the box";
@@ -36,14 +37,14 @@ impl Record for ParticleRecord {
     const FIELDS: &'static [crate::fields::Field] = Self::FIELDS;
 }
 
-/// What a particle knows of its agglomerate, side by side as in the record.
+/// Data of a particle on its agglomerate, side by side as in the record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct AgglomerateOfParticle {
-    /// Diameter of the sphere that the agglomerate is taken for; 0 for a particle alone.
+    /// Diameter of the sphere that represents the agglomerate; 0 for a particle alone.
     pub diameter: f64,
-    /// Volume of the members over that of this sphere.
+    /// Ratio of the volume of the members to that of this sphere.
     pub packing: f64,
-    /// xi, the drag on the particle over that of the law in the last step of the gas.
+    /// xi, the ratio of the drag on the particle to that of the law in the last step of the gas.
     pub drag_factor: f64,
 }

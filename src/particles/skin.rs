@@ -1,29 +1,29 @@
-//! The skin of the neighbour lists: wide enough that lists last, narrow enough that they hold few pairs.
+//! The skin of the neighbour lists: wide enough for lists to last, narrow enough for them to hold few pairs.
 
-/// How the skin is chosen. It changes how often lists are made, and no result.
+/// The rule for the skin. It changes how often lists are made, but no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Skin {
     /// Always this separation; length.
     Fixed(f64),
-    /// The cheapest for the particles' speeds, chosen again for each list.
+    /// The cheapest skin for the particles' speeds, chosen again for each list.
     FromSpeeds {
         /// Diameter of the largest particles.
         diameter: f64,
     },
 }
 
-/// The narrowest and the widest skin that speeds ask for, in diameters. A list of the widest holds some five times as
-/// many pairs as one without a skin.
+/// The narrowest and the widest skin that is chosen from speeds, in diameters. A list of the widest skin holds about
+/// five times as many pairs as one without a skin.
 const NARROWEST: f64 = 0.08;
 const WIDEST: f64 = 0.8;
 
-/// Square of the cheapest skin over the displacement in a step, in diameters. Measured: 0.1 to 0.25 is cheapest where
-/// particles move 1e-4 to 3e-4 d in a step (vibrated and fluidised beds of Moon et al.), 0.6 and more where they move 5e-3
-/// and 1e-2 (a bubbling and a spouted bed of glass beads), on one rank.
+/// Square of the cheapest skin over the displacement in a step, in diameters. Measured on one rank: a skin of 0.1 to
+/// 0.25 is cheapest if particles move 1e-4 to 3e-4 d in a step (vibrated and fluidised beds of Moon et al.), one of 0.6
+/// and more if they move 5e-3 to 1e-2 d (a bubbling and a spouted bed of glass beads).
 const WIDTH_RATIO: f64 = 120.0;
 
 impl Skin {
-    /// The narrowest that it can be, which blocks of ranks must have room for; length.
+    /// The narrowest possible skin, for which subdomains must have room; length.
     pub fn narrowest(self) -> f64 {
         match self {
             Self::Fixed(skin) => skin,
@@ -31,10 +31,11 @@ impl Skin {
         }
     }
 
-    /// The skin where the farthest that a particle moves in a step is `displacement`, and there is room for one of at most `room`; lengths.
+    /// The cheapest skin if the largest displacement of a particle in a step is `displacement`, and if there is room
+    /// for a skin of at most `room`; lengths.
     ///
-    /// With s the displacement in a step, a list of skin m lasts for m / 2s steps. The cost 2 s a / m of making lists and
-    /// the cost b m of the pairs that the skin adds are least together for `m^2 = 2 s a / b`.
+    /// With s the displacement in a step, a list of skin m lasts for m / 2s steps. The cost 2 s a / m of making lists
+    /// and the cost b m of the additional pairs have the least sum for `m^2 = 2 s a / b`.
     pub fn cheapest(self, displacement: f64, room: f64) -> f64 {
         match self {
             Self::Fixed(skin) => skin,

@@ -4,29 +4,30 @@ use super::{Body, Columns, ForceTorque, kind_of_species, sphere_volume};
 use bytemuck::Zeroable;
 use nalgebra::Vector3;
 
-/// The particles of a rank. Index i < `owned_count()` is an owned particle, the others are
-/// ghosts: copies of other ranks' particles or periodic images. Ghosts carry the position of the image.
+/// The particles of a rank. Index i < `owned_count()` is an owned particle; the others are ghosts, which are copies of
+/// other ranks' particles or periodic images. Ghosts carry the position of the image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particles {
     owned: usize,
-    /// For each ghost the owned particle that it is a periodic image of, or [`REMOTE`].
+    /// For each ghost, the owned particle of which it is a periodic image, or [`REMOTE`].
     image_of: Vec<u32>,
     /// Global ids: unique, never reused.
     pub id: Vec<u64>,
-    /// Size, position and velocities of each.
+    /// Size, position and velocities of each particle.
     pub body: Vec<Body>,
-    /// Force and torque on each; on copies of other ranks' particles, what this rank's pairs put on them until it is sent back,
-    /// zero between steps; zero on images, and not kept for those behind the last copy.
+    /// Force and torque on each particle. On copies of other ranks' particles they are the sums over this rank's pairs
+    /// until these are sent back, and zero between steps. They are zero on images, and not kept for images behind the
+    /// last copy.
     pub forces: Vec<ForceTorque>,
-    /// Quantities that most runs do not have, and a user's own: the force of a volume-averaged gas, which the total force contains,
-    /// and what a particle knows of its agglomerate.
+    /// Quantities that most runs do not have, and custom fields: the force of a volume-averaged gas, which is part of
+    /// the total force, and the data of a particle on its agglomerate.
     pub columns: Columns,
 }
 
 /// Marks a ghost whose owner is another rank.
 const REMOTE: u32 = u32::MAX;
 
-/// If bodies and forces take more bytes than this, few of them are in a cache of the core's own.
+/// Size in bytes of bodies and forces above which few of them are in the core's own cache.
 const CACHED: usize = 2 << 20;
 
 impl Particles {
@@ -49,7 +50,8 @@ impl Particles {
         self.id.len()
     }
 
-    /// Index of the owned particle that a particle is, or is a periodic image of; `None` if another rank owns it.
+    /// Index of the owned particle that this particle is, or whose periodic image it is; `None` if another rank owns
+    /// it.
     #[inline(always)]
     pub fn owned_original(&self, index: usize) -> Option<usize> {
         if index < self.owned {
@@ -59,19 +61,19 @@ impl Particles {
         (original != REMOTE).then_some(original as usize)
     }
 
-    /// Whether loops over particles and pairs gain if they prefetch bodies and forces.
+    /// Whether loops over particles and pairs become faster by prefetching bodies and forces.
     pub(crate) fn exceed_caches(&self) -> bool {
         size_of_val(&self.body[..]) + size_of_val(&self.forces[..]) > CACHED
     }
 
-    /// Radius and mass of the particles, if all have the same.
+    /// Radius and mass of the particles, if they are the same for all.
     pub(super) fn one_size(&self) -> Option<[f64; 2]> {
         let size = |body: &Body| [body.radius, body.mass];
         let first = size(self.body.first()?);
         self.body.iter().all(|body| size(body) == first).then_some(first)
     }
 
-    /// Number of kinds of pairs that particles of these species form, up to the last one that occurs.
+    /// Number of kinds of pairs formed by the species of these particles, up to the last one that occurs.
     pub(super) fn kinds_of_pairs(&self) -> usize {
         let last = self.body.iter().map(Body::species).max().unwrap_or(0);
         kind_of_species(last, last) + 1
@@ -89,7 +91,7 @@ impl Particles {
         sphere_volume(self.body[index].radius)
     }
 
-    /// Adds an owned particle at rest spin, without force. There must be no ghosts.
+    /// Adds an owned particle without spin and force. There must be no ghosts.
     pub fn push(
         &mut self,
         id: u64,
@@ -105,14 +107,14 @@ impl Particles {
         self.owned += 1;
     }
 
-    /// Makes room for so many ghosts, and if there is none for an eighth more, so that the next ones need no new memory. A vector
-    /// that grows by itself would double.
+    /// Makes room for this number of ghosts; if there is not enough, it adds an eighth more, so that the next ghosts
+    /// need no new memory. A vector that grows by itself would double.
     pub(crate) fn make_room_for_ghosts(&mut self, count: usize) {
         if self.body.len() + count > self.body.capacity() {
             let count = count + count / 8;
             self.id.reserve_exact(count);
             self.body.reserve_exact(count);
-            // There are none on images that were added before.
+            // Images that were added before have no forces.
             self.forces.reserve_exact(self.body.len() - self.forces.len() + count);
         }
     }
@@ -128,7 +130,7 @@ impl Particles {
         }
     }
 
-    /// Keeps these ghosts, by their ascending indices.
+    /// Keeps the ghosts with these ascending indices.
     pub(crate) fn keep_ghosts(&mut self, kept: &[u32]) {
         for (place, &ghost) in kept.iter().enumerate() {
             let (to, from) = (self.owned + place, ghost as usize);
@@ -161,7 +163,7 @@ impl Particles {
     /// Keeps the owned particles `order[0], order[1], ...`, in that order. There must be no ghosts.
     pub fn select(&mut self, order: &[u32]) {
         debug_assert_eq!(self.owned, self.count(), "ghosts are dropped before particles move");
-        // The room for ghosts stays: they are made next.
+        // The room for ghosts is kept: they are made next.
         fn reorder<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
             let mut selected = Vec::with_capacity(column.capacity().max(order.len()));
             selected.extend(order.iter().map(|&index| column[index as usize]));
@@ -174,7 +176,7 @@ impl Particles {
         self.owned = order.len();
     }
 
-    /// Keeps so many, all owned ones among them.
+    /// Keeps the first `count` particles, which include all owned ones.
     fn truncate(&mut self, count: usize) {
         self.image_of.truncate(count - self.owned);
         self.id.truncate(count);
@@ -202,7 +204,7 @@ mod tests {
         assert_eq!((particles.count(), particles.forces.len()), (7, 6));
         particles.keep_ghosts(&[2, 3, 4]);
         assert_eq!((particles.count(), particles.forces.len()), (5, 4));
-        // Without a copy there are those on owned particles alone.
+        // Without a copy there are only the forces on owned particles.
         particles.keep_ghosts(&[2, 4]);
         assert_eq!((particles.count(), particles.forces.len()), (4, 2));
         assert_eq!([2, 3].map(|ghost| particles.owned_original(ghost)), [Some(0), Some(1)]);

@@ -1,34 +1,36 @@
-//! When cut planes move.
+//! The schedule by which cut planes move.
 
-/// When cut planes move: ranks look at their loads when lists are rebuilt anyway, not before some steps have passed
-/// since the last check. Where lists stay, ranks first check after that many steps of a run, whose loads nobody has measured yet,
-/// then each time after twice as many as before, up to [`Balance::LATEST`] times the least number. Lists are then rebuilt only if loads
-/// are so uneven that this saves more time than it takes.
+/// Schedule by which cut planes move. Ranks check their loads when lists are rebuilt anyway, but only after a least
+/// number of steps since the last check. Where lists are kept for long, ranks first check after this number of steps of
+/// a run, when no loads have been measured yet. After that they wait twice as long each time, up to [`Balance::LATEST`]
+/// times the least number. Lists are then rebuilt only if the loads are so uneven that this saves more time than it
+/// takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Balance {
     /// Least number of steps between checks.
     pub every: u64,
-    /// Largest over mean time that ranks spend on their particles above which planes move.
+    /// Ratio of the largest to the mean time that ranks spend on their particles; planes move above it.
     pub threshold: f64,
     last_look: u64,
-    /// Most steps between the last check and the next.
+    /// Largest number of steps between the last check and the next.
     latest: u64,
 }
 
 impl Balance {
-    /// Most steps between checks, over the fewest.
+    /// Ratio of the largest to the least number of steps between checks.
     pub const LATEST: u64 = 10;
 
-    /// New lists take as long as so many steps: 10 to 15 in settled beds, 30 to 40 in agitated ones.
+    /// Cost of new lists, in steps: 10 to 15 in settled beds, 30 to 40 in agitated ones.
     const STEPS_FOR_LISTS: f64 = 20.0;
 
-    /// The threshold where none is given. Planes that lie on faces of the gas's cells can only move by a layer of these, and with each
-    /// layer goes a part of the gas, whose time is not counted: they move for more.
+    /// Default threshold. Planes that lie on faces of the gas's cells can only move by a layer of cells. Each layer
+    /// takes a part of the gas with it, whose time is not counted. Such planes therefore need a larger imbalance to
+    /// move.
     pub fn usual_threshold(on_cells: bool) -> f64 {
         if on_cells { 1.05 } else { 1.01 }
     }
 
-    /// From the least number of steps between checks, and the largest imbalance that is let be.
+    /// A schedule with this least number of steps between checks, and this largest imbalance that is tolerated.
     pub fn new(every: u64, threshold: f64) -> Self {
         Self { every, threshold, last_look: 0, latest: every }
     }
@@ -43,7 +45,7 @@ impl Balance {
         *self = Self { last_look: step, ..Self::new(self.every, self.threshold) };
     }
 
-    /// Whether to check at this step, if lists are rebuilt.
+    /// Whether to check at this step, provided that lists are rebuilt.
     pub fn look(&mut self, step: u64) -> bool {
         let due = step - self.last_look >= self.every;
         if due {
@@ -53,8 +55,8 @@ impl Balance {
         due
     }
 
-    /// Whether loads of this imbalance, largest over mean, are uneven enough for planes to move. If lists would be rebuilt for nothing
-    /// else, the imbalance must cost more steps until the next check than new lists take.
+    /// Whether loads of this imbalance, largest over mean, are uneven enough for planes to move. If lists would be
+    /// rebuilt for this purpose only, the imbalance must cost more time until the next check than new lists take.
     pub fn are_uneven(&self, imbalance: f64, rebuilt_anyway: bool) -> bool {
         let saved = (imbalance - 1.0) * self.latest as f64; // steps
         imbalance > self.threshold && (rebuilt_anyway || saved > Self::STEPS_FOR_LISTS)

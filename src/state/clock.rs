@@ -1,13 +1,13 @@
-//! Time.
+//! Time of a run.
 
-/// Time as a count of steps since the step was last changed: no drift of rounding errors.
+/// Time, as a count of steps since the length of the step was last changed, so that rounding errors do not accumulate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Steps done since the run began.
     pub step: u64,
-    /// Time at `origin_step`.
+    /// Time at `origin_step`; time.
     pub origin_time: f64,
-    /// Step from which on `time_step` holds.
+    /// Step from which `time_step` applies.
     pub origin_step: u64,
     /// Length of a step.
     pub time_step: f64,
@@ -24,17 +24,17 @@ impl Clock {
         self.time_of(self.step)
     }
 
-    /// The time after `step` steps, as long as the step stays as it is.
+    /// The time after `step` steps, as long as the length of the step does not change.
     pub fn time_of(&self, step: u64) -> f64 {
         self.origin_time + (step - self.origin_step) as f64 * self.time_step
     }
 
-    /// One step on.
+    /// Advances by one step.
     pub fn tick(&mut self) {
         self.step += 1;
     }
 
-    /// This instant, continued with another step.
+    /// A clock at this instant that continues with another length of the step.
     pub fn with_time_step(self, time_step: f64) -> Self {
         if time_step == self.time_step {
             return self;

@@ -1,13 +1,13 @@
-//! Where a run happens.
+//! The space in which a run takes place.
 
 use crate::domain::{Bounds, BoxFace, Face, Wall, WallShape};
 
-/// Where it happens: the same for the whole run.
+/// The box and its walls, which do not change during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
     /// The box.
     pub bounds: Bounds,
-    /// Walls: those in faces of the box first, then the case's own.
+    /// Walls: first those in faces of the box, then the walls of the case.
     pub walls: Vec<Wall>,
 }
 
@@ -19,7 +19,7 @@ impl Domain {
         Self { bounds, walls }
     }
 
-    /// Horizontal cross-section that particles have room in: of the box, or of a narrower round column.
+    /// Horizontal cross-section available to particles, of the box or of a narrower round column; area.
     pub fn cross_section(&self) -> f64 {
         let area = |wall: &Wall| match wall.shape {
             WallShape::Plane { .. } => f64::INFINITY,

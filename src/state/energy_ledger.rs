@@ -1,33 +1,33 @@
-//! Where energy comes from and where it goes, by mechanism.
+//! Sources and sinks of energy, by mechanism.
 
 use crate::numbers::ExactSum;
 use crate::parallel::Communicator;
 
-/// What does work on the particles, other than the springs whose energy is stored.
+/// A mechanism that does work on the particles, other than the springs, whose energy is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mechanism {
     /// Normal and tangential dashpots.
     Dashpot,
     /// Sliding friction.
     Friction,
-    /// Plastic deformation: the loops of hysteretic springs.
+    /// Plastic deformation: the hysteresis loops of springs.
     Plasticity,
-    /// Cohesion, as far as its energy is not counted as stored: necks that form at once.
+    /// Cohesion, unless its energy is counted as stored: necks that form at once.
     Cohesion,
     /// The gas: drag and pressure gradient.
     Gas,
     /// Walls that move.
     Walls,
-    /// Weight, if its energy is not counted as stored.
+    /// Weight, unless its energy is counted as stored.
     Gravity,
-    /// Models that change: an attraction that is ramped, a stage with other laws.
+    /// Changes of the models: a ramped attraction, a stage with other laws.
     Models,
-    /// Kinetic energy that particles take along when they leave through open faces.
+    /// Kinetic energy of particles that leave through open faces.
     Departed,
 }
 
 impl Mechanism {
-    /// All, in the order of the ledger.
+    /// All mechanisms, in the order of the ledger.
     pub const ALL: [Self; 9] = [
         Self::Dashpot,
         Self::Friction,
@@ -68,13 +68,13 @@ pub struct StoredEnergy {
 }
 
 impl StoredEnergy {
-    /// All of it.
+    /// Sum of the three energies.
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential + self.elastic
     }
 }
 
-/// Energy of the particles of this rank at an instant, in exact sums: each pair counts on one rank.
+/// Energy of the particles of this rank at an instant, in exact sums: each pair is counted on one rank.
 #[derive(Clone, Debug, Default)]
 pub struct StoredSums {
     /// Energy of translation and rotation.
@@ -86,7 +86,7 @@ pub struct StoredSums {
 }
 
 impl StoredSums {
-    /// Over all ranks. Collective.
+    /// Sums over all ranks. Collective.
     pub fn total(&self, ranks: &dyn Communicator) -> StoredEnergy {
         let sums = [&self.kinetic, &self.potential, &self.elastic];
         let mut integers: Vec<i64> = sums.into_iter().flat_map(ExactSum::to_integers).collect();
@@ -97,49 +97,49 @@ impl StoredSums {
     }
 }
 
-/// Work done on the particles of this rank, summed exactly: the same totals on any number of ranks.
+/// Work done on the particles of this rank, summed exactly: totals do not depend on the number of ranks.
 #[derive(Clone, Debug, Default)]
 pub struct EnergyLedger {
     work: [ExactSum; Mechanism::ALL.len()],
-    /// Power times the step at the last evaluation of forces, of which half belongs to the step that follows.
+    /// Power times the step at the last evaluation of forces; half of it belongs to the step that follows.
     last: [ExactSum; Mechanism::ALL.len()],
-    /// What all ranks' particles stored when the ledger was opened.
+    /// Energy stored by the particles of all ranks when the ledger was opened.
     start: StoredEnergy,
 }
 
-/// The totals of a ledger, and what they leave unexplained.
+/// The totals of a ledger, and the change of energy that they do not explain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyBalance {
     /// Work by mechanism, in the order of [`Mechanism::ALL`]. Negative where energy is lost.
     pub work: [f64; Mechanism::ALL.len()],
     /// Change of the stored energy.
     pub change: f64,
-    /// Change of the stored energy less the sum of the work: zero but for the error of the integrator and of
-    /// rounding, or a mechanism is missing.
+    /// Change of the stored energy less the sum of the work. It is zero except for errors of the integrator and of
+    /// rounding, unless a mechanism is missing.
     pub closure_error: f64,
 }
 
 /// The energies of an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyRow {
-    /// What all particles store.
+    /// Energy stored by all particles.
     pub stored: StoredEnergy,
-    /// Work by mechanism since the ledger was opened, and what it leaves unexplained.
+    /// Work by mechanism since the ledger was opened, and the change that it does not explain.
     pub balance: EnergyBalance,
 }
 
 impl EnergyLedger {
-    /// An empty ledger of particles that store this now.
+    /// An empty ledger of particles that now store this energy.
     pub fn opened(start: StoredEnergy) -> Self {
         Self { start, ..Self::default() }
     }
 
-    /// Opens it with what is stored now; work that it holds already stays.
+    /// Opens the ledger with the energy stored now; work that it already holds is kept.
     pub fn open_at(&mut self, start: StoredEnergy) {
         self.start = start;
     }
 
-    /// What was stored when the ledger was opened.
+    /// Energy stored when the ledger was opened.
     pub fn start(&self) -> StoredEnergy {
         self.start
     }
@@ -149,7 +149,7 @@ impl EnergyLedger {
         self.work[mechanism as usize].add(work);
     }
 
-    /// Adds a change of what is stored that is no work of forces.
+    /// Adds a change of the stored energy that is not due to the work of forces.
     pub fn add_change(&mut self, mechanism: Mechanism, before: &StoredSums, after: &StoredSums) {
         let sum = &mut self.work[mechanism as usize];
         for (before, after) in [
@@ -162,15 +162,15 @@ impl EnergyLedger {
         }
     }
 
-    /// Begins a new evaluation of forces: that before belongs whole to the past.
+    /// Begins a new evaluation of forces: the previous one now belongs entirely to the past.
     pub fn next_evaluation(&mut self) {
         for (sum, last) in self.work.iter_mut().zip(&mut self.last) {
             sum.add_sum(&std::mem::take(last));
         }
     }
 
-    /// Adds the power of a force at this evaluation, times the step. By the trapezoidal rule half of it belongs to the step
-    /// before and half to the next.
+    /// Adds the power of a force at this evaluation, times the step. By the trapezoidal rule half of it belongs to the
+    /// previous step and half to the next.
     pub fn add_power(&mut self, mechanism: Mechanism, power_times_step: f64) {
         self.last[mechanism as usize].add(power_times_step);
     }
@@ -180,15 +180,15 @@ impl EnergyLedger {
         self.work.iter().chain(&self.last).flat_map(ExactSum::to_integers).collect()
     }
 
-    /// A ledger from the sum, integer by integer, of what ranks have stored. Sums that are missing are zero.
+    /// A ledger from the sums, integer by integer, that the ranks have stored. Missing sums are zero.
     pub fn restore(stored: &[i64], start: StoredEnergy) -> Self {
         let mut sums = stored.chunks_exact(ExactSum::INTEGERS).map(ExactSum::from_integers);
         let mut next = || [(); Mechanism::ALL.len()].map(|()| sums.next().unwrap_or_default());
         Self { work: next(), last: next(), start }
     }
 
-    /// The totals over ranks against the change of what all ranks' particles store since the ledger was opened.
-    /// Collective.
+    /// Compares the totals over ranks with the change of the energy stored by the particles of all ranks since the
+    /// ledger was opened. Collective.
     pub fn balance(&self, now: &StoredEnergy, ranks: &dyn Communicator) -> EnergyBalance {
         let mut integers = self.stored();
         ranks.sum_integers(&mut integers);
@@ -196,7 +196,7 @@ impl EnergyLedger {
         let work = std::array::from_fn(|k| whole.work[k].value() + 0.5 * whole.last[k].value());
         let before = &self.start;
         let change = now.total() - before.total();
-        // In the exact sum as well: large gains and losses cancel here.
+        // The error is computed in the exact sum too, since large gains and losses cancel here.
         let mut error = ExactSum::default();
         work.iter().for_each(|&work: &f64| error.add(-work));
         let stored = [now.kinetic, now.potential, now.elastic];
@@ -226,8 +226,7 @@ mod tests {
     use super::*;
     use crate::parallel::run_on_threads;
 
-    /// A ball on a spring with a dashpot, dropped: [position, velocity] and the ledger after some velocity Verlet
-    /// steps.
+    /// A ball with a spring and a dashpot, dropped: its stored energy and the ledger after some velocity Verlet steps.
     fn bounce(step: f64, dashpot_in_ledger: bool) -> (StoredEnergy, EnergyLedger) {
         let (stiffness, damping) = (400.0, 1.5);
         let energy = |x: f64, v: f64| StoredEnergy {
@@ -263,10 +262,10 @@ mod tests {
         let coarse = balance(1e-3, true);
         let fine = balance(1e-4, true);
         assert!(coarse.of(Mechanism::Dashpot) < -0.5, "{coarse:?}");
-        // The dashpot's force jumps where the contact begins, which makes the integrator one of first order there.
+        // The dashpot's force jumps where the contact begins, so the integrator is of first order there.
         assert!(coarse.relative_error() < 1e-2, "{coarse:?}");
         assert!(fine.relative_error() < 1e-3, "{fine:?}");
-        // The control: without the dashpot all of its work is unexplained.
+        // Control: without the dashpot all of its work is unexplained.
         let incomplete = balance(1e-4, false);
         assert!((incomplete.closure_error / fine.of(Mechanism::Dashpot) - 1.0).abs() < 1e-3);
         assert_eq!(incomplete.relative_error(), f64::INFINITY);

@@ -1,4 +1,4 @@
-//! Sizes of the particles, and what they may not exceed.
+//! Sizes of the particles, and limits for their forces and speeds.
 
 use crate::contact::{ContactForceLaw, ContactModel, VanDerWaals};
 use crate::numbers::Quantum;
@@ -34,22 +34,22 @@ impl SizeRange {
     }
 }
 
-/// What a run may not exceed: beyond, its numbers would mean nothing.
+/// Limits for a run: beyond them, its numbers would not be meaningful.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Largest component of one contact's force or of one particle's gas force.
+    /// Largest component of the force of one contact, or of the gas on one particle; force.
     pub force: f64,
-    /// Largest speed: a tenth of the smallest diameter in one step.
+    /// Largest speed: a tenth of the smallest diameter per step; length per time.
     pub speed: f64,
 }
 
 impl Limits {
-    /// Overlap, over the smallest diameter, at which a contact is no longer a contact.
+    /// Overlap, relative to the smallest diameter, above which a contact is not treated as a contact.
     const LARGEST_OVERLAP: f64 = 0.5;
-    /// Contacts (each at the limit) that a particle's force has room for.
+    /// Number of contacts, each at the limit, that the range of a particle's force allows for.
     const CONTACTS: f64 = 64.0;
 
-    /// Limits for particles between two diameters, the heavier of this weight, that touch in these ways.
+    /// Limits for particles between two diameters, the heavier of this weight, with these contact models.
     pub fn new<'a>(
         interfaces: impl IntoIterator<Item = &'a ContactModel>,
         attractions: &[VanDerWaals],
@@ -69,12 +69,12 @@ impl Limits {
         }
     }
 
-    /// The quantum of forces: room for many contacts at the limit.
+    /// The quantum of forces; its range allows for many contacts at the limit.
     pub fn force_quantum(&self) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force)
     }
 
-    /// The quantum of torques, of forces at the largest radius.
+    /// The quantum of torques, for forces at the largest radius.
     pub fn torque_quantum(&self, largest_radius: f64) -> Quantum {
         Quantum::spanning(Self::CONTACTS * self.force * largest_radius)
     }

@@ -1,38 +1,40 @@
-//! What acts on the particles, and its limits for their sizes.
+//! The models that act on the particles, and their limits for particles of given sizes.
 
 use super::physics::range_of;
 use super::{Limits, Physics, SizeRange};
 use crate::numbers::Quantum;
 use crate::particles::Weight;
 
-/// What acts on the particles of a run during one stage, with what follows from their sizes; immutable.
+/// The models that act on the particles of a run during one stage, with quantities that follow from the particles'
+/// sizes; immutable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Models {
-    /// What acts on the particles.
+    /// The models themselves.
     pub physics: Physics,
-    /// Bounds of what particles may do; beyond them the run stops with an error message.
+    /// Limits for forces and speeds; beyond them the run stops with an error message.
     pub limits: Limits,
-    /// What forces are rounded to multiples of.
+    /// Quantum to whose multiples forces are rounded.
     pub force_quantum: Quantum,
-    /// What torques are rounded to multiples of.
+    /// Quantum to whose multiples torques are rounded.
     pub torque_quantum: Quantum,
 }
 
 impl Models {
-    /// For particles of these sizes, which are those at the start of the run, also in a restart: limits and quanta follow
-    /// from them.
+    /// Models for particles of these sizes, which are those at the start of the run, also after a restart: limits and
+    /// quanta follow from them.
     pub fn of(physics: &Physics, sizes: &SizeRange) -> Self {
         Self::new(physics.clone(), physics.limits(sizes), sizes)
     }
 
-    /// With these limits for particles of these sizes; [`Models::of`] gives those that follow from the physics.
+    /// Models with these limits for particles of these sizes; [`Models::of`] gives the limits that follow from the
+    /// physics.
     pub fn new(physics: Physics, limits: Limits, sizes: &SizeRange) -> Self {
         let force_quantum = limits.force_quantum();
         let torque_quantum = limits.torque_quantum(0.5 * sizes.largest_diameter);
         Self { physics, limits, force_quantum, torque_quantum }
     }
 
-    /// What particles weigh in the frame of the plate.
+    /// Weight of the particles in the frame of the plate.
     pub(crate) fn weight_at(&self, time: f64) -> Weight {
         Weight { gravity: self.physics.gravity.at(time), quantum: self.force_quantum }
     }

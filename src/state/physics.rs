@@ -1,4 +1,4 @@
-//! What acts on the particles, before their sizes are known.
+//! The models that act on the particles, before the particles' sizes are known.
 
 use super::{Limits, SizeRange};
 use crate::contact::{
@@ -9,17 +9,18 @@ use crate::domain::EffectiveGravity;
 use crate::gas::GasModel;
 use crate::rules::interaction_range;
 
-/// What acts on the particles during one stage of a run, in one coherent system of units. With the sizes of the
-/// particles, [`Models`](super::Models) follow from it.
+/// The models that act on the particles during one stage of a run, in one coherent system of units. Together with the
+/// sizes of the particles they give the [`Models`](super::Models).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Physics {
-    /// Contact of two particles.
+    /// Contact of two particles, by pair of species.
     pub contact: ByPair<ContactModel>,
-    /// Contact of particles and walls, by the walls' numbers; walls beyond its end are like particles of the same species.
+    /// Contact of particles and walls, by the numbers of the walls; walls beyond its end behave like particles of the
+    /// same species.
     pub at_walls: Vec<BySpecies<ContactModel>>,
-    /// Attraction; that of two particles of the same species says how it is at walls.
+    /// Attraction, by pair of species; at walls, that of two particles of the same species applies.
     pub cohesion: Option<ByPair<VanDerWaals>>,
-    /// What touching particles exchange beside momentum.
+    /// Quantities other than momentum that touching particles exchange.
     pub exchanges: Exchanges,
     /// Gas.
     pub gas: GasModel,
@@ -43,7 +44,7 @@ impl Physics {
         }
     }
 
-    /// These models for parcels.
+    /// These models, scaled for parcels.
     #[must_use]
     pub fn coarse_grained(self, parcels: &CoarseGraining) -> Self {
         let contact = |model: &ContactModel| model.coarse_grained(parcels);
@@ -56,7 +57,7 @@ impl Physics {
         }
     }
 
-    /// The contact models: of two particles, and of particles and walls.
+    /// All contact models: of two particles, and of particles and walls.
     pub fn contact_models(&self) -> impl Iterator<Item = &ContactModel> {
         let at_walls = self.at_walls.iter().flat_map(BySpecies::values);
         self.contact.values().iter().chain(at_walls)
@@ -77,7 +78,7 @@ impl Physics {
         range_of(self.contact_models(), self.attractions(), sizes)
     }
 
-    /// What particles of these sizes may not exceed.
+    /// The limits for particles of these sizes.
     pub fn limits(&self, sizes: &SizeRange) -> Limits {
         Limits::new(
             self.contact_models(),
@@ -89,7 +90,7 @@ impl Physics {
     }
 }
 
-/// Separation of surfaces up to which bodies of these contact models act on each other, particles being of these sizes.
+/// Separation of surfaces up to which bodies with these contact models act on each other, for particles of these sizes.
 pub(super) fn range_of<'a>(
     models: impl IntoIterator<Item = &'a ContactModel>,
     attractions: &[VanDerWaals],

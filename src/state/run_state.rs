@@ -1,4 +1,4 @@
-//! What a checkpoint holds.
+//! The contents of a checkpoint.
 
 use super::{Clock, EnergyLedger, SizeRange};
 use crate::fields::counters;
@@ -14,25 +14,25 @@ counters! {
     }
 }
 
-/// What a checkpoint holds: with the models, the complete state of the simulation. All of it is at the time of the clock;
-/// between two steps it is in the hands of [`Staggered`](crate::time_step::Staggered).
+/// The contents of a checkpoint: together with the models, the complete state of the simulation. All of it belongs to
+/// the time of the clock; between two steps it is held by [`Staggered`](crate::time_step::Staggered).
 #[derive(Clone, Debug)]
 pub struct State {
     /// Owned particles and ghosts.
     pub particles: Particles,
-    /// Near pairs, and what the touching ones remember.
+    /// Near pairs, and the histories of the touching ones.
     pub contacts: Contacts,
     /// Time.
     pub clock: Clock,
-    /// What has left the box.
+    /// Particles that have left the box.
     pub departed: Departed,
-    /// Sizes of the particles that the run began with: limits and lattices follow from them.
+    /// Sizes of the particles with which the run began: limits and quanta follow from them.
     pub sizes: SizeRange,
-    /// Work by mechanism since the ledger was opened, if anybody keeps account of it. Changes nothing.
+    /// Work by mechanism since the ledger was opened, if an energy balance is kept. It changes no result.
     pub energy: Option<Box<EnergyLedger>>,
-    /// What the gas is, on this rank's cells.
+    /// State of the gas, on this rank's cells.
     pub gas: GasState,
-    /// Pairs that touched at the last search for agglomerates, where drag follows from them; each on the rank that owned its lower
-    /// id then. None before the first search.
+    /// Pairs that touched at the last search for agglomerates, where drag depends on them; each pair is on the rank
+    /// that owned its lower id at that time. None before the first search.
     pub looked_at: Option<Vec<Pair>>,
 }

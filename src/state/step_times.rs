@@ -1,14 +1,14 @@
-//! How long this rank's steps take where it waits for no other.
+//! Duration of this rank's steps without waiting for other ranks.
 
 use crate::timers::{Phase, RecentDurations, Timers};
 use std::time::Duration;
 
-/// Times of the work that cut planes divide.
+/// Times of the work that cut planes divide among the ranks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadTimes {
-    /// For motion of particles, copies of ghosts, and the forces of walls and a column gas on particles.
+    /// Motion of particles, copies of ghosts, and the forces of walls and a column gas on particles.
     pub on_particles: Duration,
-    /// For pairs of particles.
+    /// Pairs of particles.
     pub on_pairs: Duration,
 }
 
@@ -33,17 +33,18 @@ impl LoadTimes {
     }
 }
 
-/// The times of the last steps. It reads no clock: phases of the step are timed anyway, and none of these holds a message.
+/// The times of the last steps. It reads no clock: the phases of the step are timed anyway, and none of those used here
+/// includes messages.
 #[derive(Clone, Debug, Default)]
 pub struct StepTimes {
-    /// At the last step, and at the last check; none before the first step of a run.
+    /// Times at the last step, and at the last check; none before the first step of a run.
     noted: Option<[LoadTimes; 2]>,
-    /// Since the last check.
+    /// Steps since the last check.
     steps: RecentDurations,
 }
 
 impl StepTimes {
-    /// Notes that a step begins, and how long the one before took.
+    /// Records that a step begins, and the duration of the previous one.
     pub fn note(&mut self, timers: &Timers) {
         let now = LoadTimes::spent(timers);
         let Some([last_step, _]) = &mut self.noted else {
@@ -54,10 +55,10 @@ impl StepTimes {
         self.steps.note(took);
     }
 
-    /// The mean of a step since this was last asked, zero if there was none. The longer half of the steps is left out: other programs
-    /// disturb a core for many steps, and how many these are differs from rank to rank and from check to check. Steps at
-    /// which inner lists are made are left out with it, as the phase of new lists is: ranks wait for each other at each step, so that
-    /// it is best if the most frequent steps are even.
+    /// Mean times of a step since the last call, zero if there was none. The longer half of the steps is left out:
+    /// other programs disturb a core for many steps, and their number differs from rank to rank and from check to
+    /// check. Steps at which inner lists are made are thus left out too, as is the phase of new lists. Ranks wait for
+    /// each other at each step, so it is best if the most frequent steps are even.
     pub fn take_mean(&mut self) -> LoadTimes {
         let Some([now, last_look]) = self.noted else { return LoadTimes::default() };
         let all = now.since(last_look);
@@ -80,7 +81,8 @@ impl StepTimes {
 mod tests {
     use super::*;
 
-    /// The mean after steps of so many microseconds, of which pairs take three quarters. Ranks wait for as long again.
+    /// The mean after steps of these numbers of microseconds, three quarters of which are spent on pairs. Ranks then
+    /// wait for as long again.
     fn mean_of(steps: impl IntoIterator<Item = u64>) -> [f64; 2] {
         let (mut timers, mut times) = (Timers::default(), StepTimes::default());
         times.note(&timers);
@@ -108,7 +110,7 @@ mod tests {
         assert_close(mean_of([80]), [20.0, 60.0]);
         let disturbed = |n: u64| if n < 95 { 150 } else { 100 };
         assert_close(mean_of((0..200).map(disturbed)), [25.0, 75.0]);
-        // The control: what more than half of the steps take belongs to the mean.
+        // Control: time that more than half of the steps take belongs to the mean.
         let slow = |n: u64| if n < 160 { 150 } else { 100 };
         assert_close(mean_of((0..200).map(slow)), [0.25 * 130.0, 0.75 * 130.0]);
     }

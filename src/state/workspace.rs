@@ -1,4 +1,4 @@
-//! What can be dropped and rebuilt at any time.
+//! Data that can be dropped and rebuilt at any time.
 
 use super::{Balance, Domain, Models, SizeRange, StepTimes};
 use crate::contact::WallTallies;
@@ -10,42 +10,42 @@ use crate::timers::{Phase, Timers};
 use std::fmt::Display;
 use std::time::Instant;
 
-/// What can be dropped and rebuilt at any time: lists, plans, buffers. None of it changes a result.
+/// Data that can be dropped and rebuilt at any time: lists, plans, buffers. None of it changes a result.
 #[derive(Debug)]
 pub struct Workspace {
-    /// When the neighbour list was built, and its cells.
+    /// Cells of the neighbour list, and when it was built.
     pub neighbours: NeighbourList,
-    /// Who is whose ghost.
+    /// Ghosts of this rank, and of its particles on other ranks.
     pub halo: ParticleHalo,
-    /// How the box is cut.
+    /// Decomposition of the box.
     pub decomposition: Decomposition,
-    /// How the skin of the lists is chosen.
+    /// Rule by which the skin of the lists is chosen.
     pub skin: Skin,
-    /// How far lists look.
+    /// Range of the lists.
     pub list_range: ListRange,
-    /// Width that no block may be below: of the widest ghosts of any stage, with the narrowest skin.
+    /// Least width of a subdomain: that of the widest ghost layer of any stage, with the narrowest skin.
     pub least_width: f64,
-    /// When cut planes move.
+    /// Schedule by which cut planes move.
     pub balance: Option<Balance>,
-    /// How the box is to be cut when particles next go to their owners, if the loads were uneven at the last check.
+    /// Decomposition to use when particles are next sent to their owners, if the loads were uneven at the last check.
     pub planned: Option<Decomposition>,
-    /// Where the walls are at this step.
+    /// Positions of the walls at this step.
     pub wall_poses: Vec<WallPose>,
     /// The gas of the present stage.
     pub gas: GasSolver,
-    /// Forces on walls at the last evaluation, by this rank's particles.
+    /// Forces of this rank's particles on walls at the last evaluation.
     pub on_walls: WallTallies,
     /// Time spent.
     pub timers: Timers,
     /// Times of the steps since the last check of the ranks' loads.
     pub step_times: StepTimes,
-    /// What went wrong on this rank, until the ranks next agree.
+    /// The first error on this rank, until the ranks next agree.
     pub fault: Option<String>,
-    /// What this rank was asked for.
+    /// Requests to this rank.
     pub requests: Requests,
 }
 
-/// What a rank was asked for between two steps, by a signal or by wall-clock time.
+/// Requests made to a rank between two steps, by a signal or because of the wall-clock time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Requests {
     /// Stop, with a checkpoint.
@@ -82,7 +82,7 @@ impl Workspace {
         }
     }
 
-    /// Does the work of a phase of the step, and adds its time.
+    /// Does the work of a phase of the step, and adds its duration to the timers.
     pub fn time<T>(&mut self, phase: Phase, work: impl FnOnce(&mut Self) -> T) -> T {
         let start = Instant::now();
         let result = work(self);
@@ -90,7 +90,7 @@ impl Workspace {
         result
     }
 
-    /// Keeps what went wrong, if it is the first, until the ranks next agree.
+    /// Keeps the first error until the ranks next agree.
     pub fn note_fault<T, E: Display>(&mut self, result: Result<T, E>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
@@ -101,20 +101,20 @@ impl Workspace {
         }
     }
 
-    /// Notes how long the step before took, if cut planes follow from it.
+    /// Records the duration of the previous step, if cut planes depend on it.
     pub fn note_step(&mut self) {
         if self.balance.is_some() {
             self.step_times.note(&self.timers);
         }
     }
 
-    /// Moves the walls to where they are at the end of a step of this length.
+    /// Moves the walls to their positions at the end of a step of this length.
     pub fn move_walls(&mut self, domain: &Domain, time: f64, step: f64) {
         self.wall_poses.clear();
         self.wall_poses.extend(domain.walls.iter().map(|wall| wall.pose(time, step)));
     }
 
-    /// Makes ready for the models of a stage. The neighbour list must be rebuilt before the next step.
+    /// Prepares for the models of a stage. The neighbour list must be rebuilt before the next step.
     pub fn prepare(&mut self, domain: &Domain, models: &Models, sizes: &SizeRange) {
         self.list_range.interaction = models.range(sizes);
         self.on_walls.reset(domain.walls.len());

@@ -1,4 +1,4 @@
-//! Finds the agglomerates of the particles, where drag follows from them.
+//! Agglomerates of the particles, for models in which drag depends on them.
 
 use crate::gas::{AgglomerateBall, AgglomerateDrag};
 use crate::parallel::Communicator;
@@ -9,10 +9,11 @@ use crate::particle_sets::{
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle};
 use crate::state::{Domain, Models, State};
 
-/// Finds them if that is due before this step of the gas; forgets them where drag does not follow from agglomerates.
-/// Collective.
+/// Finds the agglomerates if a search is due before this step of the gas; forgets them where drag does not depend on
+/// agglomerates. Collective.
 ///
-/// It is due at the first step of the gas, then each time that its steps come to a multiple of [`AgglomerateDrag::every`].
+/// A search is due at the first step of the gas, and afterwards whenever its step number is a multiple of
+/// [`AgglomerateDrag::every`].
 pub(super) fn find_if_due(
     state: &mut State,
     domain: &Domain,
@@ -31,8 +32,8 @@ pub(super) fn find_if_due(
     }
 }
 
-/// Finds the agglomerate of each particle: the connected sets of pairs that touch now and touched the time before, or touch now
-/// if this is the first time. Collective.
+/// Finds the agglomerate of each particle: the connected sets of pairs that touch now and also touched at the previous
+/// search, or that merely touch now if this is the first search. Collective.
 fn find(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn Communicator) {
     let (samples, indices) = samples(&state.particles, &domain.bounds);
     let owned = Ownership::of(samples.iter().map(|particle| particle.id).collect());
@@ -58,7 +59,7 @@ fn find(state: &mut State, domain: &Domain, drag: AgglomerateDrag, ranks: &dyn C
     state.looked_at = Some(touching);
 }
 
-/// The ball that an agglomerate is taken for; one that winds around a periodic box has no size.
+/// The ball that represents an agglomerate; an agglomerate that winds around a periodic box has no size.
 fn ball_of(agglomerate: &Agglomerate) -> Option<AgglomerateBall> {
     let Agglomerate { radius_of_gyration, volume, winds, .. } = *agglomerate;
     let member_radius = agglomerate.member_radius();

@@ -1,4 +1,5 @@
-//! What all ranks do next: the one reduction of a step, and looks at their loads where lists live long.
+//! The decision of all ranks on what to do next: the one reduction of a step, and checks of their loads where lists are
+//! kept for long.
 
 use super::StepError;
 use super::rebuild::is_overdue_and_uneven;
@@ -8,28 +9,29 @@ use crate::particles::{DriftStep, PairCounts, Particles};
 use crate::state::{Domain, Requests, State, Workspace};
 use crate::timers::Phase;
 
-/// What all ranks do next.
+/// The common decision of all ranks.
 pub(super) struct StepDecision {
     /// Whether lists are outdated.
     pub(super) rebuild: bool,
-    /// What any rank was asked for.
+    /// The requests made to any rank.
     pub(super) requests: Requests,
 }
 
-/// How particles move in a step.
+/// The displacement of particles in a step.
 #[derive(Clone, Copy)]
 pub(super) struct Displacement {
-    /// How velocities become displacements.
+    /// The rule by which velocities become displacements.
     pub(super) step: DriftStep,
-    /// Farthest that any particle of this rank has moved; length.
+    /// Largest displacement of any particle of this rank since the lists were built; length.
     pub(super) largest: f64,
-    /// Farthest that one may move; length.
+    /// Largest displacement allowed; length.
     pub(super) allowed: f64,
 }
 
-/// One reduction per step: how far have particles moved, how many pairs are near, is any list outdated, has any particle left, has anything
-/// gone wrong, was any rank asked to stop? If a particle may have moved farther than allowed, lists
-/// are rebuilt at once, where it is found: at the same step with any skin.
+/// The one reduction of a step. The ranks learn how far particles have moved, how many pairs are near, whether any list
+/// is outdated, whether any particle has left, whether anything has gone wrong, and whether any rank was asked to stop.
+/// If a particle may have moved farther than allowed, lists are rebuilt at once, at the step at which this is found;
+/// with any skin this is the same step.
 pub(super) fn decide(
     state: &mut State,
     Displacement { largest: displacement, allowed, .. }: Displacement,

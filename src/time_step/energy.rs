@@ -1,7 +1,8 @@
-//! The account of energies: what forces do at each step, and what is stored. It changes nothing.
+//! The energy balance: the work of forces at each step, and the stored energy. It changes no result.
 //!
-//! Contacts: work over the step that ends, at its middle's velocities. Gas, weight and moving walls: their power at the
-//! evaluations of forces, by the trapezoidal rule, at velocities of the same instants.
+//! Work of contacts is taken over the step that ends, with the velocities at its middle. The power of gas, weight and
+//! moving walls is taken at the evaluations of forces, with velocities at the same instants, and integrated by the
+//! trapezoidal rule.
 
 use super::laws::force_laws;
 use crate::contact::{
@@ -27,8 +28,8 @@ pub(super) fn add_contact_work(ledger: &mut EnergyLedger, work: ContactWork) {
     }
 }
 
-/// Begins an evaluation of forces in the ledger, if one is kept, before contacts are evaluated: work of walls, and what a ramp
-/// of the attraction brings.
+/// Begins an evaluation of forces in the ledger, if one is kept, before contacts are evaluated: adds the work of walls,
+/// and the energy that a ramp of the attraction brings.
 pub(super) fn before_forces(
     state: &mut State,
     domain: &Domain,
@@ -63,7 +64,7 @@ pub(super) fn before_forces(
     }
 }
 
-/// The forces on owned particles without the gas, before that of a column gas is added.
+/// Forces on owned particles without the force of the gas, before that of a column gas is added.
 pub(super) fn forces_before_gas(particles: &Particles) -> Vec<Vector3<f64>> {
     let mut forces: Vec<Vector3<f64>> =
         particles.forces[..particles.owned_count()].iter().map(|load| load.force).collect();
@@ -73,8 +74,8 @@ pub(super) fn forces_before_gas(particles: &Particles) -> Vec<Vector3<f64>> {
     forces
 }
 
-/// Ends an evaluation of forces in the ledger, if one is kept: power of the gas and of the weight. `before_gas` are the forces
-/// without the gas; velocities are `behind` the forces by half of this time.
+/// Ends an evaluation of forces in the ledger, if one is kept: adds the power of the gas and of the weight.
+/// `before_gas` are the forces without the gas; velocities are `behind` the forces by half of this time.
 pub(super) fn after_forces(
     state: &mut State,
     models: &Models,
@@ -87,7 +88,7 @@ pub(super) fn after_forces(
     for (i, before_gas) in before_gas.iter().enumerate() {
         let (body, force) = (&particles.body[i], particles.forces[i].force);
         let velocity = body.velocity + force * (0.5 * behind / body.mass);
-        // Forces are multiples of a quantum: the difference is exactly that of the gas.
+        // Forces are multiples of a quantum, so the difference is exactly the force of the gas.
         let by_gas = (force - before_gas).dot(&velocity);
         if by_gas != 0.0 {
             ledger.add_power(Mechanism::Gas, by_gas * step);
@@ -96,7 +97,7 @@ pub(super) fn after_forces(
     }
 }
 
-/// What this rank's particles store, velocities being those of the clock's time.
+/// Energy stored by this rank's particles, with velocities at the time of the clock.
 pub fn stored_energy(
     state: &State,
     domain: &Domain,

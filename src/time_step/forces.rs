@@ -1,4 +1,4 @@
-//! The forces of a step: of pairs of particles, of walls and of the gas.
+//! Forces of a step: of pairs of particles, of walls and of the gas.
 
 use super::energy;
 use super::laws::force_laws;
@@ -10,11 +10,12 @@ use crate::particles::PairGroup;
 use crate::state::{Domain, Models, State, Workspace};
 use crate::timers::Phase;
 
-/// Begins an evaluation of forces: the laws of all contacts now, which advance histories by `dt`, and the pairs within their ranges.
+/// Begins an evaluation of forces: sets up the present laws of all contacts, which advance histories by `dt`, and finds
+/// the pairs within their ranges.
 ///
-/// Before: forces are those of the weight and of a volume-averaged gas as of its last step; they are zero on copies, and
-/// contributions are added in any order, since each is rounded to the quantum of force. A force without meaning is kept
-/// as this rank's fault until the ranks agree at the next step.
+/// Before: forces are those of the weight and of a volume-averaged gas at its last step. They are zero on copies.
+/// Contributions are added in any order, since each is rounded to the quantum of force. A force that is not finite or
+/// too large is kept as this rank's fault until the ranks agree at the next step.
 pub(super) fn begin_forces<'a>(
     state: &mut State,
     domain: &Domain,
@@ -45,8 +46,8 @@ pub(super) fn add_own_forces(
     add_wall_forces(laws, state, domain, work);
 }
 
-/// Finds the pairs of a group that are in contact, enters their work in the ledger of energies, and adds their forces at the
-/// current positions and half-step velocities, and what flows between them.
+/// Finds the pairs of a group that are in contact, enters their work in the energy ledger, and adds their forces at the
+/// current positions and half-step velocities, and the flows between them.
 fn add_pair_forces(group: PairGroup, laws: &ForceLaws, state: &mut State, work: &mut Workspace) {
     let State { particles, contacts, energy, .. } = state;
     let added = work.timers.time(Phase::Contacts, || {
@@ -73,9 +74,9 @@ fn add_wall_forces(laws: &ForceLaws, state: &mut State, domain: &Domain, work: &
     work.note_fault(added);
 }
 
-/// Adds the forces of a column gas, and ends the evaluation of all forces in the ledger of energies.
+/// Adds the forces of a column gas, and ends the evaluation of all forces in the energy ledger.
 ///
-/// Before: all other forces have been added, those of a volume-averaged gas as of its last step.
+/// Before: all other forces have been added, including those of a volume-averaged gas at its last step.
 pub(super) fn add_gas_forces(state: &mut State, models: &Models, work: &mut Workspace, dt: f64) {
     let before_gas = state.energy.as_ref().map(|_| energy::forces_before_gas(&state.particles));
     let particles = &mut state.particles;
@@ -86,7 +87,8 @@ pub(super) fn add_gas_forces(state: &mut State, models: &Models, work: &mut Work
     }
 }
 
-/// Advances the fields that touching particles exchange by what has flowed to each particle in a step of this length.
+/// Advances the fields that touching particles exchange by the amount that has flowed to each particle in a step of
+/// this length.
 pub(super) fn advance_fields(state: &mut State, models: &Models, work: &mut Workspace, dt: f64) {
     let exchanges = &models.physics.exchanges;
     work.time(Phase::Contacts, |_| {

@@ -1,4 +1,4 @@
-//! The step of the gas, and what a column gas has to know of the particles of all ranks.
+//! The step of the gas, and the sums over the particles of all ranks that a column gas needs.
 
 use super::agglomerates;
 use crate::gas::{GasStep, NodeSums};
@@ -6,13 +6,13 @@ use crate::parallel::{Communicator, Pending};
 use crate::state::{Domain, Models, State, Workspace};
 use crate::timers::Phase;
 
-/// Sums over the particles of all ranks that are under way; `None` unless the gas is a column gas.
+/// Sums over the particles of all ranks that are being computed; `None` unless the gas is a column gas.
 pub(super) type BedSum<'r> = Option<Pending<'r, Vec<f64>>>;
 
 /// Deposits this rank's particles on the grid of a column gas, and begins to sum the numbers at its nodes over the ranks.
 /// Collective.
 ///
-/// Before: particles are where, and as fast as, the gas is to find them.
+/// Before: particles have the positions and velocities that the gas is to see.
 pub(super) fn start_bed_sum<'r>(
     state: &State,
     work: &mut Workspace,
@@ -24,7 +24,8 @@ pub(super) fn start_bed_sum<'r>(
     })
 }
 
-/// Finds the agglomerates if that is due before this step of the gas, while contacts are those of the step before. Collective.
+/// Finds the agglomerates if a search is due before this step of the gas, while contacts are still those of the
+/// previous step. Collective.
 pub(super) fn find_agglomerates(
     state: &mut State,
     domain: &Domain,
@@ -37,8 +38,8 @@ pub(super) fn find_agglomerates(
     }
 }
 
-/// A step of the gas, if one is due, from the particles as they are now, with their sums of [`start_bed_sum`] if these still
-/// hold. Collective.
+/// Does a step of the gas, if one is due, from the particles as they are now, with the sums of [`start_bed_sum`] if
+/// these are still valid. Collective.
 pub(super) fn advance_gas(
     bed: BedSum<'_>,
     state: &mut State,

@@ -1,14 +1,15 @@
-//! Ghosts in a step: velocities of the originals come from their owners, forces on copies go back to them.
+//! Ghosts in a step: their velocities come from the owners of the originals, and forces on copies are sent back to
+//! these.
 
 use super::decision::Displacement;
 use crate::parallel::{Communicator, Exchange, Pending};
 use crate::state::{State, Workspace};
 use crate::timers::Phase;
 
-/// Makes images like their originals, and begins to send the velocities of particles of which other ranks have copies.
-/// Collective.
+/// Updates periodic images from their originals, and begins to send the velocities of particles of which other ranks
+/// have copies. Collective.
 ///
-/// After: nobody reads copies until [`receive_ghosts`].
+/// After: copies must not be read until [`receive_ghosts`].
 pub(super) fn send_ghosts<'r>(
     state: &mut State,
     work: &mut Workspace,
@@ -18,7 +19,7 @@ pub(super) fn send_ghosts<'r>(
     work.time(Phase::ExchangeGhosts, |work| work.halo.send_velocities(ranks))
 }
 
-/// Waits for the velocities of the copies, and moves these as their owners moved the originals, to the bit.
+/// Waits for the velocities of the copies, and moves these exactly as their owners moved the originals, bit for bit.
 pub(super) fn receive_ghosts(
     ghosts: Pending<'_, Exchange>,
     moved: Displacement,
@@ -49,8 +50,8 @@ pub(super) fn receive_forces(
     work.time(Phase::CopyGhosts, |work| work.halo.unpack_forces(&mut state.particles));
 }
 
-/// Brings the velocities of ghosts up to date, between two steps. Collective.
+/// Updates the velocities of ghosts between two steps. Collective.
 pub fn refresh_ghosts(state: &mut State, work: &mut Workspace, ranks: &dyn Communicator) {
-    // With the copies, which belong to no step and are no load.
+    // This includes the copies; it belongs to no step, and does not count as load.
     work.timers.time(Phase::ExchangeGhosts, || work.halo.refresh(&mut state.particles, ranks));
 }

@@ -1,10 +1,10 @@
-//! The laws of forces at a step.
+//! The force laws at a step.
 
 use crate::contact::ForceLaws;
 use crate::particles::InteractionRanges;
 use crate::state::{Models, State, Workspace};
 
-/// The laws of all contacts now, with the attraction that there is now; they advance histories by `dt`.
+/// The present laws of all contacts, with the present attraction; they advance histories by `dt`.
 pub(super) fn force_laws<'a>(
     state: &State,
     models: &'a Models,

@@ -25,41 +25,42 @@ use halo::{receive_forces, receive_ghosts, return_forces, send_ghosts};
 use rebuild::arrange;
 use thiserror::Error;
 
-/// Why a run cannot continue. The same on all ranks.
+/// The reason why a run cannot continue; it is equal on all ranks.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StepError {
-    /// Numbers have lost their meaning.
+    /// A force, a speed or another number is no longer meaningful.
     #[error("step {step}: {message}")]
     Unstable {
-        /// At which step it was noticed.
+        /// Step at which it was noticed.
         step: u64,
-        /// On the lowest rank that noticed.
+        /// Message of the lowest rank that noticed it.
         message: String,
     },
-    /// A particle passed a face at which the case ends the run.
+    /// A particle has passed a face at which the case ends the run.
     #[error("step {step}: {message}; the case ends the run there (box faces of kind \"stop\")")]
     Stopped {
-        /// At which step.
+        /// Step at which it passed.
         step: u64,
-        /// Which particle, which face.
+        /// Names the particle and the face.
         message: String,
     },
 }
 
 impl StepError {
-    /// What went wrong at a step.
+    /// An error that occurred at a step.
     fn unstable(step: u64, error: CollectiveError) -> Self {
         Self::Unstable { step, message: error.0 }
     }
 }
 
-/// One step of length `models.physics.time_step`, but for its second half-kick, which [`Staggered`] owes.
+/// Advances the state by one step of length `models.physics.time_step`, except for its second half-kick, which
+/// [`Staggered`] does later.
 ///
-/// Before: forces are those of the current positions. After: the same, one step later. Returns what any
-/// rank was asked for. Collective.
+/// Before: forces are those of the current positions. After: this holds again, one step later. Returns the requests
+/// made to any rank. Collective.
 ///
 /// # Errors
-/// If a force or a speed has no meaning, or a particle passes a face of kind "stop".
+/// If a force or a speed is not meaningful, or a particle passes a face of kind "stop".
 pub fn advance(
     staggered: &mut Staggered,
     domain: &Domain,
@@ -95,7 +96,7 @@ pub fn advance(
 /// Makes lists and ghosts for the first step. Collective.
 ///
 /// # Errors
-/// As [`advance`].
+/// The errors of [`advance`].
 pub fn begin(
     state: &mut State,
     domain: &Domain,
@@ -113,7 +114,7 @@ pub fn begin(
         .map_err(|error| StepError::unstable(step, error))
 }
 
-/// Finds the forces that a new bed begins with, after [`begin`]. Collective.
+/// Computes the forces with which a new bed starts, after [`begin`]. Collective.
 pub fn find_first_forces(
     state: &mut State,
     domain: &Domain,
@@ -133,7 +134,8 @@ pub fn find_first_forces(
     add_gas_forces(state, models, work, 0.0);
 }
 
-/// Particles to their owners, new ghosts, new lists; in a step, and when the models have changed. Collective.
+/// Sends particles to their owners and makes new ghosts and lists; called in a step, and when the models have changed.
+/// Collective.
 ///
 /// # Errors
 /// If a particle is too fast, or the program loses a contact.
@@ -149,10 +151,10 @@ pub fn rebuild(
         .map_err(|error| StepError::unstable(step, error))
 }
 
-/// Makes sure that the last forces have a meaning, before they are written anywhere. Collective.
+/// Checks that the last forces are meaningful, before they are written anywhere. Collective.
 ///
 /// # Errors
-/// As [`advance`] would say at the next step.
+/// The errors that [`advance`] would return at the next step.
 pub fn confirm(
     state: &State,
     work: &mut Workspace,
@@ -165,9 +167,9 @@ pub fn confirm(
     Err(StepError::Unstable { step: state.clock.step, message })
 }
 
-/// v += (dt/2) F/m, after the second half-kick of the step before if it is due, and x += dt v; forces are then those of
-/// the weight, and of a volume-averaged gas as of its last step. Walls move to where they are at the end of the step. Returns how
-/// far particles have moved.
+/// v += (dt/2) F/m, after the second half-kick of the previous step if it is due, and x += dt v. Forces are then those
+/// of the weight, and of a volume-averaged gas at its last step. Walls move to their positions at the end of the step.
+/// Returns how far particles have moved.
 fn move_bodies(
     state: &mut State,
     kick_due: Option<f64>,

@@ -1,4 +1,5 @@
-//! New lists: particles to their owners, new ghosts, new neighbours; the histories of contacts go along.
+//! New lists: particles are sent to their owners, and ghosts and neighbours are found again; the histories of contacts
+//! move with the particles.
 
 use super::energy::add_departure;
 use crate::domain::{Bounds, Decomposition, Face, PosedWalls};
@@ -31,7 +32,7 @@ pub(super) fn rebuild(
 
 /// Makes lists and ghosts of owned particles, wherever they are. Collective.
 ///
-/// Before: there are no ghosts. After: each particle is with its owner; lists, ghosts and the gas's cells are those of
+/// Before: there are no ghosts. After: each particle is on its owner; lists, ghosts and the gas's cells are those of
 /// the present positions.
 ///
 /// # Errors
@@ -57,7 +58,7 @@ pub(super) fn arrange(
     distribute_gas(state, domain, models, work, &before, ranks)
 }
 
-/// Chooses the skin for the speeds since the lists were last made; the narrowest if these are not known.
+/// Chooses the skin from the speeds since the lists were last made; the narrowest if these are not known.
 fn choose_skin(state: &State, domain: &Domain, models: &Models, work: &mut Workspace) {
     let ghosts = room_for_ghosts(&work.decomposition, &domain.bounds);
     let bare = state.sizes.largest_diameter + work.list_range.interaction;
@@ -67,8 +68,8 @@ fn choose_skin(state: &State, domain: &Domain, models: &Models, work: &mut Works
     work.list_range.skin = displacement.map_or(work.skin.narrowest(), cheapest);
 }
 
-/// Widest ghost layer of which two fit into the narrowest subdomain: in a periodic box a particle then has one image only, and
-/// ranks of small subdomains have no more ghosts than particles.
+/// Largest width of a ghost layer of which two fit into the narrowest subdomain. In a periodic box a particle then has
+/// only one image, and ranks with small subdomains have no more ghosts than particles.
 fn room_for_ghosts(decomposition: &Decomposition, bounds: &Bounds) -> f64 {
     let has_ghosts = |axis: &usize| bounds.is_periodic(*axis) || decomposition.grid().0[*axis] > 1;
     let narrowest = (0..3).filter(has_ghosts).map(|axis| decomposition.narrowest(axis));
@@ -137,8 +138,8 @@ fn remove_departed(
     particles.select(&staying);
 }
 
-/// Looks at the ranks' loads if that is overdue. Returns whether they are uneven, so that lists must be rebuilt for the
-/// planes to move. Collective.
+/// Checks the ranks' loads if a check is overdue. Returns whether they are uneven, so that lists must be rebuilt for
+/// the planes to move. Collective.
 pub(super) fn is_overdue_and_uneven(
     state: &State,
     bounds: &Bounds,
@@ -151,8 +152,8 @@ pub(super) fn is_overdue_and_uneven(
     work.planned.is_some()
 }
 
-/// Looks at the ranks' loads if it is time for that, and plans other cut planes if they are uneven, given whether lists are rebuilt
-/// anyway. Collective.
+/// Checks the ranks' loads if it is time to do so, and plans other cut planes if the loads are uneven. With
+/// `rebuilt_anyway`, lists are rebuilt at this step in any case. Collective.
 fn look_at_loads(
     rebuilt_anyway: bool,
     state: &State,
@@ -207,7 +208,8 @@ fn distribute_gas(
     work.gas.distribute(&models.physics.gas, gas, particles, &layout, ranks)
 }
 
-/// A particle that moves a tenth of the smallest diameter in one step could pass through others.
+/// Checks the speeds: a particle that moves more than a tenth of the smallest diameter in one step could pass through
+/// others.
 fn check_speeds(
     particles: &Particles,
     limit: f64,

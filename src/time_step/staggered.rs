@@ -4,9 +4,9 @@ use crate::particles::kick;
 use crate::state::{Clock, Departed, SizeRange, State};
 use crate::timers::{Phase, Timers};
 
-/// A state whose velocities may be those of the half step before its time: the second half-kick of the last step is
-/// left to the next one, which does it together with its own first. While this holds the state, nobody sees velocities
-/// but through [`Staggered::synchronised`], which brings them to the time of the clock.
+/// A state whose velocities may belong to the half step before its time. The second half-kick of the last step is left
+/// to the next step, which does it together with its own first half-kick. While this value holds the state, velocities
+/// can be read only through [`Staggered::synchronised`], which brings them to the time of the clock.
 ///
 /// When it is dropped, the state is synchronised.
 #[derive(Debug)]
@@ -17,7 +17,7 @@ pub struct Staggered<'a> {
 }
 
 impl<'a> Staggered<'a> {
-    /// A state at the beginning of a step, all of it at one time.
+    /// A state at the beginning of a step; all of it belongs to one time.
     pub fn new(state: &'a mut State) -> Self {
         Self { state, kick_due: None }
     }
@@ -29,17 +29,17 @@ impl<'a> Staggered<'a> {
         self.state
     }
 
-    /// The time.
+    /// The clock.
     pub fn clock(&self) -> &Clock {
         &self.state.clock
     }
 
-    /// What has left the box.
+    /// Particles that have left the box.
     pub fn departed(&self) -> Departed {
         self.state.departed
     }
 
-    /// Sizes of the particles that the run began with.
+    /// Sizes of the particles with which the run began.
     pub fn sizes(&self) -> &SizeRange {
         &self.state.sizes
     }

@@ -1,4 +1,5 @@
-//! A block of pairs that may touch, component by component: filled from the particles, and its forces added to them.
+//! A block of pairs that may touch, component by component: it is filled from the particles, and its forces are added
+//! to them.
 
 use super::{ComingBlocks, FourVectors, Sizes, SizesOfPairs, overlaps_and_normals};
 use crate::contact::force_laws::PairLaws;
@@ -7,8 +8,8 @@ use crate::numbers::{F64x4, four, four_mut};
 use crate::particles::{Body, ForceTorque, LANES, Lanes};
 use nalgebra::Vector3;
 
-/// The pairs of a block, component by component: particles i and j in each lane. Four pairs at a time are gathered from the
-/// particles, and their forces added to them, in registers: only what the law is given and returns is stored.
+/// The pairs of a block, component by component: particles i and j in each lane. Four pairs at a time are gathered from
+/// the particles, and their forces are added to these, in registers: only the input and output of the law is stored.
 #[derive(Default)]
 #[repr(align(64))] // see `Lanes`
 pub(crate) struct ContactBlock {
@@ -16,14 +17,14 @@ pub(crate) struct ContactBlock {
     pub(crate) normal: [Lanes; 3],
     /// Relative velocity of the surfaces at the contact.
     pub(crate) relative_velocity: [Lanes; 3],
-    /// omega_j - omega_i; only if rolling is resisted.
+    /// omega_j - omega_i; set only if rolling is resisted.
     pub(crate) relative_spin: [Lanes; 3],
     pub(crate) cohesion: Lanes,
     pub(crate) normal_force: Lanes,
     pub(crate) tangential_force: [Lanes; 3],
-    /// Normal force that friction is proportional to.
+    /// Normal force to which friction is proportional.
     pub(crate) friction_normal: Lanes,
-    /// Torque on j; only if rolling is resisted.
+    /// Torque on j; set only if rolling is resisted.
     pub(crate) rolling_torque: [Lanes; 3],
     /// 1 where the bodies are in contact.
     pub(crate) touching: [u64; LANES],
@@ -36,7 +37,7 @@ pub(crate) struct FourForces<Q> {
     pub(crate) negative_torques: [FourVectors<Q>; 2],
 }
 
-/// A force that exceeds the limit or is undefined.
+/// A force that exceeds the limit or is undefined, with its pair.
 pub(crate) struct ExcessForce {
     pub(crate) lane: usize,
     pub(crate) force_on_j: Vector3<f64>,
@@ -45,7 +46,7 @@ pub(crate) struct ExcessForce {
 /// Requires the forces of four pairs, from lane `from` on, to be within a limit.
 ///
 /// # Errors
-/// The first that is not.
+/// The first force that is not within the limit.
 #[inline(always)]
 pub(crate) fn require_within<Q: F64x4>(
     forces: FourVectors<Q>,
@@ -59,7 +60,8 @@ pub(crate) fn require_within<Q: F64x4>(
 }
 
 impl ContactBlock {
-    /// Gathers the kinematics of pairs of bodies; their relative spin only if it is asked for. Fetches bodies of the next block.
+    /// Gathers the kinematics of pairs of bodies, and their relative spin only on request. Prefetches bodies of the
+    /// next block.
     #[inline(always)]
     pub(crate) fn gather<Q: F64x4, S: SizesOfPairs>(
         &mut self,
@@ -129,11 +131,11 @@ impl ContactBlock {
         FourForces { force_on_j, negative_torques: [of_i, of_j] }
     }
 
-    /// Adds forces and torques of the first `used` pairs to those of their bodies. Fetches those of the next block, and the pairs of
-    /// the one after it.
+    /// Adds forces and torques of the first `used` pairs to those of their bodies. Prefetches the forces of the next
+    /// block, and the pairs of the one after it.
     ///
     /// # Errors
-    /// If a force exceeds the limit or is undefined; those of the pairs before have been added.
+    /// If a force exceeds the limit or is undefined; the forces of the pairs before it have then been added.
     #[inline(always)]
     pub(crate) fn scatter<Q: F64x4, R: Rolling, S: Sizes>(
         &self,
@@ -169,7 +171,7 @@ impl ContactBlock {
     /// Copies the flags of pairs that touch.
     #[inline(always)]
     pub(crate) fn copy_touching(&self, touching: &mut [bool; LANES]) {
-        // All flags are read before one is written: else the compiler copies them one by one.
+        // All flags are read before one is written; otherwise the compiler would copy them one by one.
         *touching = self.touching.map(|flag| flag != 0);
     }
 }
@@ -188,7 +190,7 @@ mod tests {
         for lanes in [&block.overlap, x, y, z, &block.cohesion, &block.normal_force, force] {
             assert_eq!(lanes.as_ptr().addr() % CACHE_LINE, 0);
         }
-        // The control: by themselves they begin with any number.
+        // Control: plain arrays may begin at any number.
         assert_eq!(align_of::<Lanes>(), align_of::<f64>());
     }
 }

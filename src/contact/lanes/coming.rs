@@ -3,11 +3,12 @@
 use crate::numbers::{fetch_ahead, fetch_part_ahead};
 use crate::particles::{Body, ForceTorque, LANES, PairBlock};
 
-/// Parts in which the numbers of a block are fetched.
+/// Number of parts in which the numbers of a block are fetched.
 const PARTS: usize = LANES / 4;
 
-/// The two blocks after the present one. What they need is fetched bit by bit while the present one is evaluated: all at once would be
-/// more than a core can wait for at a time. First particles are not fetched, since they follow each other in memory.
+/// The two blocks after the present one. Their data are fetched in parts while the present block is evaluated: all at
+/// once would be more requests than a core can have pending. First particles are not fetched, since they follow each
+/// other in memory.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct ComingBlocks<'a> {
     next: Option<&'a PairBlock>,
@@ -40,7 +41,7 @@ impl<'a> ComingBlocks<'a> {
         }
     }
 
-    /// Fetches what the block after the next one holds of four lanes.
+    /// Fetches the data of four lanes of the block after the next.
     #[inline(always)]
     pub(crate) fn fetch_pairs(self, four: usize) {
         if let Some(block) = self.after_next {

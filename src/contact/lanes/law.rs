@@ -1,4 +1,4 @@
-//! A contact law on the pairs of a block.
+//! Evaluation of a contact law for the pairs of a block.
 //!
 //! The law is written for one contact and without branches; in the loop over lanes the compiler turns it into vector
 //! instructions. Every operation is an IEEE operation, rounded once, so that the width of the vectors changes no bit.
@@ -10,7 +10,7 @@ use crate::numbers::any_flagged;
 use crate::particles::{AngleLanes, ContactHistory, LANES, Lanes, SpringLanes};
 use nalgebra::Vector3;
 
-/// Lanes that are looked at together where surfaces slide: in a bed at rest one contact in a hundred does.
+/// Number of lanes that are checked together for sliding surfaces: in a bed at rest one contact in a hundred slides.
 const SLIDING_GROUP: usize = 8;
 
 /// The histories of the pairs of a block.
@@ -21,7 +21,7 @@ pub(crate) struct BlockHistories<'a> {
     pub(crate) twisting_angles: &'a mut Lanes,
 }
 
-/// The pairs of a block, and what their law needs besides.
+/// The pairs of a block, and the other data that their law needs.
 pub(crate) struct PairsOfBlock<'a, R, S> {
     pub(crate) rolling: R,
     pub(crate) sizes: &'a S,
@@ -31,8 +31,8 @@ pub(crate) struct PairsOfBlock<'a, R, S> {
     pub(crate) histories: BlockHistories<'a>,
 }
 
-/// Sets forces and rolling torques of all lanes, and advances the histories; also of lanes that only fill up the last block:
-/// their results are not used. Sliding is computed only where surfaces slide.
+/// Sets forces and rolling torques of all lanes, and advances the histories. Lanes that only fill up the last block are
+/// evaluated too; their results are not used. Sliding is computed only where surfaces slide.
 #[inline(always)]
 pub(crate) fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     law: &L,
@@ -47,7 +47,7 @@ pub(crate) fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
         let mut history = history_of(tangential_springs, largest_overlaps, lane);
         let touches = law.touches(&contact, &history);
         let (force, slides_here) = law.sticking_force(&contact, &mut history, dt);
-        // Whatever the law returned, bodies that are not in contact exert no force and have no history.
+        // Bodies that are not in contact exert no force and have no history, whatever the law returned.
         let if_touching = |value: f64| if touches { value } else { 0.0 };
         block.normal_force[lane] = if_touching(force.normal);
         for axis in 0..3 {
@@ -84,7 +84,7 @@ pub(crate) fn evaluate_lanes<L: ContactForceLaw, R: Rolling, S: Sizes>(
     }
 }
 
-/// Lets surfaces slide, where they do not stick, in a group of lanes from `first` on.
+/// Lets surfaces slide, where they do not stick, in the group of lanes that begins at `first`.
 #[inline(always)]
 fn slide_group<L: ContactForceLaw, S: Sizes>(
     law: &L,
@@ -114,7 +114,7 @@ struct SpinAngles {
     twisting: f64,
 }
 
-/// Torque on the second body by resistance to rolling and twisting.
+/// Torque on the second body due to resistance to rolling and twisting.
 #[inline(always)]
 fn spin_torque<L: ContactForceLaw, R: Rolling>(
     law: &L,

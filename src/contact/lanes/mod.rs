@@ -1,4 +1,4 @@
-//! Blocks of pairs side by side, in lanes, and contact laws on them.
+//! Blocks of pairs side by side, in lanes, and the evaluation of contact laws for them.
 
 mod block;
 mod coming;

@@ -5,13 +5,13 @@ use crate::particles::{Body, Lanes};
 
 /// Radii and masses of the pairs of a block.
 pub(crate) trait Sizes: Copy {
-    /// Whether the two bodies of every pair are equal.
+    /// Whether the two bodies of every pair are of equal size.
     const EQUAL: bool;
 
     /// Radii of the two bodies of four pairs, from lane `from` on.
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2];
 
-    /// What the law needs of a pair.
+    /// The sizes of a pair that the law needs.
     fn reduced(&self, lane: usize) -> ReducedSizes;
 }
 
@@ -46,7 +46,7 @@ impl ReducedSizes {
     }
 }
 
-/// All particles have one size: what follows from it is computed once, before the loop.
+/// Sizes for particles that are all equal: derived quantities are computed once, before the loop.
 #[derive(Clone, Copy)]
 pub(crate) struct OneSize {
     radius: f64,
@@ -85,7 +85,7 @@ impl SizesOfPairs for OneSize {
     }
 }
 
-/// Particles of different sizes.
+/// Sizes for particles of different sizes.
 #[derive(Clone, Copy, Default)]
 #[repr(align(64))] // see `Lanes`
 pub(crate) struct ManySizes {
@@ -123,7 +123,7 @@ impl SizesOfPairs for ManySizes {
     }
 }
 
-/// Particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
+/// Sizes for particles at a wall, which has infinite mass and radius: m* = m, R* = r, I* = I.
 #[derive(Clone, Copy, Default)]
 #[repr(align(64))] // see `Lanes`
 pub(crate) struct SizesAtWall {
@@ -134,7 +134,7 @@ pub(crate) struct SizesAtWall {
 impl Sizes for SizesAtWall {
     const EQUAL: bool = false;
 
-    /// The radius of the particle twice, as that of the wall would be infinite.
+    /// The radius of the particle twice, since that of the wall would be infinite.
     #[inline(always)]
     fn four_radii<Q: F64x4>(&self, from: usize) -> [Q; 2] {
         [Q::load(four(&self.radius, from)); 2]

@@ -6,12 +6,13 @@ use nalgebra::Vector3;
 
 /// The vectors of four pairs, component by component.
 ///
-/// Operations are those of [`Vector3`], in the same order: a pair has the same bits in a loop over lanes.
+/// Operations are those of [`Vector3`], in the same order: the results for a pair have the same bits as in a loop over
+/// lanes.
 #[derive(Clone, Copy)]
 pub(crate) struct FourVectors<Q>(pub(crate) [Q; 3]);
 
 impl<Q: F64x4> FourVectors<Q> {
-    /// The vectors that are the first three numbers of each row.
+    /// Vectors that consist of the first three numbers of each row.
     #[inline(always)]
     pub(crate) fn of_rows(rows: [Q; 4]) -> Self {
         let [x, y, z, _] = Q::transposed(rows);
@@ -37,7 +38,7 @@ impl<Q: F64x4> FourVectors<Q> {
         Self([Q::load(four(x, from)), Q::load(four(y, from)), Q::load(four(z, from))])
     }
 
-    /// Stores them, from lane `from` on.
+    /// Stores the vectors of four pairs, from lane `from` on.
     #[inline(always)]
     pub(crate) fn store(self, components: &mut [Lanes; 3], from: usize) {
         for (lanes, component) in components.iter_mut().zip(self.0) {
@@ -86,7 +87,7 @@ impl<Q: F64x4> FourVectors<Q> {
         Self([quantum.round_four(x), quantum.round_four(y), quantum.round_four(z)])
     }
 
-    /// The first vector of which the magnitude of a component exceeds a limit or is undefined, and its number.
+    /// The first vector with a component whose magnitude exceeds a limit or is undefined, and its number.
     #[inline(always)]
     pub(crate) fn first_beyond(self, limit: f64) -> Option<(usize, Vector3<f64>)> {
         let (Self([x, y, z]), limit) = (self, Q::splat(limit));
@@ -112,7 +113,7 @@ pub(crate) fn overlap_and_normal(
     (radius_i + radius_j - distance, branch_vector * (1.0 / distance))
 }
 
-/// The same of four pairs, with the same bits.
+/// Overlaps and unit vectors of four pairs, with the same bits as those of [`overlap_and_normal`].
 #[inline(always)]
 pub(crate) fn overlaps_and_normals<Q: F64x4>(
     branch_vector: FourVectors<Q>,
@@ -136,7 +137,7 @@ mod tests {
     use proptest::prelude::*;
 
     vectorised!(
-        /// Overlaps and normals of four pairs, and what is made of their normals and other vectors.
+        /// Overlaps and normals of four pairs, and results of operations on their normals and other vectors.
         fn of_four_pairs<Q: F64x4>(
             branch_vectors: [[f64; 4]; 4],
             others: [[f64; 4]; 4],
@@ -184,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Numbers that are not defined may have any bits.
+    /// Compares bits; undefined numbers may have any.
     fn same_bits<const N: usize>(ones: [f64; N], others: [f64; N]) -> Result<(), TestCaseError> {
         let bits = |number: f64| if number.is_nan() { 0 } else { number.to_bits() };
         prop_assert_eq!(ones.map(bits), others.map(bits));

@@ -76,15 +76,15 @@ const LIU_PRIMARY_DIAMETER: f64 = 20.0e-9;
 /// F = -F_0 - k_c\, \delta, \qquad k_c = \frac{F_0}{d_{NP} - F_0 / k_\text{unload}},
 /// ```
 ///
-/// so the force of a contact is the larger of the unloading line and this one. A contact that is loaded again from it
-/// follows the unloading line through the present point, delta_max being lowered accordingly
-/// ([`Reloading::FromLimit`]), or goes back along it ([`Reloading::AlongLimit`]). With d_NP <= F0 / k_unload the line
+/// so the force of a contact is the larger of the unloading line and this one. A contact that is loaded again from this
+/// line either follows the unloading line through the present point, with delta_max lowered accordingly
+/// ([`Reloading::FromLimit`]), or returns along it ([`Reloading::AlongLimit`]). If d_NP <= F0 / k_unload, the line
 /// is never reached, and the force falls along the unloading line until the spheres separate. Without F0 there is no
 /// attraction.
 ///
-/// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with
-/// eta_n = 2 sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, eta_t of the same form in k_t
-/// and (2/7) m*, at most mu_f |F_n + F0|, so that a contact held by adhesion alone still resists sliding
+/// F0 is the same for all sizes: it is the force of the primary particles that meet. F_n = F - eta_n v_n with eta_n = 2
+/// sqrt(m* k_load) |ln e| / sqrt(pi^2 + ln^2 e). F_t = -k_t s - eta_t v_t, with eta_t of the same form in k_t and (2/7)
+/// m*. It is at most mu_f |F_n + F0|, so that a contact held by adhesion alone still resists sliding
 /// ([`FrictionCap::Contact`]), or at most mu_f |F_n| ([`FrictionCap::Net`]).
 ///
 /// ```
@@ -153,12 +153,12 @@ impl AdhesiveElasticPlastic {
         Ok(Self { hysteresis: Hysteresis::new(&parameters, limit)?, attraction, primary_diameter })
     }
 
-    /// With another limit of friction; `new` gives [`FrictionCap::Contact`].
+    /// This law with another limit of friction; `new` gives [`FrictionCap::Contact`].
     pub fn with_friction_cap(self, friction_cap: FrictionCap) -> Self {
         Self { hysteresis: self.hysteresis.with_friction_cap(friction_cap), ..self }
     }
 
-    /// With another way back from the limit of adhesion; `new` gives [`Reloading::FromLimit`].
+    /// This law with another kind of reloading from the limit of adhesion; `new` gives [`Reloading::FromLimit`].
     pub fn with_reloading(self, reloading: Reloading) -> Self {
         Self { hysteresis: self.hysteresis.with_reloading(reloading), ..self }
     }
@@ -195,7 +195,7 @@ impl ContactForceLaw for AdhesiveElasticPlastic {
         self.hysteresis.slide(history, force);
     }
 
-    /// Energy of the springs, and -F0 delta of the attraction.
+    /// Energy of the springs, and -F0 delta for the attraction.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         let springs = self.hysteresis.stored_energy(contact.overlap, history);
         StoredInContact { normal: springs.normal - self.attraction * contact.overlap, ..springs }
@@ -264,7 +264,7 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
         Some(law.map(|law| law.with_friction_cap(cap).with_reloading(reloading)))
     }
 
-    /// The part that is flattened, d_NP, stays with the adhesion.
+    /// The flattened length d_NP is kept, as the adhesion is.
     fn stiffened(&self, factor: f64) -> Self {
         let unloading = factor * self.hysteresis.unloading_stiffness();
         let limit = adhesion_stiffness(self.attraction, self.primary_diameter, unloading);
@@ -291,7 +291,7 @@ impl RegisteredContactLaw for AdhesiveElasticPlastic {
         Self { hysteresis, attraction, primary_diameter }
     }
 
-    /// With the limit of adhesion, without it, and with what Liu et al. print taken literally.
+    /// Laws with the limit of adhesion, without it, and with the formula printed by Liu et al. taken literally.
     fn examples(scales: ExampleScales) -> Vec<Self> {
         let parameters = HystereticParameters::example(scales);
         let attraction = 0.3 * scales.stiffness * scales.overlap;

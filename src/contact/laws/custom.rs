@@ -4,10 +4,10 @@ use super::ContactLaw;
 use crate::contact::BlockLaw;
 use std::sync::Arc;
 
-/// A contact law that the crate does not know by its type.
+/// A contact law whose type is not known to the crate.
 ///
-/// It is compiled into the loop over pairs, for every instruction set, as the laws of the registry are: mark its `force` and
-/// `touches` `#[inline(always)]`.
+/// It is compiled into the loop over pairs, for every instruction set, like the laws of the registry: mark its `force`
+/// and `touches` as `#[inline(always)]`.
 #[derive(Clone, Debug)]
 pub struct CustomContactLaw {
     name: Arc<str>,
@@ -25,7 +25,7 @@ impl CustomContactLaw {
     }
 }
 
-/// Two are equal if they are the same law, not only alike: its parameters are not known here.
+/// Two are equal if they are the same object; equal parameters do not suffice, since they are not known here.
 impl PartialEq for CustomContactLaw {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name && Arc::ptr_eq(&self.law, &other.law)

@@ -31,8 +31,9 @@ use crate::schema::Key;
 /// \end{aligned}
 /// ```
 ///
-/// with a = sqrt(R* delta) the radius of contact, s the tangential displacement, and S the stiffness S_n or S_t. While a contact is loaded, the tangential force of its spring
-/// is kept; while it is unloaded, that force falls with S_t: no cycle creates energy.
+/// with a = sqrt(R* delta) the radius of contact, s the tangential displacement, and S the stiffness S_n or S_t. While
+/// a contact is loaded, the tangential force of its spring is kept; while it is unloaded, that force falls with S_t, so
+/// that no cycle creates energy.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -73,7 +74,7 @@ impl HertzMindlin {
     }
 }
 
-/// Contact radius a = sqrt(R* delta), 0 where the spheres are apart.
+/// Contact radius a = sqrt(R* delta), 0 if the spheres are separated; length.
 #[inline(always)]
 fn contact_radius(overlap: f64, reduced_radius: f64) -> f64 {
     (reduced_radius * if overlap > 0.0 { overlap } else { 0.0 }).sqrt()
@@ -100,7 +101,7 @@ impl ContactForceLaw for HertzMindlin {
         ContactForce { normal, tangential, friction_normal }
     }
 
-    /// (2/5) F_n delta of the elastic force and (S_t / 2) s^2.
+    /// Energies (2/5) F_n delta of the elastic force and (S_t / 2) s^2 of the tangential spring.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         let Contact { overlap, reduced_radius, .. } = *contact;
         let radius = contact_radius(overlap, reduced_radius);

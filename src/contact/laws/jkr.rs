@@ -45,12 +45,12 @@ const SURFACE_ENERGY: Key = Key::number(
 /// \delta = \frac{c^4}{R^*} (s^4 - s), \qquad F = 8 \pi \gamma R^* \left( \tfrac{2}{3} s^6 - s^3 \right)
 /// ```
 ///
-/// A contact forms at an overlap above 0, where it pulls with 8/9 of the pull-off force F_c = 3 pi gamma R* at once
-/// (s = 1). Beyond, a neck joins the spheres: the attraction is largest, F_c, at s^3 = 3/4, and the neck breaks at
-/// the largest separation that it can span, s^3 = 1/4, where it pulls with 5/9 F_c.
+/// A contact forms at an overlap above 0, where it immediately pulls with 8/9 of the pull-off force F_c = 3 pi gamma R*
+/// (s = 1). On separation a neck joins the spheres: the attraction is largest, F_c, at s^3 = 3/4, and the neck breaks
+/// at the largest separation that it can span, s^3 = 1/4, where it pulls with 5/9 F_c.
 ///
-/// Dashpots and tangential spring as in [`HertzMindlin`](super::HertzMindlin) with this a; friction is at most mu |F_n + 2 F_c|
-/// (Thornton 1991).
+/// Dashpots and tangential spring are those of [`HertzMindlin`](super::HertzMindlin) with this a; friction is at most
+/// mu |F_n + 2 F_c| (Thornton 1991).
 ///
 /// ```
 /// use talcum::contact::{ContactForceLaw, ContactModuli, Jkr};
@@ -67,9 +67,9 @@ pub struct Jkr {
     root: f64,
 }
 
-/// s where the neck breaks, s^3 = 1/4.
+/// Value of s at which the neck breaks, s^3 = 1/4.
 const BREAKING: f64 = 0.629_960_524_947_436_6;
-/// The separation there, over c^4 / R*: 3/4 s.
+/// The separation at that point, over c^4 / R*: 3/4 s.
 const LARGEST_SEPARATION: f64 = 0.75 * BREAKING;
 /// Newton steps: they converge quadratically, from at most 1.6 times the root, to the last digit.
 const NEWTON_STEPS: usize = 6;
@@ -77,7 +77,7 @@ const NEWTON_STEPS: usize = 6;
 /// The larger s with s^4 - s = y, for y >= -3/4 2^(-2/3).
 ///
 /// With s = s_0 + z, s_0^3 = 1/4, and t = y - y_0: z^2 (z^2 + 4 s_0 z + 6 s_0^2) = t, whose root is smooth in sqrt(t)
-/// also where the neck breaks. z sqrt(z^2 + ...) is convex, so that Newton's steps from above do not overshoot.
+/// even where the neck breaks. z sqrt(z^2 + ...) is convex, so that Newton's steps from above do not overshoot.
 #[inline(always)]
 fn neck(y: f64) -> f64 {
     let (linear, constant) = (4.0 * BREAKING, 6.0 * BREAKING * BREAKING);
@@ -120,7 +120,7 @@ impl Jkr {
         3.0 * PI * self.surface_energy * reduced_radius
     }
 
-    /// Energy of a neck at s, over that at its break.
+    /// Energy of a neck at s, relative to that at its break.
     fn neck_energy(&self, s: f64, scale: f64) -> f64 {
         let integral = |s: f64| {
             let (fourth, cube) = (s.powi(4), s.powi(3));
@@ -170,8 +170,8 @@ impl ContactForceLaw for Jkr {
         ContactForce { normal, tangential, friction_normal }
     }
 
-    /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with
-    /// G = 2 s^7 / 3 - s^4 / 4 - 4 s^10 / 15, and (S_t / 2) s_t^2.
+    /// The integral of F over delta from the break of the neck on, -8 pi gamma c^4 [G(s) - G(s_b)] with G = 2 s^7 / 3 -
+    /// s^4 / 4 - 4 s^10 / 15, and (S_t / 2) s_t^2.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         let scale = self.scale(contact.reduced_radius);
         let s = neck(contact.overlap / self.overlap_scale(scale));
@@ -180,7 +180,8 @@ impl ContactForceLaw for Jkr {
         StoredInContact { normal, tangential: self.elastic.tangential_energy(radius, history) }
     }
 
-    /// Besides dashpots and friction: a contact that forms has the energy of its neck at once, without work of the bodies.
+    /// In addition to dashpots and friction, the work of formation: a new contact has the energy of its neck at once,
+    /// without work of the bodies.
     fn work(&self, step: &ContactStep<'_>) -> ContactWork {
         let scale = self.scale(step.contact.reduced_radius);
         let overlaps = [step.overlap_before(), step.contact.overlap];
@@ -192,7 +193,7 @@ impl ContactForceLaw for Jkr {
         self.elastic.work(step, radii) + ContactWork { adhesion, ..ContactWork::default() }
     }
 
-    /// The spheres are in contact at an overlap, or while a neck that formed at one joins them.
+    /// The spheres are in contact if they overlap, or while a neck joins them that formed when they did.
     #[inline(always)]
     fn touches(&self, contact: &Contact, history: &ContactHistory) -> bool {
         let spanned = contact.overlap > -self.contact_range(contact.reduced_radius);

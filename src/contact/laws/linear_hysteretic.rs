@@ -31,16 +31,17 @@ const ADHESION_STIFFNESS: Key =
 /// \end{aligned}
 /// ```
 ///
-/// On the last line delta_max is lowered, so that a contact that is loaded again follows k_2. k_1 is the loading stiffness, k_2 the unloading one, k_c the stiffness of adhesion. Dashpots as in
+/// On the last line delta_max is lowered, so that a contact that is loaded again follows k_2. k_1 is the loading
+/// stiffness, k_2 the unloading stiffness and k_c the adhesion stiffness. Dashpots are those of
 /// [`AdhesiveElasticPlastic`](super::AdhesiveElasticPlastic); friction is at most mu |F_n + k_c delta|.
 ///
-/// Without dashpot,
+/// Without a dashpot,
 ///
 /// ```math
 /// e^2 = \frac{k_1}{k_2} - \frac{k_c (k_2 - k_1)^2}{k_1 k_2 (k_2 + k_c)};
 /// ```
 ///
-/// spheres stick where that is negative.
+/// spheres stick if this is negative.
 ///
 /// ```
 /// use talcum::contact::{ContactForceLaw, HystereticParameters, LinearHysteretic};

@@ -51,12 +51,12 @@ const FRICTION_CAP: Key =
 /// F_n acts along the normal, delta is the overlap, v_n > 0 if the bodies separate, m* the reduced mass and e the
 /// restitution; F_s acts against the tangential displacement delta_s since the contact began.
 ///
-/// The spring is projected onto the tangent plane; where it slides, it is shortened to the length that gives exactly
-/// the limit. The dashpot may pull just before separation: if it were clipped, the restitution would not be the one
-/// that is given.
+/// The spring is projected onto the tangent plane; when it slides, it is shortened to the length that gives exactly the
+/// limit. The dashpot may pull just before separation: if it were clipped, the restitution would differ from the given
+/// one.
 ///
-/// There is no tangential dashpot, and the elastic force alone is compared with the limit: another slider, with other
-/// roundings, than that of the other laws.
+/// There is no tangential dashpot, and only the elastic force is compared with the limit: this slider, and its
+/// rounding, differ from those of the other laws.
 ///
 /// ```
 /// use nalgebra::Vector3;
@@ -110,7 +110,7 @@ impl LinearSpringDashpot {
         Ok(Self { normal_stiffness, tangential_stiffness, friction, friction_cap, damping_factor })
     }
 
-    /// Tangential stiffness k_t = 2 k_n (1 - nu) / (2 - nu) of a body of Poisson's ratio nu.
+    /// Tangential stiffness k_t = 2 k_n (1 - nu) / (2 - nu) of a body with Poisson's ratio nu.
     pub fn tangential_stiffness_of(normal_stiffness: f64, poisson_ratio: f64) -> f64 {
         2.0 * normal_stiffness * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
     }
@@ -163,13 +163,13 @@ impl ContactForceLaw for LinearSpringDashpot {
         let mut spring = history.tangential_spring;
         let (limit, pull_squared) =
             (self.friction * force.friction_normal, self.pull_squared(&spring));
-        // A factor of 1 instead of a branch: contacts are evaluated side by side in vector lanes.
+        // A factor of 1 is used instead of a branch: contacts are evaluated side by side in vector lanes.
         spring *= if pull_squared > limit * limit { limit / pull_squared.sqrt() } else { 1.0 };
         history.tangential_spring = spring;
         force.tangential = spring * -self.tangential_stiffness;
     }
 
-    /// (k_n / 2) delta^2 and (k_t / 2) s^2.
+    /// Energies (k_n / 2) delta^2 and (k_t / 2) s^2.
     fn stored_energy(&self, contact: &Contact, history: &ContactHistory) -> StoredInContact {
         StoredInContact {
             normal: 0.5 * self.normal_stiffness * contact.overlap.powi(2),

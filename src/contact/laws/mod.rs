@@ -18,8 +18,8 @@ pub use registered::{
     Adhesion, ContactLawValues, ExampleScales, FRICTION, RESTITUTION, RegisteredContactLaw,
 };
 
-// The name of the file is the name of the law in a case. From these lines follow the enum `ContactLaw`, its dispatch in
-// and outside the loop over pairs, the names that a case can choose from, the laws that the tests run over, and the table
+// The name of the file is the name of the law in a case. These lines define the enum `ContactLaw`, its dispatch in and
+// outside the loop over pairs, the names that a case can choose from, the laws that the tests run over, and the table
 // in docs/laws.md.
 contact_laws! {
     linear_spring_dashpot::LinearSpringDashpot,

@@ -1,4 +1,4 @@
-//! What follows from the lines of the registry of contact laws.
+//! Definitions generated from the lines of the registry of contact laws.
 
 /// Defines [`ContactLaw`](super::ContactLaw) from `file::Type` lines.
 macro_rules! contact_laws {
@@ -37,8 +37,8 @@ macro_rules! contact_laws {
                 )
             ),*];
 
-            /// The law of a name and of the values of its keys; `None` if there is none of this name, or a value is missing
-            /// or wrong.
+            /// The law with a given name and the values of its keys; `None` if there is none of this name, or a value
+            /// is missing or wrong.
             pub fn from_keys(
                 name: &str,
                 values: &dyn $crate::contact::ContactLawValues,
@@ -52,7 +52,7 @@ macro_rules! contact_laws {
                 None
             }
 
-            /// The adhesion of the law of a name; `None` if there is none of this name.
+            /// The adhesion of the law with a given name; `None` if there is none of this name.
             pub fn adhesion_of(name: &str) -> Option<$crate::contact::Adhesion> {
                 $(
                     if name == stringify!($file) {
@@ -62,7 +62,7 @@ macro_rules! contact_laws {
                 None
             }
 
-            /// What the case file calls the law; of a law from outside the crate, the name that it was given.
+            /// Name of the law in the case file; for a law from outside the crate, its given name.
             pub fn name(&self) -> &str {
                 match self {
                     $(Self::$Law(_) => stringify!($file),)*
@@ -70,8 +70,8 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// Power n of the overlap that the normal force of first loading is proportional to; 1 for a law from outside the
-            /// crate, which does not give it.
+            /// Exponent n of the overlap to which the normal force of first loading is proportional; 1 for a law from
+            /// outside the crate, which does not give it.
             pub fn overlap_exponent(&self) -> f64 {
                 match self {
                     $(Self::$Law(_) => <$Law as $crate::contact::RegisteredContactLaw>::OVERLAP_EXPONENT,)*
@@ -79,8 +79,8 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law of bodies whose stiffnesses are larger by a factor, with the same adhesion; `None` of a law from
-            /// outside the crate.
+            /// This law for bodies whose stiffnesses are larger by a factor, with the same adhesion; `None` for a law
+            /// from outside the crate.
             pub fn stiffened(&self, factor: f64) -> Option<Self> {
                 use $crate::contact::RegisteredContactLaw;
                 match self {
@@ -89,8 +89,8 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law with its own adhesion so that the work of separation is that of bodies `reduction` times as stiff. A law
-            /// from outside the crate stays as it is.
+            /// This law with its own adhesion scaled such that the work of separation is that of bodies `reduction`
+            /// times as stiff. A law from outside the crate is unchanged.
             #[must_use]
             pub fn keeping_work(&self, reduction: f64) -> Self {
                 use $crate::contact::RegisteredContactLaw;
@@ -100,7 +100,7 @@ macro_rules! contact_laws {
                 }
             }
 
-            /// The law of parcels. A law from outside the crate stays as it is.
+            /// This law for parcels. A law from outside the crate is unchanged.
             #[must_use]
             pub fn coarse_grained(&self, parcels: &$crate::contact::CoarseGraining) -> Self {
                 use $crate::contact::RegisteredContactLaw;
@@ -120,7 +120,7 @@ macro_rules! contact_laws {
                 examples
             }
 
-            /// The law by its type, for blocks of pairs and for single contacts.
+            /// The law through its type, for blocks of pairs and for single contacts.
             pub(crate) fn as_block_law(&self) -> &dyn $crate::contact::BlockLaw {
                 match self {
                     $(Self::$Law(law) => law,)*
@@ -130,7 +130,7 @@ macro_rules! contact_laws {
         }
 
         impl $crate::contact::ContactForceLaw for ContactLaw {
-            // By type: measures and the ledger of energies evaluate all contacts, one by one.
+            // The match is by type, since measures and the energy ledger evaluate all contacts one by one.
             #[inline(always)]
             fn force(
                 &self,

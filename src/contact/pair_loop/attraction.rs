@@ -5,7 +5,7 @@ use crate::contact::van_der_waals::{Attraction, Full, NearContact, Rough};
 use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::particles::{LANES, Lanes};
 
-/// Sets the attraction of all pairs, if there is any; that of rough particles only with `EXTRAS`.
+/// Sets the attraction of all pairs, if there is any; the attraction of rough particles only with `EXTRAS`.
 #[inline(always)]
 pub(super) fn attract<S: SizesOfPairs, const EXTRAS: bool>(
     block: &mut ContactBlock,
@@ -27,7 +27,8 @@ pub(super) fn attract<S: SizesOfPairs, const EXTRAS: bool>(
 
 #[inline(always)]
 fn attract_by<A: Attraction, S: SizesOfPairs>(attraction: A, block: &mut ContactBlock, sizes: &S) {
-    // Nearly all pairs of a dense bed touch. Below the cut-off the attraction of equal pairs is the same for all.
+    // Nearly all pairs of a dense bed touch. Below the cut-off the attraction is the same for all pairs of equal
+    // particles.
     if S::EQUAL && none_beyond(attraction.cut_off(), &block.overlap) {
         let [radius_i, radius_j] = sizes.radii(0);
         block.cohesion = [attraction.between(radius_i, radius_j, 0.0); LANES];

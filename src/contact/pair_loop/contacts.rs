@@ -13,18 +13,19 @@ use crate::contact::{ContactForceLaw, ContactModel, RollingKind};
 use crate::numbers::{F64x4, vectorised};
 use crate::particles::{ContactColumns, LANES, PairBlock, PairBlocks, Particles};
 
-/// Pairs that may touch, and what acts between them. With `EXTRAS`, resistance to twisting and asperities are known too: they
-/// have a loop of their own, so that the common one stays small.
+/// Pairs that may touch, and the laws between them. With `EXTRAS`, resistance to twisting and asperities are included;
+/// they have a loop of their own, so that the common one stays small.
 pub struct ContactLoop<'a, const EXTRAS: bool> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairBlocks,
-    /// Radius and mass, if all particles have the same.
+    /// Radius and mass, if they are the same for all particles.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) laws: PairLaws<'a>,
 }
 
 vectorised!(
-    /// Adds the forces and torques of pairs that may touch. Chooses how rolling and twisting are resisted.
+    /// Adds the forces and torques of pairs that may touch. Selects the loop for the kind of resistance to rolling and
+    /// twisting.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -52,7 +53,7 @@ vectorised!(
 );
 
 impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
-    /// Chooses whether all particles have one size.
+    /// Selects the loop for particles of one size or of different sizes.
     #[inline(always)]
     fn with_sizes<Q: F64x4, L: ContactForceLaw, R: Rolling>(
         self,
@@ -103,7 +104,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
                 PairsOfBlock { rolling, sizes: sizes_now, dt, block: &mut block, histories };
             evaluate_lanes(law, of_block);
             if any_is_set(&no_overlaps) {
-                // The first contacts of a law that keeps largest overlaps.
+                // The first contacts of a law that keeps largest overlaps need room for these.
                 largest_overlap.resize(count.div_ceil(LANES), [0.0; LANES]);
                 std::mem::swap(&mut largest_overlap[index], &mut no_overlaps);
             }
@@ -120,7 +121,7 @@ impl<const EXTRAS: bool> ContactLoop<'_, EXTRAS> {
     }
 }
 
-/// Whether a number has other bits than zero.
+/// Whether a number has bits other than those of zero.
 #[inline(always)]
 fn any_is_set(numbers: &[f64; LANES]) -> bool {
     numbers.iter().fold(0, |bits, number| bits | number.to_bits()) != 0

@@ -10,7 +10,7 @@ use crate::particles::{Contacts, InnerList, PairGroup, Particles};
 pub(crate) use contacts::{ContactLoop, add_contacts};
 use separated::{SeparatedPairs, SeparatedReach, attract_candidates};
 
-/// Makes sure that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
+/// Ensures that all pairs within the ranges of the laws are known, before those of one group or of both are evaluated.
 ///
 /// Before: ghosts are current, unless the inner list is valid.
 pub(crate) fn prepare_pairs(particles: &Particles, contacts: &mut Contacts, laws: &ForceLaws) {
@@ -22,7 +22,7 @@ pub(crate) fn prepare_pairs(particles: &Particles, contacts: &mut Contacts, laws
 /// their particles.
 ///
 /// # Errors
-/// As [`add_contact_forces`].
+/// The errors of [`add_contact_forces`].
 pub(crate) fn find_contacts(
     particles: &mut Particles,
     contacts: &mut Contacts,
@@ -40,15 +40,15 @@ pub(crate) fn find_contacts(
 
 /// Adds the forces and torques of the contacts of a group to both their particles.
 ///
-/// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation
-/// -delta, particle j feels (F_n - F_c) n + F_t and the torque -r_j n x F_t, particle i the negative force and
-/// -r_i n x F_t. Every contribution is rounded to a multiple of a quantum before it is added: the
-/// sums are exact, so neither the order of pairs nor the rank that evaluates one changes a bit.
+/// With n the unit vector from particle i to j, delta the overlap and F_c the attraction at separation -delta, the
+/// force on particle j is (F_n - F_c) n + F_t and its torque -r_j n x F_t; particle i receives the negative force and
+/// -r_i n x F_t. Every contribution is rounded to a multiple of a quantum before it is added: the sums are exact, so
+/// neither the order of pairs nor the rank that evaluates one changes a bit.
 ///
 /// Before: forces are sums of multiples of the quantum; ghosts of the group are current.
 ///
 /// # Errors
-/// If a force exceeds the limit or is undefined; the first such pair of this rank.
+/// If a force exceeds the limit or is undefined; the error names the first such pair of this rank.
 pub(crate) fn add_contact_forces(
     particles: &mut Particles,
     contacts: &mut Contacts,

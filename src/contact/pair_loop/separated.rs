@@ -1,4 +1,4 @@
-//! The loop over separated pairs that attract each other: it needs little of what a contact needs.
+//! The loop over separated pairs that attract each other, which needs only a small part of the data of a contact.
 
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
 use crate::contact::lanes::{
@@ -10,17 +10,17 @@ use crate::contact::{CohesionExpression, VanDerWaalsNow};
 use crate::numbers::{F64x4, fetch_ahead, first_flagged, four, four_mut, vectorised};
 use crate::particles::{Candidates, ForceTorque, LANES, Lanes, Pair, PairsOfKind, Particles};
 
-/// Candidate pairs, and what acts between them.
+/// Candidate pairs, and the attraction between them.
 pub(super) struct SeparatedPairs<'a> {
     pub(super) particles: &'a mut Particles,
     pub(super) pairs: &'a mut PairsOfKind,
-    /// Radius and mass, if all particles have the same.
+    /// Radius and mass, if they are the same for all particles.
     pub(super) one_size: Option<[f64; 2]>,
     pub(super) reach: SeparatedReach,
     pub(super) laws: PairLaws<'a>,
 }
 
-/// What acts between separated surfaces.
+/// The attraction between separated surfaces, with its ranges.
 #[derive(Clone, Copy)]
 pub(super) struct SeparatedReach {
     pub(super) cohesion: VanDerWaalsNow,
@@ -29,8 +29,8 @@ pub(super) struct SeparatedReach {
 }
 
 vectorised!(
-    /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would. Finds
-    /// those that have come within the range of contacts, and leaves them to that loop.
+    /// Adds the attraction of the candidate pairs to the forces on their particles, as the loop over contacts would.
+    /// Finds the pairs that have come within the range of contacts, and leaves them to that loop.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -96,7 +96,7 @@ struct SeparatedBlock {
 }
 
 impl SeparatedBlock {
-    /// Gathers overlaps and normals of pairs, and fetches bodies of those that come.
+    /// Gathers overlaps and normals of pairs, and prefetches bodies of later ones.
     #[inline(always)]
     fn gather<Q: F64x4, S: SizesOfPairs>(
         &mut self,
@@ -139,7 +139,7 @@ impl SeparatedBlock {
         }
     }
 
-    /// Collects the numbers of those of the first `used` pairs that are within the range of contacts.
+    /// Collects the numbers of the pairs, among the first `used`, that are within the range of contacts.
     #[inline(always)]
     fn collect_in_contact_range(&self, number: usize, used: usize, to_promote: &mut Vec<u32>) {
         if let Some(first) = first_flagged(&self.in_contact_range) {
@@ -148,7 +148,7 @@ impl SeparatedBlock {
         }
     }
 
-    /// Adds the forces of pairs, rounded, and fetches those of the ones that come.
+    /// Adds the forces of pairs, rounded, and prefetches those of later ones.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.

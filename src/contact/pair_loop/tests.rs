@@ -1,4 +1,5 @@
-//! A list that lives for many steps gives the forces of one that is made at each, and loops for one size those of loops for many.
+//! Pair lists that last for many steps give the forces of lists rebuilt at each step, and loops for one size give those
+//! of loops for many.
 
 use super::*;
 use crate::contact::{
@@ -44,8 +45,8 @@ fn forces(
     particles.forces.clone()
 }
 
-/// The first step of 3000 at which a list that lives for long, and is given this share of the displacements, gives other
-/// forces than one that is rebuilt; none if it never does.
+/// The first of 3000 steps at which a long-lived list that is informed of this share of the displacements gives other
+/// forces than a rebuilt one; `None` if it never does.
 fn first_difference(share: f64) -> Option<usize> {
     let attraction =
         VanDerWaals::square(&Schedule::Constant(10.0), &Schedule::Constant(0.0), 0.3, 0.02);
@@ -81,7 +82,7 @@ fn a_list_that_lives_for_many_steps_gives_the_forces_of_a_new_one() {
     assert!(first_difference(0.2).is_some(), "a control: what has moved must be given");
 }
 
-/// Forces of some steps in which spheres move and spin, by the loop for one size or by that for many.
+/// Forces of some steps in which spheres move and spin, by the loop for one size or by the loop for many.
 fn forces_of_steps(model: &ContactModel, one_size: bool) -> Vec<Vec<ForceTorque>> {
     let contact = ByPair::of_all(model.clone());
     let laws = ForceLaws {

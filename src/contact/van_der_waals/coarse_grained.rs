@@ -1,10 +1,10 @@
-//! Attractions of parcels.
+//! Attraction of parcels.
 
 use super::{CohesionExpression, VanDerWaals};
 use crate::contact::CoarseGraining;
 
 impl VanDerWaals {
-    /// The attraction of parcels: at l times the separation that of their particles times the factor of forces.
+    /// The attraction of parcels: at l times the separation it is that of their particles times the factor of forces.
     #[must_use]
     pub fn coarse_grained(&self, parcels: &CoarseGraining) -> Self {
         let constant = parcels.energy();

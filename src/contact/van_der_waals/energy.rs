@@ -24,7 +24,8 @@ impl VanDerWaalsNow {
         self.energy(plateau, tail, separation)
     }
 
-    /// Of a force that is `plateau` up to the cut-off, and whose work from a separation beyond on is `tail`.
+    /// Energy for a force that is `plateau` up to the cut-off, and whose work from a larger separation outwards is
+    /// `tail`.
     fn energy(&self, plateau: f64, tail: impl Fn(f64) -> f64, separation: f64) -> f64 {
         if separation > self.range {
             return 0.0;
@@ -44,7 +45,7 @@ impl VanDerWaalsNow {
     }
 }
 
-/// Hamaker's energy over A of two spheres: -1/6 [2 r1 r2 / p + 2 r1 r2 / q + ln(p / q)].
+/// Hamaker's energy of two spheres, divided by A: -1/6 [2 r1 r2 / p + 2 r1 r2 / q + ln(p / q)].
 pub(super) fn hamaker_energy(r1: f64, r2: f64, s: f64) -> f64 {
     let p = s * (s + 2.0 * (r1 + r2));
     let q = p + 4.0 * r1 * r2;

@@ -1,4 +1,4 @@
-//! The expressions of the attraction: force over separation.
+//! Expressions for the attraction as a function of the separation.
 
 use super::VanDerWaalsNow;
 
@@ -9,8 +9,9 @@ pub enum CohesionExpression {
     NearContact,
     /// Hamaker's expression for two spheres at any separation.
     Full,
-    /// Near contact of rough spheres: A r / (12 s^2) [a / (a + r) + (s / (s + a))^2]. A hemispherical asperity of radius a
-    /// stands between the surfaces; the first term is its attraction, the second that of the spheres behind it (Rumpf).
+    /// Near contact of rough spheres: A r / (12 s^2) [a / (a + r) + (s / (s + a))^2]. A hemispherical asperity of
+    /// radius a stands between the surfaces; the first term is its attraction, the second that of the spheres behind it
+    /// (Rumpf).
     Rough {
         /// Radius a of the asperities.
         asperity_radius: f64,
@@ -18,8 +19,8 @@ pub enum CohesionExpression {
 }
 
 impl CohesionExpression {
-    /// Force on rough spheres, or on a rough sphere and a wall, over that on smooth ones, at a separation s; r = 2 r_i r_j
-    /// / (r_i + r_j), at a wall the radius of the sphere. 1 if they are smooth.
+    /// Ratio of the force on rough spheres, or on a rough sphere and a wall, to that on smooth ones, at a separation s;
+    /// r = 2 r_i r_j / (r_i + r_j), or the radius of the sphere at a wall. It is 1 if they are smooth.
     ///
     /// ```
     /// use talcum::contact::CohesionExpression::{NearContact, Rough};
@@ -112,7 +113,7 @@ impl Attraction for Rough {
     }
 }
 
-/// Force over Hamaker constant (Moon 2006 eq. (4)):
+/// Force divided by the Hamaker constant (Moon 2006 eq. (4)):
 ///
 /// ```math
 /// \frac{2 r_1 r_2 (s + r_1 + r_2)}{3 p^2} \left[ \frac{p}{p + 4 r_1 r_2} - 1 \right]^2, \qquad p = s (s + 2 r_1 + 2 r_2)

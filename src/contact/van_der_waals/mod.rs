@@ -24,14 +24,14 @@ pub(crate) use expression::{Attraction, Full, NearContact, Rough};
 use crate::numbers::Schedule;
 
 /// Van der Waals attraction. Below the separation `cut_off`, contact included, the force is that at `cut_off`; beyond
-/// the separation `range` there is none. If the two are the same, it is a square force: constant up to its range.
+/// the separation `range` it is zero. If the two are equal, it is a square force: constant up to its range.
 ///
 /// ```math
 /// F = \frac{A\, \bar{r}}{12\, s^2} \quad \text{between particles}, \qquad F = \frac{A_w\, r}{6\, s^2} \quad \text{on a wall}
 /// ```
 ///
-/// near contact, with the harmonic mean of the radii 2 r_1 r_2 / (r_1 + r_2); walls have their own constant A_w. Asperities
-/// bring a factor ([`CohesionExpression::Rough`]).
+/// near contact, with the harmonic mean of the radii 2 r_1 r_2 / (r_1 + r_2); walls have their own constant A_w.
+/// Asperities multiply the force by a factor ([`CohesionExpression::Rough`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct VanDerWaals {
     /// Hamaker constant A of two particles, energy.
@@ -46,7 +46,7 @@ pub struct VanDerWaals {
     pub expression: CohesionExpression,
 }
 
-/// The attraction at one instant, with the values that the schedules have then.
+/// The attraction at one instant, with the values of the schedules at that time.
 ///
 /// ```
 /// use talcum::contact::{CohesionExpression, VanDerWaals};
@@ -83,9 +83,9 @@ impl VanDerWaals {
         }
     }
 
-    /// A square force (Liu et al. 2018): constant up to a separation `range`, zero beyond. `force` is that of two equal
-    /// particles of radius `radius`, `wall_force` that of such a particle and a wall; both grow with r as the van der Waals
-    /// forces do.
+    /// A square force (Liu et al. 2018): constant up to a separation `range`, zero beyond. `force` is the force of two
+    /// equal particles of radius `radius`, `wall_force` that of such a particle and a wall; both grow with r as the van
+    /// der Waals forces do.
     pub fn square(force: &Schedule, wall_force: &Schedule, radius: f64, range: f64) -> Self {
         let per_force = range * range / radius;
         Self {
@@ -106,7 +106,7 @@ impl VanDerWaals {
         }
     }
 
-    /// Largest force at any time on a particle of this radius, by an equal particle or a wall.
+    /// Largest force at any time on a particle of this radius, exerted by an equal particle or a wall.
     pub fn largest_force(&self, radius: f64) -> f64 {
         let roughness = self.expression.roughness_factor(radius, self.cut_off);
         let per_area = roughness * radius / (self.cut_off * self.cut_off);

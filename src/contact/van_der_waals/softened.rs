@@ -1,11 +1,11 @@
-//! Attractions of the same work: for particles that are softer than the real ones.
+//! Attractions with the same work, for particles that are softer than the real ones.
 
 use super::{VanDerWaals, VanDerWaalsNow};
 
 impl VanDerWaals {
-    /// The attraction whose largest force is multiplied by `factor`, at most 1, and whose cut-off is so much larger that
-    /// the work of separating two particles of radius `radius` stays; the range stays, but that of a square force grows with
-    /// its cut-off. `None` if no cut-off within the range gives that work.
+    /// The attraction whose largest force is multiplied by `factor`, at most 1, and whose cut-off is enlarged such that
+    /// the work of separating two particles of radius `radius` is kept. The range is kept too, except for a square
+    /// force, whose range grows with its cut-off. `None` if no cut-off within the range gives that work.
     ///
     /// Forces at walls are multiplied by the same factor.
     pub fn keeping_work(&self, factor: f64, radius: f64) -> Option<Self> {
@@ -26,7 +26,7 @@ impl VanDerWaals {
         if is_too_small(high) {
             return None;
         }
-        // More halvings than a number has bits.
+        // The number of halvings exceeds the number of bits.
         for _ in 0..100 {
             let middle = (low * high).sqrt();
             if is_too_small(middle) { low = middle } else { high = middle }

@@ -1,4 +1,4 @@
-//! Energies and forces of the attraction, asperities, the square force, and attractions of the same work.
+//! Energies and forces of the attraction, asperities, the square force, and attractions with the same work.
 
 use super::energy::hamaker_energy;
 use super::expression::hamaker_full;
@@ -51,14 +51,14 @@ fn asperities_weaken_the_force_and_very_small_or_large_ones_do_not() {
         let of_walls = rough.to_wall(0.5, 0.0) / smooth.to_wall(0.5, 0.0);
         let of_particles =
             rough.between_particles(0.5, 0.5, 0.0) / smooth.between_particles(0.5, 0.5, 0.0);
-        // Two particles of this radius have the r of one at a wall.
+        // For two particles of this radius r is that of one particle at a wall.
         assert!((of_walls / of_particles - 1.0).abs() < 1.0e-14);
         of_particles
     };
     // a / (a + r) + (s / (s + a))^2 with r = 0.5 and s = 1e-4, by hand.
     assert!((factor(1.0e-2) - (0.01 / 0.51 + (1.0_f64 / 101.0).powi(2))).abs() < 1.0e-14);
     assert!((factor(1.0e-9) - 1.0).abs() < 1.0e-4 && (factor(1.0e5) - 1.0).abs() < 1.0e-4);
-    // Negative control: asperities of a cut-off's size matter most of all.
+    // Negative control: asperities of the size of the cut-off have the largest effect.
     assert!(factor(2.0e-3) < 0.02);
 }
 
@@ -72,7 +72,7 @@ fn a_square_force_is_constant_up_to_its_range() {
     }
     assert_eq!(square.between_particles(0.5, 0.5, 0.0101), 0.0);
     assert!((square.energy_of_particles(0.5, 0.5, 0.0) + 0.02).abs() < 1.0e-16);
-    // Negative control: the other expressions fall.
+    // Negative control: the other expressions decrease.
     let near = attraction(Expression::NearContact).at(0.0);
     assert!(near.between_particles(0.5, 0.5, 5.0e-3) < 0.1 * near.between_particles(0.5, 0.5, 0.0));
 }
@@ -87,16 +87,16 @@ fn work_is_kept_while_the_force_is_scaled() {
         let [before, after] = [&real, &soft].map(VanDerWaals::strongest);
         let work = |of: VanDerWaalsNow| of.energy_of_particles(0.5, 0.5, 0.0);
         let ratio = |one: f64, other: f64| one / other - 1.0;
-        // Bisection to rounding, and the rounding of differences of energies of small separations.
+        // The error is that of bisection to rounding, and of rounding in differences of energies at small separations.
         assert!(ratio(work(after), work(before)).abs() < 1.0e-10, "{soft:?}");
         let largest = |of: VanDerWaalsNow| of.between_particles(0.5, 0.5, 0.0);
         assert!(ratio(largest(after), 0.1 * largest(before)).abs() < 1.0e-12);
         assert!(ratio(after.to_wall(0.5, 0.0), 0.1 * before.to_wall(0.5, 0.0)).abs() < 1.0e-12);
-        // Negative control: the smaller force with the cut-off as it was has other work.
+        // Negative control: the smaller force with the unchanged cut-off has another work.
         let unscaled = VanDerWaals { cut_off: real.cut_off, range: real.range, ..soft.clone() };
         assert!(ratio(work(unscaled.strongest()), work(before)).abs() > 0.1);
     }
-    // A force of which a thousandth is left would need a range of its own.
+    // A force reduced to a thousandth would need a larger range.
     assert_eq!(attraction(Expression::NearContact).keeping_work(1.0e-4, 0.5), None);
 }
 

@@ -1,4 +1,4 @@
-//! Particles that may touch one wall: they are gathered into lanes, as pairs of particles are, and evaluated.
+//! Particles that may touch one wall: they are gathered into lanes, like pairs of particles, and evaluated.
 
 use super::geometry::WallNow;
 use crate::contact::force_laws::{ForceOutOfRange, PairLaws, out_of_range};
@@ -23,7 +23,8 @@ pub struct WallLoop<'a> {
 }
 
 vectorised!(
-    /// Adds the forces and torques of one wall on these particles. Chooses how rolling and twisting are resisted.
+    /// Adds the forces and torques of one wall on these particles. Selects the loop for the kind of resistance to
+    /// rolling and twisting.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -137,8 +138,8 @@ impl WallBlock {
         }
     }
 
-    /// Takes the rows of four particles' bodies and sets sizes, overlap, normal, and the motion of the wall's surface relative to
-    /// theirs.
+    /// Takes the rows of four particles' bodies and sets sizes, overlap, normal, and the motion of the wall's surface
+    /// relative to their surfaces.
     #[inline(always)]
     fn set_kinematics<Q: F64x4, R: Rolling>(
         &mut self,
@@ -185,7 +186,8 @@ impl WallBlock {
         }
     }
 
-    /// Adds forces and torques to those of the first `used` particles; radius and force on the wall of each go to `on_wall`.
+    /// Adds forces and torques to those of the first `used` particles; radius and force on the wall of each are passed
+    /// to `on_wall`.
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -216,7 +218,7 @@ impl WallBlock {
         Ok(())
     }
 
-    /// Keeps the histories of the contacts; springs that the model does not have are not deflected.
+    /// Stores the histories of the contacts; springs that the model does not have are not deflected.
     #[inline(always)]
     fn keep_histories(&self, contacts: &mut Contacts, slots: &[u32], model: &ContactModel) {
         let (rolls, twists) = (model.rolling.is_some(), model.twisting.is_some());

@@ -1,4 +1,4 @@
-//! A wall at one instant, and where four particles at a time are to it.
+//! A wall at one instant, and its distance and direction from four particles at a time.
 
 use crate::contact::lanes::FourVectors;
 use crate::domain::{Wall, WallPose, WallShape};
@@ -6,7 +6,8 @@ use crate::numbers::F64x4;
 
 /// A wall at one instant.
 ///
-/// Operations are those of [`Wall`], in the same order: a particle has the same bits by itself and among four.
+/// Operations are those of [`Wall`], in the same order: the results for a particle have the same bits alone and among
+/// four.
 #[derive(Clone, Copy)]
 pub(super) struct WallNow<'a> {
     pub(super) number: usize,

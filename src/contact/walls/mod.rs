@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 /// Adds the forces and torques of walls on particles; tallies the force on each wall.
 ///
 /// A wall is a contact partner of infinite mass and radius (m* = m, R* = r, I* = I) with its own law, attraction and
-/// velocity. Beyond the range of any force the law is not asked, unless a contact still has to end.
+/// velocity. Beyond the range of any force the law is not evaluated, unless a contact still has to end.
 ///
 /// # Errors
 /// If a force exceeds the limit or is undefined.

@@ -1,4 +1,4 @@
-//! Which of the particles near a wall are evaluated.
+//! Selection of the particles near a wall that are evaluated.
 
 use super::geometry::WallNow;
 use crate::contact::lanes::FourVectors;
@@ -6,12 +6,13 @@ use crate::numbers::{F64x4, fetch_ahead, vectorised};
 use crate::particles::{Contacts, Particles, four_of, push_set_bits};
 use std::ops::Range;
 
-/// How many slots ahead particles are prefetched where they do not fit into a cache.
+/// Number of slots ahead at which particles are prefetched if they do not fit into a cache.
 const AHEAD: usize = 16;
 
 vectorised!(
-    /// Finds, among the particles near a wall, which have these slots, those on which it may exert a force, and those whose contact
-    /// with it still has to end. Adds their slots to `acting`, in rising order. `range` is the separation up to which any force acts.
+    /// Finds, among the particles near a wall with these slots, those on which it may exert a force, and those whose
+    /// contact with it still has to end. Adds their slots to `acting`, in ascending order. `range` is the separation up
+    /// to which any force acts.
     pub(super) fn find_acting<Q: F64x4>(
         particles: &Particles,
         contacts: &Contacts,

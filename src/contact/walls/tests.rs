@@ -1,4 +1,4 @@
-//! Contacts with walls side by side have the bits of contacts one by one.
+//! Contacts with walls side by side have the same bits as contacts one by one.
 
 use super::*;
 use crate::contact::rolling::Rolling;
@@ -13,7 +13,7 @@ const SCALES: ExampleScales = ExampleScales { stiffness: 1.0e4, overlap: 0.01, r
 const DT: f64 = 1.0e-3;
 const RADIUS: f64 = 0.5;
 
-/// A plate that moves, and a cylinder.
+/// A moving plate, and a cylinder.
 fn walls() -> ([Wall; 2], [WallPose; 2]) {
     let plate = Wall::plane("plate", Vector3::zeros(), Vector3::z());
     let cylinder = Wall::cylinder("cylinder", Vector3::zeros(), 6.0);
@@ -21,7 +21,7 @@ fn walls() -> ([Wall; 2], [WallPose; 2]) {
     ([plate, cylinder], [WallPose { displacement, velocity: displacement }, WallPose::REST])
 }
 
-/// Particles of two sizes and species in a layer: most of them at a wall, some at both.
+/// Particles of two sizes and species in a layer: most of them at a wall, some at both walls.
 fn particles(count: usize) -> Particles {
     let mut random = random_of(1, 0, "walls");
     let mut number = |from: f64, to: f64| from + (to - from) * uniform(&mut random);
@@ -40,14 +40,14 @@ fn particles(count: usize) -> Particles {
     particles
 }
 
-/// How many contacts stick, and how many slide.
+/// Numbers of contacts that stick, and that slide.
 #[derive(Default)]
 struct Friction {
     sticks: usize,
     slides: usize,
 }
 
-/// Force and torque on each particle, and what its contacts remember, one contact at a time.
+/// Force and torque on each particle, and the states of its contacts, one contact at a time.
 fn one_by_one(
     particles: &Particles,
     contacts: &mut Contacts,
@@ -100,7 +100,7 @@ fn one_by_one(
     loads
 }
 
-/// Some steps by both ways, in which walls and particles move: contacts begin and end.
+/// Compares both ways over some steps in which walls and particles move, so that contacts begin and end.
 fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDerWaalsNow>) {
     let mut particles = particles(count);
     let (walls, mut poses) = walls();
@@ -156,7 +156,7 @@ fn assert_equal_bits(count: usize, model: &ContactModel, cohesion: Option<VanDer
     assert!(moved || count < 5, "a control: springs are deflected");
     assert!((begun > 0 && ended > 0) || count < 50, "a control: {begun} begin, {ended} end");
     let Friction { sticks, slides } = friction;
-    // The others are evaluated as a whole.
+    // The other laws are evaluated as a whole.
     let tells = !["hertz_mindlin", "jkr"].contains(&model.law.name());
     assert!(
         (sticks > 0 && (slides > 0) == tells) || count < 50,
@@ -179,7 +179,7 @@ fn contacts_in_lanes_have_the_bits_of_contacts_one_by_one() {
             (Some(rolling), Some(twisting)),
         ] {
             let model = ContactModel { rolling, twisting, ..ContactModel::from(law.clone()) };
-            // Less than a block, a whole one, and more.
+            // Fewer particles than a block, exactly one block, and more.
             for count in [1, LANES, 2 * LANES + 7] {
                 assert_equal_bits(count, &model, None);
             }

@@ -1,9 +1,9 @@
-//! A file operation of MPI that fails ends all ranks.
+//! Errors of MPI file operations, which end all ranks.
 //!
 //! Files are written and read by all ranks together, in the collective calls of the HDF5 library. If such a call fails
-//! on one rank (a full disk, a bad sector), that rank leaves it at once, and the others wait in it without end: nothing
-//! that the ranks agree on afterwards is ever reached. So the rank that sees the failure says so and ends all ranks.
-//! Checkpoints stand under their names only when they are complete, so the last one is not touched.
+//! on one rank (a full disk, a bad sector), that rank leaves it at once, and the others wait in it without end. They
+//! would never reach a later agreement on the error. The rank that meets the failure therefore reports it and ends all
+//! ranks. Checkpoints receive their final names only when they are complete, so the last one is not touched.
 
 #![allow(unsafe_code, reason = "the mpi crate has no handlers of file errors")]
 
@@ -19,15 +19,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Exit code of all ranks, that of any other error.
+/// Exit code of all ranks; the same as for any other error.
 const CODE: i32 = 1;
-/// How much longer each rank waits than the one before: where all ranks meet the failure, the first one to speak ends
-/// the others before they repeat it.
+/// Additional waiting time of each rank relative to the previous one. If all ranks meet the failure, the first one to
+/// report it ends the others before they repeat it.
 const PAUSE: Duration = Duration::from_millis(100);
 /// The longest such pause.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
-/// What may go wrong with a file. Other numbers are left from earlier calls.
+/// Errors that concern files. Other numbers are left from earlier calls.
 const OF_FILES: [Errno; 12] = [
     Errno::NOSPC,
     Errno::DQUOT,
@@ -48,7 +48,7 @@ const LITTLE: u64 = 100_000_000;
 /// The file that was opened last; the error names it.
 static FILE: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// Sets the file that errors name from now on.
+/// Sets the file that later errors name.
 pub(super) fn set_file(path: &Path) {
     if let Ok(mut file) = FILE.lock() {
         *file = Some(path.to_owned());
@@ -56,9 +56,10 @@ pub(super) fn set_file(path: &Path) {
     count_handler_once_more();
 }
 
-/// Each file takes over the handler of the null file when it is opened, and gives it back when it is closed. MPICH 4.0 counts
-/// only the latter, so that after a few files its handler would count as freed, and MPI aborts ("Assertion failed ...
-/// ref_count"). To ask for the handler counts it; where MPI counts rightly, a number is one too large, which harms nothing.
+/// Asks once more for the error handler of the null file. Each file takes over this handler when it is opened, and
+/// gives it back when it is closed. MPICH 4.0 counts only the latter, so that after a few files the handler would count
+/// as freed, and MPI aborts ("Assertion failed ... ref_count"). A request for the handler counts it. If MPI counts
+/// correctly, the count is one too large, which does no harm.
 fn count_handler_once_more() {
     let mut handler = MaybeUninit::<MPI_Errhandler>::uninit();
     // SAFETY: MPI is initialised, as files are opened by its ranks.
@@ -76,14 +77,14 @@ pub(super) fn end_all_ranks_on_file_errors() {
             unsafe extern "C" fn(*mut MPI_File, *mut c_int, ...),
         >(end_all_ranks);
         ffi::MPI_File_create_errhandler(Some(function), handler.as_mut_ptr());
-        // The handler of the null file is that of every file which is opened later.
+        // Every file that is opened later takes over the handler of the null file.
         ffi::MPI_File_set_errhandler(ffi::RSMPI_FILE_NULL, handler.assume_init());
     }
 }
 
-/// Called by MPI in the place where the operation has failed.
+/// Ends all ranks; called by MPI at the place where the operation has failed.
 unsafe extern "C" fn end_all_ranks(_: *mut MPI_File, code: *mut c_int) {
-    // Before anything else asks the system for something.
+    // This comes before any other call to the system.
     let cause = cause_of_failure(std::io::Error::last_os_error());
     let world = SimpleCommunicator::world();
     let rank = u32::try_from(world.rank()).unwrap_or(u32::MAX);
@@ -102,13 +103,13 @@ unsafe extern "C" fn end_all_ranks(_: *mut MPI_File, code: *mut c_int) {
     world.abort(CODE)
 }
 
-/// The system's error of the call that failed, where it is one of files: MPI itself keeps only that there was one.
+/// The system's error of the failed call, if it concerns files: MPI itself keeps only that there was one.
 fn cause_of_failure(error: std::io::Error) -> String {
     let kind = Errno::from_io_error(&error).filter(|kind| OF_FILES.contains(kind));
     kind.map_or_else(String::new, |_| format!(": {error}"))
 }
 
-/// How much room there is, if it is little.
+/// The free space, if it is little.
 fn free_space(path: &Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let Ok(found) = rustix::fs::statvfs(folder.unwrap_or(Path::new("."))) else {
@@ -121,7 +122,7 @@ fn free_space(path: &Path) -> String {
     }
 }
 
-/// MPI's words for an error code.
+/// MPI's text for an error code.
 fn text_of(code: c_int) -> String {
     let mut text = [0_u8; ffi::MPI_MAX_ERROR_STRING as usize];
     let mut length = 0;

@@ -2,8 +2,9 @@
 
 use mpi::request::WaitGuard;
 
-/// Buffers, and the requests of MPI that use them. The buffers stay on the heap, where they are, until every request has
-/// ended: whether the value is finished or dropped, and also if it is moved. If it is leaked, so are they.
+/// Buffers, and the requests of MPI that use them. The buffers stay in their place on the heap until every request has
+/// ended, whether the value is finished or dropped, and even if it is moved. If it is leaked, the buffers are leaked
+/// too.
 pub(super) struct Travelling<B, T: ?Sized + 'static> {
     // Fields are dropped in this order: the requests end first.
     requests: Vec<WaitGuard<'static, T>>,
@@ -19,13 +20,14 @@ impl<B: 'static, T: ?Sized> Travelling<B, T> {
         let mut buffers = Box::new(buffers);
         let lent: *mut B = &mut *buffers;
         #[expect(unsafe_code, reason = "requests outlive the function that begins them")]
-        // SAFETY: the box keeps the buffers in their place. Nobody reads or changes them while a request uses them, and they are
-        // freed or given back only when all requests have ended: `finish` and drop see to that, in this order.
+        // SAFETY: the box keeps the buffers in their place. They are neither read nor changed while a request uses
+        // them, and they are freed or given back only when all requests have ended: `finish` and drop ensure this, in
+        // this order.
         let requests = begin(unsafe { &mut *lent });
         Self { requests, buffers }
     }
 
-    /// Waits until all requests have ended, and gives the buffers back.
+    /// Waits until all requests have ended, and returns the buffers.
     pub(super) fn finish(self) -> B {
         let Self { requests, buffers } = self;
         drop(requests);

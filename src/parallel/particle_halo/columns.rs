@@ -1,5 +1,6 @@
-//! Columns of particles in the messages of ghosts: numbers that go to new ghosts or to ghosts at each step follow the record of a
-//! ghost or the velocities, numbers that are returned follow the forces. Without such columns there is nothing to do.
+//! Columns of particles in the messages of ghosts. Numbers for new ghosts follow the record of a ghost, numbers for
+//! ghosts at each step follow the velocities, and returned numbers follow the forces. Without such columns nothing is
+//! done.
 
 use super::{ParticleHalo, by_particle};
 use crate::fields::Travel;
@@ -8,8 +9,8 @@ use crate::parallel::records_of_bytes;
 use crate::particles::Particles;
 
 impl ParticleHalo {
-    /// The numbers of columns that travel at each step: images take those of their originals, and those of exported particles follow
-    /// the velocities in the messages.
+    /// Packs the numbers of columns that travel at each step: images receive those of their originals, and those of
+    /// exported particles follow the velocities in the messages.
     pub(super) fn pack_numbers(&mut self, particles: &mut Particles) {
         if particles.columns.width_of(Travel::EachStep) == 0 {
             return;
@@ -30,7 +31,7 @@ impl ParticleHalo {
         }
     }
 
-    /// Gives copies the numbers of their originals that have come behind the velocities.
+    /// Gives copies the numbers of their originals, which follow the velocities in the messages.
     pub(super) fn give_numbers_to_copies(&self, particles: &mut Particles) {
         let width = particles.columns.width_of(Travel::EachStep);
         if width == 0 {
@@ -47,7 +48,7 @@ impl ParticleHalo {
         }
     }
 
-    /// Takes the numbers of columns that are returned off the copies, into the messages behind the forces.
+    /// Moves the returned numbers from the copies into the messages, behind the forces.
     pub(super) fn pack_returned(&mut self, particles: &mut Particles) {
         let width = particles.columns.width_of(Travel::Returned);
         if width == 0 {
@@ -66,7 +67,7 @@ impl ParticleHalo {
         }
     }
 
-    /// Adds the numbers that have come back to those of the originals.
+    /// Adds the returned numbers to those of the originals.
     pub(super) fn add_returned(&self, particles: &mut Particles) {
         let width = particles.columns.width_of(Travel::Returned);
         if width == 0 {
@@ -82,7 +83,7 @@ impl ParticleHalo {
     }
 }
 
-/// What new ghosts are given of the columns; numbers that are returned begin as zeros.
+/// Columns that new ghosts receive; returned numbers begin as zeros.
 pub(super) const TO_NEW_GHOSTS: [Travel; 2] = [Travel::WithNewGhosts, Travel::EachStep];
 
 /// Bytes of a new ghost in a message.
@@ -91,7 +92,7 @@ pub(super) fn new_ghost_bytes(particles: &Particles) -> usize {
     size_of::<NewGhost>() + widths.iter().sum::<usize>() * size_of::<f64>()
 }
 
-/// Gives the ghost that was added last its numbers.
+/// Sets the numbers of the ghost that was added last.
 pub(super) fn give_to_new_ghost(particles: &mut Particles, bytes: &[u8]) {
     if bytes.is_empty() {
         return;
@@ -105,7 +106,7 @@ pub(super) fn give_to_new_ghost(particles: &mut Particles, bytes: &[u8]) {
     }
 }
 
-/// Bytes that are returned for a particle with so many numbers beside its force and torque.
+/// Bytes that are returned for a particle with this many numbers in addition to its force and torque.
 pub(super) fn returned_bytes(width: usize) -> usize {
     size_of::<GhostForces>() + width * size_of::<f64>()
 }

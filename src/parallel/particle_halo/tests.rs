@@ -19,7 +19,7 @@ fn drift(body: &mut Body, quantum: Quantum) {
     body.position += quantum.round_vector(body.velocity * TIME_STEP);
 }
 
-/// The particles of a rank, at random, and all in the box by their ids.
+/// The particles of a rank, at random, and all particles in the box by their ids.
 fn particles_of(subdomain: Subdomain) -> (Particles, BTreeMap<u64, Body>) {
     let quantum = bounds().position_quantum();
     let (mut particles, mut all) = (Particles::default(), BTreeMap::new());
@@ -40,9 +40,9 @@ fn particles_of(subdomain: Subdomain) -> (Particles, BTreeMap<u64, Body>) {
     (particles, all)
 }
 
-/// Moves all particles on a grid of ranks, the ghosts too if `moves` says so, and returns for each rank how many
-/// ghosts are copies of other ranks' particles, how many particles it was sent, and how many ghosts are not where an
-/// image of their original can be, or move otherwise than that.
+/// Moves all particles on a grid of ranks, the ghosts too if `moves` is set. Returns for each rank the number of ghosts
+/// that are copies of other ranks' particles, the number of particles that it was sent, and the number of ghosts that
+/// are not at the place of an image of their original, or do not move as it does.
 fn moved_on(grid: [usize; 3], moves: bool) -> Vec<[usize; 3]> {
     let (bounds, quantum) = (bounds(), bounds().position_quantum());
     let decomposition = Decomposition::even(RankGrid(grid), &bounds);
@@ -82,8 +82,8 @@ fn moved_on(grid: [usize; 3], moves: bool) -> Vec<[usize; 3]> {
     })
 }
 
-/// Pairs of an owned particle and a ghost that are nearer than the width of the halo, by their ids, on all ranks of a grid,
-/// and how many there are of two owned particles.
+/// Pairs of an owned particle and a ghost that are nearer than the width of the halo, by their ids, on all ranks of a
+/// grid, and the number of such pairs of two owned particles.
 fn pairs_on(grid: [usize; 3]) -> (Vec<[u64; 2]>, usize) {
     let bounds = bounds();
     let decomposition = Decomposition::even(RankGrid(grid), &bounds);
@@ -130,15 +130,15 @@ fn ghosts_move_as_their_originals_on_any_grid() {
             assert_eq!(wrong, 0, "{grid:?}");
         }
     }
-    // The control: copies that stay behind are found.
+    // Control: copies that stay behind are found.
     for [copies, _, wrong] in moved_on([2, 1, 1], false) {
         assert!(copies > 0 && wrong == copies);
     }
 }
 
-/// Puts a force and a torque on each copy, different for each particle, and brings them to the owners on a grid of ranks.
-/// Returns for each rank how many copies it has, how many forces have come, and how many particles have another force than
-/// that of their copies.
+/// Puts a force and a torque on each copy, different for each particle, and sends them to the owners on a grid of
+/// ranks. Returns for each rank its number of copies, the number of received forces, and the number of particles whose
+/// force is not the sum of those on their copies.
 fn returned_on(grid: [usize; 3]) -> Vec<[usize; 3]> {
     let bounds = bounds();
     let decomposition = Decomposition::even(RankGrid(grid), &bounds);
@@ -190,11 +190,11 @@ fn forces_on_copies_come_to_their_owners_on_any_grid() {
 
 #[test]
 fn a_particle_is_sent_once_to_each_rank_with_copies_of_it() {
-    // The box is 2.5 wide along y: nearly each copy has an image there. None is ahead of the upper rank.
+    // The box is 2.5 wide along y: nearly every copy has an image there. None is ahead of the upper rank.
     let [[copies, sent, _], [none, ..]] = moved_on([1, 1, 2], true)[..] else { unreachable!() };
     assert!(10 * copies > 17 * sent, "{copies} copies of {sent} particles");
     assert_eq!(none, 0);
-    // On three ranks along x, where nothing but images makes a second copy, the copies are no fewer.
+    // On three ranks along x, where only images make second copies, there are at least as many copies as particles sent.
     for [copies, sent, _] in moved_on([3, 1, 1], true) {
         assert!(copies >= sent && sent > 0);
     }

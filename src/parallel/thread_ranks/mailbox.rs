@@ -1,9 +1,10 @@
-//! Room for one message from one thread to another.
+//! A buffer for one message from one thread to another.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One message at most. Only the sender fills it, only the receiver empties it, each after it has seen that it may.
+/// At most one message. Only the sender fills the mailbox and only the receiver empties it, each after it has checked
+/// that it may.
 #[derive(Default)]
 #[repr(align(64))]
 pub(super) struct Mailbox {
@@ -26,7 +27,7 @@ impl Mailbox {
         self.full.store(true, Ordering::SeqCst);
     }
 
-    /// Takes the message of a full mailbox; the buffer that is given for it serves the next one.
+    /// Takes the message of a full mailbox; the given buffer serves the next message.
     pub(super) fn take(&self, incoming: &mut Vec<u8>) {
         std::mem::swap(&mut *self.bytes(), incoming);
         self.full.store(false, Ordering::SeqCst);

@@ -1,4 +1,4 @@
-//! Threads as ranks: messages, reductions, and what happens when one ends before the others.
+//! Threads as ranks: messages, reductions, and the case that one rank ends before the others.
 
 use super::*;
 use crate::parallel::agree;

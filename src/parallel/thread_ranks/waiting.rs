@@ -1,12 +1,14 @@
-//! How threads wait for each other: they look for a moment, and then sleep until they are woken.
+//! Waiting of threads for each other: they check for a moment, and then sleep until they are woken.
 //!
-//! Whoever changes what another may wait for wakes it afterwards. Both sides are sequentially consistent: either the
-//! one who waits sees the change after it has said that it sleeps, or the one who changes sees that it sleeps.
+//! A thread that changes a value for which another may wait wakes it afterwards. Both sides are sequentially
+//! consistent: either the waiting thread sees the change after it has announced its sleep, or the changing thread sees
+//! that it sleeps.
 //!
-//! How long a thread looks follows from what it has met. On cores of its own the others need some microseconds more, and
-//! to be woken would take longer than that. Where threads, or programs, share cores, the other may not even run, and to
-//! look keeps it from its core. To let others run (`sched_yield`) was worse than either: Linux then puts the thread behind
-//! all others, for milliseconds (measured: eight times the time of sleeping at once, on two cores with ten programs).
+//! The number of checks before a sleep is adapted to earlier waits. If each thread has a core of its own, the others
+//! need only a few microseconds more, and waking would take longer than that. If threads, or programs, share cores, the
+//! other thread may not even run, and checking keeps it from its core. Yielding to others (`sched_yield`) was worse
+//! than either: Linux then puts the thread behind all others, for milliseconds (measured: eight times the time of
+//! sleeping at once, on two cores with ten programs).
 
 use std::hint::spin_loop;
 use std::panic::resume_unwind;
@@ -15,15 +17,15 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::{Thread, current, park};
 use std::time::{Duration, Instant};
 
-/// The fewest checks before a thread sleeps, about a microsecond, and the most, about 100.
+/// Smallest number of checks before a thread sleeps, about a microsecond, and largest, about 100 microseconds.
 const LOOKS: [u32; 2] = [50, 4000];
-/// After a sleep shorter than this a thread looks longer the next time: to be woken takes about as long.
+/// After a sleep shorter than this, a thread checks for longer the next time: waking takes about as long.
 const SHORT: Duration = Duration::from_micros(100);
 
 /// The panic payload of a thread that waited for another rank when that ended.
 pub(super) struct RankLost;
 
-/// All ranks as those who wait.
+/// All ranks, as waiting threads.
 pub(super) struct Waiters(Vec<Member>);
 
 #[derive(Default)]
@@ -32,7 +34,7 @@ struct Member {
     thread: OnceLock<Thread>,
     sleeps: AtomicBool,
     has_ended: AtomicBool,
-    /// Looks before it sleeps; only its own thread uses them.
+    /// Number of checks before it sleeps; only its own thread uses it.
     looks: AtomicU32,
 }
 
@@ -45,18 +47,18 @@ impl Waiters {
         )
     }
 
-    /// A rank begins; called by its thread.
+    /// Records that a rank begins; called by its thread.
     pub(super) fn enter(&self, rank: usize) {
         let _ = self.0[rank].thread.set(current());
     }
 
-    /// A rank has ended.
+    /// Records that a rank has ended.
     pub(super) fn leave(&self, rank: usize) {
         self.0[rank].has_ended.store(true, Ordering::SeqCst);
         (0..self.0.len()).for_each(|other| self.wake(other));
     }
 
-    /// Makes a rank look again at what it waits for.
+    /// Makes a rank check its condition again.
     pub(super) fn wake(&self, rank: usize) {
         let member = &self.0[rank];
         if member.sleeps.load(Ordering::SeqCst)
@@ -66,8 +68,8 @@ impl Waiters {
         }
     }
 
-    /// Waits on one rank until another has made something so. Ends the rank that waits, by [`RankLost`], if the other has
-    /// ended before.
+    /// Waits on one rank until another has made a condition true. Ends the waiting rank, by [`RankLost`], if the other
+    /// has ended before.
     pub(super) fn wait(&self, rank: usize, other: usize, is_so: impl Fn() -> bool) {
         let looks = &self.0[rank].looks;
         let most = looks.load(Ordering::Relaxed);
@@ -87,7 +89,7 @@ impl Waiters {
         let sleeps = &self.0[rank].sleeps;
         sleeps.store(true, Ordering::SeqCst);
         loop {
-            // What the other did before it ended counts.
+            // Changes that the other made before it ended count.
             let is_lost = self.0[other].has_ended.load(Ordering::SeqCst);
             if is_so() {
                 break;

@@ -1,5 +1,5 @@
-//! Elastic spheres in contact: moduli of two bodies, and what the laws of Hertz, of Mindlin, and of Johnson, Kendall
-//! and Roberts have in common.
+//! Elastic spheres in contact: moduli of two bodies, and the common parts of the laws of Hertz, of Mindlin, and of
+//! Johnson, Kendall and Roberts.
 
 use super::slider::{Slider, damping_ratio};
 use crate::contact::invalid_law::{InvalidContactLaw, require, require_in_range};
@@ -23,7 +23,7 @@ const POISSON_RATIO: Key = Key::number(
 )
 .mixed(Mixing::OfBody);
 
-/// Overlap, over the diameter 4 R* of two equal spheres, of the impact whose duration is reported.
+/// Overlap of the impact whose duration is reported, over the diameter 4 R* of two equal spheres.
 const REPORTED_OVERLAP: f64 = 0.01;
 
 /// Elastic constants of a body.
@@ -39,7 +39,7 @@ impl Elasticity {
     /// Keys of the case file.
     pub(crate) const KEYS: [Key; 2] = [YOUNG_MODULUS, POISSON_RATIO];
 
-    /// The constants of these values; `None` if one is missing or wrong, or the law has none.
+    /// The constants with these values; `None` if one is missing or wrong, or if the law has none.
     pub fn from_keys(values: &(impl KeyValues + ?Sized)) -> Option<Self> {
         if !values.is_given("young_modulus") {
             return None;
@@ -77,7 +77,7 @@ pub(crate) struct ElasticParameters {
 }
 
 impl ElasticParameters {
-    /// The parameters of these values; `None` if one is missing or wrong.
+    /// The parameters with these values; `None` if one is missing or wrong.
     pub(crate) fn from_keys(
         values: &dyn ContactLawValues,
     ) -> Option<Result<Self, InvalidContactLaw>> {
@@ -110,8 +110,8 @@ impl ContactModuli {
 }
 
 impl ContactModuli {
-    /// Moduli for the examples that the elastic laws give of themselves: for R* of about 1 the stiffness 2 E* a is of
-    /// the order of the scale's.
+    /// Moduli for the examples that the elastic laws provide: for R* of about 1 the stiffness 2 E* a is of the order of
+    /// `scales.stiffness`.
     pub(crate) fn example(scales: ExampleScales) -> Self {
         let normal = scales.stiffness / scales.overlap.sqrt();
         Self { normal, shear: 0.3 * normal }
@@ -141,7 +141,7 @@ impl Elastic {
         Ok(Self { moduli, friction, damping })
     }
 
-    /// With moduli that are larger by a factor.
+    /// These springs and dashpots with moduli that are larger by a factor.
     pub(crate) fn stiffened(&self, factor: f64) -> Self {
         let ContactModuli { normal, shear } = self.moduli;
         Self { moduli: ContactModuli { normal: factor * normal, shear: factor * shear }, ..*self }
@@ -153,13 +153,13 @@ impl Elastic {
         2.0 * self.moduli.normal * radius
     }
 
-    /// S_t = 8 G* a: Mindlin's, without slip.
+    /// S_t = 8 G* a, Mindlin's stiffness without slip.
     #[inline(always)]
     pub(crate) fn tangential_stiffness(&self, radius: f64) -> f64 {
         8.0 * self.moduli.shear * radius
     }
 
-    /// Friction of a contact of this radius.
+    /// Friction of a contact with this radius.
     #[inline(always)]
     pub(crate) fn slider(&self, radius: f64, friction_normal: f64) -> Slider {
         Slider {
@@ -168,7 +168,7 @@ impl Elastic {
         }
     }
 
-    /// (S_t / 2) s^2 of a contact of this radius.
+    /// (S_t / 2) s^2 for a contact with this radius.
     pub(crate) fn tangential_energy(&self, radius: f64, history: &ContactHistory) -> f64 {
         0.5 * self.tangential_stiffness(radius) * history.tangential_spring.norm_squared()
     }
@@ -185,14 +185,14 @@ impl Elastic {
         step.tangential_work(&spring) + ContactWork { dashpot, ..ContactWork::default() }
     }
 
-    /// eta = 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e) sqrt(S m*): in a normal impact of Hertz's law, a restitution
-    /// coefficient of e at any speed.
+    /// eta = 2 sqrt(5/6) |ln e| / sqrt(pi^2 + ln^2 e) sqrt(S m*), which gives a restitution coefficient of e at any
+    /// speed in a normal impact under Hertz's law.
     #[inline(always)]
     pub(crate) fn dashpot(&self, stiffness: f64, reduced_mass: f64) -> f64 {
         self.damping * (stiffness * reduced_mass).sqrt()
     }
 
-    /// 2.943 delta / V of the elastic impact of Hertz's law whose largest overlap is 1 % of the diameter 4 R* of
+    /// 2.943 delta / V for the elastic impact under Hertz's law whose largest overlap is 1 % of the diameter 4 R* of
     /// two equal spheres: from (1/2) m* V^2 = (8/15) E* sqrt(R*) delta^(5/2). Slower impacts last longer.
     pub(crate) fn contact_duration(&self, reduced_mass: f64, reduced_radius: f64) -> f64 {
         let overlap = REPORTED_OVERLAP * 4.0 * reduced_radius;

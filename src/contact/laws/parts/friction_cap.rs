@@ -1,4 +1,4 @@
-//! Which normal force limits friction.
+//! The choice of the normal force that limits friction.
 
 use crate::contact::ContactLawValues;
 use crate::schema::Word;
@@ -8,7 +8,7 @@ pub(in crate::contact::laws) const FRICTION_CAP: &str = "friction_cap";
 /// Its meaning.
 pub(in crate::contact::laws) const MEANING: &str = "Normal force that limits friction";
 
-/// Which normal force limits friction.
+/// The normal force that limits friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrictionCap {
     /// The force of spring and dashpot, |F_n|.
@@ -24,7 +24,7 @@ impl FrictionCap {
         Word::new("net", "that of spring and dashpot, less cohesion"),
     ];
 
-    /// The one that is chosen; `None` if the word is wrong.
+    /// The chosen one; `None` if the word is wrong.
     pub(in crate::contact::laws) fn from_keys(values: &dyn ContactLawValues) -> Option<Self> {
         Some(match values.word(FRICTION_CAP)? {
             "net" => Self::Net,

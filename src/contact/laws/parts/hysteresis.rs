@@ -1,4 +1,4 @@
-//! Loading, unloading and adhesion along straight lines: what the hysteretic laws have in common.
+//! Loading, unloading and adhesion along straight lines, common to the hysteretic laws.
 
 use super::friction_cap::FrictionCap;
 use super::slider::{Slider, SliderStep, damping_ratio};
@@ -58,7 +58,7 @@ impl HystereticParameters {
     pub(crate) const KEYS: [Key; 4] =
         [UNLOADING_STIFFNESS, LOADING_STIFFNESS, PLASTICITY_INDEX, TANGENTIAL_STIFFNESS];
 
-    /// The parameters of these values; `None` if one is missing or wrong.
+    /// The parameters with these values; `None` if one is missing or wrong.
     pub(crate) fn from_keys(values: &dyn ContactLawValues) -> Option<Self> {
         let unloading = values.number("unloading_stiffness")?;
         let loading = match values.given(&["loading_stiffness", "plasticity_index"])? {
@@ -88,7 +88,7 @@ impl HystereticParameters {
         1.0 - self.loading_stiffness / self.unloading_stiffness
     }
 
-    /// Parameters for the examples that the hysteretic laws give of themselves.
+    /// Parameters for the examples that the hysteretic laws provide.
     pub(crate) fn example(scales: ExampleScales) -> Self {
         Self {
             loading_stiffness: 0.8 * scales.stiffness,
@@ -110,12 +110,12 @@ impl HystereticParameters {
     }
 }
 
-/// How a contact that is on the line of adhesion is loaded again.
+/// Path along which a contact that is on the line of adhesion is loaded again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reloading {
     /// Along the unloading line through the present point: delta_max falls on the line of adhesion (Luding).
     FromLimit,
-    /// Back along the line of adhesion, to the unloading line that it came from: delta_max stays.
+    /// Back along the line of adhesion, to the unloading line from which it came: delta_max is kept.
     AlongLimit,
 }
 
@@ -135,7 +135,7 @@ pub enum Reloading {
 pub(crate) struct Hysteresis {
     unloading_stiffness: f64,
     plasticity: f64,
-    /// k_c, infinite where nothing limits adhesion.
+    /// k_c, infinite if nothing limits adhesion.
     adhesion_stiffness: f64,
     loading_stiffness: f64,
     tangential_stiffness: f64,
@@ -171,17 +171,17 @@ impl Hysteresis {
         })
     }
 
-    /// With another limit of friction.
+    /// This law with another limit of friction.
     pub(crate) fn with_friction_cap(self, friction_cap: FrictionCap) -> Self {
         Self { friction_cap, ..self }
     }
 
-    /// With another way back from the line of adhesion.
+    /// This law with another kind of reloading from the line of adhesion.
     pub(crate) fn with_reloading(self, reloading: Reloading) -> Self {
         Self { reloading, ..self }
     }
 
-    /// With stiffnesses that are larger by a factor, the same restitution, and this adhesion stiffness.
+    /// This law with stiffnesses that are larger by a factor, the same restitution, and this adhesion stiffness.
     pub(crate) fn stiffened(&self, factor: f64, adhesion_stiffness: f64) -> Self {
         let root = factor.sqrt();
         Self {
@@ -208,12 +208,13 @@ impl Hysteresis {
             }
             Reloading::AlongLimit => largest,
         };
-        // Selects instead of branches: contacts are evaluated side by side, in lanes.
+        // Selects are used instead of branches: contacts are evaluated side by side, in lanes.
         if unloading < adhesion { (adhesion, met) } else { (unloading, largest) }
     }
 
-    /// Force of spring and dashpots, less a constant attraction, if the surfaces stick, and whether they slide. Friction is
-    /// proportional to the normal force without its adhesive part, that is plus `adhesion`, or to the net one.
+    /// Force of spring and dashpots, less a constant attraction, if the surfaces stick, and whether they slide.
+    /// Friction is proportional to the normal force without its adhesive part, that is plus `adhesion`, or to the net
+    /// normal force.
     #[inline(always)]
     pub(crate) fn sticking_force(
         &self,
@@ -239,7 +240,7 @@ impl Hysteresis {
         (ContactForce { normal, tangential, friction_normal }, slides)
     }
 
-    /// Lets surfaces slide that do not stick.
+    /// Lets surfaces slide if they do not stick.
     #[inline(always)]
     pub(crate) fn slide(&self, history: &mut ContactHistory, force: &mut ContactForce) {
         self.slider(force.friction_normal).slide(&mut force.tangential, history);
@@ -250,8 +251,9 @@ impl Hysteresis {
         Slider { stiffness: self.tangential_stiffness, limit: self.friction * friction_normal }
     }
 
-    /// (k_unload / 2) (delta - delta_p)^2 of the spring, and (k_t / 2) s^2. On a line of adhesion along which the contact
-    /// is loaded again: that where the line begins, delta_ad, and (k_c / 2) (delta_ad^2 - delta^2).
+    /// Energies (k_unload / 2) (delta - delta_p)^2 and (k_t / 2) s^2. On a line of adhesion along which the contact is
+    /// loaded again, the normal part is its value where the line begins, at delta_ad, plus (k_c / 2) (delta_ad^2 -
+    /// delta^2).
     pub(crate) fn stored_energy(&self, overlap: f64, history: &ContactHistory) -> StoredInContact {
         let (unloading, adhesion) = (self.unloading_stiffness, self.adhesion_stiffness);
         let plastic = self.plasticity * history.largest_overlap;

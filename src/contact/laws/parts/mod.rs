@@ -1,4 +1,4 @@
-//! What several contact laws are made of.
+//! Building blocks shared by several contact laws.
 
 mod elastic;
 pub(super) mod friction_cap;

@@ -10,11 +10,11 @@ use nalgebra::Vector3;
 pub(crate) struct Slider {
     /// Tangential stiffness k_t, force per length.
     pub(crate) stiffness: f64,
-    /// Largest force: mu times the normal force that friction is proportional to.
+    /// Largest force: mu times the normal force to which friction is proportional.
     pub(crate) limit: f64,
 }
 
-/// How the spring is advanced, and the dashpot beside it.
+/// Parameters by which the spring is advanced, and the parallel dashpot.
 #[derive(Clone, Copy)]
 pub(crate) struct SliderStep {
     /// Tangential damping eta_t, force per velocity.
@@ -38,7 +38,7 @@ impl Slider {
         force
     }
 
-    /// The same if the surfaces stick, and whether it exceeds the limit.
+    /// The force if the surfaces stick, and whether it exceeds the limit.
     #[inline(always)]
     pub(crate) fn sticking_force(
         self,
@@ -55,7 +55,7 @@ impl Slider {
         (force, force.norm_squared() > self.limit * self.limit)
     }
 
-    /// Scales a force that exceeds the limit, and its spring.
+    /// Scales down a force that exceeds the limit, and its spring.
     #[inline(always)]
     pub(crate) fn slide(self, force: &mut Vector3<f64>, history: &mut ContactHistory) {
         let squared = force.norm_squared();
@@ -68,7 +68,7 @@ impl Slider {
     }
 }
 
-/// The force of a law that tells sticking from sliding.
+/// The force of a law that distinguishes sticking from sliding.
 #[inline(always)]
 pub(crate) fn stick_or_slide(
     law: &impl ContactForceLaw,
@@ -81,7 +81,7 @@ pub(crate) fn stick_or_slide(
     force
 }
 
-/// |ln e| / sqrt(pi^2 + ln^2 e): damping over critical damping of a linear oscillator whose half period has the
+/// |ln e| / sqrt(pi^2 + ln^2 e): damping over critical damping of a linear oscillator for which a half period gives the
 /// restitution coefficient e.
 pub(super) fn damping_ratio(restitution: f64) -> f64 {
     let log = libm::log(restitution);
