@@ -1,10 +1,10 @@
-//! The box: its size, what its faces do to particles, and the quantum of positions.
+//! The box: its size, the effect of its faces on particles, and the quantum of positions.
 
 use super::BoxFace;
 use crate::numbers::Quantum;
 use nalgebra::Vector3;
 
-/// What a face of the box does to particles.
+/// Effect of a face of the box on particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Face {
     /// The box is repeated beyond this face; the opposite face is periodic too.
@@ -19,8 +19,8 @@ pub enum Face {
 
 /// A box from the origin to `lengths`.
 ///
-/// Positions are rounded to multiples of [`Bounds::position_quantum`], and so are the lengths: wrapping a position, or
-/// shifting it by a length of the box, is exact.
+/// Positions are rounded to multiples of [`Bounds::position_quantum`], and so are the lengths, so that wrapping a
+/// position, or shifting it by a length of the box, is exact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     lengths: Vector3<f64>,
@@ -41,12 +41,12 @@ impl Bounds {
         self.lengths
     }
 
-    /// What the lower and the upper face along an axis do.
+    /// Effects of the lower and the upper face along an axis.
     pub fn faces(&self, axis: usize) -> [Face; 2] {
         self.faces[axis]
     }
 
-    /// What a face does.
+    /// Effect of a face.
     pub fn face(&self, face: BoxFace) -> Face {
         self.faces[face.axis][face.side]
     }
@@ -98,8 +98,8 @@ impl Bounds {
         position
     }
 
-    /// Smallest distance from what lies between two corners to an open face or one that stops the run; negative beyond such a
-    /// face.
+    /// Smallest distance of the region between two corners from an open face or one that stops the run; negative beyond
+    /// such a face.
     pub fn clearance(&self, [lower, upper]: &[Vector3<f64>; 2]) -> f64 {
         let passable = |face: Face| matches!(face, Face::Open | Face::Stop);
         let to_faces = (0..3).flat_map(|axis| {

@@ -32,7 +32,7 @@ impl BoxFace {
         Self::NAMES[2 * self.axis + self.side]
     }
 
-    /// The face of a name.
+    /// The face with a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|face| face.name() == name)
     }

@@ -16,7 +16,7 @@ impl RankGrid {
         Self(counts)
     }
 
-    /// Number of ranks; the largest number there is if it is beyond that.
+    /// Number of ranks; the largest representable number if it is larger than that.
     pub fn size(self) -> usize {
         self.0.iter().fold(1, |size: usize, &count| size.saturating_mul(count))
     }

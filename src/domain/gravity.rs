@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// Vertical vibration of the plate: its height in the laboratory is -A sin(2 pi f (t - start)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
-    /// Gamma = A (2 pi f)^2 / g, the largest acceleration of the plate over that of gravity.
+    /// Gamma = A (2 pi f)^2 / g, ratio of the largest acceleration of the plate to that of gravity.
     pub relative_acceleration: f64,
     /// Frequency f in cycles per time.
     pub frequency: f64,

@@ -3,10 +3,10 @@
 use super::{Bounds, Decomposition};
 use nalgebra::Vector3;
 
-/// The subdomain of one rank: the box, how it is divided among the ranks, and which of them this is.
+/// The subdomain of one rank, with the box and its decomposition.
 #[derive(Clone, Copy, Debug)]
 pub struct Subdomain<'a> {
-    /// How the box is divided.
+    /// Decomposition of the box.
     pub decomposition: &'a Decomposition,
     /// The whole box.
     pub bounds: &'a Bounds,
@@ -20,9 +20,9 @@ impl Subdomain<'_> {
         self.decomposition.subdomain_corners(self.rank)
     }
 
-    /// Whether a place outside of the subdomain is ahead of it: above it along the last axis along which it is outside. Of two
-    /// particles in different subdomains, or in different images of one, each sees the other outside, and one of them sees it
-    /// ahead. Beyond a face without a neighbour nothing is outside.
+    /// Whether a place outside the subdomain is ahead of it: above it along the last axis along which it is outside.
+    /// For two particles in different subdomains, or in different images of one, each is outside the other's subdomain,
+    /// and exactly one of them is ahead. Beyond a face without a neighbour nothing is outside.
     pub fn is_ahead(self) -> impl Fn(&Vector3<f64>) -> bool {
         let [mut lower, mut upper] = self.corners();
         for axis in 0..3 {
@@ -55,8 +55,8 @@ mod tests {
     use crate::domain::{Face, RankGrid};
     use crate::numbers::{random_of, uniform};
 
-    /// Random pairs in different blocks, the second in any image, and how many of them neither rank, and both, see ahead by
-    /// `is_ahead` of a rank and a place.
+    /// Numbers of random pairs in different blocks, the second particle in any image, that are ahead for neither rank,
+    /// and for both ranks, by the function `is_ahead` of a rank and a place.
     fn neither_and_both(
         grid: [usize; 3],
         is_ahead: impl Fn(Subdomain<'_>, &Vector3<f64>) -> bool,
@@ -69,7 +69,7 @@ mod tests {
         let mut number = || uniform(&mut random);
         let mut found = [0; 2];
         for _ in 0..2000 {
-            // Some are a little beyond a wall.
+            // Some places are slightly beyond a wall.
             let mut place = || Vector3::new(5.0 * number(), 6.0 * number(), 8.0 * number() - 0.5);
             let [one, other] = [place(), place()];
             let shift = Vector3::new(5.0, 6.0, 0.0)
@@ -91,7 +91,7 @@ mod tests {
         for grid in [[1, 1, 1], [2, 1, 1], [1, 1, 2], [3, 2, 1], [2, 2, 2], [1, 4, 3]] {
             assert_eq!(neither_and_both(grid, |here, place| here.is_ahead()(place)), [0, 0]);
         }
-        // The control: above along any axis.
+        // Control: above along any axis.
         let above = |here: Subdomain<'_>, place: &Vector3<f64>| {
             let upper = here.corners()[1];
             (0..3).any(|axis| place[axis] >= upper[axis])

@@ -11,9 +11,9 @@ const BASE_PLATE: (BoxFace, &str) = (BoxFace { axis: 2, side: 0 }, "base plate")
 /// A wall in a face of the box, or one that the case defines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
-    /// Its name in results: "base plate", "x lower", or the name that the case gives.
+    /// Its name in results: "base plate", "x lower", or the name given in the case.
     pub name: String,
-    /// The face of the box in which it lies; `None` for a wall that the case defines, wherever that is.
+    /// The face of the box in which it lies; `None` for a wall defined by the case, wherever it is.
     pub face: Option<BoxFace>,
     /// Its surface while it is at rest.
     pub shape: WallShape,
@@ -28,7 +28,7 @@ pub enum WallShape {
     Plane {
         /// A point of the plane.
         point: Vector3<f64>,
-        /// Unit normal, into the bed.
+        /// Unit normal, towards the particles.
         normal: Vector3<f64>,
     },
     /// An infinite cylinder along z, with the particles inside. In contact laws its curvature is neglected: R* = r.
@@ -66,7 +66,7 @@ pub struct WallPose {
     pub velocity: Vector3<f64>,
 }
 
-/// Walls together with where they are at one instant.
+/// Walls with their poses at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedWalls<'a> {
     /// The walls.
@@ -150,7 +150,7 @@ impl Wall {
         Self { face: Some(face), ..Self::plane(name, point, face.inward_normal()) }
     }
 
-    /// Whether it is the base plate: the wall in the lower z face of the box, whatever other walls are called.
+    /// Whether it is the base plate: the wall in the lower z face of the box, even if another wall has this name.
     pub fn is_base_plate(&self) -> bool {
         self.face == Some(BASE_PLATE.0)
     }
@@ -166,8 +166,8 @@ impl Wall {
         matches!(self.shape, WallShape::Cylinder { .. })
     }
 
-    /// Its displacement at the end of a step of this length, and its velocity in the middle of the step: those of
-    /// particles are also taken at the half step.
+    /// Its displacement at the end of a step of this length, and its velocity at the middle of the step: the velocities
+    /// of particles are also taken at the half step.
     pub fn pose(&self, time: f64, step: f64) -> WallPose {
         WallPose {
             displacement: self.motion.displacement(time),
@@ -195,7 +195,8 @@ impl Wall {
         }
     }
 
-    /// Unit normal, into the bed, at the point of the wall nearest to a position; zero on the axis of a cylinder.
+    /// Unit normal, towards the particles, at the point of the wall nearest to a position; zero on the axis of a
+    /// cylinder.
     #[inline(always)]
     pub fn normal_at(&self, position: &Vector3<f64>, pose: &WallPose) -> Vector3<f64> {
         match &self.shape {
@@ -209,7 +210,7 @@ impl Wall {
         }
     }
 
-    /// How far a displacement can have moved the wall towards particles.
+    /// Largest distance by which a displacement can have moved the wall towards particles.
     pub fn approach(&self, displacement: &Vector3<f64>) -> f64 {
         match &self.shape {
             WallShape::Plane { normal, .. } => normal.dot(displacement).abs(),
@@ -265,7 +266,7 @@ mod tests {
                 "{time}: {error}"
             );
         }
-        // Negative control: half a step off.
+        // Negative control: a time off by half a step.
         assert!((motion.velocity_at(1.1) - motion.velocity_at(1.11)).norm() > 1.0e-3);
     }
 

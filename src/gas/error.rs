@@ -1,12 +1,12 @@
-//! Why a gas step fails.
+//! Reasons why a gas step fails.
 
 use crate::linear_solver::LinearSolverError;
 use thiserror::Error;
 
-/// A gas force that has no meaning.
+/// A gas force that exceeds its limit or is undefined.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GasForceOutOfRange {
-    /// On one particle.
+    /// The force on one particle.
     #[error(
         "the gas force on particle {particle} is {force:.3e} (limit {limit:.3e}) at a solids fraction of \
          {solids_fraction:.3}: particles overlap too much, or time.step is too long"
@@ -16,7 +16,7 @@ pub enum GasForceOutOfRange {
         particle: u64,
         /// A component of the force.
         force: f64,
-        /// What it may be.
+        /// Its limit.
         limit: f64,
         /// Solids fraction at the particle.
         solids_fraction: f64,
@@ -31,7 +31,7 @@ pub enum GasForceOutOfRange {
         particle: u64,
         /// Its drag coefficient.
         drag: f64,
-        /// What it may be.
+        /// Its limit.
         limit: f64,
     },
     /// A gas step that is too long for the drag.
@@ -42,12 +42,12 @@ pub enum GasForceOutOfRange {
     Response {
         /// Id of the particle.
         particle: u64,
-        /// The part taken.
+        /// The fraction taken.
         response: f64,
-        /// What it may be.
+        /// Its limit.
         limit: f64,
     },
-    /// On the whole bed.
+    /// The force on the whole bed.
     #[error("no superficial velocity lets the gas carry the bed's weight (last tried: {0:.6e})")]
     NoBalance(f64),
     /// The absolute pressure in a compressible column gas is not positive.
@@ -58,7 +58,7 @@ pub enum GasForceOutOfRange {
     Pressure {
         /// Pressure less that above the bed.
         pressure: f64,
-        /// Where.
+        /// Height at which it occurs.
         height: f64,
         /// Absolute pressure above the bed.
         ambient: f64,
@@ -70,22 +70,22 @@ pub enum GasForceOutOfRange {
     NotSettled,
 }
 
-/// Why a step of the equations of the volume-averaged gas is not possible: the same on all ranks.
+/// Reason why a step of the equations of the volume-averaged gas is not possible; it is equal on all ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NavierStokesError {
-    /// Advection and viscosity are explicit.
+    /// The step is too long for advection and viscosity, which are explicit.
     #[error(
         "the gas's step of {dt:.3e} is too long: 2 x {courant:.3} (Courant number) + {viscous:.3} / 2 (viscosity) may \
          not exceed 1; at this instant steps up to {longest:.3e} would do"
     )]
     StepTooLong {
-        /// The step.
+        /// Length of the step.
         dt: f64,
         /// Courant number.
         courant: f64,
         /// Viscous number.
         viscous: f64,
-        /// The longest step that is allowed now.
+        /// The longest step that is presently allowed.
         longest: f64,
     },
     /// A velocity or the voidage is undefined.
@@ -96,9 +96,9 @@ pub enum NavierStokesError {
         "the gas was given voidages from {least} to {largest}; all must be above 0 and at most 1"
     )]
     Voidage {
-        /// The smallest, or 1.
+        /// The smallest voidage, or 1.
         least: f64,
-        /// The largest.
+        /// The largest voidage.
         largest: f64,
     },
     /// The pressure equation has no solution.
@@ -106,13 +106,13 @@ pub enum NavierStokesError {
     Pressure(#[from] LinearSolverError),
 }
 
-/// Why a step of a gas is not possible.
+/// Reason why a step of a gas is not possible.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GasError {
-    /// Its force on a particle has no meaning. May differ between ranks.
+    /// A force on a particle exceeds its limit or is undefined. It may differ between ranks.
     #[error(transparent)]
     Force(#[from] GasForceOutOfRange),
-    /// Its equations cannot be solved. The same on all ranks.
+    /// The equations cannot be solved. The error is the same on all ranks.
     #[error(transparent)]
     Equations(#[from] NavierStokesError),
 }

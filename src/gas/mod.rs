@@ -3,7 +3,7 @@
 //! | | [`column`] | [`volume_averaged`] |
 //! | --- | --- | --- |
 //! | dimensions | one, vertical | three |
-//! | inertia | none | with: a step of its own, of several of the particles |
+//! | inertia | none | with inertia: a step of its own, which covers several steps of the particles |
 //! | model | [`ColumnGas`] | [`volume_averaged::VolumeAveragedModel`] |
 //! | state | [`ColumnState`]: none, unless it comes out of a plenum or is compressible | [`volume_averaged::VolumeAveragedState`] |
 //! | solver | [`ColumnSolver`] | [`volume_averaged::VolumeAveragedSolver`] |

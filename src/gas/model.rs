@@ -1,4 +1,4 @@
-//! The gas as a case chooses it for a stage.
+//! The gas that a case chooses for a stage.
 
 use super::volume_averaged::VolumeAveragedModel;
 use super::{AgglomerateDrag, ColumnGas};
@@ -13,9 +13,9 @@ pub enum GasModel {
     /// No gas.
     #[default]
     None,
-    /// One-dimensional, without inertia.
+    /// The column gas: one-dimensional, without inertia.
     Column(ColumnGas),
-    /// In three dimensions.
+    /// The volume-averaged gas, in three dimensions.
     VolumeAveraged(VolumeAveragedModel),
 }
 
@@ -32,7 +32,7 @@ impl From<VolumeAveragedModel> for GasModel {
 }
 
 impl GasModel {
-    /// The column gas, if it is that.
+    /// The column gas, if the gas is of this kind.
     pub fn column(&self) -> Option<&ColumnGas> {
         match self {
             Self::Column(gas) => Some(gas),
@@ -40,7 +40,7 @@ impl GasModel {
         }
     }
 
-    /// The volume-averaged gas, if it is that.
+    /// The volume-averaged gas, if the gas is of this kind.
     pub fn volume_averaged(&self) -> Option<&VolumeAveragedModel> {
         match self {
             Self::VolumeAveraged(model) => Some(model),
@@ -48,7 +48,7 @@ impl GasModel {
         }
     }
 
-    /// This gas around parcels of l^3 particles each, l being `size`.
+    /// This gas around parcels of l^3 particles each; l is `size`.
     #[must_use]
     pub fn around_parcels(mut self, size: f64) -> Self {
         match &mut self {
@@ -59,12 +59,12 @@ impl GasModel {
         self
     }
 
-    /// How drag follows from the agglomerates of the particles, if it does.
+    /// Dependence of the drag on the agglomerates of the particles, if there is any.
     pub fn agglomerates(&self) -> Option<AgglomerateDrag> {
         self.volume_averaged()?.coupling.agglomerates
     }
 
-    /// Steps of the particles in one of the gas.
+    /// Number of steps of the particles in one step of the gas.
     pub fn substeps(&self) -> u64 {
         match self {
             Self::None | Self::Column(_) => 1,
@@ -72,12 +72,12 @@ impl GasModel {
         }
     }
 
-    /// Whether the gas makes a step with this one of the particles.
+    /// Whether the gas makes a step at this step of the particles.
     pub fn is_due(&self, step: u64) -> bool {
         step.is_multiple_of(self.substeps())
     }
 
-    /// How far particles may move before they are sorted to their ranks again; length.
+    /// Largest distance that particles may move before they are sorted to their ranks again; length.
     pub fn reach(&self) -> f64 {
         match self {
             Self::None | Self::Column(_) => f64::INFINITY,

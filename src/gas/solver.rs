@@ -1,4 +1,4 @@
-//! The gas in a run: it advances, acts on the particles, and is read off, whichever it is.
+//! The gas in a run, of any kind: it advances, acts on the particles, and provides results.
 
 use super::step::GasStep;
 use super::volume_averaged::{VolumeAveragedModel, VolumeAveragedSolver, VolumeAveragedState};
@@ -26,43 +26,43 @@ pub enum GasSolver {
     VolumeAveraged(VolumeAveragedSolver),
 }
 
-/// Where the gas is to be, and how it is spread over the ranks now.
+/// Surroundings of the gas, and its present and future distribution over the ranks.
 #[derive(Clone, Copy, Debug)]
 pub struct GasLayout<'a> {
     /// The walls that particles touch.
     pub walls: &'a [Wall],
-    /// What sums over particles must have room for.
+    /// Bounds for which sums over particles must have room.
     pub limits: ParticleLimits,
-    /// By which the state of the gas is spread now.
+    /// Present decomposition of the state of the gas.
     pub before: &'a Decomposition,
-    /// By which it is spread afterwards.
+    /// Future subdomain of this rank.
     pub subdomain: Subdomain<'a>,
     /// The time now.
     pub time: f64,
 }
 
-/// What is read off the gas for the time series.
+/// Values of the gas for the time series.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GasObservables {
-    /// U_s; of the volume-averaged gas its mean over the bottom; 0 without gas.
+    /// U_s; for the volume-averaged gas its mean over the bottom; 0 without gas.
     pub superficial_velocity: f64,
-    /// Pressure drop over the column; of the volume-averaged gas the mean pressure at the bottom less that at the
-    /// top, hydrostatic head left out.
+    /// Pressure drop over the column; for the volume-averaged gas the mean pressure at the bottom less that at the top,
+    /// without the hydrostatic head.
     pub pressure_drop: f64,
     /// Pressure of the plenum less that above the bed; 0 without a plenum.
     pub plenum_pressure: f64,
-    /// How the last step went.
+    /// Report on the last step.
     pub report: GasReport,
 }
 
 impl GasSolver {
-    /// Makes the gas ready on a decomposition: begins it when it is switched on, brings its cells to their owners
-    /// when cut planes have moved, ends it when it is switched off. Collective.
+    /// Prepares the gas for a decomposition: starts it when it is switched on, sends its cells to their owners when cut
+    /// planes have moved, and ends it when it is switched off. Collective.
     ///
     /// Before: particles are with their owners.
     ///
     /// # Errors
-    /// If its cells are too small for how far particles may drift; the same on all ranks.
+    /// If its cells are too small for the distance that particles may drift; the same error on all ranks.
     pub fn distribute(
         &mut self,
         model: &GasModel,
@@ -104,7 +104,8 @@ impl GasSolver {
         Ok(())
     }
 
-    /// What a column gas has to know of the particles of this rank in a step of it, to be added over the ranks; none of other gases.
+    /// Sums over the particles of this rank that a step of a column gas needs, to be added over the ranks; `None` for
+    /// other gases.
     pub fn sum_bed(&mut self, particles: &Particles) -> Option<NodeSums> {
         match self {
             Self::Column(solver) => Some(solver.sum_bed(particles)),
@@ -112,11 +113,11 @@ impl GasSolver {
         }
     }
 
-    /// A step of the gas from the particles as they are now. `bed` are their sums over all ranks, if they have been found by
-    /// [`GasSolver::sum_bed`] since the particles moved or changed their ranks. Collective.
+    /// Does a step of the gas with the present particles. `bed` are their sums over all ranks, if these have been found
+    /// by [`GasSolver::sum_bed`] since the particles moved or changed their ranks. Collective.
     ///
     /// # Errors
-    /// If the step or a force has no meaning; may differ between ranks.
+    /// If the step is not possible or a force exceeds its limit; may differ between ranks.
     pub fn advance(
         &mut self,
         state: &mut GasState,
@@ -161,12 +162,12 @@ impl GasSolver {
         }
     }
 
-    /// Whether the next step of the gas will most likely be refused as too long; the same on all ranks.
+    /// Whether the next step of the gas will most likely be refused as too long; equal on all ranks.
     pub fn next_is_too_long(&self) -> bool {
         matches!(self, Self::VolumeAveraged(solver) if solver.next_is_too_long())
     }
 
-    /// The sum of these forces, in quanta of force.
+    /// The sum of the forces of [`GasSolver::forces_on`], in quanta of force.
     pub fn total_force(&self, particles: &Particles, quantum: Quantum) -> [i64; 3] {
         let mut total = [0; 3];
         for force in self.forces_on(particles) {
@@ -175,7 +176,7 @@ impl GasSolver {
         total
     }
 
-    /// What the time series shows. Collective.
+    /// Values for the time series. Collective.
     pub fn observables(&self, state: &GasState, ranks: &dyn Communicator) -> GasObservables {
         let (superficial_velocity, pressure_drop) = match (self, state) {
             (Self::Column(solver), _) => (solver.superficial_velocity(), solver.pressure_drop()),
@@ -193,7 +194,7 @@ impl GasSolver {
         }
     }
 
-    /// What a checkpoint keeps of this rank's cells, and on rank 0 of a column gas.
+    /// Records for a checkpoint: this rank's cells, and on rank 0 those of a column gas.
     pub fn records(&self, state: &GasState, ranks: &dyn Communicator) -> Vec<CellRecord> {
         match (self, state) {
             (_, GasState::Column(state)) if ranks.is_root() => state.records(),
@@ -206,7 +207,7 @@ impl GasSolver {
         }
     }
 
-    /// What snapshots show of this rank's cells; nothing of a gas without cells. Collective.
+    /// Records for snapshots of this rank's cells; none for a gas without cells. Collective.
     pub fn sample(
         &mut self,
         state: &GasState,
@@ -221,7 +222,7 @@ impl GasSolver {
         }
     }
 
-    /// The column gas, if it is that.
+    /// The column gas, if the gas is of this kind.
     pub fn column(&self) -> Option<&ColumnSolver> {
         match self {
             Self::Column(solver) => Some(solver),
@@ -230,7 +231,7 @@ impl GasSolver {
     }
 }
 
-/// Solver and state of the volume-averaged gas on a new decomposition: at rest if there was none.
+/// Solver and state of the volume-averaged gas on a new decomposition; the gas is at rest if there was none.
 fn volume_averaged(
     model: &VolumeAveragedModel,
     state: &GasState,

@@ -1,4 +1,4 @@
-//! What a gas is at one time, beside the particles.
+//! The state of a gas at one time.
 
 use super::step::GasReport;
 use super::volume_averaged::VolumeAveragedState;
@@ -6,7 +6,7 @@ use super::{ColumnState, GasModel};
 use crate::domain::Subdomain;
 use crate::parallel::{CellRecord, Communicator};
 
-/// The part of a run's state that is the gas's: with the particles, all that its future depends on.
+/// The gas's part of the state of a run: together with the particles, it determines the future of the gas.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "one in a run")]
 pub enum GasState {
@@ -20,7 +20,7 @@ pub enum GasState {
 }
 
 impl GasState {
-    /// From the cells of a checkpoint, each on any one rank; none if no rank has any. Collective.
+    /// The state from the cells of a checkpoint, each on any one rank; no gas if no rank has any. Collective.
     pub fn from_records(
         model: &GasModel,
         records: &[CellRecord],
@@ -42,10 +42,10 @@ impl GasState {
         }
     }
 
-    /// Makes sure that the cells of a checkpoint are in the grid of the gas.
+    /// Checks that the cells of a checkpoint are in the grid of the gas.
     ///
     /// # Errors
-    /// The first that is not; may differ between ranks.
+    /// Names the first cell that is not; may differ between ranks.
     pub fn require_cells(model: &GasModel, records: &[CellRecord]) -> Result<(), String> {
         let GasModel::VolumeAveraged(model) = model else { return Ok(()) };
         let cells: u64 = model.grid.counts().iter().map(|&count| count as u64).product();
@@ -58,7 +58,7 @@ impl GasState {
         }
     }
 
-    /// The state of the volume-averaged gas, if it is that.
+    /// The state of the volume-averaged gas, if the gas is of this kind.
     pub fn volume_averaged(&self) -> Option<&VolumeAveragedState> {
         match self {
             Self::VolumeAveraged(state) => Some(state),
@@ -79,7 +79,7 @@ impl GasState {
         self.column()?.plenum
     }
 
-    /// How the last step went; zeros for a gas without cells.
+    /// Report on the last step; zeros for a gas without cells.
     pub fn report(&self) -> GasReport {
         match self {
             Self::None | Self::Column(_) => GasReport::default(),

@@ -1,6 +1,6 @@
-//! A step of the gas: when it is, and how it went.
+//! A step of the gas: its time, and a report on it.
 
-/// When and how long a step of the gas is.
+/// Time, length and gravity of a step of the gas.
 #[derive(Clone, Copy, Debug)]
 pub struct GasStep {
     /// Time at its beginning.
@@ -11,15 +11,16 @@ pub struct GasStep {
     pub gravity: f64,
 }
 
-/// How the last step of a gas on cells went, over all ranks.
+/// Report on the last step of a gas on cells, over all ranks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GasReport {
     /// Iterations of the pressure equation.
     pub iterations: u64,
-    /// Cells whose voidage was raised to the least one.
+    /// Number of cells whose voidage was raised to the smallest one.
     pub raised_cells: u64,
     /// Courant number.
     pub courant: f64,
-    /// Largest component of the force on particles less what the gas loses at its faces.
+    /// Largest component of the difference between the force on particles and the force that the gas loses at its
+    /// faces.
     pub momentum_error: f64,
 }

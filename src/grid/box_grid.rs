@@ -1,4 +1,4 @@
-//! The cells of the box, and those that a rank owns.
+//! The cells of the box, and those owned by a rank.
 
 use crate::domain::{Bounds, Decomposition, Subdomain};
 use nalgebra::Vector3;
@@ -22,20 +22,20 @@ pub struct LocalCells {
     pub start: [usize; 3],
     /// Number of owned cells along each axis.
     pub count: [usize; 3],
-    /// How cells lie in memory: those of a row are neighbours along the first of these axes, the rows of a layer along the second, the
-    /// layers along the third. It changes no result.
+    /// Order of the cells in memory: those of a row are neighbours along the first of these axes, the rows of a layer
+    /// along the second, the layers along the third. It changes no result.
     pub order: [usize; 3],
 }
 
 impl BoxGrid {
-    /// `counts` cells along x, y and z.
+    /// A grid with `counts` cells along x, y and z.
     pub fn new(bounds: &Bounds, counts: [usize; 3]) -> Self {
         let spacing = Vector3::from_fn(|axis, _| bounds.lengths()[axis] / counts[axis] as f64);
         let periodic = std::array::from_fn(|axis| bounds.is_periodic(axis));
         Self { counts, spacing, periodic }
     }
 
-    /// This grid with each cell cut into `factor` along each axis.
+    /// This grid with each cell divided into `factor` cells along each axis.
     pub fn refined(&self, factor: usize) -> Self {
         Self {
             counts: self.counts.map(|count| count * factor),
@@ -69,8 +69,8 @@ impl BoxGrid {
         ((coordinate / self.spacing[axis]).round() as usize).min(self.counts[axis])
     }
 
-    /// The decomposition with every cut plane moved to a cell face. Each rank owns at least `least` cells, which
-    /// are given for each axis, along the divided ones.
+    /// The decomposition with every cut plane moved to a cell face. Along the divided axes each rank owns at least
+    /// `least` cells, which is given for each axis.
     ///
     /// Returns `None` if the grid has too few cells for that.
     pub fn aligned(
@@ -114,7 +114,7 @@ impl BoxGrid {
         LocalCells { counts: self.counts, start, count, order: self.memory_order(decomposition) }
     }
 
-    /// How cells lie in memory, on all ranks alike: see [`LocalCells::order`].
+    /// Order of the cells in memory, equal on all ranks: see [`LocalCells::order`].
     pub fn memory_order(&self, decomposition: &Decomposition) -> [usize; 3] {
         let ranks = decomposition.grid().0;
         order_of([0, 1, 2].map(|axis| self.counts[axis] / ranks[axis]))
@@ -124,12 +124,12 @@ impl BoxGrid {
 /// The orders of [`LocalCells::order`] with rows along x, y and z.
 pub(crate) const MEMORY_ORDERS: [[usize; 3]; 3] = [[0, 1, 2], [1, 0, 2], [2, 0, 1]];
 
-/// What is done once for a row takes as long as the work on some ten cells: a step of the gas on 32,000 cells took 1.6, 1.05, 0.79 and
-/// 0.75 us per cell with rows of 8, 16, 32 and 64 (AMD EPYC with AVX2).
+/// Length from which rows are long. The overhead of a row equals the work on some ten cells: a step of the gas on
+/// 32,000 cells took 1.6, 1.05, 0.79 and 0.75 us per cell with rows of 8, 16, 32 and 64 (AMD EPYC with AVX2).
 const LONG_ROW: usize = 32;
 
-/// Rows lie along the first axis along which they are long, else along the longest one. With layers across z, a bed below much gas takes
-/// one short range of memory.
+/// Rows lie along the first axis along which they are long, or else along the longest axis. With layers across z, a bed
+/// below a large volume of gas takes one short range of memory.
 fn order_of(counts: [usize; 3]) -> [usize; 3] {
     let long = counts.iter().position(|&count| count >= LONG_ROW);
     let longest = || (0..3).rev().max_by_key(|&axis| counts[axis]);

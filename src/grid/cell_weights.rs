@@ -21,25 +21,26 @@ pub(crate) struct CellLocator {
 pub(crate) struct CellWeights {
     /// Local indices of the cells below.
     pub(crate) lower: [isize; 3],
-    /// Local indices of the cells above; the same as those below at a face of the box that is not periodic.
+    /// Local indices of the cells above; equal to those below at a face of the box that is not periodic.
     pub(crate) upper: [isize; 3],
     /// Weights of the cells above.
     pub(crate) of_upper: [f64; 3],
 }
 
 impl CellLocator {
-    /// How many cells a point may lie outside the subdomain so that the cells around it are within a halo of two cells.
+    /// Largest distance of a point from the subdomain, in cells, for which the cells around it are within a halo of two
+    /// cells.
     pub(crate) const MARGIN: f64 = 1.5;
 
-    /// For the cells of a rank.
+    /// A locator for the cells of a rank.
     pub(crate) fn new(grid: &BoxGrid, cells: LocalCells) -> Self {
         let spacing = grid.spacing();
         let periodic = std::array::from_fn(|axis| grid.is_periodic(axis));
         Self { cells, periodic, spacing }
     }
 
-    /// The cells around a point less than [`CellLocator::MARGIN`] cells outside the subdomain, or around its image that
-    /// is.
+    /// The cells around a point, or around that one of its images, which is less than [`CellLocator::MARGIN`] cells
+    /// outside the subdomain.
     ///
     /// `wrapped` is the point with its periodic coordinates in the box, so that all images have the same weights.
     #[inline(always)]
@@ -167,7 +168,7 @@ mod tests {
         assert_eq!(at(local(0, 3), 3.2), -1);
         assert_eq!(at(local(3, 3), 3.2), 2);
         assert_eq!(at(local(0, 6), 3.2), 5);
-        // x = 0.1 is in cell 0: seen from the upper half, beyond its end.
+        // x = 0.1 is in cell 0: from the upper half, this is beyond its end.
         assert_eq!(at(local(3, 3), 0.1), 2);
         assert_eq!(at(local(3, 3), 0.5), 3);
     }

@@ -96,7 +96,7 @@ impl ColumnGrid {
         if self.periodic { z - self.height * (z / self.height).floor() } else { z }
     }
 
-    /// The nodes around a wrapped height and their weights. Below the lowest node and above the highest, that node has
+    /// The nodes around a wrapped height and their weights. Below the lowest node and above the highest, this node has
     /// all the weight. There are no branches, so that loops over it are vectorised.
     #[inline(always)]
     pub fn weights(&self, z: f64) -> NodeWeights {

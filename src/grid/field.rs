@@ -5,8 +5,8 @@ use bytemuck::Pod;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// One value for each cell that a rank owns, and for each cell of a halo around them, in memory in the order of the cells
-/// ([`LocalCells::order`]). Values are in double precision unless another type of number is named.
+/// One value for each cell that a rank owns, and for each cell of a halo around them, in the memory order of the cells
+/// ([`LocalCells::order`]). Values are in double precision unless another type of number is given.
 ///
 /// Local indices of owned cells run from 0 to count - 1 along each axis, those of the halo from -halo to -1 and from
 /// count to count + halo - 1. A component of a vector on faces is stored with the cell above the face.
@@ -20,7 +20,7 @@ pub struct Field<T = f64> {
 }
 
 impl<T: Pod> Field<T> {
-    /// Zero everywhere.
+    /// A field of zeros.
     pub fn new(cells: &LocalCells, halo: usize) -> Self {
         let LocalCells { count, order, .. } = *cells;
         let with_halo = count.map(|count| count + 2 * halo);
@@ -41,7 +41,7 @@ impl<T: Pod> Field<T> {
         self.halo
     }
 
-    /// How the cells lie in memory: see [`LocalCells::order`].
+    /// Order of the cells in memory: see [`LocalCells::order`].
     #[inline(always)]
     pub fn order(&self) -> [usize; 3] {
         self.order
@@ -53,7 +53,7 @@ impl<T: Pod> Field<T> {
         self.count[self.order[0]]
     }
 
-    /// Differences of the indices of two cells that are neighbours along x, y and z.
+    /// Differences of the indices of two neighbouring cells along x, y and z.
     #[inline(always)]
     pub fn strides(&self) -> [usize; 3] {
         self.strides
@@ -97,7 +97,7 @@ impl<T: Pod> Field<T> {
         self.rows_within(self.count.map(|count| 0..count as isize)).map(|row| row.start)
     }
 
-    /// The values of owned cells, x fastest, then y, then z, however they lie in memory.
+    /// The values of owned cells, x fastest, then y, then z, whatever their order in memory.
     pub fn owned(&self) -> impl Iterator<Item = T> + '_ {
         self.owned_indices().map(|index| self.values[index])
     }

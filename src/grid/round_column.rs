@@ -1,4 +1,4 @@
-//! A round column on the cells of a box: which cells are open, and how much of the column each of them has.
+//! A round column on the cells of a box: which cells are open, and how much of the column each of them represents.
 
 use super::{BoxGrid, CellLocator, Field, LocalCells};
 use nalgebra::Vector3;
@@ -6,20 +6,20 @@ use std::f64::consts::PI;
 
 /// A vertical cylinder in a box, with the gas and the particles inside.
 ///
-/// A cell is open if its centre lies in the column. What is in the column belongs to open cells only: a point has the
-/// weights of trilinear interpolation in the open cells around it, divided by their sum. So has the volume: the open
-/// fraction of a cell is
+/// A cell is open if its centre lies in the column. Material in the column is assigned to open cells only: a point has
+/// the weights of trilinear interpolation in the open cells around it, divided by their sum. The same holds for volume:
+/// the open fraction of a cell is
 ///
 /// ```math
 /// \theta_c = \frac{1}{\Delta x\, \Delta y} \int_\text{column} \frac{w_c}{\sum_\text{open} w}\, dA ,
 /// ```
 ///
-/// which is 1 away from the wall. At the wall it lies between some 0.4 and 1.6, whatever the wall cuts off: an open cell
-/// takes over what closed neighbours have of the column, so that no cell is small. The sum over all cells is
-/// pi R^2 / (dx dy), and a bed of uniform packing has the same voidage in all cells.
+/// which is 1 away from the wall. At the wall it lies between some 0.4 and 1.6, wherever the wall cuts the cells: an
+/// open cell takes over the parts of the column in closed neighbours, so that no cell is small. The sum over all cells
+/// is pi R^2 / (dx dy), and a bed of uniform packing has the same voidage in all cells.
 ///
-/// A point in the thin segments of the column around which no cell may be open, farther from the axis than
-/// (R^2 - (dx^2 + dy^2) / 4)^1/2, counts as if it lay on that circle.
+/// A point in the thin segments of the column around which no cell may be open, farther from the axis than (R^2 - (dx^2
+/// + dy^2) / 4)^1/2, is treated as if it lay on that circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoundColumn {
     centre: [f64; 2],
@@ -30,12 +30,12 @@ pub struct RoundColumn {
     open_fractions: Vec<f64>,
 }
 
-/// Cells across a column: with fewer, the wall would act on both sides of a face.
+/// Smallest number of cells across a column: with fewer, the wall would act on both sides of a face.
 const LEAST_CELLS: f64 = 4.0;
-/// How far beyond a face of the box the wall may lie, as part of the radius: both are rounded.
+/// Largest distance of the wall beyond a face of the box, as a fraction of the radius: both are rounded.
 const SLACK: f64 = 1.0e-9;
-/// Strips across a square that the wall cuts, and points along each: errors of open fractions are some 1e-4 before their
-/// sum is made exact.
+/// Number of strips across a square that the wall cuts, and of points along each strip: errors of open fractions are
+/// about 1e-4 before their sum is made exact.
 const STRIPS: usize = 48;
 
 impl RoundColumn {
@@ -81,7 +81,7 @@ impl RoundColumn {
     /// This column on other cells of its box.
     ///
     /// # Errors
-    /// As [`RoundColumn::new`].
+    /// The errors of [`RoundColumn::new`].
     pub fn on(&self, grid: &BoxGrid) -> Result<Self, String> {
         Self::new(grid, self.centre, self.radius)
     }
@@ -91,12 +91,12 @@ impl RoundColumn {
         self.radius
     }
 
-    /// Cells that the column's cross-section is worth: pi R^2 / (dx dy).
+    /// Cross-section of the column in cells: pi R^2 / (dx dy).
     pub fn cross_section_in_cells(&self) -> f64 {
         PI * self.radius * self.radius / (self.spacing[0] * self.spacing[1])
     }
 
-    /// Open fraction of the cells at this place across the column; 0 if they are closed or outside of the box.
+    /// Open fraction of the cells at this place across the column; 0 if they are closed or outside the box.
     pub fn open_fraction(&self, [i, j]: [isize; 2]) -> f64 {
         let [nx, ny] = self.counts.map(|count| count as isize);
         let inside = (0..nx).contains(&i) && (0..ny).contains(&j);
@@ -133,7 +133,8 @@ impl RoundColumn {
         (self.radius * self.radius - out * out).max(0.0).sqrt()
     }
 
-    /// The point whose weights a point in the column has: itself, unless it lies in the outermost segments.
+    /// The point whose weights are used for a point in the column: the point itself, unless it lies in the outermost
+    /// segments.
     #[inline(always)]
     pub(crate) fn within_reach(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let out = [point.x - self.centre[0], point.y - self.centre[1]];
@@ -146,8 +147,8 @@ impl RoundColumn {
         Vector3::new(self.centre[0] + out[0] * factor, self.centre[1] + out[1] * factor, point.z)
     }
 
-    /// Within this distance from the axis one of the cells around every point is open: the mean of the squared distances
-    /// of their centres, by weight, exceeds that of the point by at most (dx^2 + dy^2) / 4.
+    /// Distance from the axis within which one of the cells around every point is open: the weighted mean of the
+    /// squared distances of their centres exceeds that of the point by at most (dx^2 + dy^2) / 4.
     fn reach(&self) -> f64 {
         let [dx, dy] = self.spacing;
         let rounding = 1.0 - 1.0e-12;
@@ -185,7 +186,8 @@ impl RoundColumn {
         self.make_sum_exact();
     }
 
-    /// Shares the part of a square that lies in the column, in strips along the axis that the wall is rather normal to.
+    /// Shares the part of a square that lies in the column, in strips along the axis to which the wall is more nearly
+    /// normal.
     fn share_square(&mut self, square: [usize; 2], open: &[bool], locator: &CellLocator, z: f64) {
         let edges = [0, 1].map(|axis| {
             let edge = |offset: f64| (square[axis] as f64 + offset) * self.spacing[axis];
@@ -253,12 +255,12 @@ fn length_of([x, y]: [f64; 2]) -> f64 {
 pub(crate) struct ColumnOnCells {
     /// The whole column.
     pub(crate) column: RoundColumn,
-    /// Of the cells of a field, as they lie in memory.
+    /// Open fractions of the cells of a field, in the order of memory.
     open_fractions: Field,
 }
 
 impl ColumnOnCells {
-    /// For fields like `field` on the cells of a part.
+    /// For fields of the shape of `field` on the cells of a part.
     pub(crate) fn new(column: &RoundColumn, part: &LocalCells, field: &Field) -> Self {
         let mut open_fractions = Field::new(part, field.halo());
         let halo = field.halo() as isize;
@@ -270,7 +272,7 @@ impl ColumnOnCells {
         Self { column: column.clone(), open_fractions }
     }
 
-    /// Open fractions of the cells of a field, as they lie in memory; 0 where they are closed.
+    /// Open fractions of the cells of a field, in the order of memory; 0 if they are closed.
     pub(crate) fn values(&self) -> &[f64] {
         self.open_fractions.values()
     }
@@ -308,7 +310,7 @@ mod tests {
                 let centre = column.cell_centre([i as usize, j as usize]);
                 let depth = radius - column.distance_from_axis(centre);
                 prop_assert_eq!(open > 0.0, depth > 0.0);
-                // No open cell is small, nor has it more than it and its neighbours outwards.
+                // No open cell is small, and none has more than itself and its neighbours outwards.
                 prop_assert!(open == 0.0 || (0.3..2.5).contains(&open), "{}", open);
                 let diagonal = (column.spacing[0].powi(2) + column.spacing[1].powi(2)).sqrt();
                 let is_inside = depth > 2.0 * diagonal;
@@ -323,15 +325,15 @@ mod tests {
         }
     }
 
-    /// Open fraction of the cell of which a flat wall is this far, over its width.
+    /// Open fraction of the cell at this distance from a flat wall, over its width.
     fn at_flat_wall(distance: f64) -> f64 {
-        // Half of the hat towards the axis, and all between the centre and the wall.
+        // Half of the hat towards the axis, and the whole range between the centre and the wall.
         0.5 + distance
     }
 
     #[test]
     fn the_cell_at_a_wide_columns_wall_has_all_that_lies_beyond_its_centre() {
-        // At its pole a column of 200 cells is as good as flat.
+        // At its pole a column of 200 cells is practically flat.
         for radius in [99.6, 99.9, 100.2] {
             let column = RoundColumn::new(&grid([202.0; 2], [202; 2]), [101.5; 2], radius).unwrap();
             let last = (101.0 + radius).floor() as isize;

@@ -1,4 +1,4 @@
-//! Which cells of a grid are paired along one axis to form the cells of the next coarser grid.
+//! Pairs of cells of a grid along one axis, which form the cells of the next coarser grid.
 
 use super::rows::{Rows, row_starts};
 use crate::grid::LocalCells;
@@ -13,7 +13,7 @@ pub(super) struct CellPairs {
     pub(super) periodic: bool,
 }
 
-/// Which cells of a row are the first, and which the second, of their pairs.
+/// The positions of a row's cells in their pairs: first or second.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowPlaces {
     /// Index of the row's first cell along the axis of the pairs, in the whole grid.
@@ -46,7 +46,7 @@ impl CellPairs {
         self.axis == self.fine.order[0]
     }
 
-    /// The places in their pairs of the cells of a row, which begins with this one.
+    /// The places in their pairs of the cells of a row that begins with this cell.
     pub(super) fn row_places(&self, first: [isize; 3]) -> RowPlaces {
         RowPlaces { first: self.global_index(first), along_rows: self.along_rows() }
     }
@@ -74,7 +74,7 @@ impl CellPairs {
         cell
     }
 
-    /// How a row of `length` pairs, which begins with this pair, lies to the axis.
+    /// The orientation, relative to the axis, of a row of `length` pairs that begins with this pair.
     pub(super) fn row(&self, first: [isize; 3], length: usize) -> PairRow {
         let first = self.coarse.start[self.axis] as isize + first[self.axis];
         if self.along_rows() {
@@ -84,14 +84,14 @@ impl CellPairs {
         if self.is_single_before_wrap(first) { PairRow::Single } else { PairRow::Across }
     }
 
-    /// Whether the pair of a global index is a single cell, above which the grid repeats.
+    /// Whether the pair with a global index is a single cell at the end of a periodic axis.
     fn is_single_before_wrap(&self, pair: isize) -> bool {
         let (cells, pairs) = (self.fine.counts[self.axis], self.coarse.counts[self.axis]);
         self.periodic && cells % 2 == 1 && pair + 1 == pairs as isize
     }
 
-    /// Pairs to which values are restricted: owned ones, and the halo across the axes before this one, along which
-    /// restriction continues.
+    /// Pairs to which values are restricted: owned ones, and those in the halo across the axes before this one, along
+    /// which restriction continues.
     pub(super) fn restricted(&self) -> [Range<isize>; 3] {
         [0, 1, 2].map(|axis| {
             let count = self.coarse.count[axis] as isize;

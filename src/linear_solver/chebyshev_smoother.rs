@@ -17,7 +17,7 @@ const SMOOTHED: [f32; 2] = [0.2, 2.0];
 /// x_1 = x_0 + FIRST D^-1 r_0.
 const FIRST: f32 = 2.0 / (SMOOTHED[0] + SMOOTHED[1]);
 
-/// For x_2 and x_3.
+/// Coefficients for x_2 and x_3.
 const NEXT: [Recurrence; 2] = Recurrence::chebyshev(SMOOTHED);
 
 /// x_(n+1) = x_n + momentum (x_n - x_(n-1)) + step D^-1 r_n.
@@ -50,8 +50,8 @@ pub(super) struct System<'a> {
     pub(super) right_hand_side: &'a Field<f32>,
 }
 
-/// Smooths from x_0 = 0, or from the x_0 in `solution`, whose halo is then current. After: that halo is out of date, and
-/// `scratch` is overwritten.
+/// Smooths from x_0 = 0, or from the x_0 in `solution`, whose halo is then current. After: the halo of `solution` is
+/// out of date, and `scratch` is overwritten.
 pub(super) fn smooth(
     system: System,
     [solution, scratch]: [&mut Field<f32>; 2],
@@ -80,7 +80,7 @@ struct SystemRow<'a> {
 }
 
 impl<'a> SystemRow<'a> {
-    /// `length` cells from these indices on: into x and D^-1, into the coefficients, into b.
+    /// A row of `length` cells that begins at these indices: into x and D^-1, into the coefficients, into b.
     #[inline(always)]
     fn new(
         system: System<'a>,
@@ -110,7 +110,8 @@ impl<'a> SystemRow<'a> {
         }
     }
 
-    /// The next approximation in the place of the last one, or of what stands there if that is zero.
+    /// Replaces the previous approximation by the next one; with `FROM_ZERO` the previous approximation is zero,
+    /// whatever `last` contains.
     #[inline(always)]
     fn next<const FROM_ZERO: bool>(&self, recurrence: Recurrence, last: &mut [f32]) {
         let Recurrence { momentum, step } = recurrence;
@@ -165,7 +166,7 @@ vectorised!(
 );
 
 vectorised!(
-    /// x_(n+1) from x_n and x_(n-1) = 0; overwrites what stands in the place of that.
+    /// x_(n+1) from x_n and x_(n-1) = 0; overwrites the field that would contain x_(n-1).
     fn set_next_from_zero(
         system: System,
         recurrence: Recurrence,

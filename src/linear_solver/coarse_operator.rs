@@ -7,8 +7,8 @@
 //! \end{aligned}
 //! ```
 //!
-//! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is 1 - t
-//! in its own pair and t in the next, and w_f the mean weight of the two cells of a face. The sum in the first row
+//! Both sums run over the faces f across the axis. R and t are those of [`Interpolation`]; the weight of a cell is 1 -
+//! t in its own pair and t in the next, and w_f is the mean weight of the two cells of a face. The sum in the first row
 //! accounts for the flow between cells side by side with different weights. Without it the coarse-grid correction would
 //! be too large where coefficients jump.
 
@@ -22,7 +22,7 @@ use crate::numbers::vectorised;
 impl Interpolation {
     /// Sets the coefficients of owned cells of the coarse grid.
     ///
-    /// Before: halos of coefficients, R and t are current. After: those of the coarse coefficients are not.
+    /// Before: halos of coefficients, R and t are current. After: halos of the coarse coefficients are not.
     pub(super) fn coarsen(&self, fine: &Coefficients<f32>, coarse: &mut Coefficients<f32>) {
         coarsen(Coarsening { interpolation: self, fine, coarse });
     }
@@ -56,13 +56,13 @@ vectorised!(
     }
 );
 
-/// Values in the four cells that the coefficients of a pair follow from, for all pairs of a row: the cell below the pair,
-/// its own two, the one above.
+/// Values in the four cells on which the coefficients of a pair depend, for all pairs of a row: the cell below the
+/// pair, its own two, the one above.
 type FourCells<'a> = [&'a [f32]; 4];
 
 impl Coarsening<'_> {
-    /// Sets the coefficients of pairs in a row, from their index `target` on. Their first cells are `SPACING`
-    /// apart, from the index `first` on; a pair may be a `SINGLE` cell.
+    /// Sets the coefficients of pairs in a row, from the index `target` on. Their first cells are `SPACING` apart, from
+    /// the index `first` on; a pair may be a `SINGLE` cell.
     #[inline(always)]
     fn set_row<const SPACING: usize, const SINGLE: bool>(
         &mut self,
@@ -86,8 +86,8 @@ impl Coarsening<'_> {
         in_parallel::<SPACING, SINGLE>(values, [own_weights; 2], coarse);
     }
 
-    /// The coefficients between pairs and the pairs below. They are zero at the end of the grid, and where a pair is its own
-    /// neighbour.
+    /// Sets the coefficients between pairs and the pairs below. They are zero at the end of the grid, and where a pair
+    /// is its own neighbour.
     #[inline(always)]
     fn set_series<const SPACING: usize>(&mut self, first: usize, target: usize, length: usize) {
         let Interpolation { pairs, weight, half_resistance } = self.interpolation;
@@ -123,7 +123,7 @@ fn row(field: &Field<f32>, first: usize, cells: usize) -> &[f32] {
     &field.values()[first..][..cells]
 }
 
-/// The values of such cells in four rows, the second of which lies a stride beyond the first, and so on.
+/// The values of such cells in four rows, each of which lies one stride beyond the previous one.
 #[inline(always)]
 fn four_rows(field: &Field<f32>, first: usize, stride: usize, cells: usize) -> FourCells<'_> {
     [0, 1, 2, 3].map(|number| row(field, first + number * stride, cells))
@@ -142,7 +142,7 @@ fn set_in_series<const SPACING: usize>(
     }
 }
 
-/// Zero where the face is closed.
+/// Sets coefficients to zero where the face is closed.
 #[inline(always)]
 fn close<const SPACING: usize>(between: &[f32], coefficients: &mut [f32]) {
     for i in 0..coefficients.len() {

@@ -19,7 +19,7 @@ use crate::grid::{Field, LocalCells};
 use crate::numbers::vectorised;
 use crate::parallel::{Communicator, FieldHalo};
 
-/// Iterations after which a solve is given up.
+/// Number of iterations after which a solve is given up.
 const ITERATION_LIMIT: usize = 200;
 
 /// The vectors of the iteration, and their halo.
@@ -34,16 +34,16 @@ pub(super) struct ConjugateGradients {
     applied: Field,
 }
 
-/// What is known before the first iteration.
+/// Data known before the first iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
-    /// |b| and the product that it follows from, if all start values are zero: r is b.
+    /// |b| and the product from which it follows, if all start values are zero: r is then b.
     pub(super) norm: Option<(f64, DotProduct)>,
     /// Largest |b - A x| at the end.
     pub(super) allowed: f64,
 }
 
-/// How far a solve has come.
+/// Progress of a solve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solved {
     /// Iterations done.
@@ -52,7 +52,7 @@ pub(super) struct Solved {
     pub(super) residual: f64,
 }
 
-/// What is kept when the iteration is restarted: the magnitudes of the dot products, and the kind of cycle.
+/// Data kept when the iteration is restarted: the magnitudes of the dot products, and the kind of cycle.
 #[derive(Clone, Copy, Debug)]
 struct Restart {
     /// r . r
@@ -61,7 +61,7 @@ struct Restart {
     residual_dot_preconditioned: DotProduct,
     /// p . A p
     curvature: DotProduct,
-    /// V once W was found not to be positive definite.
+    /// V after W was found not to be positive definite.
     cycle: Cycle,
     iterations: usize,
 }
@@ -119,7 +119,8 @@ impl ConjugateGradients {
         }
     }
 
-    /// Sets r = b - A x for the start values, and returns |r| and the product that it follows from. This call is collective.
+    /// Sets r = b - A x for the start values, and returns |r| and the product from which it follows. This call is
+    /// collective.
     fn first_residual(
         &mut self,
         equation: &mut Equation,
@@ -191,7 +192,7 @@ impl ConjugateGradients {
         Ok(())
     }
 
-    /// z = M r, r being of this norm, and r . z. This call is collective.
+    /// Returns z = M r for an r with this norm, and r . z. This call is collective.
     fn precondition<'a>(
         &self,
         preconditioner: &'a mut Preconditioner,

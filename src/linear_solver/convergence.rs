@@ -1,4 +1,4 @@
-//! How accurate a solution has to be, and how the solve went.
+//! The required accuracy of a solution, and a report on the solve.
 
 /// The criterion of convergence: |b - A p| <= max(relative |b|, absolute), |.| being the Euclidean norm over all cells.
 ///
@@ -8,7 +8,7 @@
 pub struct Tolerance {
     /// Fraction of the norm of the right-hand side, after its mean was subtracted in a closed box.
     pub relative: f64,
-    /// In units of the right-hand side; 0 if there is no absolute tolerance.
+    /// Absolute tolerance, in units of the right-hand side; 0 if there is none.
     pub absolute: f64,
 }
 
@@ -19,7 +19,7 @@ impl Tolerance {
     }
 }
 
-/// How a solve went.
+/// Report on a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Convergence {
     /// Number of iterations; 0 if the start values were good enough.
@@ -28,11 +28,11 @@ pub struct Convergence {
     pub residual: f64,
     /// |b|.
     pub right_hand_side: f64,
-    /// The mean that was subtracted from the right-hand side in a closed box; 0 if as much flows in as out.
+    /// The mean that was subtracted from the right-hand side in a closed box; 0 if inflow and outflow are equal.
     pub removed_mean: f64,
 }
 
-/// Why there is no solution. The same error on all ranks.
+/// Reason why there is no solution; the error is the same on all ranks.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LinearSolverError {
     /// A coefficient is negative, infinite or undefined.

@@ -1,10 +1,12 @@
-//! The coarsest level: a dense LDL^T factorisation (Golub and Van Loan, "Matrix computations", section 4.1), which
-//! every rank computes for itself. In double precision: coefficients that differ much would leave no digit.
+//! The solver of the coarsest level: a dense LDL^T factorisation (Golub and Van Loan, "Matrix computations", section
+//! 4.1), which every rank computes for itself. It uses double precision, since no digit would be left for coefficients
+//! that differ greatly.
 
 use super::operator::{Coefficients, Equation};
 
 /// A pivot below this fraction of its diagonal element is a zero with rounding errors: the cell, or the last one of a
-/// closed box, is coupled to none that is not yet eliminated. Coefficients that differ by 10^12 give larger pivots.
+/// closed box, is not coupled to any cell that is not yet eliminated. Coefficients that differ by 10^12 give larger
+/// pivots.
 const ZERO_PIVOT: f64 = 1.0e-14;
 
 /// The factors of A = L D L^T on a small level.
@@ -25,7 +27,7 @@ impl DirectSolver {
         Self { size, lower: vec![0.0; size * size], inverse_pivots: zeros(), work: zeros() }
     }
 
-    /// Factorises the operator of a level that this rank holds as a whole.
+    /// Factorises the operator of a level that this rank holds completely.
     pub(super) fn factorise(&mut self, coefficients: &Coefficients<f32>) {
         self.assemble(coefficients);
         let n = self.size;

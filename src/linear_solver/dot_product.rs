@@ -10,10 +10,11 @@ use crate::grid::Field;
 use crate::numbers::{Largest, vectorised};
 use crate::parallel::Communicator;
 
-/// Terms that are added as 64-bit integers, each below 2^51, before the sum is carried over to a wider integer.
+/// Number of terms that are added as 64-bit integers, each below 2^51, before the sum is carried over to a wider
+/// integer.
 const TERMS_BETWEEN_CARRIES: usize = 1024;
 
-/// How many times as large as the last value of a dot product a term may be before new quanta are chosen.
+/// Largest ratio of a term to the last value of a dot product before new quanta are chosen.
 const HEADROOM: f64 = 4_294_967_296.0; // 2^32
 
 /// The largest term that a sum may have.
@@ -40,7 +41,7 @@ struct TermQuanta {
 }
 
 impl TermQuanta {
-    /// With a smaller bound the fine quantum would underflow.
+    /// Smallest bound: with a smaller one the fine quantum would underflow.
     const SMALLEST: f64 = 1.0e-270;
 
     fn spanning(largest: f64) -> Self {
@@ -54,7 +55,7 @@ impl TermQuanta {
         Self { limit }
     }
 
-    /// Added to a term, they give a sum whose last bit stands for one quantum: coarse, fine.
+    /// Numbers that, added to a term, give a sum whose last bit represents one quantum: coarse, fine.
     #[inline(always)]
     fn shifts(self) -> [f64; 2] {
         [3.0 * self.limit, 3.0 * self.limit * 0.5_f64.powi(52)]
@@ -78,7 +79,7 @@ impl FixedPointSum {
     const INTEGERS: usize = 5;
     const SPLIT: i128 = 1 << 48;
 
-    /// Adds a_i b_i for some i, no more than can be added before the sum is carried over.
+    /// Adds a_i b_i for some i, at most as many as can be added before the sum is carried over.
     #[inline(always)]
     fn add_chunk(&mut self, quanta: TermQuanta, a: &[f64], b: impl Iterator<Item = f64>) {
         let [coarse, fine] = quanta.shifts();
@@ -113,7 +114,7 @@ impl FixedPointSum {
         Self { multiples: [join(a, b), join(c, d)], beyond }
     }
 
-    /// The value, unless a term lay beyond the bound.
+    /// The value, unless a term exceeded the bound.
     fn value(self, quanta: TermQuanta) -> Option<f64> {
         let [coarse, fine] = quanta.quanta();
         let [high, low] = self.multiples.map(|sum| sum as f64);
@@ -121,11 +122,11 @@ impl FixedPointSum {
     }
 }
 
-/// A dot product that is computed again and again; its quanta follow from its last value.
+/// A dot product that is computed repeatedly; its quanta follow from its last value.
 ///
 /// Each of N terms is rounded by at most 2^-104 of the bound, which is at most 2^33 times the last value. As long as
-/// the value keeps its magnitude, the relative error is below N 2^-71 and no sum needs to be repeated. The result is
-/// the same for any order of the cells and any number of ranks.
+/// the value keeps its magnitude, the relative error is below N 2^-71 and no sum needs to be repeated. The result does
+/// not depend on the order of the cells or the number of ranks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DotProduct {
     quanta: TermQuanta,
@@ -139,7 +140,7 @@ impl Default for DotProduct {
 }
 
 impl DotProduct {
-    /// A dot product of terms that are at most this large.
+    /// A dot product whose terms are at most this large.
     pub(super) fn of_terms_up_to(largest: f64) -> Self {
         Self { quanta: TermQuanta::spanning(largest.min(LARGEST_TERM)) }
     }
@@ -153,8 +154,8 @@ impl DotProduct {
         RunningDot { quanta: self.quanta, sum: FixedPointSum::default() }
     }
 
-    /// The sum over all ranks. If there were no quanta, or terms lay beyond the bound, it is computed from `a` and `b`. Undefined
-    /// (NaN) if a term is infinite or undefined. This call is collective.
+    /// The sum over all ranks. If there were no quanta, or terms exceeded the bound, it is computed from `a` and `b`.
+    /// Undefined (NaN) if a term is infinite or undefined. This call is collective.
     pub(super) fn finish(
         &mut self,
         running: RunningDot,
@@ -171,7 +172,7 @@ impl DotProduct {
         value
     }
 
-    /// The dot product of the owned values of two fields that lie in memory alike. This call is collective.
+    /// The dot product of the owned values of two fields with the same order in memory. This call is collective.
     pub(super) fn of(&mut self, a: &Field, b: impl Values, ranks: &dyn Communicator) -> f64 {
         let mut running = self.begin();
         if self.has_quanta() {
@@ -180,7 +181,7 @@ impl DotProduct {
         self.finish(running, (a, b), ranks)
     }
 
-    /// Chooses the quanta from the largest term. `None` if that is infinite or undefined.
+    /// Chooses the quanta from the largest term. `None` if this term is infinite or undefined.
     fn with_new_quanta(
         &mut self,
         a: &Field,
@@ -220,7 +221,7 @@ pub(super) struct RunningDot {
 }
 
 impl RunningDot {
-    /// Adds a_i b_i for all cells of the row of a, and of b alike, that begins with this index.
+    /// Adds a_i b_i for all cells of the row that begins with this index, in a and b alike.
     #[inline(always)]
     pub(super) fn add_row(&mut self, a: &Field, b: impl Values, start: usize) {
         let row = &a.values()[start..][..a.row_length()];

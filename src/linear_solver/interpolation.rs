@@ -1,9 +1,9 @@
 //! Interpolation along one axis from the pairs of cells, the coarse grid, to the cells, the fine grid. The weights
 //! follow from the coefficients (operator-dependent interpolation, Alcouffe, Brandt, Dendy and Painter 1981).
 //!
-//! Cells 2m and 2m + 1 form a pair. Its value stands for the point midway between them, or for the cell itself where
-//! the last cell is single. Let M be the pair of a cell c, and N the next pair beyond c. Three resistances lie in
-//! series between M and N: half of the resistance inside each pair, and that of the face between them. The cell lies
+//! Cells 2m and 2m + 1 form a pair. Its value stands for the point midway between them, or for the cell itself if the
+//! last cell is single. Let M be the pair of a cell c, and N the next pair beyond c. Three resistances lie in series
+//! between M and N: half of the resistance inside each pair, and the resistance of the face between them. The cell lies
 //! between the first two:
 //!
 //! ```math
@@ -93,7 +93,7 @@ fn set_half_resistances(places: RowPlaces, [lower, upper]: [&[f32]; 2], resistan
     }
 }
 
-/// A row of cells and what lies beside it along the axis of the pairs.
+/// A row of cells with its neighbours along the axis of the pairs.
 struct RowInSeries<'a> {
     /// a of the lower and the upper faces.
     faces: [&'a [f32]; 2],
@@ -114,7 +114,7 @@ impl RowInSeries<'_> {
     }
 }
 
-/// R / (R + 1/a + R'); 0 if the face is closed, 1 if only R is infinite, 1/2 if R and R' both are.
+/// R / (R + 1/a + R'); 0 if the face is closed, 1 if only R is infinite, 1/2 if both R and R' are infinite.
 #[inline(always)]
 fn weight_of_next(own: f32, face: f32, next: f32) -> f32 {
     let weight = own / (own + 1.0 / face + next);

@@ -1,29 +1,29 @@
-//! The grid of a level. Which cells a coarser grid keeps follows from the whole grid alone, so that the solution does
+//! The grid of a level. The cells that a coarser grid keeps follow from the whole grid alone, so that the solution does
 //! not depend on the decomposition.
 
 use crate::domain::{Decomposition, RankGrid, Subdomain};
 use crate::grid::{BoxGrid, LocalCells};
 use crate::parallel::FieldHalo;
 
-/// Axes are coarsened along which cells are at most this many times as wide as along the narrowest axis. The coupling
-/// goes with the inverse square of the width: along wider cells it is below half of the strongest.
+/// Largest ratio of the width of cells along an axis to that along the narrowest axis for which the axis is coarsened.
+/// The coupling varies as the inverse square of the width: along wider cells it is below half of the strongest.
 const LARGEST_ASPECT: f64 = 1.5;
 
-/// Every rank holds levels of up to this many cells as a whole: messages would take longer than the work.
+/// Largest number of cells of a level that every rank holds completely: messages would take longer than the work.
 const LARGEST_REPLICATED: usize = 1024;
 
-/// Halos of distributed levels are two cells wide.
+/// Smallest width of a rank's part along an axis: halos of distributed levels are two cells wide.
 const NARROWEST: usize = 2;
 
-/// The whole grid of a level, and which cells each rank owns.
+/// The whole grid of a level, with the owner of each cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LevelGrid {
     counts: [usize; 3],
     spacing: [f64; 3],
     periodic: [bool; 3],
-    /// How the cells lie in memory: see [`LocalCells::order`].
+    /// Order of the cells in memory: see [`LocalCells::order`].
     order: [usize; 3],
-    /// Every rank holds all cells, whatever their number.
+    /// Whether every rank holds all cells regardless of their number.
     replicated: bool,
     /// First cells of the subdomains along each axis, and the number of cells.
     starts: [Vec<usize>; 3],
@@ -78,7 +78,8 @@ impl LevelGrid {
         Self { starts, replicated: true, ..self.clone() }
     }
 
-    /// Whether every rank holds the level as a whole: it is small, too narrow on some rank, or coarser than one of which that holds.
+    /// Whether every rank holds the whole level: it is small, too narrow on some rank, or coarser than a level for
+    /// which this holds.
     pub(super) fn is_replicated(&self) -> bool {
         let narrow = |starts: &Vec<usize>| {
             starts.len() > 2 && starts.windows(2).any(|pair| pair[1] - pair[0] < NARROWEST)
@@ -97,7 +98,7 @@ impl LevelGrid {
     }
 }
 
-/// The halo of fields on a replicated level: through periodic faces a rank is its own neighbour.
+/// The halo of fields on a replicated level, where a rank is its own neighbour through periodic faces.
 pub(super) fn replicated_halo(subdomain: Subdomain) -> FieldHalo {
     let undivided = Decomposition::even(RankGrid([1; 3]), subdomain.bounds);
     FieldHalo::new(undivided.subdomain(subdomain.bounds, 0))

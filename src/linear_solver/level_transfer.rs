@@ -1,5 +1,5 @@
-//! The transfer between a level and the next coarser one: axis by axis, the last axis first, and the gathering of the
-//! coarser level on every rank if it is the first replicated one.
+//! The transfer between a level and the next coarser one: axis by axis, the last axis first, followed by the gathering
+//! of the coarser level on every rank if it is the first replicated one.
 
 use super::cell_pairs::CellPairs;
 use super::interpolation::Interpolation;
@@ -15,7 +15,7 @@ use crate::parallel::{Communicator, FieldHalo, OneRank};
 #[derive(Clone, Debug)]
 pub(super) struct LevelTransfer {
     along_axes: Vec<AxisTransfer>,
-    /// If the coarser level is the first replicated one.
+    /// Set if the coarser level is the first replicated one.
     gathered: Option<GatheredLevel>,
     solution: Field<f32>,
 }
@@ -122,8 +122,8 @@ impl LevelTransfer {
         Equation { coefficients, right_hand_side, solution: &mut self.solution }
     }
 
-    /// Adds the prolonged solution of the coarser level to that of the finer one. Before: the halo of the coarser
-    /// solution is current.
+    /// Adds the prolonged solution of the coarser level to the solution of the finer one. Before: the halo of the
+    /// coarser solution is current.
     pub(super) fn correct(&mut self, solution: &mut Field<f32>) {
         let last = self.along_axes.len() - 1;
         let mut coarse = &self.solution;

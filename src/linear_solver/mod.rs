@@ -13,16 +13,16 @@
 //!
 //! * `level_grid`: a coarser grid keeps every other cell along the axes along which cells are narrowest
 //!   (semi-coarsening). Coarse grids follow from the whole grid alone, not from the decomposition.
-//! * `interpolation`, `prolongation`: a cell that is left out is interpolated between its two neighbours along the
-//!   axis with weights that follow from the coefficients of its faces. This is exact in one dimension, so that jumps
-//!   of the coefficients do no harm \[Alcouffe1981\]. Restriction is the transpose.
+//! * `interpolation`, `prolongation`: a cell that is left out is interpolated between its two neighbours along the axis
+//!   with weights that follow from the coefficients of its faces. This is exact in one dimension, so that jumps of the
+//!   coefficients do no harm \[Alcouffe1981\]. Restriction is the transpose.
 //! * `coarse_operator`: coefficients of the coarser grid, in series along the axis and in parallel across it.
 //! * `chebyshev_smoother`: a Chebyshev polynomial of the Jacobi iteration \[Adams2003\], which, unlike Gauss-Seidel,
 //!   does not depend on the order of the cells.
-//! * `replication`, `direct_solver`: every rank holds the small levels as a whole, and factorises the coarsest.
+//! * `replication`, `direct_solver`: every rank holds the whole of the small levels, and factorises the coarsest.
 //! * `multigrid`: the hierarchy of levels, and the V- and W-cycle over them.
 //! * `preconditioner`: the cycle, for equations in double precision.
-//! * `conjugate_gradients`, `pressure_solver`: the iteration, and what the rest of the crate calls.
+//! * `conjugate_gradients`, `pressure_solver`: the iteration, and the interface for the rest of the crate.
 //!
 //! Dot products are sums of integers (`dot_product`), so that their bits do not depend on the order of the cells.
 //!

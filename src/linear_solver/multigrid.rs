@@ -14,28 +14,28 @@ use crate::domain::Subdomain;
 use crate::grid::Field;
 use crate::parallel::{Communicator, FieldHalo, OneRank};
 
-/// Levels of up to this many cells are factorised.
+/// Largest number of cells of a level that is factorised.
 const LARGEST_FACTORISED: usize = 64;
 
-/// How often a level is visited in each visit of the next finer one.
+/// Number of visits of a level in each visit of the next finer one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cycle {
     /// Once. Always positive definite.
     V,
-    /// Twice, except for the coarsest level. At a sixth more work per cycle it needs fewer iterations, and no more on
-    /// fine grids than on coarse ones. Positive definite as long as no coarse-grid correction is more than twice too
-    /// large.
+    /// Twice, except for the coarsest level. Each cycle takes a sixth more work, but fewer iterations are needed, and
+    /// no more on fine grids than on coarse ones. Positive definite as long as no coarse-grid correction is more than
+    /// twice too large.
     W,
 }
 
-/// A level, and how its equation is solved.
+/// A level, and the method that solves its equation.
 #[derive(Clone, Debug)]
 struct Level {
     smoother: Smoother,
     solver: LevelSolver,
 }
 
-/// What smoothing on a level needs.
+/// Data for smoothing on a level.
 #[derive(Clone, Debug)]
 struct Smoother {
     replicated: bool,
@@ -43,11 +43,11 @@ struct Smoother {
     inverse_diagonal: Field<f32>,
     /// The approximation between two steps of the smoother.
     scratch: Field<f32>,
-    /// Its halo is two cells wide, as restriction requires.
+    /// The residual; its halo is two cells wide, as restriction requires.
     residual: Field<f32>,
 }
 
-/// How the equation of a level is solved.
+/// The method that solves the equation of a level.
 #[derive(Clone, Debug)]
 enum LevelSolver {
     /// Approximately, by smoothing and correction from the next coarser level.
@@ -56,7 +56,7 @@ enum LevelSolver {
     Direct(DirectSolver),
 }
 
-/// The equation of the finest level if it is so small that every rank holds it as a whole.
+/// The equation of the finest level if it is so small that every rank holds all of it.
 #[derive(Clone, Debug)]
 struct ReplicatedFinest {
     replication: Replication,
@@ -170,7 +170,8 @@ impl Smoother {
         if self.replicated { &OneRank } else { ranks }
     }
 
-    /// Smooths from zero, or from the solution, whose halo is then current. After: that halo is out of date.
+    /// Smooths from zero, or from the solution, whose halo is then current. After: the halo of the solution is out of
+    /// date.
     fn smooth(&mut self, equation: &mut Equation<f32>, from_zero: bool, ranks: &dyn Communicator) {
         let Self { halo, inverse_diagonal, scratch, .. } = self;
         let Equation { coefficients, right_hand_side, solution } = equation;
@@ -180,8 +181,8 @@ impl Smoother {
 }
 
 impl Cycle {
-    /// One cycle on the first of the levels, from zero or from the solution at hand, whose halo is then current. After: that
-    /// halo is out of date. This call is collective.
+    /// One cycle on the first of the levels, from zero or from the present solution, whose halo is then current. After:
+    /// the halo of the solution is out of date. This call is collective.
     fn visit(
         self,
         levels: &mut [Level],
@@ -282,7 +283,7 @@ mod tests {
             for stream in [0.3, 0.7] {
                 let mut source = Field::new(&cells, 1);
                 source.set_owned((0..).map(|cell| drawn(stream, cell * cell) - 0.5));
-                // In a closed box there is a solution only if the mean of the sources is zero.
+                // A closed box has a solution only if the mean of the sources is zero.
                 let mean = source.owned().sum::<f32>() / cells.cells() as f32;
                 let balanced: Vec<f32> = source.owned().map(|value| value - mean).collect();
                 source.set_owned(balanced.into_iter());

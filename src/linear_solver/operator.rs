@@ -21,7 +21,7 @@ impl Number for f32 {}
 impl Number for f64 {}
 
 /// a_f of the lower faces of cells along x, y and z, and d_c. The halo is two cells wide; faces in the faces of the box
-/// are zero, unless those are periodic.
+/// are zero, unless these are periodic.
 #[derive(Clone, Debug)]
 pub(super) struct Coefficients<T = f64> {
     pub(super) faces: [Field<T>; 3],
@@ -53,7 +53,7 @@ vectorised!(
 );
 
 impl Coefficients<f64> {
-    /// 1 in cells that are coupled to others or to zero, 0 in the rest.
+    /// Sets marks to 1 in cells that are coupled to others or to zero, and to 0 in the rest.
     pub(super) fn mark_coupled(&self, marks: &mut Field) {
         let length = marks.row_length();
         for [from, to] in rows([&self.diagonal, marks]) {
@@ -95,7 +95,7 @@ struct CoefficientRow<'a, T> {
 }
 
 impl<'a, T: Number> CoefficientRow<'a, T> {
-    /// `length` cells from an index on.
+    /// A row of `length` cells that begins at an index.
     #[inline(always)]
     fn new(coefficients: &'a Coefficients<T>, first: usize, length: usize) -> Self {
         let faces = coefficients.faces.each_ref().map(Field::values);
@@ -136,7 +136,7 @@ pub(super) struct StencilRow<'a, T> {
 }
 
 impl<'a, T: Number> StencilRow<'a, T> {
-    /// `length` cells, from the index `first` into the coefficients and the index `row` into the values.
+    /// A row of `length` cells, from the index `first` into the coefficients and the index `row` into the values.
     #[inline(always)]
     pub(super) fn new(
         coefficients: &'a Coefficients<T>,

@@ -1,10 +1,10 @@
 //! The preconditioner: one multigrid cycle in single precision.
 //!
-//! A cycle has to take off one or two digits of the error, not sixteen. In single precision it moves half as many bytes,
-//! and a vector holds twice as many numbers. The iteration around it works in double precision, so that the solution is
-//! as accurate as without \[Goeddeke2007\].
+//! A cycle only has to remove one or two digits of the error, not sixteen. In single precision it moves half as many
+//! bytes, and a vector holds twice as many numbers. The iteration around it works in double precision, so the solution
+//! is as accurate as without single precision \[Goeddeke2007\].
 //!
-//! The equation is scaled by powers of two, which round nothing, so that no number overflows or underflows.
+//! The equation is scaled by powers of two, which causes no rounding, so that no number overflows or underflows.
 //!
 //! * Goeddeke2007: D. Göddeke, R. Strzodka, S. Turek, "Performance and accuracy of hardware-oriented native-, emulated-
 //!   and mixed-precision solvers in FEM simulations", Int. J. Parallel Emergent Distrib. Syst. 22 (2007) 221-256.
@@ -18,15 +18,15 @@ use crate::grid::{Field, LocalCells};
 use crate::numbers::vectorised;
 use crate::parallel::Communicator;
 
-/// Coefficients count as at least this part of the largest, unless they are zero, so that sums of their inverses do not
-/// overflow.
+/// Smallest ratio of a non-zero coefficient to the largest: smaller ones are raised to it, so that sums of their
+/// inverses do not overflow.
 const SMALLEST: f32 = 1.0e-30;
 
 /// M, and the equation that it solves approximately.
 #[derive(Clone, Debug)]
 pub(super) struct Preconditioner {
     multigrid: Multigrid,
-    /// What the coefficients were multiplied by.
+    /// Factor by which the coefficients were multiplied.
     scale: f64,
     coefficients: Coefficients<f32>,
     right_hand_side: Field<f32>,
@@ -44,7 +44,7 @@ impl Preconditioner {
         }
     }
 
-    /// Sets the coefficients, whose halos are current, and of which `largest` is the largest on all ranks. This call is
+    /// Sets the coefficients, whose halos are current; `largest` is the largest of them on all ranks. This call is
     /// collective.
     pub(super) fn set_coefficients(
         &mut self,
@@ -65,7 +65,8 @@ impl Preconditioner {
         self.multigrid.set_coefficients(&self.coefficients, ranks);
     }
 
-    /// z = M r for an r of this norm over all ranks. Halos are neither needed nor filled. This call is collective.
+    /// Computes z = M r for an r with this norm over all ranks. Halos are neither needed nor filled. This call is
+    /// collective.
     pub(super) fn apply(
         &mut self,
         cycle: Cycle,
@@ -82,7 +83,7 @@ impl Preconditioner {
     }
 }
 
-/// z = M r, as the cycle leaves it: in single precision, and scaled. It lies in memory like r.
+/// z = M r as the cycle returns it: in single precision, and scaled. Its order in memory is that of r.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Preconditioned<'a> {
     solution: &'a Field<f32>,

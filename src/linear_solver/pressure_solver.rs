@@ -1,4 +1,4 @@
-//! The pressure equation as the gas solvers pose it.
+//! The pressure equation in the form used by the gas solvers.
 
 use super::conjugate_gradients::{ConjugateGradients, Start};
 use super::convergence::{Convergence, LinearSolverError, Tolerance};
@@ -49,7 +49,7 @@ pub struct PressureSolver {
     periodic: [bool; 3],
     halo: FieldHalo,
     coefficients: Coefficients,
-    /// No cell is coupled to zero, so that the mean of the solution is undetermined.
+    /// Whether no cell is coupled to zero, so that the mean of the solution is undetermined.
     closed: bool,
     preconditioner: Preconditioner,
     gradients: ConjugateGradients,
@@ -58,7 +58,7 @@ pub struct PressureSolver {
 }
 
 impl PressureSolver {
-    /// For a grid and a subdomain whose faces lie on cell faces ([`BoxGrid::aligned`]).
+    /// A solver for a grid and a subdomain whose faces lie on cell faces ([`BoxGrid::aligned`]).
     ///
     /// The coarse grids follow from counts, spacing and periodicity of the whole grid. All memory is allocated here.
     pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
@@ -79,9 +79,9 @@ impl PressureSolver {
 
     /// Sets a_f, for the lower faces of cells along x, y and z, and d_c (zero if `None`), and builds the coarse levels.
     ///
-    /// Only owned cells of the fields are read; their halos may have any width. Faces that lie in a face of the box,
-    /// unless that is periodic, count as closed whatever the field holds there: an outlet of given pressure is
-    /// expressed by d_c. This call is collective.
+    /// Only owned cells of the fields are read; their halos may have any width. Faces that lie in a non-periodic face
+    /// of the box count as closed whatever the field contains there: an outlet of given pressure is expressed by d_c.
+    /// This call is collective.
     ///
     /// # Errors
     /// If a coefficient is negative, infinite or undefined on any rank: the same error on all ranks.
@@ -114,7 +114,7 @@ impl PressureSolver {
         Ok(())
     }
 
-    /// Nothing passes the lower face of the box, nor flows from a cell to itself.
+    /// Closes the lower face of the box, and the faces of cells that are their own neighbours.
     fn close_lower_face(&mut self, axis: usize) {
         let closed = !self.periodic[axis] || self.cells.counts[axis] == 1;
         if closed && self.cells.start[axis] == 0 {
@@ -127,8 +127,8 @@ impl PressureSolver {
     /// Solves A p = b, starting from the values in `solution`. Only owned cells of both fields are read and set.
     ///
     /// In a closed box (d_c = 0 everywhere) the mean of the right-hand side is subtracted, and the solution has mean
-    /// zero, over the cells that are coupled to others; in the rest the solution means nothing. This call is collective.
-    /// The bits of the result do not depend on the decomposition.
+    /// zero, over the cells that are coupled to others; in the other cells the solution has no meaning. This call is
+    /// collective. The bits of the result do not depend on the decomposition.
     ///
     /// # Errors
     /// If the right-hand side or the start values are not finite, or after 200 iterations: the same error on all ranks;
@@ -181,8 +181,8 @@ impl PressureSolver {
     }
 }
 
-/// Subtracts the mean over the cells that are coupled to others, or over all if none is, and returns it: the sum is
-/// exact. Overwrites `marks`. This call is collective.
+/// Subtracts the mean over the cells that are coupled to others, or over all cells if none is, and returns it: the sum
+/// is exact. Overwrites `marks`. This call is collective.
 fn remove_mean(
     field: &mut Field,
     coefficients: &Coefficients,
@@ -224,7 +224,7 @@ vectorised!(
     }
 );
 
-/// How many owned values are negative, infinite or undefined (NaN).
+/// Number of owned values that are negative, infinite or undefined (NaN).
 fn not_allowed(field: &Field) -> usize {
     let length = field.row_length();
     let row = |[row]: [usize; 1]| &field.values()[row..][..length];

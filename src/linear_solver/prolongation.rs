@@ -48,7 +48,7 @@ vectorised!(
     }
 );
 
-/// What a pair of a single cell receives from it and from the cells below and above.
+/// Restricted value of a pair that is a single cell, from this cell and the cells below and above.
 #[inline(always)]
 fn restrict_single(weight: &[f32], values: &[f32], cell: usize, stride: usize) -> f32 {
     let own = (1.0 - weight[cell]) * values[cell];
@@ -56,7 +56,7 @@ fn restrict_single(weight: &[f32], values: &[f32], cell: usize, stride: usize) -
     own + (next(cell - stride) + next(cell + stride))
 }
 
-/// What pairs along a row receive; the slices start one cell below the first pair.
+/// Restricted values of pairs along a row; the slices start one cell below the first pair.
 #[inline(always)]
 fn restrict_along(weight: &[f32], values: &[f32], sums: &mut [f32]) {
     let count = sums.len();
@@ -71,7 +71,8 @@ fn restrict_along(weight: &[f32], values: &[f32], sums: &mut [f32]) {
     }
 }
 
-/// What a row of pairs that lie across it receives from four rows, each of weights and values: the row below, their own two, the row above.
+/// Restricted values of a row of pairs that lie across it, from four rows of weights and values each: the row below,
+/// their own two, the row above.
 #[inline(always)]
 fn restrict_across(rows: [[&[f32]; 2]; 4], sums: &mut [f32]) {
     let length = sums.len();
@@ -145,8 +146,8 @@ fn put<const CORRECT: bool>(value: &mut f32, weight: f32, own: f32, next: f32) {
     *value = if CORRECT { *value + interpolated } else { interpolated };
 }
 
-/// Cells of a row along the axis, the first of which has this global index. The slice of pairs starts one below the pair of the first cell of
-/// even index, since an odd one takes from no pair below its own.
+/// Prolongs to cells of a row along the axis, the first of which has this global index. The slice of pairs starts one
+/// below the pair of the first cell of even index, since an odd cell receives nothing from the pairs below its own.
 #[inline(always)]
 fn prolong_along<const CORRECT: bool>(
     weight: &[f32],
@@ -174,7 +175,7 @@ fn prolong_along<const CORRECT: bool>(
     }
 }
 
-/// Cells of a row, from the rows of their own pairs and of the next ones.
+/// Prolongs to cells of a row, from the rows of their own pairs and of the next ones.
 #[inline(always)]
 fn prolong_across<const CORRECT: bool>(weight: &[f32], pairs: [&[f32]; 2], values: &mut [f32]) {
     let [weight, own, next] = [weight, pairs[0], pairs[1]].map(|row| &row[..values.len()]);

@@ -1,14 +1,14 @@
-//! Levels that every rank holds as a whole: gathering the cells of all ranks, and taking a rank's own back.
+//! Levels that every rank holds completely: gathering of the cells of all ranks, and extraction of a rank's own cells.
 
 use super::operator::Coefficients;
 use super::rows::row_starts;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::Communicator;
 
-/// Fields of coefficients, the most that are gathered at once.
+/// Number of fields of coefficients, the most that are gathered at once.
 const COEFFICIENTS: usize = 4;
 
-/// Gathers distributed fields on every rank, and takes a rank's own cells out of them again.
+/// Gathers distributed fields on every rank, and extracts a rank's own cells from them.
 #[derive(Clone, Debug)]
 pub(super) struct Replication {
     cells: LocalCells,
@@ -65,7 +65,7 @@ impl Replication {
         self.gather([x, y, z, diagonal], replica.fields(), ranks);
     }
 
-    /// Copies a rank's own cells and their halo from the replica, but for what lies beyond faces that are not periodic.
+    /// Copies a rank's own cells and their halo from the replica, except for cells beyond faces that are not periodic.
     pub(super) fn take_local(&self, replica: &Field<f32>, field: &mut Field<f32>) {
         let halo = field.halo() as isize;
         let LocalCells { count, order: order @ [row, inner, outer], .. } = self.cells;
@@ -97,7 +97,7 @@ impl Replication {
         (is_inside || self.periodic[axis]).then(|| index.rem_euclid(count) as usize)
     }
 
-    /// The place of an owned cell in the buffer, which has the order of the whole grid in memory, without a halo.
+    /// The place of an owned cell in the buffer, which has the memory order of the whole grid, without a halo.
     fn place_of(&self, cell: [isize; 3]) -> usize {
         let LocalCells { counts, start, order: [row, inner, outer], .. } = self.cells;
         let at = |axis: usize| start[axis] + cell[axis] as usize;

@@ -1,23 +1,24 @@
-//! Rows of cells: of owned ones in several fields at once, and of blocks.
+//! Rows of cells: rows of owned cells in several fields at once, and rows of blocks.
 
 use crate::grid::Field;
 use bytemuck::Pod;
 use std::ops::{AddAssign, Range};
 
-/// Iterates over rows: where each starts, as N numbers. It has no nested iterators, which take as long as the work on a short row.
+/// Iterates over rows and gives the start of each as N numbers. It avoids nested iterators, which would take as long as
+/// the work on a short row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rows<I, const N: usize> {
     row: [I; N],
     layer: [I; N],
-    /// From a row to the next, and from a layer to the next.
+    /// Strides from a row to the next, and from a layer to the next.
     strides: [[I; N]; 2],
     rows_in_layer: usize,
     rows_left: usize,
     layers_left: usize,
 }
 
-/// The rows of fields on the same cells, whose halos may differ in width: for each field the index at which the row starts. The order is
-/// that of [`Field::rows`].
+/// The rows of fields on the same cells, whose halos may differ in width: for each field the index at which the row
+/// starts. The order is that of [`Field::rows`].
 #[inline(always)]
 pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<usize, N> {
     let first = fields.map(|field| field.index([0; 3]));
@@ -32,7 +33,7 @@ pub(super) fn rows<T: Pod, const N: usize>(fields: [&Field<T>; N]) -> Rows<usize
     }
 }
 
-/// The first cells of the rows of a block, in the order in which they lie in memory.
+/// The first cells of the rows of a block, in the order of memory.
 #[inline(always)]
 pub(super) fn row_starts(
     ranges: [Range<isize>; 3],

@@ -1,4 +1,4 @@
-//! Agglomerates: connected sets of contacts that persist, what they are like, and how they break and grow.
+//! Agglomerates: connected sets of contacts that persist, their properties, and their breakage and growth.
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), sections 2.3, 2.4 and 3.2.
 
@@ -19,37 +19,37 @@ use crate::schema::{Allowed, Key, Kind, Value, Word};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agglomerates {
     persistence: Persistence,
-    /// Looks from one reference time to the next.
+    /// Number of samples from one reference time to the next.
     looks_per_window: u64,
-    /// Sets of fewer particles are no agglomerates.
+    /// Sets of fewer particles do not count as agglomerates.
     smallest: u64,
     /// Ascending limits of the number of members, for distributions and rates.
     sizes: Vec<u64>,
-    /// Below so many agglomerates tau_N15 is reached.
+    /// Number of agglomerates below which tau_N15 is reached.
     few: u64,
-    /// Fraction within which a diameter is steady.
+    /// Relative range within which a diameter is steady.
     steady: f64,
-    /// Members that must be lost or gained for an event.
+    /// Number of members that must be lost or gained for an event.
     event: u64,
     every: f64,
 }
 
-/// Agglomerates over windows of time, each with its reference time t_0.
+/// Agglomerates over windows of time, each with its own reference time t_0.
 struct Followed {
     settings: Agglomerates,
     reference: Option<Reference>,
-    /// The agglomerates at the end of the window before.
+    /// The agglomerates at the end of the previous window.
     before: Option<Look>,
-    /// What was found at the last sample.
+    /// Results of the last sample.
     last: Option<Look>,
     rates: RateCounts,
 }
 
-/// A window from its reference time on.
+/// A window that begins at its reference time.
 struct Reference {
     time: f64,
     contacts: PersistentContacts,
-    /// What was found so far.
+    /// Results so far.
     at_lags: Vec<AtLag>,
 }
 
@@ -137,7 +137,7 @@ impl RegisteredMeasure for Agglomerates {
     }
 }
 
-/// The limits of sizes, given or not.
+/// The limits of sizes, given or by default.
 fn sizes(values: &dyn MeasureValues, smallest: u64) -> Option<Vec<u64>> {
     if !values.is_given("sizes") {
         return Some((0..=16).map(|power| smallest << power).collect());
@@ -238,13 +238,13 @@ impl Measure for Followed {
 }
 
 impl Followed {
-    /// Takes the contacts of now as those of t_0. Collective.
+    /// Takes the present contacts as those of t_0. Collective.
     fn begin_window(&mut self, view: &View<'_>, ranks: &dyn Communicator) {
         let contacts = PersistentContacts::begin(self.settings.persistence, view.touching(ranks));
         self.reference = Some(Reference { time: view.time(), contacts, at_lags: Vec::new() });
     }
 
-    /// Critical times of the window, and what became of the agglomerates of the one before. Collective.
+    /// Computes critical times of the window, and the fate of the agglomerates of the previous one. Collective.
     fn end_window(
         &mut self,
         found: &Found,

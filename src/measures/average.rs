@@ -5,7 +5,7 @@ use super::stored::Stored;
 use crate::parallel::Communicator;
 use crate::schema::{Allowed, Key, Value};
 
-/// `average`: over how long samples are averaged.
+/// `average`: the duration over which samples are averaged.
 pub(super) const AVERAGE: Key = Key::number(
     "average",
     Allowed::POSITIVE,
@@ -14,7 +14,7 @@ pub(super) const AVERAGE: Key = Key::number(
 .unit("time")
 .default(Value::Derived("`every`: each sample is a row"));
 
-/// Number of samples that one row averages.
+/// Number of samples averaged in one row.
 pub(super) fn looks_per_row(values: &dyn MeasureValues) -> Option<u64> {
     let every = values.number("every")?;
     if !values.is_given("average") {
@@ -28,8 +28,8 @@ pub(super) fn looks_per_row(values: &dyn MeasureValues) -> Option<u64> {
     Some(looks.round() as u64)
 }
 
-/// Sums of the samples of the present interval. All ranks have the same numbers, so that plain sums in the order of the
-/// samples are the same everywhere.
+/// Sums of the samples of the present interval. All ranks have the same numbers, so plain sums in the order of the
+/// samples are equal on all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Average {
     looks_per_row: u64,
@@ -45,7 +45,7 @@ pub(super) struct Average {
 pub(super) struct Averaged {
     /// Number of samples.
     pub(super) looks: u64,
-    /// Time of the first of them.
+    /// Time of the first sample.
     pub(super) from: f64,
     pub(super) means: Vec<f64>,
     /// Standard deviation between samples, with n - 1; 0 for one sample.
@@ -85,7 +85,7 @@ impl Average {
         averaged
     }
 
-    /// Keeps the sums under a name.
+    /// Stores the sums under a name.
     pub(super) fn store(&self, name: &str, stored: &mut Stored, ranks: &dyn Communicator) {
         let head = [self.looks as f64, self.from];
         let present = self.looks > 0;
@@ -94,7 +94,7 @@ impl Average {
         stored.add_numbers(name, &numbers, ranks);
     }
 
-    /// Continues from sums that were kept. Collective.
+    /// Continues from stored sums. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,
@@ -133,10 +133,10 @@ mod tests {
         let found = found.unwrap();
         assert_eq!((found.looks, found.from), (4, 0.0));
         assert!((found.means[0] - 0.15).abs() < 1e-15);
-        // Of 0, 0.1, 0.2, 0.3: sqrt(0.05 / 3).
+        // For 0, 0.1, 0.2, 0.3: sqrt(0.05 / 3).
         assert!((found.deviations[0] - (0.05_f64 / 3.0).sqrt()).abs() < 1e-12);
         assert_eq!(found.deviations[1], 0.0);
-        // The next interval starts from nothing.
+        // The next interval starts with empty sums.
         let mut next = whole;
         (0..3).for_each(|_| assert_eq!(next.add(9.0, &[1.0, 1.0]), None));
         assert_eq!(next.add(9.0, &[1.0, 1.0]).unwrap().means, [1.0, 1.0]);

@@ -1,30 +1,30 @@
-//! Sums over samples on cells that are spread over the ranks: each cell on its rendezvous rank.
+//! Sums over samples on cells that are spread over the ranks, each cell on its rendezvous rank.
 
 use super::stored::Stored;
 use crate::analysis::send_to_rendezvous;
 use crate::parallel::Communicator;
 use std::collections::BTreeMap;
 
-/// Sums by cell. What a sample adds to a cell must not depend on the ranks; then the sums do not either, since samples follow
-/// one another in time.
+/// Sums by cell. If the contribution of a sample to a cell does not depend on the ranks, neither do the sums, since
+/// samples follow one another in time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CellSums {
     sums: BTreeMap<u64, Vec<f64>>,
 }
 
 impl CellSums {
-    /// Adds the values of a cell of this rank. It must be the cell's rendezvous rank.
+    /// Adds the values of a cell. This rank must be the cell's rendezvous rank.
     pub(super) fn add(&mut self, cell: u64, values: &[f64]) {
         let sums = self.sums.entry(cell).or_insert_with(|| vec![0.0; values.len()]);
         sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
     }
 
-    /// The sums of this rank's cells, which are then forgotten.
+    /// The sums of this rank's cells, which are then reset.
     pub(super) fn take(&mut self) -> BTreeMap<u64, Vec<f64>> {
         std::mem::take(&mut self.sums)
     }
 
-    /// Keeps the sums under a name.
+    /// Stores the sums under a name.
     pub(super) fn store(&self, name: &str, stored: &mut Stored) {
         let rows = self.sums.iter().flat_map(|(&cell, sums)| {
             sums.iter().enumerate().map(move |(place, sum)| [cell, place as u64, sum.to_bits()])
@@ -32,7 +32,7 @@ impl CellSums {
         stored.add_records(name, &rows.collect::<Vec<[u64; 3]>>());
     }
 
-    /// Continues from sums that were kept. Collective.
+    /// Continues from stored sums. Collective.
     pub(super) fn restore(
         &mut self,
         name: &str,

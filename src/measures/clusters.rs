@@ -1,7 +1,7 @@
 //! Hydrodynamic clusters: connected regions of a high solids fraction on the cells of a volume-averaged gas.
 //!
-//! They are no agglomerates: nothing holds their particles together. Two cells are connected if they share a face, through
-//! periodic faces of the box too.
+//! They differ from agglomerates in that nothing holds their particles together. Two cells are connected if they share
+//! a face, also through periodic faces of the box.
 
 use super::layout::{Column, Layout, Rows, Table};
 use super::registered::{MeasureValues, RegisteredMeasure};
@@ -55,7 +55,8 @@ impl RegisteredMeasure for Clusters {
     }
 }
 
-/// What is summed over the cells of a cluster: number, solids fraction, height and velocity of the solids by solids.
+/// Number of sums over the cells of a cluster: number, solids fraction, and height and velocity of the solids weighted
+/// by solids.
 const NUMBERS: usize = 6;
 
 impl Measure for Looks {
@@ -115,7 +116,7 @@ impl Measure for Looks {
 }
 
 impl Looks {
-    /// Sums of the clusters whose labels meet on this rank, by ascending label. Collective.
+    /// Sums of the clusters whose labels have their rendezvous on this rank, by ascending label. Collective.
     fn single(&self, cells: &[CellSample], ranks: &dyn Communicator) -> Vec<Keyed<NUMBERS>> {
         let dense = |cell: &&CellSample| {
             cell.open_fraction > 0.0 && 1.0 - cell.voidage >= self.settings.threshold
@@ -127,7 +128,7 @@ impl Looks {
         );
         dense.sort_unstable_by_key(|cell| cell.cell);
         let ids: Vec<u64> = dense.iter().map(|cell| cell.cell).collect();
-        // Each dense cell announces itself to its upper neighbours; those that are dense too are linked to it.
+        // Each dense cell announces itself to its upper neighbours, which are linked to it if they are dense too.
         let told = ids
             .iter()
             .flat_map(|&cell| self.upper_neighbours(cell).map(move |other| [other, cell]));

@@ -1,7 +1,8 @@
 //! Contacts as lines for ParaView: pairs, forces, overlap and age.
 //!
-//! The history of a contact does not know when it began, and costs the step nothing for that. The measure follows the
-//! pairs instead: a contact is as old as the first of the samples without a gap at which the pair touched.
+//! The history of a contact does not contain its start, and thus costs the step nothing for it. The measure follows the
+//! pairs instead: the age of a contact is counted from the first of the uninterrupted samples at which the pair
+//! touched.
 
 use super::layout::{Column, Layout, Rows, Table};
 use super::registered::{MeasureValues, RegisteredMeasure};
@@ -22,7 +23,7 @@ pub struct Contacts {
     looks_per_write: u64,
 }
 
-/// A pair and when it began to touch.
+/// A pair and the time at which it began to touch.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 struct Birth {
@@ -42,7 +43,7 @@ struct Followed {
     settings: Contacts,
     /// Ascending from the first sample on.
     births: Vec<Birth>,
-    /// Looks since lines were written.
+    /// Number of samples since lines were written.
     looks: u64,
 }
 
@@ -131,7 +132,7 @@ impl Measure for Followed {
 }
 
 impl Followed {
-    /// Ascending pairs of now: those that touched at the last sample have the time at which they began to.
+    /// The present pairs, ascending; those that touched at the last sample keep the time at which they began to touch.
     fn followed(&self, pairs: impl Iterator<Item = [u64; 2]>, now: f64) -> Vec<Birth> {
         let mut known = self.births.iter().peekable();
         let birth = |ids: [u64; 2]| {
@@ -151,7 +152,7 @@ fn lines_of(view: &View<'_>, ranks: &dyn Communicator) -> Vec<ContactLine> {
             lines.push(line_of(&pair, view));
         }
     });
-    // Lines are large: their places are sorted.
+    // Lines are large, so their places are sorted.
     let places =
         lines.iter().enumerate().map(|(place, line)| [line.lower, line.higher, place as u64]);
     let places = ascending(places.collect(), |&[lower, higher, _]| [lower, higher]);

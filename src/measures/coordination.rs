@@ -1,4 +1,4 @@
-//! Coordination number and its distribution in time.
+//! Coordination number and its distribution, as functions of time.
 
 use super::average::{AVERAGE, Average, looks_per_row};
 use super::layout::{Column, Layout, Rows, Table};
@@ -102,7 +102,7 @@ impl Measure for Looks {
 }
 
 impl Looks {
-    /// Mean, number of contacts, and parts of the particles with 0, 1, 2 ... neighbours. Collective.
+    /// Mean, number of contacts, and fractions of the particles with 0, 1, 2 ... neighbours. Collective.
     fn distribution(&self, view: &View<'_>, ranks: &dyn Communicator) -> Vec<f64> {
         let numbers = view.run().coordination_numbers(ranks);
         let whole = Distribution::of(numbers, self.settings.most).total(ranks);

@@ -1,4 +1,4 @@
-//! What the files of a measure hold: plain data, which the measure declares once.
+//! Contents of the files of a measure: plain data, which the measure declares once.
 
 use crate::analysis::Quantity;
 
@@ -7,7 +7,7 @@ use crate::analysis::Quantity;
 pub struct Layout {
     /// Arrays that do not change, such as the heights of a profile.
     pub fixed: Vec<Fixed>,
-    /// Tables that grow with time. The first is called `results`: a row for each result.
+    /// Tables that grow with time. The first is called `results`: it has a row for each result.
     pub tables: Vec<Table>,
     /// Fields on cells for ParaView, if there are any.
     pub image: Option<Image>,
@@ -26,13 +26,13 @@ impl Layout {
 /// An array that does not change.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// Its values and what they are.
+    /// Name, shape and meaning.
     pub column: Column,
     /// The values.
     pub values: Vec<f64>,
 }
 
-/// A table that grows with time: a group of datasets with equally many rows. The first, `time`, stands in every table
+/// A table that grows with time: a group of datasets with equally many rows. The first one, `time`, is in every table
 /// and is not declared.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -49,11 +49,11 @@ pub struct Column {
     pub name: &'static str,
     /// Shape of the entry in a row; empty for one number.
     pub shape: Vec<usize>,
-    /// The fixed arrays that its first dimensions run along, such as the heights.
+    /// The fixed arrays along which its first dimensions run, such as the heights.
     pub along: &'static [&'static str],
     /// Kind of quantity, from which the unit follows.
     pub quantity: Quantity,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
@@ -78,7 +78,7 @@ impl Column {
         Self { along: fixed, ..self }
     }
 
-    /// Numbers in an entry.
+    /// Number of values in an entry.
     pub fn width(&self) -> usize {
         self.shape.iter().product()
     }

@@ -1,4 +1,4 @@
-//! What every measure can do.
+//! The interface of all measures.
 
 use super::layout::{Layout, Rows};
 use super::stored::Stored;
@@ -9,7 +9,7 @@ use crate::parallel::Communicator;
 use crate::state::SizeRange;
 use bytemuck::{Pod, Zeroable};
 
-/// What a measure is begun for.
+/// Data of the run for which a measure is begun.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     /// The box.
@@ -26,7 +26,7 @@ pub struct Setting<'a> {
     pub start: f64,
 }
 
-/// What must be made ready before a measure looks.
+/// Data that must be prepared before a measure takes a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// Forces of contacts.
@@ -38,7 +38,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// What either of two needs.
+    /// The data that either of two measures needs.
     pub fn or(self, other: Self) -> Self {
         Self {
             contact_forces: self.contact_forces || other.contact_forces,
@@ -48,37 +48,37 @@ impl Needs {
     }
 }
 
-/// A measure in a run: looks at the state now and then, and never changes it. What it finds is the same bits on any
+/// A measure in a run: it samples the state at intervals, and never changes it. Its results have the same bits on any
 /// number of ranks.
 ///
-/// Its accumulators go into checkpoints: [`Measure::stored`] on some ranks, then [`Measure::restore`] on as many or
-/// others, makes a measure that continues with the same bits.
+/// Its accumulators are stored in checkpoints: [`Measure::stored`] on some ranks, then [`Measure::restore`] on as many
+/// or others, gives a measure that continues with the same bits.
 pub trait Measure {
-    /// What stands in its files.
+    /// The contents of its files.
     fn layout(&self) -> Layout;
 
-    /// What must be ready before it looks.
+    /// Data that must be prepared before it takes a sample.
     fn needs(&self) -> Needs {
         Needs::default()
     }
 
-    /// Looks at the run; returns what is to be written now. Collective.
+    /// Takes a sample of the run; returns the results to be written now. Collective.
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings;
 
-    /// The agglomerate of each of this rank's particles as of the last sample, by their ids; `None` if the measure does not
-    /// know agglomerates. Collective.
+    /// The agglomerate of each of this rank's particles at the last sample, by their ids; `None` if the measure does
+    /// not find agglomerates. Collective.
     fn agglomerates(&self, _: &[u64], _: &dyn Communicator) -> Option<Vec<Option<u64>>> {
         None
     }
 
-    /// What must be kept to resume later. Collective.
+    /// Data that must be stored to resume later. Collective.
     fn stored(&self, ranks: &dyn Communicator) -> Stored;
 
-    /// Continues from what was kept by a measure of the same settings; `None` if something is missing in it. Collective.
+    /// Continues from the stored data of a measure with the same settings; `None` if they are incomplete. Collective.
     fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()>;
 }
 
-/// What a sample found, to be written.
+/// Results of a sample, to be written.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     /// Rows of tables.
@@ -106,15 +106,15 @@ pub struct ContactLine {
     pub lower: u64,
     /// The higher id of the pair.
     pub higher: u64,
-    /// Centre of the lower, inside of the box.
+    /// Centre of the particle with the lower id, inside the box.
     pub start: [f64; 3],
-    /// Centre of the higher, in the image that it is touched in.
+    /// Centre of the particle with the higher id, in the image in which it is touched.
     pub end: [f64; 3],
-    /// Normal force, cohesion left out; positive if it pushes the two apart.
+    /// Normal force without cohesion; positive if it pushes the two apart.
     pub normal_force: f64,
     /// Magnitude of the cohesive force.
     pub cohesive_force: f64,
-    /// Tangential force on the higher.
+    /// Tangential force on the particle with the higher id.
     pub tangential_force: [f64; 3],
     /// Overlap.
     pub overlap: f64,

@@ -18,7 +18,7 @@ use crate::parallel::Communicator;
 use crate::schema::{Allowed, Key, Value, Word};
 use tracers::{TRACERS, TracerSettings, Tracers};
 
-/// Probability with which the interval holds the true mean, if the slopes of windows are normal.
+/// Probability with which the interval contains the true mean, if the slopes of windows are normally distributed.
 const CONFIDENCE: f64 = 0.95;
 
 /// Settings of the kind `mixing`.
@@ -26,7 +26,7 @@ const CONFIDENCE: f64 = 0.95;
 pub struct Mixing {
     looks_per_window: u64,
     fit_from: f64,
-    /// Whether displacements are taken about their mean.
+    /// Whether displacements are relative to their mean.
     about_mean: bool,
     tracers: TracerSettings,
 }
@@ -35,7 +35,7 @@ pub struct Mixing {
 struct Followed {
     settings: Mixing,
     tracers: Tracers,
-    /// Since the start of the window; `None` before the first sample.
+    /// Displacements since the start of the window; `None` before the first sample.
     displacements: Option<Displacements>,
     reference_time: f64,
     /// Lag and S^2 along x, y and z of the present window.
@@ -232,7 +232,7 @@ impl Followed {
         Rows::of(0, &[row])
     }
 
-    /// The row of a window that has ended; the next one begins.
+    /// The row of a window that has ended; begins the next window.
     fn end_window(&mut self, time: f64) -> Rows {
         let curve = |axis: usize| -> Vec<[f64; 2]> {
             self.curve.iter().map(|point| [point[0], point[axis + 1]]).collect()

@@ -1,8 +1,8 @@
 //! Measures that sample a run: `[measure.NAME]` of a case.
 //!
-//! A measure is a [`Measure`]: it looks at the state at its interval, keeps sums, and says what is to be written; it
-//! knows no files. `output/measure_file.rs` writes what it declares in its [`Layout`], checkpoints keep what it
-//! [stores](Measure::stored). Formulas are those of [`analysis`](crate::analysis).
+//! A measure is a [`Measure`]: it samples the state at its interval, keeps sums, and returns the results to be written;
+//! it does not handle files. `output/measure_file.rs` writes the data that it declares in its [`Layout`], and
+//! checkpoints contain the data that it [stores](Measure::stored). Formulas are those of [`analysis`](crate::analysis).
 //!
 //! A new kind is a file with its settings ([`RegisteredMeasure`]) and its measure, its `mod` line, and its line in the
 //! registry below.
@@ -35,7 +35,7 @@ pub use registered::{MeasureValues, RegisteredMeasure};
 pub use stored::{MeasureState, Stored, StoredTable, WIDEST};
 pub use view::View;
 
-// The name of the file is the name of the kind in a case. From these lines follow the enum `MeasureKind`, the words of
+// The name of the file is the name of the kind in a case. These lines define the enum `MeasureKind`, the words of
 // `measure.NAME.kind`, their keys, and the reference in docs/input.md.
 measure_kinds! {
     coordination::Coordination,

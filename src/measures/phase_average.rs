@@ -1,5 +1,5 @@
-//! Means over the cycles of the vibration, with standard errors: plate stress, gas force, pressure drop, where the bed
-//! is and how fast it moves.
+//! Means over the cycles of the vibration, with standard errors: plate stress, gas force, pressure drop, and position
+//! and velocity of the bed.
 //!
 //! Formula: [`analysis::phase_average`](crate::analysis::phase_average), over one block of cycles after another.
 
@@ -20,7 +20,7 @@ pub struct PhaseAverages {
     cycles: u64,
 }
 
-/// One number of the series, as it is averaged.
+/// One number of the series, in the form in which it is averaged.
 struct Averaged {
     name: &'static str,
     error: &'static str,
@@ -110,7 +110,7 @@ impl RegisteredMeasure for PhaseAverages {
     }
 }
 
-/// The part of a cycle by which a sample may miss its end.
+/// Fraction of a cycle by which a sample may miss the end of the cycle.
 const TOLERANCE: f64 = 1.0e-6;
 
 impl Block {
@@ -120,7 +120,7 @@ impl Block {
         (time - origin) * frequency + 0.5 / bins as f64
     }
 
-    /// The row of a block that is complete.
+    /// The row of a complete block.
     fn row(&self) -> Rows {
         let times: Vec<f64> = self.samples.iter().map(|sample| sample[0]).collect();
         let bins = self.settings.options.bins;
@@ -198,7 +198,7 @@ impl Measure for Block {
             return Findings::default();
         }
         let row = self.row();
-        // The sample before the border shows that the next block begins at it.
+        // The sample before the border shows that the next block begins there.
         self.samples.drain(..self.samples.len().saturating_sub(2));
         self.first = Some(next);
         Findings { rows: vec![row], ..Findings::default() }

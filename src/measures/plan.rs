@@ -1,4 +1,4 @@
-//! When a measure looks at the bed.
+//! Times at which a measure takes samples.
 
 use super::{MeasureKind, Setting};
 use crate::domain::Bounds;
@@ -8,13 +8,13 @@ use crate::state::SizeRange;
 /// One measure of a case: its name, its times and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasurePlan {
-    /// What the case calls it.
+    /// Its name in the case.
     pub name: String,
     /// Interval of its samples; time.
     pub every: f64,
     /// Time of the first sample.
     pub start: f64,
-    /// What it measures.
+    /// Its kind, with settings.
     pub kind: MeasureKind,
 }
 
@@ -26,7 +26,7 @@ impl MeasurePlan {
 
     /// Names of the columns of its table `results` with one number in a row.
     pub fn scalar_names(&self, bounds: &Bounds, gas_grid: Option<&BoxGrid>) -> Vec<&'static str> {
-        // Sizes and heights decide how long arrays are, not which columns there are.
+        // Sizes and heights determine the length of arrays, not the columns.
         let height = bounds.lengths().z;
         let sizes =
             &SizeRange { smallest_diameter: height, largest_diameter: height, largest_mass: 1.0 };

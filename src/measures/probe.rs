@@ -1,14 +1,15 @@
-//! Probes: what gas and solids do at a point or at a plane.
+//! Probes: gas and solids at a point or on a plane.
 //!
-//! At a point: the values of the gas's cell that holds it, and the solids whose centres lie within a radius. At a plane,
-//! with A its area, and a_i = pi (r_i^2 - h_i^2) the section of particle i, whose centre is at the distance h_i < r_i:
+//! At a point: the values of the gas's cell that contains it, and the solids whose centres lie within a radius. On a
+//! plane with area A, with a_i = pi (r_i^2 - h_i^2) the section of particle i, whose centre is at the distance h_i <
+//! r_i:
 //!
 //! ```text
 //! area fraction of the solids  sum a_i / A,    volume flux  sum a_i v_i / A
 //! ```
 //!
-//! with the velocity v_i normal to the plane. The mean section over all positions of a particle is its volume over its
-//! height, so that these are the fraction and the flux through the plane without bias.
+//! with the velocity v_i normal to the plane. The mean section over all positions of a particle is its volume divided
+//! by its height, so these are unbiased values of the fraction and the flux through the plane.
 
 use super::average::{AVERAGE, Average, looks_per_row};
 use super::layout::{Column, Layout, Rows, Table};
@@ -32,7 +33,7 @@ pub struct Probe {
     looks_per_row: u64,
 }
 
-/// Where the probe is.
+/// Position of the probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Point { point: [f64; 3], radius: f64 },
@@ -69,7 +70,7 @@ struct Looks {
     bounds: Bounds,
     periodicity: Periodicity,
     gas_grid: Option<BoxGrid>,
-    /// Part of a horizontal section of the box that lies in the column.
+    /// Fraction of a horizontal section of the box that lies in the column.
     horizontal_part: f64,
     average: Average,
 }
@@ -195,7 +196,7 @@ impl Measure for Looks {
     }
 }
 
-/// A sum over a sum; undefined if there is nothing.
+/// A sum divided by a sum; undefined if the latter is zero.
 fn ratio(sum: f64, total: f64) -> f64 {
     if total > 0.0 { sum / total } else { f64::NAN }
 }

@@ -1,4 +1,4 @@
-//! What a kind of measure of the registry says about itself.
+//! Properties of a kind of measure in the registry.
 
 use super::{Measure, Setting};
 use crate::domain::{Bounds, Vibration};
@@ -8,20 +8,20 @@ use crate::state::SizeRange;
 
 /// A kind of measure of the registry: the settings of one `[measure.NAME]`, as plain data.
 pub trait RegisteredMeasure: Sized {
-    /// What is measured, for the manual.
+    /// The measured quantities, for the manual.
     const MEANING: &'static str;
 
     /// Its keys in the case file, besides `kind`, `every` and `start`.
     const KEYS: &'static [Key];
 
-    /// The settings that these values ask for; `None` if one is missing or wrong, which has then been reported.
+    /// The settings with these values; `None` if one is missing or wrong, which has then been reported.
     fn from_keys(values: &dyn MeasureValues) -> Option<Self>;
 
-    /// A measure that has not looked at anything yet.
+    /// A measure that has not taken a sample yet.
     fn begin(&self, setting: &Setting<'_>) -> Box<dyn Measure>;
 }
 
-/// The values of a measure's keys, and what the rest of the case says.
+/// The values of a measure's keys, and other data of the case.
 pub trait MeasureValues: KeyValues {
     /// A whole number, or its default.
     fn count(&self, key: &str) -> Option<u64>;
@@ -38,7 +38,7 @@ pub trait MeasureValues: KeyValues {
     /// The box.
     fn bounds(&self) -> &Bounds;
 
-    /// Sizes of the particles, if the case says them.
+    /// Sizes of the particles, if the case gives them.
     fn sizes(&self) -> Option<SizeRange>;
 
     /// The cells of a volume-averaged gas, if the case has one.

@@ -1,4 +1,4 @@
-//! What follows from the lines of the registry of measures.
+//! Definitions generated from the lines of the registry of measures.
 
 /// Defines [`MeasureKind`](super::MeasureKind) from `file::Type` lines. The name of the file is that of the kind in a
 /// case.
@@ -25,7 +25,7 @@ macro_rules! measure_kinds {
                 )
             ),*];
 
-            /// The kind of a name with the settings of these keys; `None` if there is none of this name, or a value is
+            /// The kind with a name and the settings of these keys; `None` if there is none of this name, or a value is
             /// missing or wrong.
             pub fn from_keys(name: &str, values: &dyn MeasureValues) -> Option<Self> {
                 $(
@@ -36,14 +36,14 @@ macro_rules! measure_kinds {
                 None
             }
 
-            /// What the case file calls it.
+            /// Its name in the case file.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$Kind(_) => stringify!($file),)*
                 }
             }
 
-            /// A measure that has not looked at anything yet.
+            /// A measure that has not taken a sample yet.
             pub fn begin(&self, setting: &Setting<'_>) -> Box<dyn Measure> {
                 match self {
                     $(Self::$Kind(kind) => kind.begin(setting),)*

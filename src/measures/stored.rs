@@ -1,7 +1,7 @@
-//! What a measure keeps in checkpoints: tables of 64-bit words, whose rows are spread over the ranks.
+//! Data of a measure in checkpoints: tables of 64-bit words, whose rows are spread over the ranks.
 //!
-//! Numbers are kept as their bits. Rows are written in ascending order of their first two words, so that a checkpoint
-//! shows no trace of ranks; whoever reads them gets any share of them.
+//! Numbers are stored as their bits. Rows are written in ascending order of their first two words, so that a checkpoint
+//! does not depend on the ranks; a rank that reads them may receive any share.
 
 use crate::parallel::{Communicator, records_of_bytes};
 use bytemuck::Pod;
@@ -23,18 +23,18 @@ pub struct StoredTable {
 /// A measure in a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeasureState {
-    /// What the case calls the measure.
+    /// Name of the measure in the case.
     pub name: String,
-    /// Its settings: with others it cannot continue.
+    /// Its settings; it cannot continue with others.
     pub settings: String,
-    /// What it keeps.
+    /// Its stored data.
     pub stored: Stored,
 }
 
-/// All that a measure keeps.
+/// All stored data of a measure.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stored {
-    /// The tables, each of its own name.
+    /// The tables, each with its own name.
     pub tables: Vec<StoredTable>,
 }
 
@@ -59,13 +59,13 @@ impl Stored {
         self.tables.iter().find(|table| table.name == name)
     }
 
-    /// This rank's share of the records of a name.
+    /// This rank's share of the records with a name.
     pub fn records<T: Pod>(&self, name: &str) -> Option<Vec<T>> {
         let table = self.table(name).filter(|table| 8 * table.width == size_of::<T>())?;
         Some(records_of_bytes(bytemuck::cast_slice(&table.words)).collect())
     }
 
-    /// The numbers of a name, on all ranks. Collective.
+    /// The numbers with a name, on all ranks. Collective.
     pub fn numbers(&self, name: &str, ranks: &dyn Communicator) -> Option<Vec<f64>> {
         let rows: Vec<[u64; 2]> = self.records(name)?;
         let gathered = ranks.gather_to_root(bytemuck::cast_slice(&rows));
@@ -98,7 +98,7 @@ mod tests {
                 stored.records::<[u64; 3]>("records"),
                 Some(vec![[ranks.rank() as u64, 7, 9]])
             );
-            // The controls: another width, another name.
+            // Controls: another width, another name.
             assert_eq!(stored.records::<[u64; 2]>("records"), None);
             assert_eq!(stored.numbers("other", ranks), None);
         });

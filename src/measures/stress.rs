@@ -28,18 +28,18 @@ pub struct Stress {
     looks_per_row: u64,
 }
 
-/// Most layers, over all phases; each rank has all of them.
+/// Largest number of layers, over all phases; each rank has all of them.
 const MOST_LAYERS: usize = 100_000;
 
-/// Most cells; rank 0 writes their fields one after another.
+/// Largest number of cells; rank 0 writes their fields one after another.
 const MOST_CELLS: usize = 10_000_000;
 
-/// On what the stress is measured.
+/// The cells on which the stress is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Cells {
     /// Layers, one for about each largest diameter.
     LayersOfDiameter,
-    /// So many layers.
+    /// A given number of layers.
     Layers(usize),
     /// Cells along x, y and z.
     Boxes([usize; 3]),
@@ -116,7 +116,7 @@ impl RegisteredMeasure for Stress {
     }
 }
 
-/// Reports more layers or cells than a machine has room for.
+/// Reports an error if there are more layers or cells than fit into memory.
 fn is_room_for(cells: Cells, frame: Option<&FrameSettings>, values: &dyn MeasureValues) -> bool {
     match cells {
         Cells::Boxes(counts) if counts.iter().product::<usize>() > MOST_CELLS => {
@@ -137,7 +137,7 @@ struct Layers {
     frame: FrameSettings,
     grid: CellGrid,
     looks_per_row: u64,
-    /// Part of the box's volume over that of a layer that one layer stands for: waves that are laid over one another.
+    /// Ratio of the volume of the box to that of the layers: the number of waves that are superposed in each layer.
     waves: f64,
     profiles: Profiles,
 }
@@ -184,8 +184,8 @@ impl Measure for Layers {
     }
 }
 
-/// What Rumpf's estimate needs beside the solids fraction: the coordination number, the attraction of two particles of the
-/// largest size in contact, the strongest of all species, and their diameter.
+/// Quantities for Rumpf's estimate besides the solids fraction: the coordination number, the attraction of two
+/// particles of the largest size in contact, for the species that attract most strongly, and their diameter.
 #[derive(Clone, Copy, Debug)]
 struct Adhesion {
     coordination: f64,
@@ -193,7 +193,7 @@ struct Adhesion {
     diameter: f64,
 }
 
-/// Collective.
+/// Computes these quantities. Collective.
 fn rumpf(view: &View<'_>, ranks: &dyn Communicator) -> Adhesion {
     let run = view.run();
     let mut counts =
@@ -207,7 +207,7 @@ fn rumpf(view: &View<'_>, ranks: &dyn Communicator) -> Adhesion {
     Adhesion { coordination: counts[1] as f64 / counts[0].max(1) as f64, force, diameter }
 }
 
-/// Numbers of a cell that are averaged: solids fraction, density, momentum per volume, and the stresses by columns.
+/// Number of averaged values of a cell: solids fraction, density, momentum per volume, and the stresses by columns.
 const NUMBERS: usize = 32;
 
 fn numbers_of(cell: &CellStress, scale: f64) -> [f64; NUMBERS] {

@@ -1,8 +1,8 @@
-//! Means and standard deviations over time of the fields of gas and solids: on the cells of a volume-averaged gas, or over
-//! height.
+//! Means and standard deviations over time of the fields of gas and solids: on the cells of a volume-averaged gas, or
+//! over height.
 //!
-//! With n samples of an interval, mean M = sum x / n and deviation sqrt((sum x^2 - n M^2) / (n - 1)). Means of velocities
-//! are means over time, not weighted by how much gas or solids there is.
+//! For n samples in an interval, the mean is M = sum x / n and the deviation sqrt((sum x^2 - n M^2) / (n - 1)). Means
+//! of velocities are means over time, not weighted by the amount of gas or solids.
 
 use super::average::{AVERAGE, Average, looks_per_row};
 use super::cell_sums::CellSums;
@@ -74,7 +74,7 @@ impl RegisteredMeasure for TimeAverage {
     }
 }
 
-/// The columns that every row begins with.
+/// The columns with which every row begins.
 fn head() -> Vec<Column> {
     vec![
         Column::scalar("from", Quantity::Time, "time of the first sample that is averaged"),
@@ -149,7 +149,7 @@ impl Measure for OverHeight {
     }
 }
 
-/// Numbers of a cell that are averaged.
+/// Number of averaged values of a cell.
 const NUMBERS: usize = 8;
 
 fn numbers_of(cell: &CellSample) -> [f64; NUMBERS] {
@@ -193,7 +193,7 @@ struct OnCells {
 }
 
 impl OnCells {
-    /// The fields of the interval, which ends. Collective.
+    /// The fields of the interval, which then ends. Collective.
     fn take(&mut self, ranks: &dyn Communicator) -> Findings {
         let looks = std::mem::take(&mut self.looks) as f64;
         let statistics = |(cell, sums): (u64, Vec<f64>)| {
@@ -226,7 +226,7 @@ impl Measure for OnCells {
         Needs { gas_cells: true, ..Needs::default() }
     }
 
-    /// Looks in a stage without such a gas do not count.
+    /// Samples in a stage without such a gas are not counted.
     fn look(&mut self, view: &View<'_>, ranks: &dyn Communicator) -> Findings {
         let Some(cells) = view.gas_cells else { return Findings::default() };
         if self.looks == 0 {

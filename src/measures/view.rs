@@ -1,4 +1,4 @@
-//! A run as measures see it: read only, at one instant.
+//! Read-only view of a run at one instant, for measures.
 
 use crate::analysis::stress::{ContactForce, ContactForces, MovingParticle};
 use crate::analysis::{BedProfile, Measures, RunView};
@@ -11,10 +11,10 @@ use crate::particles::sphere_volume;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 
-/// A run at the end of a step. What several measures want is computed once, when the first asks for it.
+/// A run at the end of a step. Data that several measures need are computed once, at the first request.
 pub struct View<'a> {
     run: RunView<'a>,
-    /// The bed over height, as of the last row of the series or, if a measure needs it, of now.
+    /// The bed over height, at the last row of the series or, if a measure needs it, at present.
     pub profile: &'a BedProfile,
     /// The numbers of the series, if a measure needs them.
     pub series: Option<&'a Measures>,
@@ -29,7 +29,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// A view of a run and of what was made ready for the measures.
+    /// A view of a run and of the data prepared for the measures.
     pub fn new(
         run: RunView<'a>,
         profile: &'a BedProfile,
@@ -50,7 +50,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// State, domain, models, and what follows from them.
+    /// State, domain, models, and data that follow from them.
     pub fn run(&self) -> RunView<'a> {
         self.run
     }
@@ -65,7 +65,7 @@ impl<'a> View<'a> {
         &self.run.domain.bounds
     }
 
-    /// Along which axes the box repeats.
+    /// Periodicity of the box.
     pub fn periodicity(&self) -> Periodicity {
         Periodicity::of(self.bounds())
     }
@@ -91,7 +91,7 @@ impl<'a> View<'a> {
         })
     }
 
-    /// The particles that this rank owns, as far as stress is concerned.
+    /// The particles that this rank owns, in the form used for stress.
     pub fn moving_particles(&self) -> &[MovingParticle] {
         self.moving.get_or_init(|| {
             let moving = |particle: &ParticleSample| MovingParticle {
@@ -124,7 +124,7 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Passes on the forces of all pairs that touch or attract each other, each on one rank.
+    /// Passes the forces of all pairs that touch or attract each other, each on one rank, to a function.
     pub fn for_each_pair_force(&self, take: impl FnMut(PairForce)) {
         let RunView { state, models, .. } = self.run;
         let cohesion = models.physics.cohesion_at(self.time());
@@ -147,8 +147,8 @@ impl<'a> View<'a> {
         })
     }
 
-    /// A sum over the particles that this rank owns is exact over ranks only if addends are; this is each particle's
-    /// wrapped position.
+    /// Wrapped position of a particle: a sum over the particles that this rank owns is exact over ranks only if the
+    /// addends do not depend on the image.
     pub fn position(&self, index: usize) -> Vector3<f64> {
         self.bounds().wrap(self.run.state.particles.body[index].position)
     }

@@ -5,15 +5,15 @@ use super::Quantum;
 const CHUNK_BITS: i32 = 32;
 /// Exponent of the lowest bit of a double: the smallest subnormal is 2^-1074.
 const LOWEST_EXPONENT: i32 = -1074;
-/// 2098 bits of doubles, and room for sums of 2^60 of them.
+/// Number of 32-bit chunks: 2098 bits of doubles, and room for sums of 2^60 of them.
 const CHUNKS: usize = 69;
-/// Each addition changes a chunk by less than 2^32, so this many may be added before carrying.
+/// Number of additions before a carry: each changes a chunk by less than 2^32.
 const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 29;
 
 /// A superaccumulator: it holds any sum of finite doubles as one long fixed-point number.
 ///
-/// The result is the same for any order of additions and any distribution over ranks; only `value` rounds, once. After
-/// R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571.
+/// The result does not depend on the order of additions or the distribution over ranks; only `value` rounds, once. The
+/// method follows R. M. Neal, "Fast exact summation using small and large superaccumulators", arXiv:1505.05571.
 ///
 /// ```
 /// use talcum::numbers::ExactSum;
@@ -64,12 +64,12 @@ impl ExactSum {
         }
     }
 
-    /// Adds an integer times 2^exponent, exactly; the exponent is -1074 at least, the product no larger than the largest
-    /// double.
+    /// Adds an integer times 2^exponent, exactly; the exponent must be at least -1074, and the product no larger than
+    /// the largest double.
     pub(crate) fn add_integer(&mut self, integer: i128, exponent: i32) {
         let mut rest = integer;
         for part in 0..4 {
-            // The last part has the sign.
+            // The last part carries the sign.
             let digits = if part == 3 { rest } else { rest & 0xffff_ffff };
             self.add(scale(digits as f64, exponent + part * CHUNK_BITS));
             rest >>= CHUNK_BITS;

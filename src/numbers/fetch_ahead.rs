@@ -3,16 +3,16 @@
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Prefetches an item that will soon be read or changed. It has no effect but on speed, and none at all on processors
-/// other than x86-64. The index is not looked at: it costs nothing more, and does no harm if there is no such item.
+/// Prefetches an item that will soon be read or changed. It only affects speed, and has no effect on processors other
+/// than x86-64. The index is not checked, which saves time and does no harm if there is no such item.
 #[inline(always)]
 pub(crate) fn fetch_ahead<T>(items: &[T], index: usize) {
     let item = items.as_ptr().wrapping_add(index).cast::<i8>();
     (0..size_of::<T>()).step_by(LINE).for_each(|offset| fetch_line(item.wrapping_add(offset)));
 }
 
-/// Prefetches one of so many parts of a value. All have as many lines, a number that is known to the compiler, so that the last may reach
-/// beyond the value.
+/// Prefetches one of `PARTS` parts of a value. All parts have the same number of lines, which is known to the compiler,
+/// so that the last part may reach beyond the value.
 #[inline(always)]
 pub(crate) fn fetch_part_ahead<const PARTS: usize, T>(value: &T, part: usize) {
     let lines = const { size_of::<T>().div_ceil(LINE).div_ceil(PARTS) };

@@ -6,7 +6,7 @@ pub(crate) fn any_flagged(flags: &[u64]) -> bool {
     flags.iter().fold(0, |any, flag| any | flag) != 0
 }
 
-/// Index of the first flag that is not 0. Nearly always there is none, which one test of all flags together shows.
+/// Index of the first flag that is not 0. Nearly always there is none, which a single test of all flags together shows.
 #[inline(always)]
 pub(crate) fn first_flagged<const N: usize>(flags: &[u64; N]) -> Option<usize> {
     if any_flagged(flags) { search(flags) } else { None }

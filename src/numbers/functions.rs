@@ -22,8 +22,8 @@ pub(crate) fn power(x: f64, y: f64) -> f64 {
     exp2(y * log2(x))
 }
 
-/// Powers of several numbers, in short loops. A processor looks 100 to 250 instructions ahead, and so executes several
-/// of these independent iterations at once.
+/// Powers of several numbers, in short loops. A processor examines 100 to 250 instructions ahead, and can therefore
+/// execute several of these independent iterations at once.
 #[inline(always)]
 pub(crate) fn powers<const N: usize>(mut numbers: [f64; N], exponent: f64) -> [f64; N] {
     let mut binary_exponents = [0.0; N];
@@ -45,7 +45,7 @@ const SQRT_HALF: u64 = FRAC_1_SQRT_2.to_bits();
 /// 2^52: numbers in [2^52, 2^53) hold an integer in their mantissa.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// The integer x of 0 to 2^32 - 1, in vector instructions where a cast with its checks is not.
+/// The integer x from 0 to 2^32 - 1, computed by vector instructions, unlike a cast with its checks.
 #[inline(always)]
 pub(crate) fn whole(x: f64) -> u32 {
     (x + TWO_TO_52).to_bits() as u32
@@ -59,7 +59,7 @@ fn log2(x: f64) -> f64 {
 /// The exponent e and s = (m - 1)/(m + 1) of x = m 2^e, sqrt(1/2) <= m < sqrt(2).
 #[inline(always)]
 fn split(x: f64) -> [f64; 2] {
-    // In bits above those of sqrt(1/2), so that the mantissa m lies in [sqrt(1/2), sqrt(2)).
+    // The bits are taken relative to those of sqrt(1/2), so that the mantissa m lies in [sqrt(1/2), sqrt(2)).
     let bits = x.to_bits().wrapping_add(ONE.wrapping_sub(SQRT_HALF));
     let exponent = f64::from_bits((bits >> 52) | TWO_TO_52.to_bits()) - (TWO_TO_52 + 1023.0);
     let m = f64::from_bits((bits & MANTISSA) + SQRT_HALF);

@@ -1,4 +1,4 @@
-//! Which vector instructions the program uses.
+//! The vector instructions that the program uses.
 
 use std::sync::OnceLock;
 use thiserror::Error;
@@ -23,7 +23,7 @@ const VARIABLE: &str = "TALCUM_VECTORS";
 pub struct UnknownInstructionSet(String);
 
 impl InstructionSet {
-    /// The widest that this processor has.
+    /// The widest set that this processor has.
     #[cfg(target_arch = "x86_64")]
     fn of_this_processor() -> Self {
         use std::arch::is_x86_feature_detected as has;
@@ -36,13 +36,13 @@ impl InstructionSet {
         }
     }
 
-    /// The widest that this processor has.
+    /// The widest set that this processor has.
     #[cfg(not(target_arch = "x86_64"))]
     fn of_this_processor() -> Self {
         Self::Baseline
     }
 
-    /// What `TALCUM_VECTORS` calls it.
+    /// Its name in `TALCUM_VECTORS`.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Baseline => "baseline",
@@ -56,7 +56,7 @@ impl InstructionSet {
         all.find(|set| set.name() == name).ok_or_else(|| UnknownInstructionSet(name.to_owned()))
     }
 
-    /// The widest that is allowed.
+    /// The widest set that is allowed.
     fn allowed() -> Result<Self, UnknownInstructionSet> {
         std::env::var(VARIABLE).map_or(Ok(Self::Avx512), |name| Self::named(&name))
     }
@@ -72,7 +72,7 @@ pub(crate) fn instruction_set() -> InstructionSet {
     })
 }
 
-/// Refuses a value of `TALCUM_VECTORS` that names no set.
+/// Rejects a value of `TALCUM_VECTORS` that names no set.
 ///
 /// # Errors
 /// If it is neither `baseline`, `avx2` nor `avx512`.

@@ -1,21 +1,21 @@
-//! The largest of numbers that are not negative, by their bits: vectors compare integers side by side, where numbers that may be
-//! undefined are compared one after the other.
+//! The largest of non-negative numbers, by their bits: integers are compared by vector instructions, whereas numbers
+//! that may be undefined are compared one after another.
 
-/// Zero to begin with.
+/// The largest number so far, initially zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Largest {
     bits: u64,
 }
 
 impl Largest {
-    /// Takes a number into account. Bit patterns of positive numbers have the order of the numbers; those of infinity, of
-    /// undefined (NaN) and of negative numbers come after.
+    /// Adds a number. The bit patterns of positive numbers have the order of the numbers; those of infinity, of
+    /// undefined (NaN) and of negative numbers are greater.
     #[inline(always)]
     pub(crate) fn add(&mut self, number: f64) {
         self.bits = self.bits.max((number + 0.0).to_bits()); // a zero has no sign
     }
 
-    /// The largest; infinity if a number was negative, infinite or undefined.
+    /// The largest number; infinity if a number was negative, infinite or undefined.
     #[inline(always)]
     pub(crate) fn value(self) -> f64 {
         if self.bits < f64::INFINITY.to_bits() { f64::from_bits(self.bits) } else { f64::INFINITY }

@@ -1,5 +1,5 @@
 //! Arithmetic whose results do not depend on order, ranks or machine: sums of quantised numbers and exact sums, random
-//! numbers that follow from ids, elementary functions; and vector instructions.
+//! numbers determined by ids, elementary functions; and vector instructions.
 
 mod exact_sum;
 mod fetch_ahead;

@@ -76,7 +76,7 @@ impl Quantum {
         (value + self.shift) - self.shift
     }
 
-    /// What is added to a number, and subtracted again, to round it: 1.5 * 2^52 quanta.
+    /// Number that is added to a value, and subtracted again, to round it: 1.5 * 2^52 quanta.
     pub(crate) fn shift(self) -> f64 {
         self.shift
     }

@@ -1,26 +1,26 @@
-//! Exact sums of numbers that are of about the same size.
+//! Exact sums of numbers of similar magnitude.
 
 use super::ExactSum;
 
-/// Binary digits by which addends in the window may differ; with the 53 of a double and 20 of the number of additions they
-/// have room in 128 bits.
+/// Number of binary digits by which addends in the window may differ; together with the 53 digits of a double and 20
+/// for the number of additions they fit into 128 bits.
 const WIDTH: u32 = 54;
 const ADDITIONS_BETWEEN_FLUSHES: u32 = 1 << 19;
-/// Exponent fields that a window may begin at: none holds subnormal numbers, and none a sum that overflows.
+/// Exponent fields at which a window may begin: none contains subnormal numbers or a sum that overflows.
 const BEGINS: std::ops::RangeInclusive<u32> = 1..=1800;
-/// Digits of the window below the first addend.
+/// Number of digits of the window below the first addend.
 const BELOW_FIRST: u32 = 40;
-/// An exponent field that no number is near.
+/// An exponent field that is far from all numbers.
 const NO_WINDOW: u32 = 1 << 12;
 
-/// An [`ExactSum`] with a window of 128 bits at the size of the first addend other than zero: what falls into it takes one
-/// addition of integers. The sum is exact, and the same, in any case.
+/// An [`ExactSum`] with a window of 128 bits at the magnitude of the first non-zero addend: adding a number within the
+/// window takes one addition of integers. The sum is exact, and equal, in any case.
 #[derive(Clone, Debug)]
 pub(crate) struct QuickSum {
     /// Exponent field of the window's lowest digit.
     lowest: u32,
     window: i128,
-    /// Since the window was last empty.
+    /// Number of additions since the window was last empty.
     additions: u32,
     others: ExactSum,
 }
@@ -51,7 +51,7 @@ impl QuickSum {
         }
     }
 
-    /// Adds a number that is outside of the window.
+    /// Adds a number that is outside the window.
     #[cold]
     fn add_other(&mut self, number: f64, field: u32) {
         if number == 0.0 {

@@ -1,11 +1,11 @@
-//! Sorting of records by a whole number, in time that grows with their number alone.
+//! Sorting of records by a whole number, in a time proportional to the number of records.
 
 const DIGIT_BITS: u32 = 11;
 const DIGITS: usize = 1 << DIGIT_BITS;
-/// Fewer records are sorted by comparison.
+/// Number of records below which they are sorted by comparison.
 const FEW: usize = 512;
 
-/// The records by ascending key; those of equal keys stay in their order. Keys within a narrow range take few passes
+/// The records by ascending key; those with equal keys keep their order. Keys within a narrow range need few passes
 /// (radix sort, the least significant digit first; Knuth, The Art of Computer Programming 3, section 5.2.5).
 pub(crate) fn sorted_by_key<T: Copy>(mut records: Vec<T>, key: impl Fn(&T) -> u64) -> Vec<T> {
     if records.is_sorted_by_key(&key) {
@@ -34,7 +34,7 @@ pub(crate) fn sorted_by_key<T: Copy>(mut records: Vec<T>, key: impl Fn(&T) -> u6
     records
 }
 
-/// Where the records of each digit begin.
+/// First place of the records of each digit.
 fn first_places<T>(records: &[T], digit: impl Fn(&T) -> usize) -> Vec<usize> {
     let mut counts = vec![0; DIGITS];
     records.iter().for_each(|record| counts[digit(record)] += 1);

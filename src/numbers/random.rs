@@ -1,5 +1,5 @@
-//! Random numbers that follow from the seed, the id of the particle and the purpose. They do not depend on the ranks,
-//! on the order of creation, or on numbers drawn before.
+//! Random numbers determined by the seed, the id of the particle and the purpose. They do not depend on the ranks, on
+//! the order of creation, or on numbers drawn before.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -28,7 +28,7 @@ pub enum Schedule {
         /// Length of each interval.
         every: f64,
     },
-    /// mean + amplitude sin(2 pi frequency (t - start)) from `start` on, before that the mean.
+    /// mean + amplitude sin(2 pi frequency (t - start)) from `start` on; before, it is the mean.
     Sine {
         /// Mean over a period.
         mean: f64,

@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 /// Each operation is an IEEE operation on each number, rounded once, so that all implementations give the same bits.
 /// Everything is `#[inline(always)]`: it must be compiled into the function that was chosen for the processor.
 ///
-/// The methods are safe although those of one implementation are vector instructions of AVX2: see there why no code can
-/// reach that implementation on a processor without them.
+/// The methods are safe although those of one implementation are vector instructions of AVX2; its documentation
+/// explains why no code can reach it on a processor without them.
 pub(crate) trait F64x4: Copy {
     /// Loads four numbers from memory.
     fn load(numbers: &[f64; 4]) -> Self;
@@ -42,10 +42,10 @@ pub(crate) trait F64x4: Copy {
     /// Takes the larger of each two numbers; either of them if one is undefined.
     fn larger(self, other: Self) -> Self;
 
-    /// Bit k is set if number k is less than that of the other, and neither is undefined.
+    /// Bits of a comparison: bit k is set if number k is less than that of the other, and neither is undefined.
     fn below(self, other: Self) -> u32;
 
-    /// Bit k is set if number k is at most that of the other, and neither is undefined.
+    /// Bits of a comparison: bit k is set if number k is at most that of the other, and neither is undefined.
     fn at_most(self, other: Self) -> u32;
 
     /// Turns rows into columns.
@@ -58,13 +58,13 @@ pub(crate) fn four<T>(items: &[T], from: usize) -> &[T; 4] {
     items[from..].first_chunk().expect("the slice has four items from there on")
 }
 
-/// Four consecutive numbers, to be changed.
+/// Mutable access to four consecutive numbers.
 #[inline(always)]
 pub(crate) fn four_mut(numbers: &mut [f64], from: usize) -> &mut [f64; 4] {
     numbers[from..].first_chunk_mut().expect("the slice has four numbers from there on")
 }
 
-/// Names the registers of any processor, as a type parameter that follows from the argument.
+/// The registers of any processor, as a type parameter determined by the argument.
 pub(crate) fn portable_registers() -> PhantomData<impl F64x4> {
     PhantomData::<Portable>
 }
@@ -172,7 +172,7 @@ mod avx2 {
     use std::arch::x86_64::*;
     use std::marker::PhantomData;
 
-    /// Names the registers of AVX2, as a type parameter that follows from the argument. Unsafe to call unless the processor has
+    /// The registers of AVX2, as a type parameter determined by the argument. Unsafe to call unless the processor has
     /// AVX2.
     #[target_feature(enable = "avx2")]
     pub(crate) fn avx2_registers() -> PhantomData<impl F64x4> {

@@ -47,27 +47,30 @@
 /// }
 /// ```
 ///
-/// A function of the first kind has no copy for AVX-512: its loops run over rows, most of which are too short to gain by it.
+/// A function of the first kind has no copy for AVX-512: its loops run over rows, most of which are too short to
+/// benefit from it.
 ///
 /// The bits are the same in all copies: each operation is rounded once, multiplications and additions are never fused, and
 /// the width of a vector is only the number of values that are worked on side by side.
 ///
 /// # Rules for the function
-/// * All that it calls must be `#[inline(always)]`: only what is inlined into a copy is compiled for its instructions.
-///   Closures often are not; vectors in them, and therefore in `map` of arrays, are an order of magnitude slower.
-/// * Arguments are plain names, without patterns, `mut` or `self`. All generic parameters but `Q` follow from their types.
+/// * All functions that it calls must be `#[inline(always)]`: only inlined code is compiled for the instructions of a
+///   copy. Closures often are not inlined; vectors in them, and therefore in `map` of arrays, are an order of magnitude
+///   slower.
+/// * Arguments are plain names, without patterns, `mut` or `self`. All generic parameters except `Q` follow from their
+///   types.
 /// * The loop over a row lies in a function of its own that takes each row it writes to as an argument `&mut [T]`. The
 ///   compiler then knows that the row overlaps with no other, and compares no addresses at run time, which would take
 ///   longer than a short row itself.
-/// * That loop counts `0..n`, and all rows are slices of one length, cut with the same variable. A bounds check that is
-///   left in the loop sends the last cells of each row, at least one of them, through a loop without vectors.
+/// * This loop counts `0..n`, and all rows are slices of one length, cut with the same variable. If a bounds check
+///   remains in the loop, the last cells of each row, at least one of them, are processed by a loop without vectors.
 ///
 /// # Why this is sound
-/// The copies are safe code. To call one is `unsafe` for a single reason: a processor without its instructions would
-/// fault, or do something else. Each call depends on [`instruction_set`](super::instruction_set), which never
-/// exceeds what was detected on this processor, and the features of `in_avx512` are those that it detects. The type of the
-/// registers of AVX2 is private to `simd.rs`. Generic code gets it only from `avx2_registers`, which is `unsafe` to call in the same way
-/// but from functions that are compiled for AVX2, as the copies are.
+/// The copies are safe code. Calling one is `unsafe` for a single reason: a processor without its instructions would
+/// fault, or do something else. Each call depends on [`instruction_set`](super::instruction_set), which never exceeds
+/// what was detected on this processor, and the features of `in_avx512` are those that it detects. The type of the
+/// registers of AVX2 is private to `simd.rs`. Generic code gets it only from `avx2_registers`, which is `unsafe` to
+/// call in the same way, except from functions that are compiled for AVX2, such as the copies.
 macro_rules! vectorised {
     // A generic parameter is `T: Bound` or `const N: usize`: one or two identifiers, a colon, and a path.
     (

@@ -1,12 +1,12 @@
-//! Sums over particles of all ranks, in total and by a key, that are the same bits for any distribution of the
-//! particles over the ranks: every sum is exact and rounded once.
+//! Sums over particles of all ranks, in total and by a key, with the same bits for any distribution of the particles
+//! over the ranks: every sum is exact and rounded once.
 
 use super::rendezvous::send_to_rendezvous;
 use crate::numbers::{ExactSum, QuickSum};
 use crate::parallel::Communicator;
 use bytemuck::{Pod, Zeroable};
 
-/// Exact sums over all ranks of the numbers that this rank's items give. Collective.
+/// Exact sums over all ranks of the numbers given by this rank's items. Collective.
 pub(crate) fn totals<const N: usize>(
     items: impl IntoIterator<Item = [f64; N]>,
     ranks: &dyn Communicator,
@@ -29,7 +29,7 @@ pub(crate) struct Keyed<const N: usize> {
     pub(crate) values: [f64; N],
 }
 
-/// One integer of an exact sum. Most are zero and do not travel.
+/// One integer of an exact sum. Most integers are zero and are not sent.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Term {
@@ -55,8 +55,9 @@ pub(crate) fn totals_by_key<const N: usize>(
     terms.chunk_by(|a, b| a.key == b.key).map(sum_of_terms).collect()
 }
 
-/// The non-zero integers of the sums of one key's numbers. Positive and negative numbers are summed apart: an exact
-/// sum below zero has non-zero integers all the way up. What is not finite goes with the positive ones.
+/// The non-zero integers of the sums of one key's numbers. Positive and negative numbers are summed separately, since
+/// an exact sum below zero has non-zero integers in all higher places. Numbers that are not finite are added to the
+/// positive ones.
 fn terms_of<const N: usize>(group: &[Keyed<N>], terms: &mut Vec<Term>) {
     let first = terms.len();
     for quantity in 0..N {
@@ -73,7 +74,7 @@ fn terms_of<const N: usize>(group: &[Keyed<N>], terms: &mut Vec<Term>) {
         }
     }
     if terms.len() == first {
-        // All numbers are zero: the key is known nevertheless.
+        // All numbers are zero: the key must be known nevertheless.
         terms.push(Term { key: group[0].key, place: 0, integer: 0 });
     }
 }
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn ordinary_sums_depend_on_the_order() {
-        // The control: otherwise the test above shows nothing.
+        // Control: otherwise the test above would show nothing.
         let items = items();
         let forwards: f64 = items.iter().map(|item| item.values[0]).sum();
         let backwards: f64 = items.iter().rev().map(|item| item.values[0]).sum();

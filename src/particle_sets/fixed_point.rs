@@ -1,35 +1,35 @@
 //! Sums by key as integers: the same bits for any distribution of the addends over ranks, in little memory.
 //!
-//! All addends of one quantity are rounded to multiples of one quantum, which the largest of them fixes: 2^-51 of it
-//! at most. A sum of n addends is wrong by less than n 2^-52 of the largest. Addends are counted in 64 bits, and carried
-//! into 128 bits before these could overflow: 2^76 addends have room.
+//! All addends of one quantity are rounded to multiples of one quantum, which the largest of them determines: it is at
+//! most 2^-51 of the largest. The error of a sum of n addends is less than n 2^-52 of the largest. Addends are counted
+//! in 64 bits, and carried into 128 bits before these could overflow: there is room for 2^76 addends.
 
 use super::exact_sums::Keyed;
 use super::rendezvous::send_keyed;
 use crate::numbers::{Quantum, sorted_by_key};
 use crate::parallel::Communicator;
 
-/// Addends no larger than this count as zero: the spacing of their quantum would not be a normal number.
+/// Addends up to this magnitude count as zero: the spacing of their quantum would not be a normal number.
 const SMALLEST: f64 = 1.0e-280;
 
 /// The quanta of N quantities.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Quanta<const N: usize> {
-    /// 0 if all addends of a quantity are zero.
+    /// Spacing; 0 if all addends of a quantity are zero.
     spacing: [f64; N],
-    /// 1.5 * 2^52 quanta: the bits of a number that was added to it count quanta.
+    /// 1.5 * 2^52 quanta: when this is added to a number, the bits of the sum count quanta.
     shift: [f64; N],
     undefined: [bool; N],
 }
 
 impl<const N: usize> Quanta<N> {
-    /// Quanta of addends whose magnitudes on this rank are up to `largest`. Collective.
+    /// Quanta for addends whose magnitudes on this rank are up to `largest`. Collective.
     pub(crate) fn new(mut largest: [f64; N], ranks: &dyn Communicator) -> Self {
         ranks.maximum(&mut largest);
         Self::spanning(largest)
     }
 
-    /// Quanta of addends whose magnitudes on all ranks are up to `largest`.
+    /// Quanta for addends whose magnitudes on all ranks are up to `largest`.
     pub(crate) fn spanning(largest: [f64; N]) -> Self {
         let quantum = largest.map(|largest| {
             let is_usable = largest.is_finite() && largest > SMALLEST;
@@ -43,8 +43,8 @@ impl<const N: usize> Quanta<N> {
         }
     }
 
-    /// The integers that stand for these numbers: x + 1.5 * 2^52 quanta is rounded to quanta, and is between 2^52 and 2^53
-    /// of them, where the last bit of a double is one.
+    /// The integers that represent these numbers: x + 1.5 * 2^52 quanta is rounded to quanta, and lies between 2^52 and
+    /// 2^53 of them, where the last bit of a double is one quantum.
     #[inline(always)]
     pub(crate) fn counts_of(&self, values: &[f64; N]) -> [i64; N] {
         std::array::from_fn(|k| {
@@ -61,20 +61,20 @@ impl<const N: usize> Quanta<N> {
     }
 }
 
-/// Sums of N quantities in many places, in quanta.
+/// Sums of N quantities at many places, in quanta.
 #[derive(Clone, Debug)]
 pub(crate) struct FixedPointSums<const N: usize> {
     recent: Vec<[i64; N]>,
-    /// Addends of each place since its last carry.
+    /// Number of addends at each place since its last carry.
     additions: Vec<u32>,
     carried: Vec<[i128; N]>,
 }
 
-/// Counts are at most 2^51: so many have room in 64 bits.
+/// Counts are at most 2^51, so this number of them fits into 64 bits.
 const ADDITIONS_BETWEEN_CARRIES: u32 = 1 << 11;
 
 impl<const N: usize> FixedPointSums<N> {
-    /// Zero in so many places.
+    /// Sums of zero at this number of places.
     pub(crate) fn zero(places: usize) -> Self {
         Self {
             recent: vec![[0; N]; places],
@@ -89,7 +89,7 @@ impl<const N: usize> FixedPointSums<N> {
         self.recent.len()
     }
 
-    /// One more place, with sums of zero.
+    /// Adds a place with sums of zero.
     pub(crate) fn grow(&mut self) {
         self.recent.push([0; N]);
         self.additions.push(0);
@@ -98,7 +98,7 @@ impl<const N: usize> FixedPointSums<N> {
 
     #[inline(always)]
     pub(crate) fn add(&mut self, place: usize, counts: &[i64; N]) {
-        // Those of an undefined number have no meaning, and may be of any size.
+        // The counts of an undefined number have no meaning, and may be of any size.
         let recent = &mut self.recent[place];
         recent.iter_mut().zip(counts).for_each(|(sum, &count)| *sum = sum.wrapping_add(count));
         self.additions[place] += 1;
@@ -120,16 +120,16 @@ impl<const N: usize> FixedPointSums<N> {
     }
 }
 
-/// The keys that were met, each with a place of its own: keys below a number, such as cells.
+/// The keys that have occurred, each with a place of its own: keys below a given number, such as cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Slots {
     keys: Vec<u64>,
-    /// By key: 1 + its place, or 0. Memory of keys that are far from all that were met is never touched.
+    /// By key: 1 + its place, or 0. Memory of keys far from all that have occurred is never touched.
     of_key: Vec<u32>,
 }
 
 impl Slots {
-    /// For keys from 0 up to a number, which is left out.
+    /// For keys from 0 up to, but not including, `keys`.
     pub(crate) fn new(keys: usize) -> Self {
         Self { keys: Vec::new(), of_key: vec![0; keys] }
     }

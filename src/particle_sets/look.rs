@@ -1,4 +1,4 @@
-//! What a sample of the particles of a rank takes from its lists.
+//! Data that a sample of the particles of a rank takes from its lists.
 
 use super::agglomerates::ParticleSample;
 use super::ownership::Ownership;
@@ -8,7 +8,7 @@ use crate::numbers::sorted_by_key;
 use crate::parallel::Communicator;
 use crate::particles::{Contacts, Particles};
 
-/// The particles that this rank owns, by ascending id, positions wrapped into the box; with the index of each.
+/// The particles that this rank owns, by ascending id, with positions wrapped into the box, and the index of each.
 pub fn samples(particles: &Particles, bounds: &Bounds) -> (Vec<ParticleSample>, Vec<usize>) {
     let sample = |&i: &usize| {
         let body = &particles.body[i];
@@ -29,7 +29,7 @@ pub fn touching_pairs(
     ranks: &dyn Communicator,
 ) -> Vec<Pair> {
     let two = contacts.touching_pairs(particles).filter(|[lower, higher]| lower != higher);
-    // Some three contacts a particle.
+    // There are about three contacts per particle.
     let mut pairs = Vec::with_capacity(3 * particles.owned_count());
     pairs.extend(two.map(|[lower, higher]| Pair { lower, higher }));
     let mut pairs = ascending(pairs, Pair::ends);

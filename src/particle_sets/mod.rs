@@ -1,9 +1,9 @@
-//! Sets of particles that are spread over ranks: who owns which particle, pairs that touch, contacts that persist, connected
-//! sets of them, and agglomerates.
+//! Sets of particles that are spread over ranks: ownership of particles, pairs that touch, contacts that persist,
+//! connected sets of these, and agglomerates.
 //!
-//! What a sample finds depends on ids, positions and contacts alone, and is the same bits for any distribution over ranks, if
-//! positions are multiples of the quantum of positions. It knows nothing of forces: the drag of agglomerates and the measures
-//! of a run are made of it alike.
+//! The results of a sample depend only on ids, positions and contacts, and have the same bits for any distribution over
+//! ranks, if positions are multiples of the quantum of positions. Forces are not used: both the drag on agglomerates
+//! and the measures of a run are based on this module.
 
 pub(crate) mod exact_sums;
 pub(crate) mod fixed_point;

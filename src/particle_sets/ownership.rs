@@ -1,28 +1,29 @@
-//! Which rank owns a particle, for records that must be where their particle is.
+//! Ownership of particles by ranks, for records that must be on the rank of their particle.
 //!
-//! What is kept from one sample to the next about a particle stays on the rank that owned it; only the records of those that
-//! have moved to another rank travel. So a sample costs messages for the particles near borders of ranks, not for all.
+//! Data kept about a particle from one sample to the next stay on the rank that owned it; only the records of particles
+//! that have moved to another rank are sent. A sample therefore needs messages only for the particles near borders of
+//! ranks.
 
 use super::rendezvous::{OwnersOf, owners_of};
 use crate::numbers::sorted_by_key;
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use bytemuck::Pod;
 
-/// Stands for no rank, and for no place.
+/// Marks the absence of a rank or a place.
 const NONE: u32 = u32::MAX;
 
 /// The particles that this rank owns, by ascending id.
 #[derive(Clone, Debug)]
 pub struct Ownership {
     ids: Vec<u64>,
-    /// Ids are looked up in equal intervals of about one id each: their width is a power of two.
+    /// Ids are looked up in equal intervals of about one id each; their width is a power of two.
     shift: u32,
     /// Place of the first id of each interval, and the number of ids.
     first: Vec<u32>,
 }
 
 impl Ownership {
-    /// Of ascending ids, each once.
+    /// For ascending ids, each of which occurs once.
     pub fn of(ids: Vec<u64>) -> Self {
         debug_assert!(ids.is_sorted_by(|a, b| a < b));
         let range = ids.last().map_or(0, |last| last - ids[0]);
@@ -59,9 +60,9 @@ impl Ownership {
         }
     }
 
-    /// Sends records, which may be on any rank, to the owners of their particles: `records` holds those of this rank's
-    /// particles then, by ascending `key`, whose first part is the particle's id. Records of particles that no rank owns
-    /// are dropped. Collective.
+    /// Sends records, which may be on any rank, to the owners of their particles. Afterwards `records` holds those of
+    /// this rank's particles, by ascending `key`, whose first part is the particle's id. Records of particles without
+    /// an owner are dropped. Collective.
     pub fn align<T: Pod>(
         &self,
         records: &mut Vec<T>,
@@ -97,10 +98,10 @@ impl Ownership {
     }
 }
 
-/// Particles of other ranks that this rank knows of.
+/// Particles of other ranks that this rank knows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Foreign {
-    /// Ascending.
+    /// Ids, ascending.
     ids: Vec<u64>,
     owners: Vec<u32>,
 }
@@ -124,12 +125,12 @@ impl Foreign {
         &self.ids
     }
 
-    /// The place of an id in the list; none if no rank owns it.
+    /// The place of an id in the list; `None` if no rank owns it.
     pub(crate) fn place_of(&self, id: u64) -> Option<usize> {
         self.ids.binary_search(&id).ok().filter(|&place| self.owners[place] != NONE)
     }
 
-    /// Sends a record about each of them to its owner; returns those that came here. Collective.
+    /// Sends a record about each of them to its owner; returns the records received here. Collective.
     pub(crate) fn tell<T: Pod>(
         &self,
         record: impl Fn(usize) -> T,
@@ -142,8 +143,8 @@ impl Foreign {
         incoming.iter().flat_map(|message| records_of_bytes(&message.bytes)).collect()
     }
 
-    /// Asks the owner of each; `answer` is what this rank says of its own particle at a place. Zeroes for those that no
-    /// rank owns. Collective.
+    /// Asks the owner of each of them; `answer` is this rank's answer about its own particle at a place. Zeros for
+    /// particles without an owner. Collective.
     pub(crate) fn ask<A: Pod>(
         &self,
         owned: &Ownership,

@@ -14,7 +14,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The pair of two particles, in whatever order they are named.
+    /// The pair of two particles, in any order.
     pub fn of(a: u64, b: u64) -> Self {
         Self { lower: a.min(b), higher: a.max(b) }
     }
@@ -25,10 +25,10 @@ impl Pair {
     }
 }
 
-/// Records by the two ids of a pair, the lower first.
+/// Records sorted by the two ids of a pair, the lower first.
 pub(crate) fn ascending<T: Copy>(records: Vec<T>, ids: impl Fn(&T) -> [u64; 2]) -> Vec<T> {
     let mut records = sorted_by_key(records, |record| ids(record)[0]);
-    // A particle has few partners.
+    // A particle has only few partners.
     let of_lower = records.chunk_by_mut(|a, b| ids(a)[0] == ids(b)[0]);
     of_lower.for_each(|group| group.sort_by_key(|record| ids(record)[1]));
     records

@@ -1,15 +1,15 @@
-//! Displacements in a box that repeats along some axes.
+//! Displacements in a box that is periodic along some axes.
 
 use crate::domain::Bounds;
 use nalgebra::Vector3;
 
-/// How many box lengths a point has been shifted along each axis.
+/// Number of box lengths by which a point has been shifted along each axis.
 pub type Image = [i32; 3];
 
-/// The lengths of the box along the axes along which it repeats.
+/// The lengths of the box along its periodic axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Periodicity {
-    /// Length of the box by axis; none along an axis that does not repeat.
+    /// Length of the box by axis; `None` along an axis that is not periodic.
     pub lengths: [Option<f64>; 3],
 }
 
@@ -20,8 +20,8 @@ impl Periodicity {
         Self { lengths: [length(0), length(1), length(2)] }
     }
 
-    /// A position brought into [0, length) along each periodic axis. Which image of a particle a rank holds depends
-    /// on the decomposition; this does not.
+    /// A position brought into [0, length) along each periodic axis. The image of a particle that a rank holds depends
+    /// on the decomposition, but this position does not.
     #[inline(always)]
     pub fn wrapped(&self, mut position: Vector3<f64>) -> Vector3<f64> {
         for (axis, length) in self.periodic_axes() {
@@ -31,7 +31,7 @@ impl Periodicity {
                 continue;
             }
             let inside = x - length * (x / length).floor();
-            // Rounding may take a coordinate just below 0 to the length itself. A zero has no sign.
+            // Rounding may change a coordinate just below 0 to the length itself. A zero has no sign.
             position[axis] = if inside < length { inside + 0.0 } else { 0.0 };
         }
         position
@@ -42,7 +42,7 @@ impl Periodicity {
         let mut image = [0; 3];
         for (axis, length) in self.periodic_axes() {
             let along = to[axis] - from[axis];
-            // Most pairs are in the same image: no division.
+            // Most pairs are in the same image, which needs no division.
             if 2.0 * along.abs() >= length {
                 image[axis] = -(along / length).round() as i32;
             }

@@ -1,4 +1,4 @@
-//! Contacts that persist: those of a reference time that are still there at later samples.
+//! Contacts that persist: contacts at a reference time that still exist at later samples.
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), section 2.4.
 
@@ -6,35 +6,35 @@ use super::ownership::Ownership;
 use super::pair::Pair;
 use crate::parallel::Communicator;
 
-/// What counts as a contact that has been kept from t_0 to t.
+/// Criterion for a contact that has been kept from t_0 to t.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Persistence {
-    /// The pair touches at t_0 and at t; it may have parted and met again in between (the paper's definition).
+    /// The pair touches at t_0 and at t; it may have separated and met again in between (the paper's definition).
     AtBothTimes,
-    /// The pair touches at t_0 and has touched at every sample since. It may part between two samples without being
-    /// noticed: the interval of the samples belongs to the definition.
+    /// The pair touches at t_0 and has touched at every sample since. It may separate between two samples without being
+    /// noticed, so the interval of the samples is part of the definition.
     AtEveryLook,
 }
 
-/// The contacts of a reference time t_0, and which of them were kept.
+/// The contacts at a reference time t_0, and the kept ones among them.
 ///
 /// A pair is held by the rank that owned its lower id at the last sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PersistentContacts {
     persistence: Persistence,
-    /// The pairs of t_0, or those kept at every sample so far; ascending from the first sample on.
+    /// The pairs at t_0, or those kept at every sample so far; ascending from the first sample on.
     candidates: Vec<Pair>,
 }
 
 impl PersistentContacts {
-    /// Takes all ranks' touching pairs at t_0, each on one rank, or continues from pairs that were
-    /// [stored](Self::stored) by whatever ranks.
+    /// Takes the touching pairs of all ranks at t_0, each on one rank, or continues from pairs that were
+    /// [stored](Self::stored) by any ranks.
     pub fn begin(persistence: Persistence, touching: &[Pair]) -> Self {
         Self { persistence, candidates: touching.to_vec() }
     }
 
-    /// Looks at the pairs that touch now, ascending, each once and on the rank that owns its lower id: returns those
-    /// that have been kept since t_0, likewise. Collective.
+    /// Takes a sample of the pairs that touch now, ascending, each once and on the rank that owns its lower id. Returns
+    /// those that have been kept since t_0, in the same form. Collective.
     pub fn look(
         &mut self,
         touching: &[Pair],
@@ -49,18 +49,18 @@ impl PersistentContacts {
         kept
     }
 
-    /// What must be stored to resume later: this rank's pairs.
+    /// Pairs of this rank that must be stored to resume later.
     pub fn stored(&self) -> &[Pair] {
         &self.candidates
     }
 
-    /// Number of the pairs that a sample compares with, on all ranks. Collective.
+    /// Number of the pairs with which a sample is compared, on all ranks. Collective.
     pub fn count(&self, ranks: &dyn Communicator) -> usize {
         ranks.total(self.candidates.len())
     }
 }
 
-/// The pairs that both ascending lists hold.
+/// The pairs contained in both ascending lists.
 fn common(a: &[Pair], b: &[Pair]) -> Vec<Pair> {
     let mut rest = b.iter().peekable();
     let mut found = Vec::with_capacity(a.len().min(b.len()));
@@ -78,7 +78,7 @@ mod tests {
     use crate::parallel::run_on_threads;
     use std::collections::BTreeSet;
 
-    /// Which of the particles 0 to 59 a rank owns at a sample.
+    /// The particles, of 0 to 59, that a rank owns at a sample.
     fn owned(look: usize, rank: usize, n: usize) -> Ownership {
         let mine = |id: &u64| (*id as usize * (3 + look) % 11 % n) == rank;
         Ownership::of((0..60).filter(mine).collect())
@@ -100,7 +100,7 @@ mod tests {
             for (k, touching) in looks.iter().enumerate().skip(1) {
                 let owned = owned(k);
                 kept.push(contacts.look(&part(touching, &owned), &owned, ranks));
-                // Written and read again, by other ranks.
+                // The pairs are written and read again, by other ranks.
                 let stored = contacts.stored().to_vec();
                 let moved = ranks.sparse_exchange(&[crate::parallel::Message::of(
                     (ranks.rank() + 1) % n,

@@ -1,14 +1,14 @@
-//! Records that meet on a rank which all can compute from a key: its rendezvous rank.
+//! Rendezvous of records: the rank on which records with a key meet, which all ranks can compute from the key.
 //!
-//! Nobody needs to know which rank owns a particle. Keys are spread over the ranks by a hash, so that about equally
-//! many meet on each rank, and what a rank finds out about its keys does not depend on who sent it the records.
+//! No rank needs to know which rank owns a particle. Keys are spread over the ranks by a hash, so that about equally
+//! many meet on each rank, and the results of a rank for its keys do not depend on the senders of the records.
 
 use crate::numbers::sorted_by_key;
 use crate::parallel::{Communicator, Message, records_of_bytes};
 use bytemuck::Pod;
 use rustc_hash::FxHashMap;
 
-/// A well-mixed number, another one for each key (the finaliser of SplitMix64: Steele, Lea & Flood, OOPSLA 2014,
+/// A well-mixed number, different for each key (the finaliser of SplitMix64: Steele, Lea & Flood, OOPSLA 2014,
 /// doi:10.1145/2660193.2660195).
 pub(crate) fn mixed(key: u64) -> u64 {
     let mut x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -17,13 +17,13 @@ pub(crate) fn mixed(key: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// The rank on which records of this key meet.
+/// The rank on which records with this key meet.
 pub(crate) fn rendezvous_rank(key: u64, ranks: &dyn Communicator) -> usize {
     (mixed(key) % ranks.size() as u64) as usize
 }
 
-/// Sends each record to the rendezvous rank of its key; returns those that meet here, in no order that may be relied
-/// on. Collective.
+/// Sends each record to the rendezvous rank of its key; returns those that meet here, in an unspecified order.
+/// Collective.
 pub(crate) fn send_to_rendezvous<T: Pod>(
     records: impl IntoIterator<Item = T>,
     key_of: impl Fn(&T) -> u64,
@@ -36,7 +36,7 @@ pub(crate) fn send_to_rendezvous<T: Pod>(
     exchanged(outgoing, ranks)
 }
 
-/// Sends keys and what belongs to them. Collective.
+/// Sends keys and the values that belong to them. Collective.
 pub(crate) fn send_keyed<T: Pod>(
     records: impl IntoIterator<Item = (u64, T)>,
     ranks: &dyn Communicator,
@@ -48,11 +48,11 @@ pub(crate) fn send_keyed<T: Pod>(
         keys[rank].push(key);
         values[rank].push(value);
     }
-    // Both come in the order of their senders.
+    // Both arrive in the order of their senders.
     exchanged(keys, ranks).into_iter().zip(exchanged(values, ranks)).collect()
 }
 
-/// What all ranks send here, by rank; what stays here is not copied. Collective.
+/// Values sent here by all ranks, in the order of the ranks; values that stay here are not copied. Collective.
 fn exchanged<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec<T> {
     let mut here = std::mem::take(&mut outgoing[ranks.rank()]);
     if ranks.size() > 1 {
@@ -65,7 +65,7 @@ fn exchanged<T: Pod>(mut outgoing: Vec<Vec<T>>, ranks: &dyn Communicator) -> Vec
 /// Ranks that own particles.
 pub(crate) type OwnersOf = Answers<u64>;
 
-/// No rank owns the particle.
+/// Marks a particle without an owner.
 const NO_OWNER: u64 = u64::MAX;
 
 /// The ranks that own these particles, each of which is in the list `owned` of one rank, or of none. Collective.
@@ -81,7 +81,7 @@ pub(crate) fn owners_of(
 }
 
 impl OwnersOf {
-    /// The owner of a particle that was asked for.
+    /// The owner of a particle that was looked up.
     pub(crate) fn owner(&self, id: u64) -> Option<usize> {
         self.get(id).filter(|&owner| owner != NO_OWNER).map(|owner| owner as usize)
     }
@@ -92,7 +92,7 @@ fn messages<T: Pod>(by_rank: &[Vec<T>]) -> Vec<Message> {
     filled.map(|(rank, records)| Message::of(rank, records)).collect()
 }
 
-/// What the rendezvous ranks of some keys answered.
+/// The answers of the rendezvous ranks of some keys.
 #[derive(Clone, Debug)]
 pub(crate) struct Answers<A> {
     keys: Vec<u64>,
@@ -100,14 +100,14 @@ pub(crate) struct Answers<A> {
 }
 
 impl<A: Copy> Answers<A> {
-    /// The answer about a key that was asked for.
+    /// The answer about a key that was looked up.
     pub(crate) fn get(&self, key: u64) -> Option<A> {
         let place = self.keys.binary_search(&key).ok()?;
         self.values.get(place).copied()
     }
 }
 
-/// Asks the rendezvous ranks of some keys, each key once; `answer` is what this rank says of a key that meets here.
+/// Asks the rendezvous ranks of some keys, each key once; `answer` is this rank's answer about a key that meets here.
 /// Collective.
 pub(crate) fn ask<A: Pod>(
     keys: impl IntoIterator<Item = u64>,

@@ -1,4 +1,4 @@
-//! The Archimedes number, which says in which regime a particle falls.
+//! The Archimedes number, which determines the regime in which a particle falls.
 
 /// Ar = rho_g (rho_s - rho_g) g d^3 / mu^2, with the densities of gas and solid, gravity g, the diameter d and the viscosity
 /// mu of the gas.

@@ -1,7 +1,7 @@
-//! What the duration of a contact is judged by.
+//! Quantities for the assessment of the duration of a contact.
 
-/// Steps per contact below which collisions are no longer resolved: a dozen steps keep the restitution of a linear
-/// spring and dashpot within a few per cent.
+/// Number of steps per contact below which collisions are no longer resolved: a dozen steps keep the restitution of a
+/// linear spring and dashpot within a few per cent.
 pub const LEAST_STEPS_PER_CONTACT: f64 = 12.0;
 
 /// Two bodies in contact as one: reduced mass m* = m_1 m_2 / (m_1 + m_2) and reduced radius
@@ -26,7 +26,7 @@ impl ReducedBody {
         Self { mass: reduced(masses), radius: reduced(radii) }
     }
 
-    /// A sphere and a wall, which is flat and has no end of mass: m* = m, R* = r.
+    /// A sphere and a wall, which is flat and has infinite mass: m* = m, R* = r.
     pub fn of_sphere_and_wall(mass: f64, radius: f64) -> Self {
         Self { mass, radius }
     }

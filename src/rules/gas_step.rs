@@ -1,10 +1,10 @@
-//! How long a step of the volume-averaged gas may be: advection and viscosity are explicit in time.
+//! Limits for the step of the volume-averaged gas: advection and viscosity are explicit in time.
 
 /// The largest [`step_number`] of a gas step.
 pub const LARGEST_STEP_NUMBER: f64 = 1.0;
 
-/// Rate whose product with the gas step is the Courant number C: the sum over axes of |u| / h, with the velocity u of the
-/// gas between the particles and the cell size h along each axis.
+/// Rate whose product with the gas step is the Courant number C: the sum over axes of |u| / h, where u is the velocity
+/// of the gas between the particles and h the cell size along each axis.
 pub fn courant_rate(velocity: [f64; 3], cell_size: [f64; 3]) -> f64 {
     velocity.into_iter().zip(cell_size).map(|(velocity, size)| velocity.abs() / size).sum()
 }
@@ -16,9 +16,10 @@ pub fn courant_rate(velocity: [f64; 3], cell_size: [f64; 3]) -> f64 {
 /// \frac{16}{3}\, \frac{\mu}{\rho}\, \frac{1 + r}{2} \sum_a \frac{1}{h_a^2}
 /// ```
 ///
-/// 16 / 3 = 4 (4 / 3) comes from the shortest wave and the normal stresses; r >= 1 is the largest ratio of the voidages of
-/// neighbouring cells, which enters as the mean over an edge against that in a face. mu is the viscosity and rho the
-/// density of the gas, h the cell size along each axis; velocities do not vary along a periodic axis of one cell.
+/// 16 / 3 = 4 (4 / 3) comes from the shortest wave and the normal stresses. r >= 1 is the largest ratio of the voidages
+/// of neighbouring cells, which enters as the ratio of the mean at an edge to the value in a face. mu is the viscosity
+/// and rho the density of the gas, h the cell size along each axis; velocities do not vary along a periodic axis of one
+/// cell.
 pub fn viscous_rate(
     viscosity: f64,
     density: f64,
@@ -31,8 +32,8 @@ pub fn viscous_rate(
     16.0 / 3.0 * viscosity / density * (0.5 + 0.5 * voidage_ratio) * curvature
 }
 
-/// 2 C + V / 2, which may not exceed [`LARGEST_STEP_NUMBER`]: C and V are the Courant and the viscous number, or their rates.
-/// 2 C is the limit of the limited advection, V / 2 that of the explicit viscous force.
+/// 2 C + V / 2, which must not exceed [`LARGEST_STEP_NUMBER`]: C and V are the Courant and the viscous number, or their
+/// rates. 2 C is the limit of advection with the limiter, V / 2 that of the explicit viscous force.
 pub fn step_number(courant: f64, viscous: f64) -> f64 {
     2.0 * courant + 0.5 * viscous
 }

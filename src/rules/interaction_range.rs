@@ -1,6 +1,6 @@
-//! How far apart bodies still act on each other.
+//! Largest separation at which bodies act on each other.
 
-/// Separation of surfaces up to which bodies act on each other: the largest of the reaches of the contact laws (necks of
+/// Separation of surfaces up to which bodies act on each other: the maximum of the ranges of the contact laws (necks of
 /// JKR) and of the range of cohesion, which is `None` without cohesion. Lists, ghosts and subdomains are made for it.
 pub fn interaction_range(
     reaches_of_laws: impl IntoIterator<Item = f64>,

@@ -1,6 +1,6 @@
-//! How much faster than its drag law says a lone particle falls through cells that are not much larger than it.
+//! Excess of the fall velocity of a lone particle over that of its drag law, in cells that are not much larger than it.
 
-/// The relative excess of the fall velocity of a lone particle that sees the gas which it drags along itself:
+/// The relative excess of the fall velocity of a lone particle whose drag is computed with the gas that it drags along:
 ///
 /// ```math
 /// \frac{s}{1 - s} \left( 1 - 0.6 \left( \frac{d}{h} \right)^3 \right), \qquad
@@ -8,10 +8,11 @@
 /// H^2 = h^2 + (1.3\, w)^2 .
 /// ```
 ///
-/// s is the part of its slip that the particle takes from the gas around it, its drag coefficient b times the mobility of Oseen's flow on
-/// the grid; h is the edge of a cell, w the width of the filter, both over the diameter; Re is the Reynolds number of the fall, and
-/// `resistance` b / (mu d), 3 pi for Stokes' drag. The last factor is for the particle's own volume, which cells narrower than 2 diameters see as a
-/// bed. Fitted to falls at Re 0.24 and 3 through cells of 1.5 to 6 diameters, within a quarter of the excess (docs/verification.md has the
+/// s is the fraction of its slip by which the particle accelerates the gas around it, its drag coefficient b times the
+/// mobility of Oseen's flow on the grid. h is the edge of a cell and w the width of the filter, both over the diameter;
+/// Re is the Reynolds number of the fall, and `resistance` is b / (mu d), 3 pi for Stokes' drag. The last factor
+/// accounts for the particle's own volume, which acts as a bed in cells narrower than 2 diameters. Fitted to falls at
+/// Re 0.24 and 3 through cells of 1.5 to 6 diameters, to within a quarter of the excess (docs/verification.md has the
 /// table).
 ///
 /// ```
@@ -22,7 +23,7 @@
 /// ```
 pub fn excess_of_lone_fall([cell, filter]: [f64; 2], reynolds: f64, resistance: f64) -> f64 {
     let reach = cell.hypot(1.3 * filter);
-    // A particle cannot take all of its slip.
+    // A particle cannot lose all of its slip.
     let share = (0.047 * resistance / (reach * (1.0 + 0.24 * reynolds * reach))).min(0.75);
     let own_volume = 1.0 - (0.6 / cell.powi(3)).min(1.0);
     share / (1.0 - share) * own_volume

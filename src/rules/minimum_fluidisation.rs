@@ -1,4 +1,4 @@
-//! The gas velocity that carries a bed at rest.
+//! The gas velocity at which the gas carries a bed at rest.
 
 /// Force of the gas on a particle at rest in a bed at rest: (V / phi) beta U / (1 - phi)^2, mean pressure gradient included.
 ///
@@ -10,8 +10,8 @@ pub fn gas_force_at_rest(drag: f64, superficial_velocity: f64, solids_fraction: 
 
 /// U_mf: the least superficial velocity at which [`gas_force_at_rest`] equals the weight m g of a particle.
 ///
-/// `drag` gives the drag per velocity at this solids fraction for a superficial velocity; times the velocity it grows
-/// without bound. Found by bisection, to rounding.
+/// `drag` gives the drag per velocity at this solids fraction for a superficial velocity; its product with the velocity
+/// must increase without bound. U_mf is found by bisection, to rounding.
 ///
 /// ```
 /// use talcum::rules::minimum_fluidisation_velocity;
@@ -30,7 +30,7 @@ pub fn minimum_fluidisation_velocity(
     while force(high) < weight {
         high *= 2.0;
     }
-    // More halvings than a number has bits.
+    // The number of halvings exceeds the number of bits.
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if force(middle) < weight { low = middle } else { high = middle }

@@ -1,7 +1,7 @@
-//! Rules that several parts of the program share, each stated once: what `talcum check` prints is what the run
+//! Rules shared by several parts of the program, each stated once: `talcum check` prints the limits that a run
 //! enforces.
 //!
-//! Pure functions of numbers in one coherent system of units. They know nothing of the rest of the crate.
+//! They are pure functions of numbers in one coherent system of units, and do not depend on the rest of the crate.
 
 mod archimedes_number;
 mod bond_number;

@@ -1,4 +1,4 @@
-//! The work that parts two bodies held together by adhesion, and what a softened spring adds to it.
+//! The work of separating two bodies held together by adhesion, and the contribution of a softened spring to it.
 //!
 //! References:
 //! * Y. Gu, A. Ozel, S. Sundaresan, "A modified cohesion model for CFD-DEM simulations of fluidization", Powder Technol.
@@ -7,29 +7,29 @@
 //! * S. Chen, W. Liu, S. Li, "A fast adhesive discrete element method for random packings of fine particles", Chem. Eng.
 //!   Sci. 193 (2019) 336-345, <https://arxiv.org/abs/1805.03025>: surface energy and a reduced Young's modulus.
 
-/// The largest [`WorkOfParting::spring_part`], and the largest [`WorkOfParting::excess_over`], that pass without a
-/// warning.
+/// The largest [`WorkOfParting::spring_part`], and the largest [`WorkOfParting::excess_over`], that are accepted
+/// without a warning.
 pub const LARGEST_SPRING_PART: f64 = 0.1;
 
-/// The work that parts two bodies slowly, from the overlap at which their adhesion is in balance with the spring.
+/// The work of separating two bodies slowly, from the overlap at which their adhesion balances the spring; energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorkOfParting {
     /// Work of the attraction beyond contact, which does not depend on the stiffness.
     pub surface: f64,
-    /// Work while the bodies overlap, or while a neck joins them: the less, the stiffer they are. F0^2 / (2 k) for an
-    /// attraction F0 and a linear spring k.
+    /// Work while the bodies overlap, or while a neck joins them, which decreases with their stiffness. F0^2 / (2 k)
+    /// for an attraction F0 and a linear spring k.
     pub spring: f64,
 }
 
 impl WorkOfParting {
-    /// All of it.
+    /// Sum of both parts.
     pub fn total(&self) -> f64 {
         self.surface + self.spring
     }
 
-    /// The spring's part over the surface's: F0 / (4 k delta) for a linear spring and an attraction that is constant up
-    /// to the separation delta and falls with the square of the separation beyond. Infinite if the bodies attract each
-    /// other in contact only.
+    /// Ratio of the spring's part to the surface's: F0 / (4 k delta) for a linear spring and an attraction that is
+    /// constant up to the separation delta and falls with the square of the separation beyond. Infinite if the bodies
+    /// attract each other only in contact.
     ///
     /// ```
     /// use talcum::rules::WorkOfParting;
@@ -44,25 +44,25 @@ impl WorkOfParting {
         self.spring / self.surface
     }
 
-    /// The total over that of other bodies, less 1.
+    /// Ratio of the total to that of other bodies, less 1.
     pub fn excess_over(&self, real: &Self) -> f64 {
         self.total() / real.total() - 1.0
     }
 }
 
-/// The factor by which adhesive forces are to be multiplied, for particles whose stiffness is `reduction` times smaller
-/// than that of the real ones, so that the spring's part of the work of separation stays.
+/// The factor by which adhesive forces must be multiplied, for particles whose stiffness is `reduction` times smaller
+/// than that of the real ones, to keep the spring's part of the work of separation.
 ///
 /// ```text
 /// Lambda^(-1 / (n + 1)),   F = K delta^n,   Lambda = K_real / K
 /// ```
 ///
-/// since an attraction F0, less the spring's force, does the work n / (n + 1) F0^((n + 1) / n) K^(-1 / n) from the overlap at
-/// which the two are in balance to none. n = 1 is a linear spring:
-/// Lambda^(-1/2). n = 3/2 is Hertz's: Lambda^(-2/5), and as the pull-off force of JKR is proportional to the surface energy,
-/// that scales as E^(2/5). If the range of the attraction grows by the inverse factor, the surface's part stays too, and all
-/// lengths, forces and times of a contact scale: impacts of the softened particles are similar to those of the real ones,
-/// at the same velocities.
+/// since an attraction F0, less the spring's force, does the work n / (n + 1) F0^((n + 1) / n) K^(-1 / n) from the
+/// overlap at which the two balance to zero overlap. n = 1 is a linear spring: Lambda^(-1/2). n = 3/2 is Hertz's:
+/// Lambda^(-2/5); since the pull-off force of JKR is proportional to the surface energy, this energy scales as E^(2/5).
+/// If the range of the attraction grows by the inverse factor, the surface's part is kept too, and all lengths, forces
+/// and times of a contact scale: impacts of the softened particles are similar to those of the real ones, at the same
+/// velocities.
 ///
 /// ```
 /// use talcum::rules::adhesion_factor;

@@ -1,4 +1,4 @@
-//! Ranges of numbers, and the sentences that name them.
+//! Ranges of numbers, and their description in sentences.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ pub struct Allowed {
 }
 
 impl Allowed {
-    /// Larger magnitudes, and smaller ones but 0, would overflow in products.
+    /// Largest magnitude: larger ones, and non-zero ones below its inverse, would overflow in products.
     const LARGEST: f64 = 1.0e30;
 
     /// The lower bound, and whether it is itself allowed; minus infinity if there is none.
@@ -68,7 +68,7 @@ impl Allowed {
     /// Whether a number is allowed.
     ///
     /// # Errors
-    /// What the number must be.
+    /// A description of the allowed range, if the number is outside it.
     pub fn check(self, number: f64) -> Result<(), String> {
         if !self.contains(number) {
             return Err(self.to_string());
@@ -81,7 +81,7 @@ impl Allowed {
     }
 }
 
-/// A number of a table as people write it: with an exponent if it is small.
+/// A number of a table in the usual form: with an exponent if it is small.
 pub(super) fn short(number: f64) -> String {
     match number != 0.0 && number.abs() < 1.0e-3 {
         true => format!("{number:e}"),

@@ -1,16 +1,17 @@
-//! How the value of a key follows for two bodies of different species from those of each species.
+//! Rules by which the value of a key for two bodies of different species follows from those of each species.
 
 /// A rule of mixing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mixing {
-    /// None: the two species have the same value, or the pair is given one of its own.
+    /// No rule: the two species have the same value, or the pair is given one of its own.
     None,
-    /// Geometric mean, sqrt(a b): strengths of attraction, as the constants of Hamaker (Israelachvili 2011, section 13.9)
-    /// and works of adhesion (Good and Girifalco 1960) mix; and coefficients, of which one that is 0 makes the pair's 0.
+    /// Geometric mean, sqrt(a b): it applies to strengths of attraction, such as Hamaker constants (Israelachvili 2011,
+    /// section 13.9) and works of adhesion (Good and Girifalco 1960), and to coefficients, for which a value of 0 makes
+    /// that of the pair 0.
     Geometric,
     /// 2 a b / (a + b): springs in series, each of half the stiffness of the pair.
     Springs,
-    /// It is of a body, not of a pair: the law takes both values, or it acts at walls alone.
+    /// A property of a body, not of a pair: the law takes both values, or it acts only at walls.
     OfBody,
 }
 

@@ -1,7 +1,10 @@
-//! What a key of an input file is: its name, unit, kind of value, range, default, partners and meaning, as plain data.
+//! Declaration of the keys of input files: name, unit, kind of value, range, default, partners and meaning, as plain
+//! data.
 //!
-//! Tables of keys stand beside what they belong to: those of a section in `case/schema`, those of a law beside the
-//! law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors all follow
+//! Tables of keys are defined with the code that they belong to: those of a section in `case/schema`, those of a law in
+//! the file of the law. Reading, `--set`, the merging of stages, error messages, the manual and the schema for editors
+//! are all based on these tables, so that no range and no default is written twice. This module does not depend on the
+//! rest of the crate.
 //! from these tables, so no range and no default is written twice. This module knows nothing else of the crate.
 
 mod allowed;
@@ -21,30 +24,30 @@ use std::fmt;
 /// One key of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// As it is written in the file.
+    /// Name in the file.
     pub name: &'static str,
     /// Unit of its numbers; empty if they have none.
     pub unit: &'static str,
-    /// What its value may be.
+    /// Kind of its value.
     pub kind: Kind,
     /// Whether it must be given.
     pub required: Required,
-    /// What stands for it if it is left out.
+    /// Default if it is left out.
     pub default: Option<Fallback>,
-    /// Keys of which only one can stand beside the others: each takes the place of this one. If this one is required,
-    /// one of them is.
+    /// Keys of which only one can be given, together with this one: each can be given instead of this one. If this one
+    /// is required, one of them must be given.
     pub partners: &'static [&'static str],
-    /// The key that this one belongs to: it has no meaning without.
+    /// The key to which this one belongs, and without which it has no meaning.
     pub with: Option<&'static str>,
-    /// How the value for a pair of species follows from those of each.
+    /// Rule by which the value for a pair of species follows from those of each.
     pub mixing: Mixing,
-    /// Names that it had before, the oldest last. Who writes one of them is given the present one.
+    /// Former names, the oldest last. A user who writes one of them is informed of the present one.
     pub former: &'static [&'static str],
     /// One sentence, without its full stop.
     pub meaning: &'static str,
 }
 
-/// What the value of a key may be.
+/// Kind of the value of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A text that is not empty.
@@ -61,54 +64,54 @@ pub enum Kind {
     Count(u64, u64),
     /// Three whole numbers, along x, y and z, each from the first to the second.
     Counts(u64, u64),
-    /// So many numbers.
+    /// A given number of numbers.
     Vector(Allowed, usize),
     /// Any number of numbers, at least one.
     List(Allowed),
     /// One of several words; each may bring keys of its own.
     Word(&'static [Word]),
-    /// Any number of texts, at least one.
+    /// One or more texts.
     Texts,
-    /// Any number of these words, each once, at least one.
+    /// One or more of these words, each at most once.
     Words(&'static [Word]),
     /// A section, or a table in braces.
     Table(&'static [Key]),
     /// A list of sections.
     Tables(&'static [Key]),
-    /// Sections of names that the user chooses.
+    /// Sections whose names the user chooses.
     Named(&'static [Key]),
-    /// A section whose keys later stages, or walls, may change: only what has been merged is complete.
+    /// A section whose keys later stages, or walls, may change: only the merged section is complete.
     Merged(Merged),
-    /// One of several kinds; what is written shows which.
+    /// One of several kinds; the written value determines which.
     Either(&'static [Kind]),
 }
 
 /// A section that is merged from several places of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Merged {
-    /// The section of which these are the keys.
+    /// The section to which these keys belong.
     pub section: &'static str,
     /// Its keys.
     pub keys: &'static [Key],
-    /// Whether `"off"` and `"on"` may stand in its place.
+    /// Whether `"off"` and `"on"` are allowed instead.
     pub switched: bool,
 }
 
 /// A word that may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// As it is written in the file.
+    /// Name in the file.
     pub name: &'static str,
-    /// What it stands for; empty if the name says it.
+    /// Meaning; empty if the name is clear.
     pub meaning: &'static str,
-    /// Keys that stand beside it in its section if it is chosen, and only then.
+    /// Keys that are allowed in its section if it is chosen, and only then.
     pub keys: &'static [Key],
 }
 
 /// Whether a key must be given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Required {
-    /// It must.
+    /// It must be given.
     Always,
     /// It may be left out.
     Never,
@@ -118,16 +121,16 @@ pub enum Required {
     AtStart,
 }
 
-/// What stands for a key that is left out.
+/// Default of a key that is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fallback {
     /// The value.
     pub value: Value,
-    /// For a default that touches physics: it is printed, with this reason, which may be empty.
+    /// Reason to be printed with a default that affects physics; it may be empty.
     pub printed: Option<&'static str>,
 }
 
-/// A value that stands in a table.
+/// A value in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// A number.
@@ -138,7 +141,7 @@ pub enum Value {
     Word(&'static str),
     /// True or false.
     Boolean(bool),
-    /// What the reader makes of it, in a few words.
+    /// A value that the reader derives, described in a few words.
     Derived(&'static str),
 }
 
@@ -187,7 +190,7 @@ impl Key {
         self
     }
 
-    /// Exactly one of it and its partners is given, or at most one if it is optional.
+    /// Exactly one of this key and its partners must be given, or at most one if it is optional.
     pub const fn or(mut self, partners: &'static [&'static str]) -> Self {
         self.partners = partners;
         self
@@ -199,7 +202,7 @@ impl Key {
         self
     }
 
-    /// How the value for a pair of species follows from those of each.
+    /// Rule by which the value for a pair of species follows from those of each.
     pub const fn mixed(mut self, rule: Mixing) -> Self {
         self.mixing = rule;
         self
@@ -217,7 +220,7 @@ impl Key {
         self
     }
 
-    /// It may be left out, and what that means in a few words.
+    /// It may be left out; `meaning` describes this case in a few words.
     pub const fn optionally(self, meaning: &'static str) -> Self {
         self.default(Value::Derived(meaning))
     }
@@ -234,13 +237,13 @@ impl Key {
         self
     }
 
-    /// It may be left out, and what then stands for it.
+    /// It may be left out; `value` is the default.
     pub const fn default(mut self, value: Value) -> Self {
         self.default = Some(Fallback { value, printed: None });
         self.optional()
     }
 
-    /// It may be left out; what then stands for it is printed, with a reason.
+    /// It may be left out; the default is printed, with a reason.
     pub const fn printed(mut self, value: Value, reason: &'static str) -> Self {
         self.default = Some(Fallback { value, printed: Some(reason) });
         self.optional()
@@ -248,7 +251,7 @@ impl Key {
 }
 
 impl Kind {
-    /// The words that may be chosen; none if it is no choice.
+    /// The words that may be chosen; empty if it is not a choice.
     pub fn words(&self) -> &'static [Word] {
         match self {
             Self::Word(words) => words,
@@ -259,7 +262,7 @@ impl Kind {
         }
     }
 
-    /// The keys of the table that may stand here; none if none may. Those of a schedule too.
+    /// The keys of the table that may be given here, including those of a schedule; empty if no table is allowed.
     pub fn keys(&self) -> &'static [Key] {
         match self {
             Self::Table(keys)

@@ -1,27 +1,28 @@
-//! Questions about a table of keys as a whole.
+//! Queries about a table of keys as a whole.
 
 use super::{Key, Value};
 
-/// The keys of a table, and those that the words chosen in it bring.
+/// The keys of a table, and those brought by the words chosen in it.
 #[derive(Debug, Default)]
 pub struct ActiveKeys {
-    /// Keys that may stand in the table.
+    /// Keys that are allowed in the table.
     pub active: Vec<&'static Key>,
-    /// Keys of words that are not chosen, with the key and the word that are; without if that word is missing or wrong.
+    /// Keys of words that are not chosen, with the chosen word and its key; without these if the word is missing or
+    /// wrong.
     pub inactive: Vec<(&'static Key, Option<Chosen>)>,
 }
 
-/// A word that a table chooses.
+/// A word chosen in a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {
-    /// The key that chooses.
+    /// The key that has the word.
     pub key: &'static str,
     /// The word.
     pub word: &'static str,
 }
 
 impl ActiveKeys {
-    /// The keys of a table in which `word_of` says which word a key has, if it has one.
+    /// The keys of a table; `word_of` gives the word of a key, if it has one.
     pub fn of<'a>(
         keys: &'static [Key],
         word_of: &impl Fn(&'static str) -> Option<&'a str>,
@@ -33,7 +34,7 @@ impl ActiveKeys {
         found
     }
 
-    /// The declaration of a key: the active one, or else any.
+    /// The declaration of a key: the active one, or else any other.
     pub fn find(&self, name: &str) -> Option<&'static Key> {
         let inactive = self.inactive.iter().map(|(key, _)| *key);
         self.active.iter().copied().chain(inactive).find(|key| key.name == name)
@@ -45,7 +46,7 @@ impl ActiveKeys {
         word_of: &impl Fn(&'static str) -> Option<&'a str>,
     ) {
         for key in keys {
-            // The first declaration counts, that of what is chosen first.
+            // The first declaration counts; that of the chosen word comes first.
             if self.active.iter().any(|known| known.name == key.name) {
                 continue;
             }
@@ -70,7 +71,7 @@ impl ActiveKeys {
     }
 }
 
-/// Every declaration that a table holds, with those of all words that may be chosen in it.
+/// All declarations in a table, with those of all words that may be chosen in it.
 pub fn every_key(keys: &'static [Key]) -> Vec<&'static Key> {
     let mut found = Vec::new();
     for key in keys {
@@ -80,8 +81,8 @@ pub fn every_key(keys: &'static [Key]) -> Vec<&'static Key> {
     found
 }
 
-/// The declaration of a name that a key of the table has, or had before if none has it now. Of several declarations of one name
-/// it is the one with keys of its own.
+/// The declaration of the key with a name or, if there is none, with this former name. If a name has several
+/// declarations, it is the one with keys of its own.
 pub fn declaration_of(keys: &'static [Key], name: &str) -> Option<&'static Key> {
     let all = every_key(keys);
     let had_before = || all.iter().find(|key| key.former.contains(&name));
@@ -91,7 +92,7 @@ pub fn declaration_of(keys: &'static [Key], name: &str) -> Option<&'static Key> 
     declared.clone().find(has_keys).or_else(|| declared.next())
 }
 
-/// Names of the keys of which a key takes the place when it is set: its partners, and those that it had before.
+/// Names of the keys that a key replaces when it is set: its partners, and its former names.
 pub fn displaced_by(keys: &'static [Key], name: &str) -> Vec<&'static str> {
     let declared = every_key(keys).into_iter().filter(|key| key.name == name);
     declared.flat_map(|key| key.partners.iter().chain(key.former).copied()).collect()

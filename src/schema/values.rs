@@ -1,4 +1,4 @@
-//! What a table of keys is read through.
+//! The interface by which a table of keys is read.
 
 /// The values of the keys of a table. A value that is missing or wrong has been reported, and is `None`.
 pub trait KeyValues {
@@ -11,7 +11,7 @@ pub trait KeyValues {
     /// Whether a key is given.
     fn is_given(&self, key: &str) -> bool;
 
-    /// Which one of several keys is given; `None` if more than one are, or none is.
+    /// The one of several keys that is given; `None` if none is given, or more than one.
     fn given(&self, keys: &[&'static str]) -> Option<&'static str> {
         let mut given = keys.iter().copied().filter(|key| self.is_given(key));
         let first = given.next();

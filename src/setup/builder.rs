@@ -1,4 +1,4 @@
-//! What is chosen before a run, and its start.
+//! The choices made before a run, and its start.
 
 use super::{Layers, Layout, Run, SetupError, Snapshot, Sphere};
 use crate::contact::{ByPair, BySpecies, ContactExchange, ContactModel, VanDerWaals};
@@ -10,13 +10,14 @@ use crate::particles::{ListRange, OwnFields, Skin};
 use crate::state::{Balance, Domain, Models, Physics, SizeRange, Workspace};
 use crate::time_step::{begin, find_first_forces};
 
-/// A bed before its start: a box, what acts on the particles, and the particles. All ranks build the same.
+/// A bed before its start: the box, the models that act on the particles, and the particles. It must be equal on all
+/// ranks.
 #[derive(Clone, Debug)]
 pub struct Setup {
     pub(super) domain: Domain,
     pub(super) physics: Physics,
     pub(super) particles: Vec<ParticleRecord>,
-    /// Own fields of the first particles; those added later have zeros.
+    /// Custom fields of the first particles; particles that are added later have zeros.
     own: OwnFields,
     pub(super) sizes: Option<SizeRange>,
     pub(super) skin: Option<f64>,
@@ -25,8 +26,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// An empty box from the origin to `lengths`, with faces `[axis][lower, upper]`; a wall lies in each face that is
-    /// one.
+    /// An empty box from the origin to `lengths`, with faces `[axis][lower, upper]`; a wall lies in each face of kind
+    /// wall.
     ///
     /// # Errors
     /// If a length is not above 0, or only one of two opposite faces is periodic.
@@ -56,49 +57,50 @@ impl Setup {
         Self { domain, physics, particles, own, sizes, skin, force_limit, balance }
     }
 
-    /// One more wall, after those in the faces of the box.
+    /// Adds a wall, after those in the faces of the box.
     #[must_use]
     pub fn wall(mut self, wall: Wall) -> Self {
         self.domain.walls.push(wall);
         self
     }
 
-    /// Contact models of particles and walls, by the walls' numbers; walls beyond are like particles.
+    /// Sets the contact models of particles and walls, by the numbers of the walls; walls beyond these behave like
+    /// particles.
     #[must_use]
     pub fn walls(mut self, models: impl IntoIterator<Item = ContactModel>) -> Self {
         self.physics.at_walls = models.into_iter().map(BySpecies::of_all).collect();
         self
     }
 
-    /// Attraction of particles, and of particles and walls.
+    /// Sets the attraction of particles, and of particles and walls.
     #[must_use]
     pub fn cohesion(mut self, cohesion: VanDerWaals) -> Self {
         self.physics.cohesion = Some(ByPair::of_all(cohesion));
         self
     }
 
-    /// The gas between the particles.
+    /// Sets the gas between the particles.
     #[must_use]
     pub fn gas(mut self, gas: impl Into<GasModel>) -> Self {
         self.physics.gas = gas.into();
         self
     }
 
-    /// Gravity along -z; length per time squared.
+    /// Sets gravity along -z; length per time squared.
     #[must_use]
     pub fn gravity(mut self, magnitude: f64) -> Self {
         self.physics.gravity.magnitude = magnitude;
         self
     }
 
-    /// The box is the frame of a plate that vibrates along z.
+    /// Lets the plate vibrate along z; the box is its frame.
     #[must_use]
     pub fn vibration(mut self, vibration: Vibration) -> Self {
         self.physics.gravity.vibration = Some(vibration);
         self
     }
 
-    /// One more particle. Its id is the number of particles before it.
+    /// Adds a particle. Its id is the number of particles before it.
     #[must_use]
     pub fn particle(mut self, sphere: Sphere) -> Self {
         let id = self.particles.len() as u64;
@@ -106,22 +108,23 @@ impl Setup {
         self
     }
 
-    /// Layers of particles. Their ids continue from the number of particles before them.
+    /// Adds layers of particles. Their ids continue from the number of particles before them.
     #[must_use]
     pub fn layers(self, layers: &Layers) -> Self {
         let spheres: Vec<Sphere> = layers.spheres(&self.domain.bounds).collect();
         spheres.into_iter().fold(self, Self::particle)
     }
 
-    /// More particles, with ids that no other has.
+    /// Adds particles, whose ids must differ from all others.
     #[must_use]
     pub fn particles(mut self, records: impl IntoIterator<Item = ParticleRecord>) -> Self {
         self.particles.extend(records);
         self
     }
 
-    /// A field of your own, with its numbers for each of the particles that have been added before; zero for others. It goes with the
-    /// particles from rank to rank, into snapshots and checkpoints, and is part of the digest where it is not zero.
+    /// Adds a custom field, with its numbers for each of the particles that have been added before; it is zero for
+    /// later ones. It moves with the particles from rank to rank, is part of snapshots and checkpoints, and is part of
+    /// the digest where it is not zero.
     #[must_use]
     pub fn field<const WIDTH: usize>(
         mut self,
@@ -134,7 +137,8 @@ impl Setup {
         self
     }
 
-    /// Touching particles exchange the field of this law, which has these numbers at the start, as in [`Setup::field`].
+    /// Adds a law by which touching particles exchange a field; the field has these numbers at the start, as in
+    /// [`Setup::field`].
     #[must_use]
     pub fn exchange(
         mut self,
@@ -146,40 +150,41 @@ impl Setup {
         self.field(field, |record| [number(record)])
     }
 
-    /// Sizes from which the limits of forces and speeds follow, if not those of the particles.
+    /// Sets the sizes from which the limits of forces and speeds follow; by default these are the sizes of the
+    /// particles.
     #[must_use]
     pub fn sizes(mut self, sizes: SizeRange) -> Self {
         self.sizes = Some(sizes);
         self
     }
 
-    /// Skin of the neighbour lists, [`Skin::FromSpeeds`] if not given; length. It changes how often lists are rebuilt, and no
-    /// result.
+    /// Sets the skin of the neighbour lists, [`Skin::FromSpeeds`] by default; length. It changes how often lists are
+    /// rebuilt, but no result.
     #[must_use]
     pub fn skin(mut self, skin: f64) -> Self {
         self.skin = Some(skin);
         self
     }
 
-    /// Cut planes follow the load of the ranks. This changes no result.
+    /// Lets cut planes follow the load of the ranks. This changes no result.
     #[must_use]
     pub fn balance(mut self, balance: Balance) -> Self {
         self.balance = Some(balance);
         self
     }
 
-    /// The largest component of one contact's force, if not that of an overlap of half the smallest diameter. Forces are
-    /// rounded to a fraction of about 10^-15 of it.
+    /// Sets the largest component of one contact's force; by default that of an overlap of half the smallest diameter.
+    /// Forces are rounded to a fraction of about 10^-15 of it.
     #[must_use]
     pub fn force_limit(mut self, force: f64) -> Self {
         self.force_limit = Some(force);
         self
     }
 
-    /// The bed on this rank of a grid of all ranks, at time zero, its forces found. Collective.
+    /// Starts the bed on this rank of a grid of all ranks, at time zero, and computes its forces. Collective.
     ///
     /// # Errors
-    /// If the setup has no meaning, or the ranks cannot divide it; the same on all ranks.
+    /// If the setup is not valid, or the ranks cannot divide it; the same error on all ranks.
     pub fn start<'a>(
         &self,
         grid: RankGrid,
@@ -202,19 +207,19 @@ impl Setup {
         Ok(run)
     }
 
-    /// The bed on one rank, at time zero.
+    /// Starts the bed on one rank, at time zero.
     ///
     /// # Errors
-    /// As [`Setup::start`].
+    /// The errors of [`Setup::start`].
     pub fn start_alone(&self) -> Result<Run<'static>, SetupError> {
         self.start(RankGrid([1, 1, 1]), &OneRank)
     }
 
-    /// The run that a snapshot was taken of, on this rank of any grid of ranks; or another, from its particles with the
-    /// physics of this setup. Collective.
+    /// Continues the run of which a snapshot was taken, on this rank of any grid of ranks; or starts another run from
+    /// its particles, with the physics of this setup. Collective.
     ///
     /// # Errors
-    /// As [`Setup::start`].
+    /// The errors of [`Setup::start`].
     pub fn resume<'a>(
         &self,
         snapshot: &Snapshot,
@@ -226,7 +231,7 @@ impl Setup {
         self.run_from(&Snapshot { own, ..snapshot.clone() }, grid, ranks)
     }
 
-    /// Lists and ghosts of a state that all ranks have whole. Collective.
+    /// Makes lists and ghosts for a state that all ranks have completely. Collective.
     fn run_from<'a>(
         &self,
         whole: &Snapshot,
@@ -253,7 +258,7 @@ impl Setup {
         Ok(Run { state, domain, models, work, ranks })
     }
 
-    /// The own fields of a snapshot as this setup has registered them; a field that the snapshot lacks is zero.
+    /// The custom fields of a snapshot in the form registered in this setup; a field that the snapshot lacks is zero.
     ///
     /// # Errors
     /// If the snapshot has a field that this setup does not know.
@@ -272,7 +277,7 @@ impl Setup {
         Ok(own)
     }
 
-    /// What acts on particles of these sizes.
+    /// The models for particles of these sizes.
     fn models(&self, sizes: &SizeRange) -> Result<Models, SetupError> {
         let mut limits = self.physics.limits(sizes);
         limits.force = self.force_limit.unwrap_or(limits.force);

@@ -1,4 +1,4 @@
-//! Setups that have no meaning.
+//! Checks of setups.
 
 use super::{Setup, SetupError};
 use crate::parallel::ParticleRecord;
@@ -8,7 +8,7 @@ use std::collections::HashSet;
 const POSITIVE: &str = "a number above 0";
 
 impl Setup {
-    /// Refuses numbers that have no meaning.
+    /// Rejects numbers that are not valid.
     pub(super) fn check(&self) -> Result<(), SetupError> {
         let step = ("the time step", Some(self.physics.time_step));
         for (quantity, value) in
@@ -28,7 +28,7 @@ impl Setup {
         Ok(())
     }
 
-    /// A periodic box must be so wide that a particle meets one image only of another.
+    /// A periodic box must be wide enough that a particle meets only one image of another.
     pub(super) fn check_width(&self, ghost_width: f64) -> Result<(), SetupError> {
         let bounds = &self.domain.bounds;
         let least = 2.0 * ghost_width;
@@ -41,7 +41,7 @@ impl Setup {
         Ok(())
     }
 
-    /// The sizes that were given, or those of the particles.
+    /// The given sizes, or those of the particles.
     pub(super) fn size_range(&self) -> Result<SizeRange, SetupError> {
         let of_particles = || SizeRange::of(self.particles.iter().map(|it| (it.radius, it.mass)));
         self.sizes.or_else(of_particles).ok_or(SetupError::NoSizes)

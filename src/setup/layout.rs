@@ -1,21 +1,21 @@
-//! How the ranks divide the box.
+//! Division of the box among the ranks.
 
 use crate::domain::{Bounds, Decomposition, RankGrid};
 use crate::gas::GasModel;
 use thiserror::Error;
 
-/// Ranks that cannot be used.
+/// A division of the box that is not possible.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LayoutError {
-    /// The case or the command line asks for another number of ranks.
+    /// The case or the command line requires another number of ranks.
     #[error("the rank grid {grid} needs {} ranks, but {ranks} were started (mpirun -n {}, or --threads {})", grid.size(), grid.size(), grid.size())]
     WrongSize {
         /// Ranks along x, y and z.
         grid: RankGrid,
-        /// How many there are.
+        /// Number of ranks in the run.
         ranks: usize,
     },
-    /// Blocks narrower than the ghosts they need.
+    /// Subdomains narrower than the ghosts that they need.
     #[error(
         "{ranks} ranks along {axis} cut the box into blocks {width:.4} wide, but ghosts need {needed:.4}: use at most \
          {most} along {axis}, or cut along another axis as well (--ranks, or parallel.ranks)"
@@ -25,14 +25,14 @@ pub enum LayoutError {
         axis: &'static str,
         /// Ranks along it.
         ranks: usize,
-        /// Width of their blocks.
+        /// Width of their subdomains.
         width: f64,
         /// Width that ghosts need.
         needed: f64,
-        /// How many ranks would do.
+        /// Largest number of ranks that would be possible.
         most: usize,
     },
-    /// Blocks narrower than the cells that they need.
+    /// Subdomains narrower than the cells that they need.
     #[error(
         "the rank grid {grid} needs more cells of the gas than {cells:?}: blocks are at least two cells and as wide as \
          their ghosts"
@@ -45,19 +45,19 @@ pub enum LayoutError {
     },
 }
 
-/// What the division of the box must respect.
+/// Requirements for the division of the box.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout<'a> {
     /// The box.
     pub bounds: &'a Bounds,
-    /// The gas of the run: one on cells has its cut planes on cell faces.
+    /// The gas of the run: with a gas on cells, cut planes lie on cell faces.
     pub gas: &'a GasModel,
-    /// Width of the ghost layer with the narrowest skin, below which no subdomain may be; length.
+    /// Width of the ghost layer with the narrowest skin: the least width of a subdomain; length.
     pub ghost_width: f64,
 }
 
 impl Layout<'_> {
-    /// Subdomains of equal size on a grid of all `ranks`, but for the shift of cut planes to cell faces.
+    /// Subdomains of equal size on a grid of all `ranks`, except for the shift of cut planes to cell faces.
     ///
     /// # Errors
     /// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts.
@@ -78,7 +78,7 @@ impl Layout<'_> {
         self.align(Decomposition::even(grid, self.bounds))
     }
 
-    /// The decomposition with its cut planes on cell faces, if the gas asks for that.
+    /// The decomposition with its cut planes on cell faces, if the gas requires this.
     ///
     /// # Errors
     /// If there are too few cells.

@@ -1,4 +1,4 @@
-//! A bed that moves.
+//! A bed in motion.
 
 use super::Snapshot;
 use crate::analysis::{BedProfile, Digest, RunView, WallForce, measure, wall_forces};
@@ -11,18 +11,18 @@ use crate::state::{
 };
 use crate::time_step::{Staggered, StepError, advance, confirm, refresh_ghosts, stored_energy};
 
-/// Solids fraction that bounds the bed in what measures see of it.
+/// Solids fraction at the limits of the bed, for measures.
 const BED_THRESHOLD: f64 = 0.3;
 
-/// A bed between two steps, on this rank of all ranks. [`Setup::start`](super::Setup::start) makes it.
+/// A bed between two steps, on this rank. [`Setup::start`](super::Setup::start) makes it.
 ///
-/// Methods that are called collective are called by all ranks in the same order.
+/// Methods described as collective must be called by all ranks in the same order.
 pub struct Run<'a> {
-    /// Particles, contacts and gas, all of it at the time of the clock.
+    /// Particles, contacts and gas, all at the time of the clock.
     pub state: State,
     /// Box and walls.
     pub domain: Domain,
-    /// What acts on the particles.
+    /// The models that act on the particles.
     pub models: Models,
     /// Lists and buffers, sums of the last step, timers.
     pub work: Workspace,
@@ -31,19 +31,19 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// One step of length `models.physics.time_step`. Collective.
+    /// Does one step of length `models.physics.time_step`. Collective.
     ///
     /// # Errors
-    /// If a force or a speed has no meaning, or a particle passes a face of kind [`Stop`](crate::domain::Face::Stop).
-    /// The run cannot continue.
+    /// If a force or a speed is not meaningful, or a particle passes a face of kind
+    /// [`Stop`](crate::domain::Face::Stop). The run cannot continue.
     pub fn step(&mut self) -> Result<(), StepError> {
         self.steps(1)
     }
 
-    /// So many steps. Collective.
+    /// Does `count` steps. Collective.
     ///
     /// # Errors
-    /// As [`Run::step`].
+    /// The errors of [`Run::step`].
     pub fn steps(&mut self, count: u64) -> Result<(), StepError> {
         let Self { state, domain, models, work, ranks } = self;
         let mut state = Staggered::new(state);
@@ -63,7 +63,7 @@ impl Run<'_> {
         self.ranks.total(self.state.particles.owned_count())
     }
 
-    /// The particles of this rank, positions wrapped into the box, in an order that may change from step to step.
+    /// The particles of this rank, with positions wrapped into the box, in an order that may change from step to step.
     pub fn particles(&self) -> impl Iterator<Item = ParticleRecord> {
         let (particles, bounds) = (&self.state.particles, &self.domain.bounds);
         (0..particles.owned_count()).map(move |index| ParticleRecord {
@@ -87,29 +87,29 @@ impl Run<'_> {
         wall_forces(RunView { state, domain, models, work }, *ranks)
     }
 
-    /// Opens the ledger of energies, or a new one: from now on the work of every mechanism is summed at each step.
-    /// Collective.
+    /// Opens a new energy ledger, which replaces any earlier one: from now on the work of every mechanism is summed at
+    /// each step. Collective.
     pub fn keep_energy_ledger(&mut self) {
         let start = self.stored_energy();
         self.state.energy = Some(Box::new(EnergyLedger::opened(start)));
     }
 
-    /// The totals of the ledger, against what is stored now; `None` if none is kept. Collective.
+    /// The totals of the ledger, compared with the present stored energy; `None` if no ledger is kept. Collective.
     pub fn energy_balance(&self) -> Option<EnergyBalance> {
         let ledger = self.state.energy.as_ref()?;
         Some(ledger.balance(&self.stored_energy(), self.ranks))
     }
 
-    /// Energy of motion, attraction and springs. Collective.
+    /// Energy of motion, attraction and springs; energy. Collective.
     pub fn stored_energy(&self) -> StoredEnergy {
         let Self { state, domain, models, work, ranks } = self;
         stored_energy(state, domain, models, work).total(*ranks)
     }
 
-    /// Lets a measure look at the run, which it does not change. Collective.
+    /// Takes a sample of the run for a measure, which does not change the run. Collective.
     ///
     /// # Errors
-    /// If the forces of the last step have no meaning.
+    /// If the forces of the last step are not meaningful.
     pub fn look(&mut self, looking: &mut dyn Measure) -> Result<Findings, StepError> {
         let Self { state, domain, models, work, ranks } = self;
         confirm(state, work, *ranks)?;
@@ -132,10 +132,10 @@ impl Run<'_> {
         Ok(looking.look(&view, *ranks))
     }
 
-    /// Hash of the whole state: the same on any number of ranks. Collective.
+    /// Hash of the whole state; it does not depend on the number of ranks. Collective.
     ///
     /// # Errors
-    /// If the forces of the last step have no meaning.
+    /// If the forces of the last step are not meaningful.
     pub fn digest(&mut self) -> Result<Digest, StepError> {
         let here = self.part()?;
         Ok(Digest::of(&here.clock, &here.records(), self.ranks))
@@ -144,7 +144,7 @@ impl Run<'_> {
     /// The whole state, sorted by ids, on all ranks: for small beds. Collective.
     ///
     /// # Errors
-    /// If the forces of the last step have no meaning.
+    /// If the forces of the last step are not meaningful.
     pub fn snapshot(&mut self) -> Result<Snapshot, StepError> {
         Ok(self.part()?.gathered(self.ranks))
     }

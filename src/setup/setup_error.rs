@@ -1,10 +1,10 @@
-//! What a setup cannot be.
+//! Errors of a setup.
 
 use super::LayoutError;
 use crate::time_step::StepError;
 use thiserror::Error;
 
-/// Why a bed cannot be set up or started. The same on all ranks.
+/// Reason why a bed cannot be set up or started; it is equal on all ranks.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SetupError {
     /// A box without extent.
@@ -27,7 +27,7 @@ pub enum SetupError {
         /// Name of the field.
         name: &'static str,
     },
-    /// A periodic box in which a particle would meet two images of another at once.
+    /// A periodic box in which a particle would meet two images of another particle at once.
     #[error(
         "box: the length along {axis} is {length}: must be at least {least}, twice the largest diameter with skin and range \
          of forces, as the box is periodic"
@@ -59,16 +59,16 @@ pub enum SetupError {
         /// The number.
         value: f64,
     },
-    /// A particle that cannot be.
+    /// A particle with a quantity that is not valid.
     #[error("particle {id}: {quantity} is {value}: must be {allowed}")]
     Particle {
         /// Its id.
         id: u64,
-        /// Which of its quantities.
+        /// The quantity.
         quantity: &'static str,
         /// The value.
         value: String,
-        /// What it must be.
+        /// Its allowed range.
         allowed: &'static str,
     },
     /// Two particles have one id.

@@ -1,4 +1,4 @@
-//! A state as records, and its way to the ranks.
+//! A state as records, and its distribution over the ranks.
 
 use crate::analysis::StateRecords;
 use crate::domain::{Bounds, Decomposition};
@@ -11,13 +11,13 @@ use crate::particle_sets::Pair;
 use crate::particles::{AGGLOMERATE, ContactHistories, Contacts, GAS_FORCE, OwnFields, Particles};
 use crate::state::{Clock, Departed, GasReport, SizeRange, State};
 
-/// A state as records: of all particles, or of those that one rank has. A run that continues from it comes to the same
+/// A state as records: of all particles, or of those that one rank has. A run that continues from it gives the same
 /// bits as one that was never stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// Time.
     pub clock: Clock,
-    /// What has left the box.
+    /// Particles that have left the box.
     pub departed: Departed,
     /// Sizes of the particles at the start of the run.
     pub sizes: SizeRange,
@@ -29,11 +29,11 @@ pub struct Snapshot {
     pub pairs: Vec<ContactRecord>,
     /// Histories of contacts with walls.
     pub walls: Vec<WallContactRecord>,
-    /// Cells of a volume-averaged gas; none without such a gas, or for a gas that starts from rest.
+    /// Cells of a volume-averaged gas; empty without such a gas, or for a gas that starts from rest.
     pub cells: Vec<CellRecord>,
-    /// How the last step of that gas went.
+    /// Report on the last step of that gas.
     pub gas_report: GasReport,
-    /// Pairs that touched at the last search for agglomerates, if drag follows from them and there was one.
+    /// Pairs that touched at the last search for agglomerates, if drag depends on them and there was a search.
     pub looked_at: Option<Vec<Pair>>,
 }
 
@@ -62,7 +62,7 @@ impl Snapshot {
         }
     }
 
-    /// This rank's share of a snapshot that all ranks have whole.
+    /// This rank's share of a snapshot that all ranks have completely.
     pub fn share_of(&self, ranks: &dyn Communicator) -> Self {
         fn share<T: Copy>(all: &[T], ranks: &dyn Communicator) -> Vec<T> {
             all.iter().copied().skip(ranks.rank()).step_by(ranks.size()).collect()
@@ -146,7 +146,7 @@ impl Snapshot {
         StateRecords { particles, own, contacts: pairs, wall_contacts: walls, cells, looked_at }
     }
 
-    /// All bits of it: equal only for equal states.
+    /// All its bits, which are equal only for equal states.
     pub fn bits(&self) -> Vec<u8> {
         let Self { clock, departed, .. } = self;
         let mut bytes = bytemuck::cast_slice::<_, u8>(&self.particles).to_vec();

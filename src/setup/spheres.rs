@@ -33,9 +33,9 @@ impl Sphere {
     }
 }
 
-/// Spheres of one size in layers of a square lattice that fills the cross-section of the box, from below upwards.
+/// Spheres of one size in layers of a square lattice that fills the cross-section of the box, from the bottom upwards.
 ///
-/// A bed on a perfect lattice stays on it for long: `jitter` and `speed` break its symmetry.
+/// A bed on a perfect lattice remains on it for a long time: `jitter` and `speed` break its symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
     /// Number of spheres.
@@ -57,7 +57,7 @@ pub struct Layers {
 }
 
 impl Default for Layers {
-    /// No spheres, of diameter and density 1, in layers 1.1 apart, at rest on their sites.
+    /// No spheres; diameter and density 1, layers 1.1 apart, at rest on their sites.
     fn default() -> Self {
         Self {
             count: 0,

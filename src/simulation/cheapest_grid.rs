@@ -1,18 +1,20 @@
 //! The rank grid of a run whose case names none.
 //!
-//! Of all rank grids that fit, that one is taken with the least
+//! Among all rank grids that fit, the one with the smallest cost is chosen:
 //!
 //! ```math
 //! C = \frac{n s}{N} (1 + g) + c\, m f, \qquad
 //! g = \frac{1}{2} \sum_{a:\, N_a > 1} \frac{n_a h N_a}{L_a}
 //! ```
 //!
-//! which is the time of a step of the gas over that of one particle in one of its steps: n particles that make s steps in it, N = N_x
-//! N_y N_z ranks, g ghosts for each particle (n_a faces of a block, 1 between walls if N_a = 2, else 2; h width of ghosts, L_a length
-//! along which particles lie), each of which is taken to cost as much as a particle (velocities come, forces go), m cells, of which the
-//! rank with most cells has the part f, and c particles that take as long as one cell. A wide bed is thus cut across its width, where
-//! cuts are short, and so is a bed below a gas on cells: cut planes follow the particles, so that of slabs along z the highest one would
-//! own nearly all cells, and the others would wait for it at each step of the gas.
+//! The cost is the ratio of the time of a step of the gas to that of one particle in one of its steps. There are n
+//! particles that make s steps in a step of the gas, and N = N_x N_y N_z ranks. g is the number of ghosts per particle
+//! (n_a faces of a subdomain, 1 between walls if N_a = 2, else 2; h is the width of ghosts, L_a the length along which
+//! particles lie). Each ghost is taken to cost as much as a particle (velocities are received, forces sent). There are
+//! m cells, of which the rank with most cells has the fraction f, and c particles take as long as one cell. A wide bed
+//! is thus cut across its width, where cuts are short. So is a bed below a gas on cells: since cut planes follow the
+//! particles, the highest of several slabs along z would own nearly all cells, and the others would wait for it at each
+//! step of the gas.
 
 use super::layout::{divide, layout_of};
 use crate::case::{Case, RankLayout};
@@ -21,11 +23,11 @@ use crate::parallel::{Communicator, ParticleRecord};
 use crate::setup::Layout;
 use crate::state::SizeRange;
 
-/// c: 13 in a box of 64^3 cells, 32 in the small bed of cases/liu2016, of 16 x 3 x 80 (AMD EPYC).
+/// c: 13 in a box of 64^3 cells, 32 in the small bed of cases/liu2016 with 16 x 3 x 80 cells (AMD EPYC).
 const PARTICLES_PER_CELL: f64 = 20.0;
 
-/// The cheapest rank grid for particles that lie on the ranks in any order, slabs along z if others are no cheaper; none if the case says
-/// how the box is divided, or if no grid fits. It never changes results. Collective.
+/// The cheapest rank grid for particles that lie on the ranks in any order; slabs along z if others are no cheaper;
+/// `None` if the case gives the division of the box, or if no grid fits. It never changes results. Collective.
 pub(super) fn cheapest_grid(
     case: &Case,
     sizes: &SizeRange,
@@ -51,7 +53,7 @@ pub(super) fn cheapest_grid(
     costs.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, grid)| grid)
 }
 
-/// All rank grids of so many ranks.
+/// All rank grids with this number of ranks.
 fn grids_of(ranks: usize) -> Vec<RankGrid> {
     let divisors = |n: usize| (1..=n).filter(move |divisor| n.is_multiple_of(*divisor));
     divisors(ranks)
@@ -72,7 +74,7 @@ fn extents(particles: &[ParticleRecord], ranks: &dyn Communicator) -> [f64; 3] {
     [0, 1, 2].map(|axis| ends[axis] + ends[axis + 3])
 }
 
-/// What all ranks together have to do in a step of the gas.
+/// Work of all ranks together in a step of the gas.
 #[derive(Clone, Copy, Debug)]
 struct Work {
     /// n s.
@@ -116,7 +118,8 @@ mod tests {
     const SMALL: &str = "cases/liu2016/small/rho250vdw20ug4.toml";
     const DRY: &str = "cases/benchmark/bed-24000.toml";
 
-    /// The grid for so many particles along x, y and z, side by side, in the box of a case with these changes.
+    /// The chosen grid for these numbers of particles along x, y and z, side by side, in the box of a case with these
+    /// changes.
     fn chosen(ranks: usize, file: &str, counts: [usize; 3], changes: &[&str]) -> Option<RankGrid> {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
@@ -136,7 +139,7 @@ mod tests {
         found[0]
     }
 
-    /// 2 x 0.4 mm wide and 2.4 of 10 mm high.
+    /// Numbers of particles: 2 x 0.4 mm wide and 2.4 of 10 mm high.
     const LIU: [usize; 3] = [50, 10, 60];
 
     #[test]

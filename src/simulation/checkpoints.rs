@@ -1,4 +1,4 @@
-//! When checkpoints are due, and how many are kept.
+//! Times at which checkpoints are due, and the number that is kept.
 
 use super::interval::Interval;
 use crate::analysis::Digest;
@@ -11,7 +11,7 @@ use crate::state::Clock;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A checkpoint that was written.
+/// A written checkpoint.
 #[derive(Clone, Debug)]
 pub(super) struct WrittenCheckpoint {
     pub(super) path: PathBuf,
@@ -23,18 +23,18 @@ pub(super) struct WrittenCheckpoint {
 pub(super) struct Checkpoints {
     plan: CheckpointPlan,
     last: Instant,
-    /// Whether the gas is about to fail, and a checkpoint from before is written.
+    /// Whether the gas is about to fail, and an earlier checkpoint has been written.
     failure_is_near: bool,
 }
 
 impl Checkpoints {
-    /// As the case plans them; the wall-clock time since the last one counts from now.
+    /// Checkpoints as planned by the case; the wall-clock time since the last one counts from now.
     pub(super) fn new(plan: &CheckpointPlan) -> Self {
         Self { plan: plan.clone(), last: Instant::now(), failure_is_near: false }
     }
 
     /// Whether one is due now: by simulated time or steps, or because the next step of the gas will be too long, which
-    /// leaves a state without meaning.
+    /// would leave a meaningless state.
     pub(super) fn due(&mut self, clock: &Clock, gas: &GasSolver) -> bool {
         let was_near = std::mem::replace(&mut self.failure_is_near, gas.next_is_too_long());
         (self.failure_is_near && !was_near)

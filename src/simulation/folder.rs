@@ -1,4 +1,4 @@
-//! The folder of results: what belongs to it, and its mark of completion.
+//! The folder of results: its files, and the mark of completion.
 
 use super::outputs::LISTED;
 use crate::analysis::Digest;
@@ -10,7 +10,7 @@ use std::fs::File;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// Where results go, and where relative paths in the case refer to.
+/// Folder of results, and the folder for relative paths in the case.
 #[derive(Clone, Debug)]
 pub struct OutputFolder {
     /// The folder of results.
@@ -19,25 +19,25 @@ pub struct OutputFolder {
     pub case_folder: PathBuf,
 }
 
-/// The mark of a run that came to the end that it was asked for: holds the digest.
+/// The mark of a run that came to its requested end: it contains the digest.
 const COMPLETE: &str = "complete";
-/// Locked while a run is active; says who runs.
+/// Lock file of an active run; it names the process.
 const RUNNING: &str = "running";
 
-/// Keeps other runs out of a folder of results for as long as it lives. On rank 0; the file system forgets the lock of
-/// a process that has died, on whatever machine.
+/// Keeps other runs out of a folder of results for as long as it exists, on rank 0. The file system releases the lock
+/// of a process that has died, on any machine.
 #[derive(Debug)]
 pub struct FolderLock {
-    /// Removed at the end.
+    /// Path of the lock file, which is removed at the end.
     path: PathBuf,
-    /// `None` on other ranks, and where the file system has no locks.
+    /// `None` on other ranks, and if the file system has no locks.
     file: Option<File>,
 }
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
         if self.file.is_some() {
-            // Only a message to others depends on it: without the file they lock a new one.
+            // Only a message to others depends on this: without the file they lock a new one.
             let _ = std::fs::remove_file(&self.path);
         }
     }
@@ -47,7 +47,7 @@ impl OutputFolder {
     /// Makes the folder and keeps other runs out of it. Collective.
     ///
     /// # Errors
-    /// If another run has the folder, or if it cannot be made or its files not be named.
+    /// If another run has locked the folder, or if it cannot be made or its files cannot be named.
     pub fn lock(&self, ranks: &dyn Communicator) -> Result<FolderLock, OutputError> {
         let path = self.path.join(RUNNING);
         let taken = on_root(&self.path, ranks, || {
@@ -64,14 +64,14 @@ impl OutputFolder {
         entries.flatten().any(|entry| is_result(&entry.file_name().to_string_lossy()))
     }
 
-    /// Whether the run here has come to its end, or to `--until`.
+    /// Whether the run in this folder has come to its end, or to `--until`.
     pub fn is_complete(&self) -> bool {
         self.path.join(COMPLETE).exists()
     }
 
     /// Removes an earlier run's results, and nothing else.
     ///
-    /// # Errors
+    /// If the folder cannot be read or a file cannot be removed.
     /// If the folder cannot be read or a file not be removed.
     pub fn clear(&self) -> Result<(), String> {
         if !self.path.exists() {
@@ -89,7 +89,7 @@ impl OutputFolder {
     }
 }
 
-/// The lock of a folder; `None`, with a warning, where the file system has none.
+/// The lock of a folder; `None`, with a warning, if the file system has no locks.
 fn take_lock(path: &Path) -> Result<Option<File>, String> {
     loop {
         let file = match try_lock(path, Sharing::Exclusive) {
@@ -125,7 +125,7 @@ fn is_result(name: &str) -> bool {
         || ["", ".metadata"].into_iter().any(of_listed)
 }
 
-/// Whether a file is one of a measure, whatever its name.
+/// Whether a file belongs to a measure of any name.
 fn is_of_measure(name: &str) -> bool {
     let of_measure = |name: &str| name.ends_with(".h5") || name.ends_with(".vtkhdf");
     let plain = |suffix| name.strip_suffix(suffix).is_some_and(of_measure);

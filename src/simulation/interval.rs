@@ -1,9 +1,9 @@
-//! When results are due.
+//! Times at which results are due.
 
 use crate::state::Clock;
 
-/// Time between two results of a kind; none if it is not asked for. One is due at each multiple of it, at the
-/// nearest step, whatever the steps before were like.
+/// Time between two results of a kind; `None` if it is not requested. A result is due at each multiple of it, at the
+/// nearest step, whatever the previous steps were.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval(pub(super) Option<f64>);
 
@@ -11,7 +11,8 @@ impl Interval {
     /// Whether a result is due after a step.
     pub(super) fn due(self, clock: &Clock, step: u64) -> bool {
         let Some(interval) = self.0 else { return false };
-        // The same numbers whether a step is asked for as this one or as the one before: none is missed.
+        // The same numbers are used whether a step is queried as the present one or as the previous one, so none is
+        // missed.
         let multiples = |step| ((clock.time_of(step) + 0.5 * clock.time_step) / interval).floor();
         step == 0 || step > clock.origin_step && multiples(step) > multiples(step - 1)
     }
@@ -54,7 +55,7 @@ mod tests {
         let off = |(time, k): (&f64, u32)| (time - 0.25 * f64::from(k)).abs();
         let farthest = times.iter().zip(2..).map(off).fold(0.0, f64::max);
         assert!(farthest <= 0.5 * after + 1.0e-9, "{farthest}");
-        // Multiples of 2500 steps would be elsewhere, by up to half of an interval.
+        // Multiples of 2500 steps would be elsewhere, by up to half an interval.
         let other = clock.time_of(2500) / 0.25;
         assert!((other - other.round()).abs() > 0.2);
     }

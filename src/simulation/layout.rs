@@ -1,4 +1,4 @@
-//! How the ranks divide the box of a case.
+//! Division of the box of a case among the ranks.
 
 use crate::case::{Case, RankLayout};
 use crate::domain::{Decomposition, RankGrid};
@@ -16,8 +16,8 @@ pub(super) fn named_grid(case: &Case, ranks: usize) -> RankGrid {
     }
 }
 
-/// Subdomains on a rank grid, with as many particles each, if loads are balanced, as planes through the whole box allow. Particles lie
-/// on the ranks in any order. Collective.
+/// Subdomains on a rank grid. If loads are balanced, they have as nearly equal numbers of particles as planes through
+/// the whole box allow. Particles lie on the ranks in any order. Collective.
 ///
 /// # Errors
 /// If the grid does not fit the number of ranks, or subdomains would be narrower than their ghosts or cells; the same on all ranks.
@@ -37,7 +37,7 @@ pub(super) fn divide(
     layout.align(RankLoad::UNKNOWN.balanced(&even, positions, layout.bounds, width, ranks))
 }
 
-/// What the division of the case's box must respect.
+/// Requirements for the division of the case's box.
 pub(super) fn layout_of<'a>(case: &'a Case, sizes: &SizeRange) -> Layout<'a> {
     let (bounds, gas) = (&case.domain.bounds, case.gas_on_cells());
     Layout { bounds, gas, ghost_width: case.ghost_width(sizes) }
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// Subdomains must be as wide as the ghosts of the run, which reach as far as the necks of JKR.
+    /// Subdomains must be as wide as the ghosts of the run, which extend as far as the necks of JKR.
     #[test]
     fn subdomains_narrower_than_the_necks_of_jkr_need_are_refused() {
         let good = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/good");

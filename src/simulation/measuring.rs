@@ -1,4 +1,4 @@
-//! The measures of a run: when each samples, what it writes, and what it keeps in checkpoints.
+//! The measures of a run: their times, files, and data in checkpoints.
 
 use super::interval::Interval;
 use crate::case::Case;
@@ -23,7 +23,7 @@ impl Scheduled {
     }
 }
 
-/// Where measures begin.
+/// Initial conditions of measures.
 pub(super) struct Beginning<'a> {
     /// The folder of results.
     pub(super) folder: &'a Path,
@@ -31,7 +31,7 @@ pub(super) struct Beginning<'a> {
     pub(super) head: Head<'a>,
     /// The time up to which earlier files are continued.
     pub(super) continue_after: Option<f64>,
-    /// What measures kept in the checkpoint from which the run continues.
+    /// Data that measures stored in the checkpoint from which the run continues.
     pub(super) kept: &'a [MeasureState],
 }
 
@@ -60,18 +60,18 @@ impl Measuring {
         case.measures.iter().map(open).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Whether a measure looks after this step.
+    /// Whether a measure takes a sample after this step.
     pub(super) fn due(&self, clock: &Clock) -> bool {
         self.0.iter().any(|scheduled| scheduled.is_due(clock, clock.step))
     }
 
-    /// What those that sample now need.
+    /// The data needed by the measures that take a sample now.
     pub(super) fn needs(&self, clock: &Clock) -> Needs {
         let due = self.0.iter().filter(|scheduled| scheduled.is_due(clock, clock.step));
         due.fold(Needs::default(), |needs, scheduled| needs.or(scheduled.measure.needs()))
     }
 
-    /// Lets those look that are due. Collective.
+    /// Takes a sample for each measure that is due. Collective.
     pub(super) fn look(
         &mut self,
         clock: &Clock,
@@ -87,7 +87,7 @@ impl Measuring {
         Ok(())
     }
 
-    /// The agglomerates of particles by their ids, as the measure of a name knows them. Collective.
+    /// The agglomerates of particles by their ids, from the measure with a name. Collective.
     pub(super) fn agglomerates(
         &self,
         name: &str,
@@ -98,12 +98,12 @@ impl Measuring {
         scheduled.measure.agglomerates(ids, ranks)
     }
 
-    /// Makes safe what was written so far. Collective.
+    /// Secures the data written so far. Collective.
     pub(super) fn commit(&mut self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         self.0.iter_mut().try_for_each(|scheduled| scheduled.output.commit(ranks))
     }
 
-    /// What all of them keep. Collective.
+    /// The data that all of them store. Collective.
     pub(super) fn kept(&self, ranks: &dyn Communicator) -> Vec<MeasureState> {
         let kept = |Scheduled { plan, measure, .. }: &Scheduled| MeasureState {
             name: plan.name.clone(),
@@ -114,7 +114,7 @@ impl Measuring {
     }
 }
 
-/// A measure that continues from what it kept, if it kept something with the same settings.
+/// A measure that continues from its stored data, if there are such data with the same settings.
 fn begin(
     plan: &MeasurePlan,
     kept: &[MeasureState],

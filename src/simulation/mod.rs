@@ -1,4 +1,4 @@
-//! A run from its start to its end: stages, results, checkpoints, and what stops it.
+//! A run from its start to its end: stages, results, checkpoints, and its end.
 
 mod cheapest_grid;
 mod checkpoints;
@@ -26,7 +26,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Why a run ended early, not as it was asked to. The same on all ranks.
+/// Reason why a run ended prematurely, other than by request; it is equal on all ranks.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// A step could not be done.
@@ -38,23 +38,23 @@ pub enum RunError {
     /// Particles were lost or doubled: an error of the program.
     #[error("internal error: {found} particles are in the box or have left, of {expected}")]
     ParticleCount {
-        /// How many there are.
+        /// Number of particles found.
         found: u64,
-        /// How many there were.
+        /// Number of particles expected.
         expected: u64,
     },
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Whether it came to its end; if not, it was asked to stop.
+    /// Whether the run came to its end; if not, it was asked to stop.
     pub complete: bool,
     /// Time at the end.
     pub time: f64,
     /// Hash of the state.
     pub digest: Digest,
-    /// The checkpoint that holds it.
+    /// The checkpoint that contains the state.
     pub checkpoint: std::path::PathBuf,
     /// Steps done in this run.
     pub steps: u64,
@@ -62,20 +62,20 @@ pub struct Outcome {
     pub particle_steps: f64,
     /// Wall-clock time of the steps, outputs included.
     pub elapsed: Duration,
-    /// How that time divides.
+    /// Division of this time into phases.
     pub phases: Vec<PhaseTime>,
     /// Particles that have left through open faces since the start of the case.
     pub departed: u64,
 }
 
-/// How far a run is, for whoever watches it.
+/// Progress of a run, for display.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
     /// Simulated time.
     pub time: f64,
     /// Simulated time at the end.
     pub end: f64,
-    /// Steps done in this run, and still to do.
+    /// Number of steps done in this run, and of those still to do.
     pub steps: (u64, u64),
     /// Number of particles.
     pub particles: usize,
@@ -83,22 +83,22 @@ pub struct Progress {
     pub elapsed: Duration,
 }
 
-/// What a run needs beside its case and its initial state.
+/// Options of a run besides its case and its initial state.
 pub struct RunOptions<'a> {
-    /// When it ends.
+    /// Time at which it ends.
     pub end_time: f64,
-    /// Where results go.
+    /// Folder of results.
     pub folder: OutputFolder,
     /// Set by a signal: stop with a checkpoint.
     pub stop: &'a AtomicBool,
-    /// Called on rank 0 now and then.
+    /// Called on rank 0 from time to time.
     pub watch: &'a mut dyn FnMut(&Progress),
 }
 
 /// Runs a case from an initial state to the end time, or until asked to stop. Collective.
 ///
 /// # Errors
-/// If a step or a file fails; the results and checkpoints written before stay.
+/// If a step or a file fails; the results and checkpoints written before are kept.
 pub fn run(
     case: &Case,
     mut initial: InitialState,

@@ -1,4 +1,4 @@
-//! The files of results of a run: which there are, and when something is due in them.
+//! The files of results of a run, and the times at which they are written.
 
 use super::interval::Interval;
 use crate::case::OutputPlan;
@@ -13,7 +13,7 @@ use std::path::Path;
 /// A kind of output in the list of all.
 pub(super) struct Listed {
     pub(super) kind: OutputKind,
-    /// Its interval in the case; `None` if it is not asked for.
+    /// Its interval in the case; `None` if it is not requested.
     interval: fn(&OutputPlan) -> Option<f64>,
 }
 
@@ -39,7 +39,7 @@ struct ScheduledOutput {
 pub(super) struct Outputs(Vec<ScheduledOutput>);
 
 impl Outputs {
-    /// Begins or continues the files that a case asks for. Collective.
+    /// Begins or continues the files that a case requests. Collective.
     pub(super) fn open(
         folder: &Path,
         plan: &OutputPlan,
@@ -70,7 +70,7 @@ impl Outputs {
         self.0.iter().any(|file| file.interval.due(clock, step))
     }
 
-    /// Whether something is due after a step that compares the momentum before and after it.
+    /// Whether a result is due after a step that compares the momentum before and after it.
     pub(super) fn needs_momentum_before(&self, clock: &Clock, step: u64) -> bool {
         self.0.iter().any(|file| file.needs_momentum_before && file.interval.due(clock, step))
     }
@@ -92,7 +92,7 @@ impl Outputs {
         due.into_iter().try_for_each(|file| file.output.write(sample, ranks))
     }
 
-    /// Makes safe what was written so far: a run that is killed resumes from the next checkpoint with all of it.
+    /// Secures the data written so far: a run that is killed resumes from the next checkpoint with all of them.
     /// Collective.
     pub(super) fn commit(&self, ranks: &dyn Communicator) -> Result<(), OutputError> {
         self.0.iter().try_for_each(|file| file.output.commit(ranks))

@@ -1,4 +1,4 @@
-//! What snapshots show of each particle beside what they always show: the columns that a case asks for, and their numbers.
+//! Columns of particles in snapshots in addition to the standard ones: those that a case requests, and their numbers.
 
 use super::measuring::Measuring;
 use crate::analysis::RunView;
@@ -7,7 +7,7 @@ use crate::output::{ColumnUnits, PointColumn, SnapshotFormat, SnapshotStorage};
 use crate::parallel::{Communicator, ParticleRecord};
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, Body};
 
-/// How the snapshots of a case are made.
+/// The snapshot format of a case.
 pub(super) fn snapshot_format(case: &Case) -> SnapshotFormat {
     let plan = &case.output;
     let units = ColumnUnits::of_system(case.units.name());
@@ -70,7 +70,7 @@ fn whole(name: &'static str, description: &'static str) -> PointColumn {
     PointColumn { name, width: 1, is_whole: true, unit: "1", description }
 }
 
-/// Collective.
+/// The numbers of one column. Collective.
 fn numbers_of(
     field: ParticleField,
     case: &Case,

@@ -1,4 +1,4 @@
-//! A run under way: one step after another, and what is due after each.
+//! A run under way: one step after another, with the output that is due after each.
 
 use super::RunError;
 use super::checkpoints::{Checkpoints, WrittenCheckpoint};
@@ -23,7 +23,7 @@ use crate::timers::{Phase, PhaseTime};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Steps between checks of the wall-clock time, and between reports of the progress.
+/// Number of steps between checks of the wall-clock time, and between reports of the progress.
 pub(super) const WATCH_EVERY: u64 = 64;
 
 /// A run between two steps.
@@ -45,7 +45,8 @@ pub(super) struct Simulation<'a> {
 }
 
 impl<'a> Simulation<'a> {
-    /// Lists and, for a new bed, forces of the initial state; the files of results. Collective.
+    /// Makes the lists and, for a new bed, computes the forces of the initial state; opens the files of results.
+    /// Collective.
     pub(super) fn new(
         case: &'a Case,
         initial: &'a mut InitialState,
@@ -84,7 +85,7 @@ impl<'a> Simulation<'a> {
             checkpoints: Checkpoints::new(&case.checkpoint),
             ranks,
         };
-        // The row of the first instant belongs to the run that led to it, where there was one.
+        // The row of the first instant belongs to the run that led to it, if there was one.
         if is_new {
             simulation.measure_due()?;
             simulation.write_due(None)?;
@@ -107,7 +108,7 @@ impl<'a> Simulation<'a> {
         self.state.clock().time_of(step)
     }
 
-    /// The step at which a time is reached, the present one at the earliest.
+    /// The step at which a time is reached; at the earliest the present one.
     pub(super) fn step_at(&self, time: f64) -> u64 {
         let clock = self.state.clock();
         let steps = ((time - clock.origin_time) / clock.time_step).round().max(0.0) as u64;
@@ -124,12 +125,13 @@ impl<'a> Simulation<'a> {
         self.state.departed().count
     }
 
-    /// How the time of the run divides. Collective.
+    /// Division of the time of the run into phases. Collective.
     pub(super) fn times_over_ranks(&self) -> Vec<PhaseTime> {
         self.work.timers.over_ranks(self.ranks)
     }
 
-    /// Notes whether this rank is asked to stop or to write a checkpoint, by a signal or by wall-clock time since `began`.
+    /// Records whether this rank is asked to stop or to write a checkpoint, by a signal or by the wall-clock time since
+    /// `began`.
     pub(super) fn poll_requests(&mut self, stop: &AtomicBool, began: Instant) {
         let requests = &mut self.work.requests;
         requests.stop = stop.load(Ordering::Relaxed);
@@ -140,7 +142,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// One step, and what is due after it. Returns whether the run was asked to stop. Collective.
+    /// Does one step and writes the output that is due after it. Returns whether the run was asked to stop. Collective.
     pub(super) fn step(&mut self) -> Result<bool, RunError> {
         self.enter_stage()?;
         let domain = &self.case.domain;
@@ -195,7 +197,7 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// A checkpoint at the end of the present stage is kept under the name of the stage. Collective.
+    /// Keeps a checkpoint at the end of the present stage under the name of the stage. Collective.
     fn keep_stage_end(&self, written: &WrittenCheckpoint) -> Result<(), RunError> {
         let name = &self.case.stages[self.stage].name;
         let name = checkpoint::stage_file_name(self.stage + 1, name);
@@ -208,7 +210,7 @@ impl<'a> Simulation<'a> {
         clock.step >= self.step_at(self.case.stages[self.stage].end)
     }
 
-    /// What this rank's particles store under the present models, if a ledger of energies is kept.
+    /// Energy stored by this rank's particles under the present models, if an energy ledger is kept.
     fn stored_for_ledger(&mut self) -> Option<StoredSums> {
         let state = self.state.synchronised(&mut self.work.timers);
         let is_kept = state.energy.is_some();
@@ -223,7 +225,7 @@ impl<'a> Simulation<'a> {
         log::info!("stage \"{}\" ends: {report}", self.case.stages[self.stage].name);
     }
 
-    /// Rows, profiles and snapshots that are due at this step. Collective.
+    /// Writes the rows, profiles and snapshots that are due at this step. Collective.
     fn write_due(&mut self, probe: Option<MomentumProbe>) -> Result<(), RunError> {
         if !self.outputs.due(self.state.clock(), self.steps_done()) {
             return Ok(());
@@ -261,7 +263,7 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Lets the measures look that are due at this step. Collective.
+    /// Takes a sample for each measure that is due at this step. Collective.
     fn measure_due(&mut self) -> Result<(), RunError> {
         let clock = *self.state.clock();
         if !self.measuring.due(&clock) {
@@ -285,7 +287,7 @@ impl<'a> Simulation<'a> {
         Ok(measuring.look(&clock, &view, *ranks)?)
     }
 
-    /// Commits the results and then writes a checkpoint, so that a run that is killed resumes from it with all of them.
+    /// Commits the results and then writes a checkpoint, so that a run that is killed resumes from it with all results.
     /// Collective.
     fn write_checkpoint(&mut self) -> Result<WrittenCheckpoint, RunError> {
         let Self { case, state, work, folder, provenance, checkpoints, ranks, .. } = self;
@@ -316,7 +318,7 @@ impl<'a> Simulation<'a> {
         Ok(written)
     }
 
-    /// The last checkpoint, and the mark of a case that has come to its end. Collective.
+    /// Writes the last checkpoint, and the mark of a case that has come to its end. Collective.
     pub(super) fn finish(&mut self, complete: bool) -> Result<WrittenCheckpoint, RunError> {
         self.report_stage();
         let written = self.write_checkpoint()?;
@@ -330,7 +332,7 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Keeps the ledger of energies as the case says; whether it is a new one.
+/// Opens or drops the energy ledger according to the case; returns whether it is a new one.
 fn prepare_ledger(case: &Case, state: &mut State) -> bool {
     let is_kept = case.output.energy.is_some();
     let earlier = state.energy.take().filter(|_| is_kept);
@@ -339,7 +341,8 @@ fn prepare_ledger(case: &Case, state: &mut State) -> bool {
     is_new
 }
 
-/// Lists and, for a new bed, forces of the initial state; the stage that it is in, by number, and its models. Collective.
+/// Makes the lists and, for a new bed, computes the forces of the initial state; returns the number of its stage, and
+/// the models. Collective.
 fn begin(
     case: &Case,
     initial: &mut InitialState,
@@ -380,7 +383,7 @@ fn open_outputs(
     Outputs::open(&folder.path, &case.output, opening, ranks)
 }
 
-/// The state as it can be written: velocities at the time of the clock, and forces that have a meaning. Collective.
+/// The state in a form that can be written: velocities at the time of the clock, and meaningful forces. Collective.
 fn confirmed<'s>(
     state: &'s mut Staggered,
     work: &mut Workspace,
@@ -400,7 +403,7 @@ fn records(case: &Case, state: &State) -> impl Records<ParticleRecord> {
     })
 }
 
-/// The profile of the bed, on the grid of the first gas or on one of 1.5 diameters.
+/// The profile of the bed, on the grid of the first gas or on one with a spacing of 1.5 diameters.
 fn profile_of(case: &Case, models: &Models, sizes: &SizeRange) -> BedProfile {
     let bounds = &case.domain.bounds;
     let mut gases = case.stages.iter().map(|stage| &stage.physics.gas);

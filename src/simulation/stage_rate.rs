@@ -1,22 +1,23 @@
-//! How fast a stage of a case is computed.
+//! Rate at which a stage of a case is computed.
 
 use crate::analysis::statistics::median;
 use crate::gas::GasModel;
 use crate::timers::RecentDurations;
 use std::time::Instant;
 
-/// The present stage since it was entered.
+/// The present stage since its start.
 pub(super) struct StageRate {
     begin: Instant,
     first_step: u64,
-    /// Steps that are timed together: a volume-averaged gas makes a step with every n-th step of the particles.
+    /// Number of steps that are timed together: a volume-averaged gas makes a step with every n-th step of the
+    /// particles.
     together: u64,
     last_timed: Option<Instant>,
     durations: RecentDurations,
 }
 
 impl StageRate {
-    /// Starts to time a stage with this gas, which begins after a step.
+    /// Begins timing a stage with this gas, which begins after a step.
     pub(super) fn begin(step: u64, gas: &GasModel) -> Self {
         Self {
             begin: Instant::now(),
@@ -27,15 +28,16 @@ impl StageRate {
         }
     }
 
-    /// Notes when the last of the steps that are timed together ended.
+    /// Records the time at which the last of the steps that are timed together ended.
     pub(super) fn note(&mut self, now: Instant) {
         if let Some(last) = self.last_timed.replace(now) {
             self.durations.note(now - last);
         }
     }
 
-    /// The steps so far, of so many particles: how many, their rate, and that of the median step. Other programs on the machine, new
-    /// lists and results, which delay few steps, change the former alone.
+    /// A text on the steps so far, with this number of particles: their number, their rate, and the rate of the median
+    /// step. Other programs on the machine, new lists and results, which delay only few steps, change only the former
+    /// rate.
     pub(super) fn report(&mut self, step: u64, particles: f64) -> String {
         let rate =
             |steps: u64, seconds: f64| steps as f64 * particles / seconds.max(1.0e-9) * 1.0e-6;

@@ -1,4 +1,4 @@
-//! Where a run starts: from a new bed, from the end of another run, or from its own checkpoint.
+//! The start of a run: from a new bed, from the end of another run, or from its own checkpoint.
 
 use super::cheapest_grid::cheapest_grid;
 use super::layout::{divide, layout_of, named_grid};
@@ -15,7 +15,7 @@ use crate::state::{SizeRange, State, Workspace};
 use std::path::Path;
 use thiserror::Error;
 
-/// Why a run cannot start. The same on all ranks.
+/// Reason why a run cannot start; it is equal on all ranks.
 #[derive(Debug, Error)]
 pub enum StartError {
     /// The ranks cannot divide the box.
@@ -27,12 +27,12 @@ pub enum StartError {
     /// A checkpoint cannot be read.
     #[error(transparent)]
     Checkpoint(#[from] crate::output::OutputError),
-    /// The case says something else than the one that the checkpoint was written with, which cannot be.
+    /// The case differs from the one with which the checkpoint was written, in a way that is not possible.
     #[error("{change}: {reason}")]
     Changed {
-        /// What is different.
+        /// The difference.
         change: Change,
-        /// Why it cannot be.
+        /// The reason why it is not possible.
         reason: &'static str,
     },
     /// A checkpoint with cells that the gas does not have.
@@ -46,26 +46,26 @@ pub enum StartError {
     UnknownField {
         /// Name of the field.
         name: &'static str,
-        /// What it is.
+        /// Its meaning.
         meaning: &'static str,
     },
-    /// What the case says does not suit the sizes of the particles, or the number of ranks.
+    /// The case does not suit the sizes of the particles, or the number of ranks.
     #[error(transparent)]
     Case(#[from] CaseErrors),
 }
 
-/// Where an initial state comes from.
+/// Origin of an initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// A new bed: forces are still to be found, and results begin with it.
+    /// A new bed: forces are still to be computed, and results begin with it.
     NewBed,
-    /// A checkpoint, after which new results begin.
+    /// A checkpoint after which new results begin.
     Checkpoint,
     /// A checkpoint among results that are continued.
     ContinuedRun,
 }
 
-/// A state distributed over the ranks, and what is still to be done before its first step.
+/// A state distributed over the ranks, and data for the preparation of its first step.
 pub struct InitialState {
     /// The state, without ghosts and lists.
     pub state: State,
@@ -73,11 +73,11 @@ pub struct InitialState {
     pub work: Workspace,
     /// Histories of its contacts.
     pub histories: ContactHistories,
-    /// What measures have kept.
+    /// Stored data of measures.
     pub measures: Vec<MeasureState>,
-    /// Where it comes from.
+    /// Its origin.
     pub origin: Origin,
-    /// Digest of the state of another run that it begins with, if the case says so.
+    /// Digest of the state of another run with which it begins, if the case requires this.
     pub begins_with: Option<Digest>,
 }
 
@@ -114,7 +114,7 @@ pub fn start_from_case(
     Ok(InitialState { begins_with, ..initial })
 }
 
-/// The state of a checkpoint; `continues` says whether earlier results are in the output folder. Collective.
+/// The state of a checkpoint; `continues` tells whether earlier results are in the output folder. Collective.
 ///
 /// # Errors
 /// If the ranks cannot divide it, or it does not fit the case.
@@ -158,7 +158,7 @@ pub fn start_from_checkpoint(
     Ok(initial)
 }
 
-/// What a program has added to the particles, only that program can advance.
+/// Rejects custom fields: only the program that has added a field to the particles can advance it.
 fn require_known_fields(own: &OwnFields) -> Result<(), StartError> {
     match own.fields.first() {
         Some(field) => Err(StartError::UnknownField { name: field.name, meaning: field.meaning }),
@@ -166,7 +166,7 @@ fn require_known_fields(own: &OwnFields) -> Result<(), StartError> {
     }
 }
 
-/// Parcels stay parcels of as many particles.
+/// Rejects a change of the number of particles in a parcel.
 fn require_same_parcels(changes: &[Change]) -> Result<(), StartError> {
     match changes.iter().find(|change| change.key == PARCEL_SIZE) {
         Some(change) => Err(StartError::Changed {
@@ -177,13 +177,13 @@ fn require_same_parcels(changes: &[Change]) -> Result<(), StartError> {
     }
 }
 
-/// The key that says how large parcels are.
+/// The key for the size of parcels.
 const PARCEL_SIZE: &str = "coarse_graining.factor";
 
-/// Sections that describe a new bed: a checkpoint has its own.
+/// Sections that describe a new bed; a checkpoint has its own bed.
 const OF_A_NEW_BED: [&str; 4] = ["units", "box.lengths", "particles", PARCEL_SIZE];
 
-/// Refuses what cannot change when a run is continued; `over` counts the stages that are over.
+/// Rejects changes that are not possible when a run is continued; `over` is the number of stages that are over.
 fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), StartError> {
     for change in changes {
         let is_below = |section: &&str| {
@@ -214,8 +214,8 @@ fn require_changes_that_can_be(changes: &[Change], over: usize) -> Result<(), St
     Ok(())
 }
 
-/// Contacts with walls go by the numbers of the walls, and these by the order in the case: they are found again by their
-/// names. A contact with a wall that is gone ends.
+/// Renumbers contacts with walls. These refer to the numbers of the walls, which depend on the order in the case; the
+/// walls are found by their names. A contact with a wall that no longer exists ends.
 fn renumber_walls(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &[Wall]) {
     let new_number = |old: u64| {
         let name = &before.get(old as usize)?.name;
@@ -230,7 +230,7 @@ fn renumber_walls(contacts: &mut Vec<WallContactRecord>, before: &[Wall], now: &
     });
 }
 
-/// The case must know what each particle of another run is. Collective.
+/// Requires that the case defines the species of each particle of another run. Collective.
 fn require_species(
     case: &Case,
     particles: &[ParticleRecord],

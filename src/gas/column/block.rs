@@ -6,13 +6,13 @@ use crate::numbers::{F64x4, Quantum, first_flagged, vectorised};
 use crate::particles::{ForceTorque, LANES, Lanes};
 use std::f64::consts::PI;
 
-/// Particles, and the gas between the nodes of its grid.
+/// Particles, and the fields of the gas between the nodes of its grid.
 #[derive(Clone)]
 pub(super) struct ParticlesInColumn<'a> {
     /// The particles in it.
     pub(super) blocks: &'a [ColumnBlock],
-    /// phi and u_s as [`interval_fields`](crate::coupling::interval_fields); likewise shares of drag per volume and u_d, of no interval if all particles
-    /// are of one size.
+    /// phi and u_s as [`interval_fields`](crate::coupling::interval_fields); likewise shares of drag per volume and
+    /// u_d, which are empty if all particles are of one size.
     pub(super) between_nodes: &'a [Vec<[f64; 4]>; 2],
     pub(super) drag: ParticleDrag,
     /// U_s.
@@ -22,14 +22,14 @@ pub(super) struct ParticlesInColumn<'a> {
 /// U_s over the height.
 #[derive(Clone, Copy)]
 pub(super) enum SuperficialVelocity<'a> {
-    /// The same everywhere, in an incompressible gas.
+    /// The same at all heights, in an incompressible gas.
     Uniform(f64),
     /// For each interval of the grid, the value at its lower end and the change to its upper end.
     Between(&'a [[f64; 2]]),
 }
 
 impl SuperficialVelocity<'_> {
-    /// At the particles of a block, by the weights of the other fields.
+    /// U_s at the particles of a block, by the weights of the other fields.
     #[inline(always)]
     fn at(self, particles: &ColumnBlock) -> Lanes {
         match self {
@@ -82,7 +82,7 @@ impl GasBlock {
         }
     }
 
-    /// The drag of a bed of the Sauter mean diameter, shared by surface.
+    /// Sets the drag of a bed of the Sauter mean diameter, shared by surface.
     #[inline(always)]
     fn share_drag(&mut self, column: &ParticlesInColumn, radius: &Lanes) {
         let mean: Lanes = std::array::from_fn(|lane| {
@@ -110,8 +110,8 @@ impl GasBlock {
         }
     }
 
-    /// For sizes that differ: V B in the place of V beta, B = c over a particle's share of drag times the sum of shares per
-    /// volume.
+    /// Sets the gradient for sizes that differ: V B in place of V beta, where B = c over a particle's share of drag
+    /// times the sum of shares per volume.
     #[inline(always)]
     fn share_gradient(&mut self, share: DragShare, radius: &Lanes) {
         for lane in 0..LANES {
@@ -146,7 +146,7 @@ impl GasBlock {
     }
 }
 
-/// A force that has no meaning.
+/// A force that exceeds the limit or is undefined.
 pub(super) struct ForceTooLarge {
     /// Index of the particle.
     pub(super) index: usize,
@@ -156,7 +156,7 @@ pub(super) struct ForceTooLarge {
 }
 
 vectorised!(
-    /// Adds the gas force to each particle, with lateral drag if that acts. No component may exceed the limit.
+    /// Adds the gas force to each particle, with lateral drag if the gas has it. No component may exceed the limit.
     pub(super) fn add_forces<Q: F64x4>(
         column: ParticlesInColumn,
         lateral: bool,
@@ -196,8 +196,8 @@ vectorised!(
 );
 
 vectorised!(
-    /// Sums the force at U_s = 0 and its slope dF/dU_s over the particles, `count` of them, with the drag of the column's U_s, as
-    /// counts of their lattices.
+    /// Sums the force at U_s = 0 and its slope dF/dU_s over the particles, `count` of them, with the drag of the
+    /// column's U_s, as counts of their quanta.
     pub(super) fn sum_slopes<Q: F64x4>(
         column: ParticlesInColumn,
         quanta: [Quantum; 2],
@@ -215,7 +215,8 @@ vectorised!(
                 slopes[lane] = of_slope.round(block.slope(lane));
             }
             for lane in 0..LANES.min(count - number * LANES) {
-                // Forces far beyond the limit may wrap around, on any ranks alike; they are refused when they are added.
+                // Forces far beyond the limit may wrap around, equally on any number of ranks; they are refused when
+                // they are added.
                 sums[0] = i64::wrapping_add(sums[0], of_force.count(forces[lane]));
                 sums[1] = i64::wrapping_add(sums[1], of_slope.count(slopes[lane]));
             }

@@ -1,4 +1,4 @@
-//! A column gas that is compressible: isothermal, ideal, without inertia.
+//! A compressible column gas: isothermal, ideal, without inertia.
 //!
 //! With P the absolute pressure above the bed and p the pressure less P, the balances of mass and momentum are
 //!
@@ -7,9 +7,10 @@
 //! \qquad -\frac{\partial p}{\partial z} = \frac{\beta(\phi)}{(1 - \phi)^2} (U - u_s)
 //! ```
 //!
-//! with U = (1 - phi) u_g + phi u_s, which now depends on the height. For P -> infinity it does not: the gas is then the
-//! incompressible one. What flows in at the plate is given as volume at P per area and time, so that its mass does not depend on
-//! the pressure there; above the highest node p = 0. Where there are no particles there is no drag, and p is that above.
+//! with U = (1 - phi) u_g + phi u_s, which now depends on the height. For P -> infinity it does not, and the gas is the
+//! incompressible one. The inflow at the plate is given as volume at P per area and time, so that its mass does not
+//! depend on the pressure there; above the highest node p = 0. Where there are no particles there is no drag, and p is
+//! constant.
 //!
 //! **Linear theory.** In a fixed bed p diffuses by D = P / ((1 - phi) R), R = beta / (1 - phi)^2. If the particles follow the gas
 //! closely, the bed is a fluid of density rho_s phi in which sound has the speed
@@ -18,14 +19,15 @@
 //! c = \sqrt{\frac{P}{\rho_s \phi (1 - \phi)}}
 //! ```
 //!
-//! (Roy et al. 1990). A bed of height H on a vibrated plate, open above, has its first resonance at f = c / (4 H): there is
-//! a quarter of a wave in it (of standing waves: Herrera et al. 2002).
+//! (Roy et al. 1990). A bed of height H on a vibrated plate, open above, has its first resonance at f = c / (4 H),
+//! where it contains a quarter of a wave (for standing waves see Herrera et al. 2002).
 //!
-//! **On the grid.** U is a value of each node k, p and 1 - phi are values of the intervals between nodes. The pressure drop
-//! across a node is the force on the particles around it by hat weights, over the cross-section, so that all drops together
-//! are the gas force on all particles. The flux of solids through a node follows from how much solids the intervals below it
-//! have gained: with P -> infinity U is then uniform exactly. A step is implicit Euler's, with the pressure that carries the
-//! mass through nodes taken from its beginning: linear equations for U at all nodes, of three diagonals.
+//! **On the grid.** U is a value of each node k, p and 1 - phi are values of the intervals between nodes. The pressure
+//! drop across a node is the force on the particles around it by hat weights, over the cross-section, so that the sum
+//! of all drops is the gas force on all particles. The flux of solids through a node follows from the increase of the
+//! solids in the intervals below it: with P -> infinity U is then exactly uniform. A step is one of the implicit Euler
+//! method, with the pressure that carries the mass through nodes taken from its beginning. It leads to a tridiagonal
+//! system of linear equations for U at all nodes.
 //!
 //! References:
 //!
@@ -51,13 +53,13 @@ pub struct ColumnCell {
 pub(super) struct NodeForces {
     pub(super) at_rest: Vec<f64>,
     pub(super) slope: Vec<f64>,
-    /// With the next node.
+    /// Coupling with the next node.
     pub(super) coupling: Vec<f64>,
-    /// What the rounding of all particles' forces may add up to.
+    /// Largest sum of the rounding errors of all particles' forces.
     pub(super) rounding: f64,
 }
 
-/// Iterations that a step may take where the drag depends on the Reynolds number; some 10 are usual.
+/// Largest number of iterations in a step if the drag depends on the Reynolds number; some 10 are usual.
 const MOST_ITERATIONS: usize = 100;
 
 impl NodeForces {
@@ -67,7 +69,7 @@ impl NodeForces {
         self.at_rest[node] + below + self.slope[node] * velocity[node] + above
     }
 
-    /// p below each node, which at the lowest is that on the plate.
+    /// p below each node; for the lowest node it is the pressure on the plate.
     pub(super) fn pressures(&self, velocity: &[f64]) -> Vec<f64> {
         let mut below = vec![0.0; velocity.len()];
         let mut pressure = 0.0;
@@ -78,7 +80,7 @@ impl NodeForces {
         below
     }
 
-    /// What a change of the velocities does to the pressure on the plate, at most.
+    /// Upper bound of the change of the pressure on the plate due to a change of the velocities.
     pub(super) fn change(&self, from: &[f64], to: &[f64]) -> f64 {
         let change = |node: usize| (to[node] - from[node]).abs();
         let slope = |node: usize| {
@@ -89,23 +91,23 @@ impl NodeForces {
     }
 }
 
-/// A step of the gas: what does not depend on the velocities at its end.
+/// A step of the gas: the data that do not depend on the velocities at its end.
 pub(super) struct CompressibleStep<'a> {
     /// P.
     ambient: f64,
     before: &'a [ColumnCell],
-    /// 1 - phi in each interval at the end.
+    /// 1 - phi in each interval at the end of the step.
     voidage: &'a [f64],
     /// dt / dz.
     rate: f64,
     /// phi u_s through each node.
     solids_flux: Vec<f64>,
-    /// p at each node at the beginning.
+    /// p at each node at the beginning of the step.
     carried: Vec<f64>,
 }
 
 impl<'a> CompressibleStep<'a> {
-    /// Of a length, given as dt / dz, from one state of the intervals to voidages at the end.
+    /// A step with a length, given as dt / dz, from one state of the intervals to voidages at the end.
     pub(super) fn new(
         ambient: f64,
         before: &'a [ColumnCell],
@@ -122,12 +124,13 @@ impl<'a> CompressibleStep<'a> {
         Self { ambient, before, voidage, rate, solids_flux, carried }
     }
 
-    /// U at each node at the end of the step, and the forces with the drag of these velocities. `forces_at` gives forces with the
-    /// drag of any; only if that depends on the velocities are there iterations. `inflow` is that of given forces. None if they
-    /// do not settle, as velocities which forces on particles cannot tell from one another.
+    /// U at each node at the end of the step, and the forces with the drag at these velocities. `forces_at` gives
+    /// forces with the drag at any velocities; only if this drag depends on them are there iterations. `inflow` gives
+    /// the inflow for given forces. `None` if the velocities do not settle to within the rounding of the forces on
+    /// particles.
     ///
-    /// Drag grows by a power between 1 and 2 of the velocity, so that an error of the velocities changes its sign and keeps up to
-    /// its magnitude from one iteration to the next: every second one takes the mean.
+    /// Drag grows with a power of the velocity between 1 and 2. An error of the velocities may therefore change its
+    /// sign and keep its magnitude from one iteration to the next, so every second iteration takes the mean.
     pub(super) fn settled(
         &self,
         repeats: bool,
@@ -151,10 +154,11 @@ impl<'a> CompressibleStep<'a> {
         None
     }
 
-    /// U at each node, if so much gas flows in, as volume at P.
+    /// U at each node for a given inflow, as volume at P.
     ///
-    /// The mass of an interval gives its pressure, p = `pressure_at_rest` - dt / (dz (1 - phi)) \[(P + p') U\] with the bracket's difference
-    /// between its ends, p' the pressure carried there; the drop from one interval to the next is the force around the node.
+    /// The mass of an interval gives its pressure, p = `pressure_at_rest` - dt / (dz (1 - phi)) \[(P + p') U\], where
+    /// the bracket is a difference between the ends of the interval and p' is the pressure carried there; the drop from
+    /// one interval to the next is the force around the node.
     pub(super) fn velocities(&self, forces: &NodeForces, inflow: f64) -> Vec<f64> {
         let cells = self.before.len();
         let absolute = |node: usize| self.ambient + self.carried[node];
@@ -178,21 +182,21 @@ impl<'a> CompressibleStep<'a> {
         velocities
     }
 
-    /// p on the plate by what flows in.
+    /// p on the plate as a function of the inflow.
     pub(super) fn resistance(&self, forces: &NodeForces) -> BedResistance {
         let on_plate = |inflow: f64| forces.pressures(&self.velocities(forces, inflow))[0];
         let at_rest = on_plate(0.0);
         BedResistance { at_rest, slope: on_plate(1.0) - at_rest }
     }
 
-    /// p that an interval would have at U = 0.
+    /// p in an interval for U = 0.
     fn pressure_at_rest(&self, cell: usize) -> f64 {
         let carried = |node: usize| self.carried[node] * self.solids_flux[node];
         let held = self.before[cell].voidage * self.before[cell].pressure;
         (held + self.rate * (carried(cell + 1) - carried(cell))) / self.voidage[cell]
     }
 
-    /// What flows out above, as volume at P.
+    /// Outflow above, as volume at P.
     pub(super) fn outflow(&self, velocities: &[f64]) -> f64 {
         let top = self.before.len();
         let gas_flux = velocities[top] - self.solids_flux[top];
@@ -205,7 +209,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Forces around nodes of one resistance in each interval, shared by hat weights of particles in its middle.
+    /// Forces around nodes for a given resistance in each interval, shared by hat weights of particles in its middle.
     fn forces(resistances: &[f64], at_rest: f64) -> NodeForces {
         let nodes = resistances.len() + 1;
         let mut slope = vec![0.0; nodes];
@@ -259,7 +263,7 @@ mod tests {
             let velocities = step.velocities(&forces, 0.1);
             velocities.iter().map(|velocity| (velocity - 0.1).abs()).fold(0.0, f64::max)
         };
-        // Of first order in 1 / P, with a second order of 12 % at 1e6 and so of 0.1 % at 1e8.
+        // The difference is of first order in 1 / P, with a second order of 12 % at 1e6 and so of 0.1 % at 1e8.
         let [low, middle, high] = [1.0e6, 1.0e8, 1.0e10].map(spread);
         assert!(low > 1.0e-2 && (middle / high - 100.0).abs() < 2.0, "{low} {middle} {high}");
     }

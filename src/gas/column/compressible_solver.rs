@@ -1,4 +1,4 @@
-//! The column gas in a run, where it is compressible.
+//! The compressible column gas in a run.
 
 use super::block::SuperficialVelocity;
 use super::compressible::{ColumnCell, CompressibleStep, NodeForces};
@@ -15,12 +15,12 @@ use crate::particles::Particles;
 pub(super) struct Compressible {
     /// P.
     ambient: f64,
-    /// What flows in at the plate or into the plenum, as volume at P.
+    /// Inflow at the plate or into the plenum, as volume at P.
     supply: f64,
 }
 
 impl ColumnSolver {
-    /// If the gas is compressible.
+    /// The gas at this time, if it is compressible.
     pub(super) fn compressible(&self, time: f64) -> Option<Compressible> {
         let (ambient, supply) = (self.gas.ambient_pressure?, self.gas.supply()?.at(time));
         (!self.grid.is_periodic()).then_some(Compressible { ambient, supply })
@@ -41,7 +41,7 @@ impl ColumnSolver {
         self.cells(gas, &forces.pressures(&velocities), &self.voidages())
     }
 
-    /// A step, for the bed as it is deposited. Collective.
+    /// A step with the bed as it is deposited. Collective.
     ///
     /// # Errors
     /// If a pressure is not above 0, or the velocities do not settle; the same on all ranks.
@@ -78,7 +78,7 @@ impl ColumnSolver {
         Ok(ColumnState { plenum, cells })
     }
 
-    /// The gas force around the nodes, with the drag of these velocities. Collective.
+    /// The gas force around the nodes, with the drag at these velocities. Collective.
     fn forces_around_nodes(
         &self,
         velocities: &[f64],
@@ -95,7 +95,8 @@ impl ColumnSolver {
         at_nodes(&sums, &self.grid, quanta)
     }
 
-    /// 1 - phi of the intervals: half of the solids of a node is above it and half below, but all in the box.
+    /// 1 - phi in the intervals: half of the solids of a node is above it and half below, but all solids are in the
+    /// box.
     fn voidages(&self) -> Vec<f64> {
         let (grid, last) = (&self.grid, self.grid.nodes() - 1);
         let solids = |node: usize| {
@@ -123,7 +124,7 @@ impl ColumnSolver {
     }
 }
 
-/// What flows out of a plenum, and its pressure at the end of the step. The first gas flows as fast as it is supplied.
+/// Outflow of a plenum, and its pressure at the end of the step. The first gas flows as fast as it is supplied.
 fn out_of(
     plenum: &Plenum,
     pressure: Option<f64>,
@@ -138,7 +139,7 @@ fn out_of(
     (outflow, Some(plenum.pressure_after(pressure, supply, outflow, dt)))
 }
 
-/// Values at the nodes as values and changes of the intervals.
+/// Values at the nodes, as values and changes of the intervals.
 fn between_nodes(values: &[f64]) -> Vec<[f64; 2]> {
     values.windows(2).map(|pair| [pair[0], pair[1] - pair[0]]).collect()
 }

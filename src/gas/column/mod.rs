@@ -1,5 +1,5 @@
-//! The column gas: one-dimensional, vertical, without inertia. It follows the bed at every instant, so that it has no
-//! state of its own, unless it comes out of a plenum, whose pressure is one, or is compressible.
+//! The column gas: one-dimensional, vertical, without inertia. It follows the bed at every instant and has no state of
+//! its own, unless it comes from a plenum, whose pressure is its state, or is compressible.
 
 mod block;
 mod compressible;

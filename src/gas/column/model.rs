@@ -1,4 +1,4 @@
-//! The column gas as a case chooses it: one-dimensional, without inertia, incompressible or not.
+//! The model of the column gas that a case chooses: one-dimensional, without inertia, compressible or not.
 
 use super::plenum::Plenum;
 use crate::coupling::DragShare;
@@ -7,39 +7,39 @@ use crate::gas::{DragLaw, ParticleDrag};
 use crate::grid::ColumnGrid;
 use crate::numbers::Schedule;
 
-/// The gas as the case chose it. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law
-/// -dp/dz = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
+/// The column gas chosen by the case. Continuity of the mixture gives (1 - phi) u_g + phi u_s = U_s, Darcy's law -dp/dz
+/// = beta (u_g - u_s) / (1 - phi) (Moon 2006 eqs (6), (7), (11)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnGas {
-    /// Distance dz of the grid nodes; a divisor of the box length where the box is periodic.
+    /// Distance dz of the grid nodes; a divisor of the box length if the box is periodic.
     pub spacing: f64,
     /// Drag law.
     pub drag: DragLaw,
-    /// xi, the drag over that of the law; 1 as a rule.
+    /// xi, the ratio of the drag to that of the law; usually 1.
     pub drag_factor: f64,
     /// Gas viscosity mu_g.
     pub viscosity: f64,
-    /// How particles of different sizes share the drag.
+    /// Rule by which particles of different sizes share the drag.
     pub drag_share: DragShare,
     /// Gas density rho_g; only drag laws with a Reynolds number use it.
     pub density: f64,
-    /// l of parcels; 1 of particles.
+    /// Size ratio l of parcels; 1 for particles.
     pub parcel_size: f64,
-    /// What sets the superficial velocity.
+    /// The drive that sets the superficial velocity.
     pub drive: Drive,
     /// Whether the gas, which has no lateral velocity, resists lateral motion: -(V / phi) beta v.
     pub lateral_drag: bool,
     /// Volume of the node on the plate.
     pub base_node: BaseNode,
-    /// P, absolute pressure above the bed, of a gas that is compressible (isothermal and ideal); none of one that is not. A gas
-    /// without a plate, in a periodic box, is incompressible whatever stands here.
+    /// P, absolute pressure above the bed, for a compressible gas (isothermal and ideal); `None` for an incompressible
+    /// one. A gas without a plate, in a periodic box, is always incompressible.
     pub ambient_pressure: Option<f64>,
 }
 
-/// What sets the superficial velocity U_s.
+/// The drive that sets the superficial velocity U_s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
-    /// The case prescribes it.
+    /// A velocity prescribed by the case.
     Velocity(Schedule),
     /// Gas that comes out of a plenum.
     Plenum(Plenum),
@@ -47,27 +47,27 @@ pub enum Drive {
     Weight(WeightBalance),
 }
 
-/// Which pressure drop equals the weight.
+/// The pressure drop that balances the weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WeightBalance {
     /// The total gas force on the particles: exact balance, no drift.
     ParticleForce,
-    /// The integral of beta (U_s - u_s) / (1 - phi)^2 over the grid, as the equation is written; the
-    /// box drifts by up to 1 % of gravity.
+    /// The integral of beta (U_s - u_s) / (1 - phi)^2 over the grid, as the equation is written; the box drifts by up
+    /// to 1 % of gravity.
     GridIntegral,
 }
 
-/// The averaging volume of the node that lies on the plate.
+/// The averaging volume of the node on the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BaseNode {
-    /// A full cell of which half lies below the plate: phi is halved there (Moon 2006 eq. (9) as written).
+    /// A full cell, half of which lies below the plate: phi is halved there (Moon 2006 eq. (9) as written).
     FullCell,
     /// The half cell above the plate.
     HalfCell,
 }
 
 impl ColumnGas {
-    /// The plenum that it comes from, if it does.
+    /// The plenum from which it comes, if there is one.
     pub fn plenum(&self) -> Option<&Plenum> {
         match &self.drive {
             Drive::Plenum(plenum) => Some(plenum),
@@ -75,7 +75,7 @@ impl ColumnGas {
         }
     }
 
-    /// What flows in at a plate; none of a gas that carries a weight.
+    /// Inflow at a plate; `None` for a gas that carries a weight.
     pub(super) fn supply(&self) -> Option<&Schedule> {
         match &self.drive {
             Drive::Velocity(schedule) => Some(schedule),
@@ -84,7 +84,7 @@ impl ColumnGas {
         }
     }
 
-    /// The grid that this gas lives on.
+    /// The grid of this gas.
     pub fn grid(&self, bounds: &Bounds) -> ColumnGrid {
         let base_part = match self.base_node {
             BaseNode::FullCell => 1.0,
@@ -93,7 +93,7 @@ impl ColumnGas {
         ColumnGrid::new(bounds, self.spacing, base_part)
     }
 
-    /// The drag on one particle, whatever its size and surroundings.
+    /// The drag on one particle, as a function of its size and surroundings.
     pub fn particle_drag(&self) -> ParticleDrag {
         ParticleDrag {
             law: self.drag.clone(),
@@ -108,8 +108,8 @@ impl ColumnGas {
     /// Pressure drop over the column: the integral of -dp/dz = B (u_g - u_d) / (1 - phi), which for particles of
     /// one size is beta (U_s - u_s) / (1 - phi)^2.
     ///
-    /// Node 0 on the plate counts in full width if it averages over a full cell, so that the integral of phi
-    /// is the solids' volume per area. `velocity_at` is U_s at a node.
+    /// Node 0 on the plate counts in full width if it averages over a full cell, so that the integral of phi is the
+    /// solids' volume per area. `velocity_at` gives U_s at a node.
     pub fn pressure_drop(
         &self,
         grid: &ColumnGrid,
@@ -133,7 +133,7 @@ impl ColumnGas {
     }
 }
 
-/// The bed at the nodes of the column grid, as the gas needs it.
+/// Fields of the bed at the nodes of the column grid.
 #[derive(Clone, Copy, Debug)]
 pub struct ColumnFields<'a> {
     /// phi.
@@ -142,6 +142,6 @@ pub struct ColumnFields<'a> {
     pub solids_velocity: &'a [f64],
     /// Sum of the particles' shares of drag per volume.
     pub share_density: &'a [f64],
-    /// u_d, mean velocity of the solids by drag.
+    /// u_d, drag-weighted mean velocity of the solids.
     pub drag_velocity: &'a [f64],
 }

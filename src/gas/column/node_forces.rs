@@ -6,13 +6,14 @@ use crate::grid::ColumnGrid;
 use crate::numbers::{F64x4, Quantum, vectorised};
 use crate::particles::LANES;
 
-/// Sums over the particles in one interval, as counts of their lattices: the forces at U = 0 that go to its lower and upper node, and
+/// Number of sums over the particles in one interval, as counts of their quanta: the forces at U = 0 for its lower and
+/// upper node, and the slopes for the lower one alone, for both and for the upper one, by hat weights.
 /// the slopes that go to the lower one alone, to both and to the upper one, by hat weights.
 pub(super) const SUMS: usize = 5;
 
 vectorised!(
-    /// Sums over the particles of a rank, `count` of them, interval by interval; with the drag of the column's U. The quanta are those
-    /// of the force and of the slope.
+    /// Sums over the particles of a rank, `count` of them, interval by interval, with the drag at the column's U. The
+    /// quanta are those of the force and of the slope.
     pub(super) fn sum_by_nodes<Q: F64x4>(
         column: ParticlesInColumn,
         quanta: [Quantum; 2],
@@ -44,7 +45,7 @@ vectorised!(
     }
 );
 
-/// Sums over all ranks, and last the number of particles, to forces around nodes per cross-section.
+/// Converts sums over all ranks, followed by the number of particles, to forces around nodes per cross-section.
 pub(super) fn at_nodes(sums: &[i64], grid: &ColumnGrid, quanta: [Quantum; 2]) -> NodeForces {
     let cross_section = grid.cell_volume() / grid.spacing();
     let [force, slope] = quanta.map(|quantum| quantum.spacing() / cross_section);

@@ -1,18 +1,18 @@
-//! Gas that comes out of a plenum below the bed, through a distributor of finite resistance: the superficial velocity follows
-//! the bed.
+//! Gas from a plenum below the bed, through a distributor of finite resistance: the superficial velocity follows the
+//! bed.
 //!
 //! The plenum is a closed volume H per cross-section below the plate, with an isothermal ideal gas; P is the absolute
-//! pressure above the bed, and p that of the plenum less P. U_0 flows in and U_s out, both as volume at P per area and time,
-//! so that
+//! pressure above the bed, and p the pressure of the plenum less P. U_0 flows in and U_s flows out, both as volume at P
+//! per area and time, so that
 //!
 //! ```math
 //! \frac{H}{P} \frac{dp}{dt} = U_0 - U_s, \qquad p = R_1 U_s + R_2 U_s |U_s| + F(U_s) / S
 //! ```
 //!
-//! with F the gas force on all particles and S the cross-section: F / S is the pressure on the plate of a
-//! compressible gas too. Both are solved together at the end of each step (implicit
-//! Euler), so that no plenum is too stiff for a time step. Limits: U_s = U_0 for H -> 0, and for resistances far above that of
-//! the bed if H is large; a constant pressure drop over distributor and bed for H -> infinity.
+//! with F the gas force on all particles and S the cross-section: F / S is also the pressure of a compressible gas on
+//! the plate. Both equations are solved together at the end of each step (implicit Euler), so that no plenum is too
+//! stiff for a time step. Limits: U_s = U_0 for H -> 0, and for resistances far above that of the bed if H is large; a
+//! constant pressure drop over distributor and bed for H -> infinity.
 
 use crate::numbers::Schedule;
 
@@ -31,7 +31,7 @@ pub struct Plenum {
     pub quadratic_resistance: f64,
 }
 
-/// What the gas exerts on the bed, per cross-section: `at_rest` + `slope` U_s.
+/// The force of the gas on the bed, per cross-section: `at_rest` + `slope` U_s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BedResistance {
     pub(super) at_rest: f64,
@@ -39,7 +39,7 @@ pub(super) struct BedResistance {
 }
 
 impl Plenum {
-    /// p at which U_s flows out.
+    /// p at which the outflow is U_s.
     pub(super) fn pressure_for(&self, velocity: f64, bed: BedResistance) -> f64 {
         let through_bed = bed.at_rest + bed.slope * velocity;
         self.linear_resistance * velocity
@@ -47,7 +47,7 @@ impl Plenum {
             + through_bed
     }
 
-    /// U_s at the end of a step, p being the pressure at its beginning and U_0 the flow during it.
+    /// U_s at the end of a step, where p is the pressure at its beginning and U_0 the inflow during it.
     pub(super) fn outflow(&self, p: f64, supply: f64, dt: f64, bed: BedResistance) -> f64 {
         // rising U + R_2 U |U| = excess
         let per_velocity = self.pressure / self.height * dt;
@@ -57,7 +57,7 @@ impl Plenum {
         2.0 * excess / (rising + root)
     }
 
-    /// p at the end of a step in which U_s flowed out.
+    /// p at the end of a step with the outflow U_s.
     pub(super) fn pressure_after(&self, p: f64, supply: f64, outflow: f64, dt: f64) -> f64 {
         p + self.pressure / self.height * dt * (supply - outflow)
     }

@@ -13,10 +13,10 @@ use crate::parallel::Communicator;
 use crate::particles::{ForceTorque, Particles};
 use nalgebra::Vector3;
 
-/// Iterations that the superficial velocity of a weight-carrying gas may take; 5 to 10 are usual.
+/// Largest number of iterations for the superficial velocity of a weight-carrying gas; 5 to 10 are usual.
 const MOST_ITERATIONS: usize = 100;
 
-/// The column gas in a run: its grid, the bed on it, and the superficial velocity now. Disposable.
+/// The column gas in a run: its grid, the bed on it, and the present superficial velocity. Disposable.
 #[derive(Clone, Debug)]
 pub struct ColumnSolver {
     pub(super) gas: ColumnGas,
@@ -24,11 +24,11 @@ pub struct ColumnSolver {
     deposition: ColumnDeposition,
     pub(super) bed: Bed,
     pub(super) superficial_velocity: f64,
-    /// U at the nodes of a compressible gas; none if it is `superficial_velocity` everywhere.
+    /// U at the nodes of a compressible gas; empty if it is `superficial_velocity` at all heights.
     pub(super) velocities: Vec<f64>,
     /// U between the nodes.
     pub(super) between_velocities: Vec<[f64; 2]>,
-    /// What flows out above.
+    /// Outflow above.
     pub(super) outflow: f64,
     pub(super) quantum: Quantum,
     pub(super) slope_quantum: Quantum,
@@ -42,7 +42,7 @@ pub struct ColumnSolver {
 struct BedForce {
     at_rest: f64,
     slope: f64,
-    /// Their number.
+    /// Number of particles.
     particles: f64,
 }
 
@@ -53,10 +53,10 @@ impl BedForce {
 }
 
 impl ColumnSolver {
-    /// For a gas in a box, and particles within limits.
+    /// A solver for a gas in a box, and particles within limits.
     pub fn new(gas: &ColumnGas, bounds: &Bounds, limits: &ParticleLimits) -> Self {
         let grid = gas.grid(bounds);
-        // Drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
+        // The quantum of drag per velocity, with room for the densest beds at the creeping speeds of fine powders.
         let slope_quantum = Quantum::spanning(1024.0 * limits.force / limits.speed);
         Self {
             deposition: ColumnDeposition::new(
@@ -84,23 +84,23 @@ impl ColumnSolver {
         &self.grid
     }
 
-    /// The bed on the grid, as of the last [`ColumnSolver::advance`].
+    /// The bed on the grid, at the last [`ColumnSolver::advance`].
     pub fn bed(&self) -> &Bed {
         &self.bed
     }
 
-    /// U_s, volume of gas per area and time relative to the frame of the box; of a compressible gas what flows in at the
+    /// U_s, volume of gas per area and time relative to the frame of the box; for a compressible gas the inflow at the
     /// plate, as volume at the pressure above the bed.
     pub fn superficial_velocity(&self) -> f64 {
         self.superficial_velocity
     }
 
-    /// What flows out above, as volume at the pressure there: U_s but for a compressible gas.
+    /// Outflow above, as volume at the pressure there; it differs from U_s only for a compressible gas.
     pub fn outflow(&self) -> f64 {
         self.outflow
     }
 
-    /// Leaves of a state what is of use to this gas: not the plenum of another stage, nor cells of another grid.
+    /// Keeps the parts of a state that fit this gas: not the plenum of another stage, nor cells of another grid.
     pub(in crate::gas) fn keep_what_fits(&self, state: &mut ColumnState) {
         if self.gas.plenum().is_none() {
             state.plenum = None;
@@ -110,18 +110,19 @@ impl ColumnSolver {
         }
     }
 
-    /// What the particles of this rank give to the nodes of the grid: added over the ranks, [`ColumnSolver::advance`] takes it.
+    /// Contributions of the particles of this rank to the nodes of the grid; their sums over the ranks are an argument
+    /// of [`ColumnSolver::advance`].
     pub(in crate::gas) fn sum_bed(&mut self, particles: &Particles) -> NodeSums {
         self.deposition.sum_own(particles, &self.grid)
     }
 
-    /// The superficial velocity of a time, for the bed as it is now, whose sums over all ranks are found first if there are
-    /// none. `before` is the state at the beginning of the step, empty if the gas has just been turned on; that at its end is
-    /// returned, empty of a gas that needs none. The first step of a compressible gas is that of an incompressible one, whose
-    /// pressures it has afterwards. Collective.
+    /// Sets the superficial velocity at a time, for the present bed, whose sums over all ranks are computed first if
+    /// they are not given. `before` is the state at the beginning of the step, empty if the gas has just been turned
+    /// on. Returns the state at the end of the step, which is empty for a gas that needs none. The first step of a
+    /// compressible gas is that of an incompressible one, whose pressures it then takes over. Collective.
     ///
     /// # Errors
-    /// If no velocity carries the weight, or the pressure is not above 0; the same on all ranks.
+    /// If no velocity carries the weight, or the pressure is not above 0; the same error on all ranks.
     pub fn advance(
         &mut self,
         before: &ColumnState,
@@ -174,7 +175,8 @@ impl ColumnSolver {
         }
     }
 
-    /// U_s out of a plenum and the pressure of that after the step. The first gas flows as fast as it is supplied. Collective.
+    /// U_s from a plenum, and the pressure of the plenum after the step. The first gas flows as fast as it is supplied.
+    /// Collective.
     fn through(
         &self,
         plenum: &Plenum,
@@ -195,7 +197,7 @@ impl ColumnSolver {
         Ok((velocity, plenum.pressure_after(pressure, supply, velocity, step.dt)))
     }
 
-    /// phi and u_s of the bed now.
+    /// Computes phi and u_s of the present bed.
     fn deposit(&mut self, particles: &Particles, sums: Option<NodeSums>, ranks: &dyn Communicator) {
         let Self { deposition, grid, bed, .. } = self;
         match sums {
@@ -210,7 +212,7 @@ impl ColumnSolver {
         }
     }
 
-    /// The particles, in gas of this superficial velocity.
+    /// The particles, in a gas with this superficial velocity.
     pub(super) fn particles_in<'a>(
         &'a self,
         superficial_velocity: SuperficialVelocity<'a>,
@@ -223,12 +225,12 @@ impl ColumnSolver {
         }
     }
 
-    /// Adds the gas force to each owned particle, at the position and velocity that it was deposited with.
+    /// Adds the gas force to each owned particle, at the position and velocity with which it was deposited.
     ///
-    /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and
-    /// -dp/dz = B (u_g - u_d) / (1 - phi), B the drag of all particles per volume; laterally -(V / phi) beta v if the
-    /// gas has lateral drag. For particles of one size B = beta, u_d = u_s, and this is Moon 2006 eq. (12),
-    /// F = (V / phi) beta [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ].
+    /// F = (V / phi) beta (u_g - v) - V dp/dz upwards, with u_g = u_s + (U_s - u_s) / (1 - phi) and -dp/dz = B (u_g -
+    /// u_d) / (1 - phi), where B is the drag of all particles per volume; laterally -(V / phi) beta v if the gas has
+    /// lateral drag. For particles of one size B = beta, u_d = u_s, and this is Moon 2006 eq. (12), F = (V / phi) beta
+    /// [ (u_s - v) - (u_s - U_s) / (1 - phi)^2 ].
     ///
     /// # Errors
     /// If a force exceeds the limit or is undefined.
@@ -240,7 +242,7 @@ impl ColumnSolver {
     /// The gas force on each owned particle in the last step.
     pub fn forces_on(&self, particles: &Particles) -> Vec<Vector3<f64>> {
         let mut loads = vec![ForceTorque::default(); particles.owned_count()];
-        // The step itself has ended the run if a force is out of range.
+        // If a force is out of range, the step itself has already ended the run.
         let _ = self.add_to(&mut loads, &particles.id);
         loads.into_iter().map(|load| load.force).collect()
     }
@@ -275,7 +277,7 @@ impl ColumnSolver {
         }
     }
 
-    /// Weight of all particles, as the sum of their rounded weights: exact.
+    /// Weight of all particles, as the exact sum of their rounded weights.
     fn weight_of(&self, particles: &Particles, gravity: f64, ranks: &dyn Communicator) -> f64 {
         let counts = (0..particles.owned_count())
             .map(|i| self.quantum.count(self.quantum.round(particles.body[i].mass * gravity)));
@@ -297,11 +299,11 @@ impl ColumnSolver {
         })
     }
 
-    /// U_s by the force on the bed, sum_i F_i with each F_i = a_i + b_i U_s; repeated while b depends on the Reynolds
-    /// number. `force` is about what it will be. Collective.
+    /// U_s from the force on the bed, sum_i F_i with each F_i = a_i + b_i U_s; repeated if b depends on the Reynolds
+    /// number. `force` is an estimate of the resulting force. Collective.
     ///
-    /// Converged when what the last change of U_s does to the force on the bed is lost in the rounding of the
-    /// particles' forces: nearer than that the sums do not settle.
+    /// The iteration has converged when the change of the force on the bed due to the last change of U_s is lost in the
+    /// rounding of the particles' forces: the sums do not settle any closer.
     fn velocity_by(
         &self,
         particles: &Particles,
@@ -323,7 +325,7 @@ impl ColumnSolver {
         Err(GasForceOutOfRange::NoBalance(velocity))
     }
 
-    /// The gas force on all particles with the drag of a superficial velocity. Collective.
+    /// The gas force on all particles with the drag at a superficial velocity. Collective.
     fn force_on_bed(
         &self,
         velocity: f64,

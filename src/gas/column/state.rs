@@ -1,31 +1,31 @@
-//! What a column gas remembers from step to step: nothing, unless it comes out of a plenum or is compressible.
+//! The state that a column gas keeps from step to step: none, unless it comes from a plenum or is compressible.
 
 use super::compressible::ColumnCell;
 use crate::parallel::{CellRecord, Communicator};
 use bytemuck::Zeroable;
 
-/// In checkpoints a plenum is the cell of this number. The intervals of a compressible gas, from the plate upwards, have those
-/// before it, downwards: no volume-averaged gas has so many cells.
+/// Number of the cell that represents a plenum in checkpoints. The intervals of a compressible gas, from the plate
+/// upwards, have the numbers before it, in descending order: no volume-averaged gas has so many cells.
 const PLENUM: u64 = u64::MAX;
-/// No interval has a smaller number.
+/// Smallest possible number of an interval.
 const LOWEST_NUMBER: u64 = 1 << 63;
 
-/// State of a compressible gas or a plenum; the same on all ranks.
+/// State of a compressible gas or a plenum; it is equal on all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnState {
     /// Pressure of the plenum less that above the bed, if there is one.
     pub plenum: Option<f64>,
-    /// A compressible gas, interval by interval from the plate upwards; none of an incompressible one.
+    /// State of a compressible gas, interval by interval from the plate upwards; empty for an incompressible one.
     pub cells: Vec<ColumnCell>,
 }
 
 impl ColumnState {
-    /// Whether there is nothing to remember.
+    /// Whether there is no state to keep.
     pub(in crate::gas) fn is_empty(&self) -> bool {
         self.plenum.is_none() && self.cells.is_empty()
     }
 
-    /// What a checkpoint keeps of it.
+    /// Records of the state in a checkpoint.
     pub(in crate::gas) fn records(&self) -> Vec<CellRecord> {
         let plenum = self.plenum.map(|pressure| CellRecord {
             cell: PLENUM,
@@ -46,7 +46,7 @@ impl ColumnState {
         record.cell >= LOWEST_NUMBER
     }
 
-    /// From the cells of a checkpoint, each on any one rank, whatever gas they are of. Collective.
+    /// The state from the cells of a checkpoint, each on any one rank, whatever gas they belong to. Collective.
     pub(in crate::gas) fn from_records(
         records: &[CellRecord],
         ranks: &dyn Communicator,
@@ -58,7 +58,7 @@ impl ColumnState {
         }
         ranks.sum_integers(&mut counts);
         let [cells, plenums] = counts.map(|count| count as usize);
-        // One rank has each: the sum of their bits is its bits. The plenum comes first.
+        // Each cell is on one rank, so the sum of its bits is its bits. The plenum comes first.
         let mut bits = vec![0; 2 * (cells + 1)];
         for record in own() {
             let row = 2 * (PLENUM - record.cell) as usize;

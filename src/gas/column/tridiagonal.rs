@@ -1,7 +1,7 @@
-//! Linear equations of three diagonals.
+//! Tridiagonal systems of linear equations.
 
-/// The equations, row by row; solved without pivoting, which matrices that are diagonally dominant by rows or columns, or
-/// symmetric and positive, allow.
+/// The equations, row by row; solved without pivoting, which is permitted for matrices that are diagonally dominant by
+/// rows or columns, or symmetric and positive definite.
 pub(super) struct Tridiagonal {
     /// Coefficients of the unknown before, of the row's own and of the next.
     rows: Vec<[f64; 3]>,
@@ -13,7 +13,7 @@ impl Tridiagonal {
         Self { rows: Vec::with_capacity(rows), right: Vec::with_capacity(rows) }
     }
 
-    /// A row; the first one's first coefficient and the last one's last do not count.
+    /// Adds a row; the first coefficient of the first row and the last one of the last row are ignored.
     pub(super) fn push(&mut self, row: [f64; 3], right: f64) {
         self.rows.push(row);
         self.right.push(right);

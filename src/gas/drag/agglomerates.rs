@@ -12,35 +12,36 @@
 use super::ParticleDrag;
 use std::f64::consts::PI;
 
-/// How drag follows from the agglomerates of the particles.
+/// Dependence of the drag on the agglomerates of the particles.
 ///
-/// They are found again at each search: connected sets of the pairs that touch now and touched at the search before (Liu et al. 2016).
+/// Agglomerates are found again at each search: connected sets of the pairs that touch now and touched at the previous
+/// search (Liu et al. 2016).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AgglomerateDrag {
     /// Steps of the gas from one search to the next.
     pub every: u64,
-    /// Sets of fewer particles are taken for single ones.
+    /// Sets of fewer particles are treated as single particles.
     pub smallest: u64,
 }
 
-/// The ball that an agglomerate is taken for.
+/// The ball that represents an agglomerate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AgglomerateBall {
     /// D; length.
     pub diameter: f64,
-    /// phi_a, volume of the members over that of the ball; above 0, and below 1 for more than one member.
+    /// phi_a, ratio of the volume of the members to that of the ball; above 0, and below 1 for more than one member.
     pub packing: f64,
 }
 
 impl AgglomerateBall {
-    /// The ball with the mass and the moments of inertia of the members, taken for solid spheres:
+    /// The ball with the mass and the moments of inertia of the members, which are treated as solid spheres:
     ///
     /// ```math
     /// \frac{D}{2} = \sqrt{\tfrac{5}{3} R^2 + r^2}, \qquad \phi_a = \frac{6 V}{\pi D^3}
     /// ```
     ///
-    /// R is the radius of gyration of the members' centres, r the radius of the sphere of their mean volume, V the volume of all.
-    /// For a single particle it is the particle itself.
+    /// R is the radius of gyration of the members' centres, r the radius of a sphere with their mean volume, V the
+    /// volume of all members. The ball of a single particle is the particle itself.
     pub fn of(radius_of_gyration: f64, member_radius: f64, volume: f64) -> Self {
         let square = 5.0 / 3.0 * radius_of_gyration.powi(2) + member_radius.powi(2);
         let diameter = 2.0 * square.sqrt();
@@ -49,8 +50,9 @@ impl AgglomerateBall {
 }
 
 impl ParticleDrag {
-    /// xi, the drag on a member of an agglomerate over that of the law at the same place, above 0 and at most 1; both are per
-    /// velocity difference. `diameter` is that of the member, `solids_fraction` phi that of the gas's cells, U_s - u_s is `slip`.
+    /// xi, the ratio of the drag on a member of an agglomerate to that of the law at the same place, above 0 and at
+    /// most 1; both are per velocity difference. `diameter` is that of the member, `solids_fraction` is phi of the
+    /// gas's cells, `slip` is U_s - u_s.
     ///
     /// ```math
     /// \xi = \min\!\left(1, \frac{\varepsilon}{b(d, \phi)}\, c\, \Omega(B)\right), \qquad
@@ -59,16 +61,18 @@ impl ParticleDrag {
     /// B^2 = \frac{9}{2 c}\, \frac{b(d, \phi_a)}{1 - \phi_a}
     /// ```
     ///
-    /// with b(d, phi) the drag of the law on a sphere of diameter d per difference of the velocities of gas and particle, and
-    /// eps = 1 - phi, so that b / eps is the drag per superficial slip. c is the member's share, by volume, of the drag of solid
-    /// balls of diameter D that fill the part Phi of the space: they hinder each other as the law says. Omega is Brinkman's factor
-    /// for what flows through a ball, B its radius over the root of its permeability: B^2 is 9/2 times the drag of the members
-    /// at their own packing, if all of the gas went through, over that of the solid ball. Alone the ball has Brinkman's drag.
-    /// That B follows from the balls' hindered drag where there are others is Talcum's own: so all of the gas goes
-    /// through where balls fill the space, and xi is 1 where phi comes to phi_a.
+    /// with b(d, phi) the drag of the law on a sphere of diameter d per difference of the velocities of gas and
+    /// particle, and eps = 1 - phi, so that b / eps is the drag per superficial slip. c is the member's share, by
+    /// volume, of the drag of solid balls of diameter D that fill the fraction Phi of the space: they hinder each other
+    /// according to the law. Omega is Brinkman's factor for the flow through a ball, and B its radius over the root of
+    /// its permeability: B^2 is 9/2 times the ratio of the drag of the members at their own packing, if all of the gas
+    /// went through, to that of the solid ball. A ball alone has Brinkman's drag. The use of the balls' hindered drag
+    /// in B where there are others is Talcum's own: all of the gas thus goes through where balls fill the space, and xi
+    /// is 1 where phi reaches phi_a.
     ///
-    /// Limits: a particle alone has xi = 1; many members in a compact ball alone, 6 pi mu D / 2 in all; members of a ball that the
-    /// cells of the gas resolve (phi is phi_a in them), xi = 1, since the gas itself then flows around it.
+    /// Limits: a particle alone has xi = 1; many members in a compact ball alone have 6 pi mu D / 2 in all; members of
+    /// a ball that the cells of the gas resolve (phi is phi_a in them) have xi = 1, since the gas itself then flows
+    /// around it.
     #[inline(always)]
     pub fn factor_in_agglomerate(
         &self,
@@ -79,7 +83,8 @@ impl ParticleDrag {
     ) -> f64 {
         let AgglomerateBall { diameter: large, packing } = *ball;
         let filled = solids_fraction / packing;
-        // Members of very different sizes may leave a ball that is too small for them: the law as it is, as with undefined numbers.
+        // Members of very different sizes may give a ball that is too small for them: the drag of the law is then used
+        // unchanged, as for undefined numbers.
         if !(filled < 1.0 && packing < 1.0) {
             return 1.0;
         }
@@ -93,10 +98,11 @@ impl ParticleDrag {
     }
 }
 
-/// Omega, the drag on a permeable ball over that on a solid one (Brinkman 1947): 2 B^2 / 9 for small B, 1 for large B.
+/// Omega, ratio of the drag on a permeable ball to that on a solid one (Brinkman 1947): 2 B^2 / 9 for small B, 1 for
+/// large B.
 fn brinkman_factor(ratio: f64) -> f64 {
     let square = ratio * ratio;
-    // The difference has lost its digits: its series, good to a part in 10^8 there.
+    // The difference has lost its digits, so its series is used, which is accurate to a part in 10^8 there.
     let inside = match ratio < 0.01 {
         true => square / 3.0 * (1.0 - 0.4 * square),
         false => 1.0 - libm::tanh(ratio) / ratio,
@@ -109,7 +115,7 @@ mod tests {
     use super::*;
     use crate::gas::{DragLaw, DragShare};
 
-    /// Of particles of diameter 1 in a gas of viscosity 1, whose density makes no difference.
+    /// Drag on particles of diameter 1 in a gas of viscosity 1, whose density has no effect.
     fn creeping() -> ParticleDrag {
         ParticleDrag {
             law: DragLaw::WEN_YU_CREEPING,
@@ -121,7 +127,7 @@ mod tests {
         }
     }
 
-    /// Ball of so many particles of diameter 1 at a packing.
+    /// Ball of this number of particles of diameter 1 at a packing.
     fn ball(members: f64, packing: f64) -> AgglomerateBall {
         AgglomerateBall { diameter: libm::cbrt(members / packing), packing }
     }
@@ -155,7 +161,7 @@ mod tests {
         let pair = AgglomerateBall::of(0.5, 0.5, PI / 3.0);
         let found = factor(&pair, 0.0);
         assert!((0.645..0.75).contains(&found), "{found}");
-        // The control: as a solid ball it would have more.
+        // Control: a solid ball would have more drag.
         let solid = 0.5 * pair.diameter;
         assert!(solid > 0.8, "{solid}");
     }
@@ -166,7 +172,7 @@ mod tests {
             let ball = ball(members, 0.6);
             let of_stokes = ball.diameter / members;
             let found = factor(&ball, 0.0) / of_stokes;
-            // The gas enters by about the root of the permeability, a part 1 / B of the radius.
+            // The gas enters to a depth of about the root of the permeability, a fraction 1 / B of the radius.
             assert!(found < 1.0 && 1.0 - found < 0.5 / libm::cbrt(members), "{members}: {found}");
         }
     }
@@ -192,7 +198,7 @@ mod tests {
                         let ball = ball(members, packing);
                         let found = drag.factor_in_agglomerate(1.0, &ball, phi, slip);
                         let is_right = found > 0.0 && found <= 1.0;
-                        // Ergun's law is none of single particles: its drag is 0 without solids and slip.
+                        // Ergun's law does not apply to single particles: its drag is 0 without solids and slip.
                         let has_law = drag.per_velocity(1.0, phi, slip) > 0.0;
                         assert!(is_right || !has_law, "{:?} {ball:?} {phi}: {found}", drag.law);
                     }

@@ -19,7 +19,7 @@ use crate::schema::{Key, KeyValues};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beetstra;
 
-/// Below, the inertial part is lost in the rounding of the viscous one.
+/// Reynolds number below which the inertial part is lost in the rounding of the viscous one.
 const SLOWEST: f64 = 1.0e-14;
 
 impl DragCorrelation for Beetstra {

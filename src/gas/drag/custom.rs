@@ -5,15 +5,15 @@ use crate::numbers::vectorised;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A drag law that the crate does not know by its type. It is called once per block of particles.
+/// A drag law whose type is not known to the crate. It is called once per block of particles.
 #[derive(Clone, Debug)]
 pub struct CustomDragLaw {
     name: Arc<str>,
     law: Arc<dyn BlockDrag>,
 }
 
-/// A drag law that can be called once per block of particles: every [`DragCorrelation`] whose type the compiler may
-/// send between threads and print. It cannot be implemented otherwise.
+/// A drag law that can be called once per block of particles. Every [`DragCorrelation`] whose type is `Send`, `Sync`
+/// and `Debug` implements it; there can be no other implementation.
 pub trait BlockDrag: DragCorrelation + Send + Sync + Debug {
     /// Replaces the Reynolds numbers by eps F.
     #[doc(hidden)]
@@ -26,7 +26,7 @@ impl<L: DragCorrelation + Send + Sync + Debug> BlockDrag for L {
     }
 }
 
-/// Lanes of a law from outside, whatever the length of the caller's block.
+/// Number of lanes for a law from outside the crate, whatever the length of the caller's block.
 const LANES: usize = 32;
 
 vectorised!(
@@ -69,7 +69,7 @@ impl DragCorrelation for CustomDragLaw {
     }
 }
 
-/// Two are equal if they are the same law, not only alike: its parameters are not known here.
+/// Two are equal if they are the same object; equal parameters do not suffice, since they are not known here.
 impl PartialEq for CustomDragLaw {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name && Arc::ptr_eq(&self.law, &other.law)
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn own_answer_on_the_reynolds_number_is_used() {
         assert!(!DragLaw::custom("stokes", Stokes).depends_on_reynolds());
-        // Negative control: the law whose answer was the only one that counted, and one that depends on it.
+        // Negative control: a registered law without this dependence, and one with it.
         assert!(!DragLaw::WEN_YU_CREEPING.depends_on_reynolds());
         assert!(DragLaw::WEN_YU.depends_on_reynolds());
     }

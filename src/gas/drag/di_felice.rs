@@ -25,14 +25,14 @@ const SPHERES: &[Word] =
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiFelice {
-    /// C_D; programs differ in it.
+    /// C_D, for which programs use different expressions.
     pub single_sphere: SingleSphere,
 }
 
 /// Drag coefficient C_D of a single sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SingleSphere {
-    /// (0.63 + 4.8 Re^-1/2)^2, Dallavalle (1948), as Di Felice has it; at small Re 0.96 of Stokes' drag.
+    /// (0.63 + 4.8 Re^-1/2)^2, Dallavalle (1948), as used by Di Felice; at small Re 0.96 of Stokes' drag.
     Dallavalle,
     /// 24 / Re (1 + 0.15 Re^0.687), 0.44 above Re = 1000, Schiller & Naumann (1935).
     SchillerNaumann,

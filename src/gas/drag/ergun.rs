@@ -14,7 +14,8 @@ use crate::schema::{Key, KeyValues};
 /// \frac{\Delta p}{L} = \frac{150\, \mu\, \phi^2 U}{\varepsilon^3 d^2} + \frac{1.75\, \rho_g\, \phi\, U^2}{\varepsilon^3 d}
 /// ```
 ///
-/// U is the superficial velocity. Without meaning in dilute suspensions, where it goes to zero with phi and Re.
+/// U is the superficial velocity. The law is not meaningful in dilute suspensions, where it goes to zero with phi and
+/// Re.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ergun;
 

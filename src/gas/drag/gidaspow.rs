@@ -25,16 +25,17 @@ const SWITCHES: &[Word] =
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gidaspow {
-    /// How one law becomes the other.
+    /// Transition between the two laws.
     pub switch: Switch,
 }
 
-/// From Ergun to Wen & Yu.
+/// Transition from Ergun to Wen & Yu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switch {
     /// At phi = 0.2, with a jump.
     Sharp,
-    /// The part atan(150 * 1.75 (0.2 - phi)) / pi + 1/2 of Wen & Yu, the rest of Ergun (Huilin & Gidaspow 2003).
+    /// The fraction atan(150 * 1.75 (0.2 - phi)) / pi + 1/2 of Wen & Yu, and the rest of Ergun (Huilin & Gidaspow
+    /// 2003).
     Smooth,
 }
 

@@ -1,9 +1,9 @@
-//! What a drag law is given, what it returns, and what it must answer.
+//! The interface of a drag law: its input, its result, and its properties.
 
 use crate::schema::{Allowed, Key, KeyValues};
 
-/// Drag of a suspension over the Stokes drag of a single sphere:
-/// F = F_d / (3 pi mu d eps |u_g - v|), eps = 1 - phi, Re = eps rho_g d |u_g - v| / mu.
+/// Ratio of the drag in a suspension to the Stokes drag of a single sphere: F = F_d / (3 pi mu d eps |u_g - v|), eps =
+/// 1 - phi, Re = eps rho_g d |u_g - v| / mu.
 ///
 /// F_d is the drag without the force of the mean pressure gradient (model A). The momentum transfer per volume is
 /// beta = 18 mu eps phi F / d^2, and the force per particle (V / phi) beta (u_g - v) = 3 pi mu d eps F (u_g - v).
@@ -39,16 +39,16 @@ pub trait DragCorrelation {
 pub(super) const DENSITY: Key =
     Key::number("density", Allowed::POSITIVE, "Density of the gas").unit("mass/volume");
 
-/// A law of the registry. The tests of finite, monotone drag and of equal values one by one and many at once run over its
-/// examples.
+/// A law of the registry. The tests of finite, monotone drag and of equal values one by one and many at once run over
+/// its examples.
 pub trait RegisteredDragLaw: DragCorrelation + Sized {
-    /// What the law is, for the manual.
+    /// Meaning of the law, for the manual.
     const MEANING: &'static str;
 
     /// Its keys in the case file.
     const KEYS: &'static [Key];
 
-    /// The law of these values; `None` if one is missing or wrong.
+    /// The law with these values; `None` if one is missing or wrong.
     fn from_keys(values: &dyn KeyValues) -> Option<Self>;
 
     /// At least one law; one for each choice that the law offers.

@@ -22,7 +22,7 @@ pub use gidaspow::Switch;
 pub use law::{DragCorrelation, RegisteredDragLaw};
 pub use particle_drag::ParticleDrag;
 
-// From these lines follow the enum `DragLaw`, its dispatch, the names that a case can choose from, the laws that the tests
+// These lines define the enum `DragLaw`, its dispatch, the names that a case can choose from, the laws that the tests
 // run over, and the table in docs/laws.md.
 drag_laws! {
     "wen_yu" => wen_yu::WenYu,
@@ -37,7 +37,7 @@ drag_laws! {
 impl DragLaw {
     /// Wen & Yu with the usual exponent.
     pub const WEN_YU: Self = Self::WenYu(WenYu::USUAL);
-    /// Its limit at small Reynolds numbers.
+    /// The limit of Wen & Yu at small Reynolds numbers.
     pub const WEN_YU_CREEPING: Self = Self::WenYuCreeping(WenYuCreeping::USUAL);
 }
 
@@ -102,13 +102,13 @@ mod tests {
 
     #[test]
     fn misprints_in_circulation_are_seen() {
-        // Tenneti's last term with phi^(1/3) in the place of phi^3: 29 % at phi = 0.6, Re = 100.
+        // Tenneti's last term with phi^(1/3) in place of phi^3 differs by 29 % at phi = 0.6, Re = 100.
         let (phi, reynolds, eps) = (0.6_f64, 100.0, 0.4_f64);
         let right = Tenneti.scaled_drag(phi, reynolds) / eps;
         let misprint =
             right + phi.powi(3) * reynolds * 0.61 * (phi.cbrt() - phi.powi(3)) / (eps * eps);
         assert!((misprint / right - 1.29).abs() < 0.01, "{}", misprint / right);
-        // Beetstra without eps in the Stokes drag that F refers to: a factor 1 / eps.
+        // Beetstra without eps in the Stokes drag to which F refers differs by a factor 1 / eps.
         let found = Beetstra.scaled_drag(phi, reynolds);
         assert!((found - 89.78942).abs() > 10.0);
     }
@@ -120,12 +120,12 @@ mod tests {
                 DragLaw::Ergun(_) => 0.0, // for dense beds only
                 DragLaw::DiFelice(DiFelice { single_sphere: SingleSphere::Dallavalle }) => 0.96,
                 DragLaw::Gidaspow(Gidaspow { switch: Switch::Smooth }) => {
-                    // The part of Wen & Yu where its complement is Ergun's, which is zero here.
+                    // The weight of Wen & Yu, since the rest is Ergun's drag, which is zero here.
                     libm::atan(150.0 * 1.75 * 0.2) / std::f64::consts::PI + 0.5
                 }
                 _ => 1.0,
             };
-            // phi^(1/3) of the smallest number is not 0; nothing else is left.
+            // phi^(1/3) of the smallest number is not 0; all other terms vanish.
             assert!((law.scaled_drag(0.0, 0.0) - expected).abs() < 1.0e-12, "{law:?}");
         }
     }
@@ -136,11 +136,11 @@ mod tests {
             let mut previous = 0.0;
             for reynolds in [0.0, 1.0e-300, 1.0e-9, 1.0e-3, 1.0, 30.0, 999.0] {
                 let found = law.scaled_drag(0.4, reynolds);
-                // Di Felice's crowding falls where its exponent does, by less than the sphere's drag grows.
+                // Di Felice's voidage function falls where its exponent does, but less than the sphere's drag grows.
                 assert!(found.is_finite() && found >= previous, "{law:?} at {reynolds}: {found}");
                 previous = found;
             }
-            // Gidaspow's sharp switch jumps, so only where one law holds.
+            // Gidaspow's sharp switch jumps, so each range must lie within one law.
             for pair in [[0.25, 0.4], [0.4, 0.55], [0.55, 0.7]] {
                 assert!(law.scaled_drag(pair[0], 1.0) < law.scaled_drag(pair[1], 1.0), "{law:?}");
             }

@@ -1,4 +1,4 @@
-//! What follows from the lines of the registry of drag laws.
+//! Definitions generated from the lines of the registry of drag laws.
 
 /// Defines [`DragLaw`](super::DragLaw) from `name => file::Type` lines.
 macro_rules! drag_laws {
@@ -33,8 +33,8 @@ macro_rules! drag_laws {
                 $crate::schema::Word::with($name, $Law::MEANING, $Law::KEYS)
             ),*];
 
-            /// The law of a name and of the values of its keys; `None` if there is none of this name, or a value is missing
-            /// or wrong.
+            /// The law with a given name and the values of its keys; `None` if there is none of this name, or a value
+            /// is missing or wrong.
             pub fn from_keys(name: &str, values: &dyn $crate::schema::KeyValues) -> Option<Self> {
                 match name {
                     $($name => $Law::from_keys(values).map(Self::from),)*
@@ -42,7 +42,7 @@ macro_rules! drag_laws {
                 }
             }
 
-            /// What the case file calls the law; of a law from outside the crate, the name that it was given.
+            /// Name of the law in the case file; for a law from outside the crate, its given name.
             pub fn name(&self) -> &str {
                 match self {
                     $(Self::$Law(_) => $name,)*

@@ -18,7 +18,7 @@ use crate::schema::{Key, KeyValues};
 ///   + \phi^3 Re \left( 0.95 + \frac{0.61\, \phi^3}{\varepsilon^2} \right)
 /// ```
 ///
-/// Other programs print phi^(1/3) in the last term, or leave 1 undivided: 29 % apart at phi = 0.6, Re = 100.
+/// Other programs print phi^(1/3) in the last term, which differs by 29 % at phi = 0.6, Re = 100, or leave 1 undivided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tenneti;
 

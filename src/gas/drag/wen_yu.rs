@@ -20,7 +20,7 @@ const VOIDAGE_EXPONENT: Key = Key::number(
 )
 .default(Value::Number(1.65));
 
-/// Reynolds number above which a sphere's drag coefficient stays at 0.44.
+/// Reynolds number above which a sphere's drag coefficient is constant at 0.44.
 pub(super) const INERTIAL: f64 = 1000.0;
 
 /// C_D Re / 24 of a single sphere: 1 + 0.15 Re^0.687 (Schiller & Naumann 1935), 0.44 Re / 24 above Re = 1000.
@@ -37,7 +37,7 @@ pub(super) fn schiller_naumann(reynolds: f64) -> f64 {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WenYu {
-    /// n: 1.65 as usual, so that F = (C_D Re / 24) eps^-3.65; Liu 2016 prints 2.7.
+    /// n: usually 1.65, so that F = (C_D Re / 24) eps^-3.65; Liu 2016 prints 2.7.
     pub exponent: f64,
 }
 
@@ -109,7 +109,7 @@ impl DragCorrelation for WenYuCreeping {
     }
 }
 
-/// eps^-(n + 1) of many.
+/// eps^-(n + 1) for many particles.
 #[inline(always)]
 fn crowding<const N: usize>(solids_fraction: &[f64; N], exponent: f64) -> [f64; N] {
     let mut voidage = *solids_fraction;
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn the_exponent_of_liu_is_that_of_beta() {
-        // beta d^2 / (18 mu phi) = eps F: by eps^-2.7 and the slip |u - v| = Re mu / (eps rho d).
+        // beta d^2 / (18 mu phi) = eps F, with eps^-2.7 and the slip |u - v| = Re mu / (eps rho d).
         let (phi, eps, reynolds) = (0.4, 0.6_f64, 2.0);
         let coefficient = 24.0 / reynolds * (1.0 + 0.15 * libm::pow(reynolds, 0.687));
         // (3/4) C_D rho |u - v| phi / d eps^-2.7 over 18 mu phi / d^2.

@@ -1,18 +1,18 @@
-//! Momentum that the gas carries with it.
+//! Advection of momentum by the gas.
 //!
-//! For component a, over the cell around a face (half of the cell below, half of the one above), with the volume
-//! flux G = eps u through its faces, the mean of those of the two cells:
+//! For component a, over the cell around a face (half of the cell below, half of the one above), with the volume flux G
+//! = eps u through its faces, which is the mean of the fluxes of the two cells:
 //!
 //! ```math
 //! -\rho \left[ \nabla \cdot (\mathbf{G} u_a) - u_a \nabla \cdot \mathbf{G} \right]
 //! ```
 //!
-//! Discrete continuity is d(eps)/dt + div G = 0 in cells, and so in the mean of two: the bracket is what it makes
-//! of d(eps u_a)/dt + div(G u_a) less eps d(u_a)/dt. It is zero for a uniform velocity, whatever the voidage
-//! does, and conserves momentum where the voidage is steady.
+//! Discrete continuity is d(eps)/dt + div G = 0 in cells, and so in the mean of two. With it, the bracket equals d(eps
+//! u_a)/dt + div(G u_a) less eps d(u_a)/dt. It is zero for a uniform velocity, even if the voidage changes, and
+//! conserves momentum where the voidage is steady.
 //!
-//! u_a in the faces between is interpolated by the limiter of Koren: third order where the profile is smooth
-//! and monotonic, never beyond the two values around.
+//! u_a in the faces between is interpolated by the limiter of Koren: of third order where the profile is smooth and
+//! monotonic, and never beyond the two neighbouring values.
 //!
 //! Koren, "A robust upwind discretization method for advection, diffusion and source terms", in Vreugdenhil &
 //! Koren (eds), Numerical Methods for Advection-Diffusion Problems, Vieweg (1993) 117-138.
@@ -56,7 +56,7 @@ fn set_fluxes_of_row([below, above]: [&[f64]; 2], u: &[f64], flux: &mut [f64]) {
     }
 }
 
-/// Advection by these fluxes. Part of work in wide vectors.
+/// Advection by these fluxes. It is part of the work in wide vectors.
 pub(super) struct Advection<'a> {
     flux: &'a [Field; 3],
     local: LocalGas<'a>,
@@ -64,16 +64,16 @@ pub(super) struct Advection<'a> {
     between: FacesBetween,
 }
 
-/// Faces of a row of the cells around faces: each is passed on from the row before it to the one behind.
+/// Faces between the cells around the faces of a row: each row passes its upper ones on to the next row.
 #[derive(Default)]
 struct FacesBetween {
     flux: Vec<f64>,
-    /// The velocity that the flux carries.
+    /// The velocity carried by the flux.
     carried: Vec<f64>,
 }
 
 impl FacesBetween {
-    /// Room for so many faces.
+    /// Makes room for this number of faces.
     #[inline(always)]
     fn of(&mut self, count: usize) -> (&mut [f64], &mut [f64]) {
         let Self { flux, carried } = self;
@@ -149,7 +149,7 @@ struct Along {
 }
 
 impl Along {
-    /// What the faces below the places of a row follow from.
+    /// Data for the faces below the places of a row.
     #[inline(always)]
     fn lower<'a>(&self, u: &'a [f64], flux: &'a [f64], row: &Range<usize>) -> LowerFaces<'a> {
         LowerFaces {
@@ -158,7 +158,7 @@ impl Along {
         }
     }
 
-    /// Along a row, by itself.
+    /// Adds advection along a single row.
     #[inline(always)]
     fn add_row(
         &self,
@@ -177,7 +177,7 @@ impl Along {
         self.take(through, carried, here, &mut rate[row]);
     }
 
-    /// Across rows: so many, one behind the other.
+    /// Adds advection across a number of rows, one behind the other.
     #[inline(always)]
     fn add_rows(
         &self,
@@ -198,7 +198,8 @@ impl Along {
         }
     }
 
-    /// Takes what goes out of the cells around a row of faces off their rates, from the faces between and what these carry.
+    /// Subtracts the outflow of the cells around a row of faces from their rates, given the fluxes through the faces
+    /// between and the velocities that these carry.
     #[inline(always)]
     fn take(
         &self,
@@ -212,7 +213,8 @@ impl Along {
         }
     }
 
-    /// The same, when only the lower faces are known: puts the upper ones in their place, which are the next row's lower ones.
+    /// Like `take`, if only the lower faces are known: replaces them by the upper ones, which are the lower ones of the
+    /// next row.
     #[inline(always)]
     fn pass(&self, upper: &LowerFaces, through: &mut [f64], carried: &mut [f64], rate: &mut [f64]) {
         let length = rate.len();
@@ -225,23 +227,23 @@ impl Along {
         }
     }
 
-    /// What goes out of a cell around a face, by the fluxes through its lower and its upper face.
+    /// Outflow of momentum from a cell around a face, by the fluxes through its lower and its upper face.
     #[inline(always)]
     fn change(&self, here: f64, [lower, upper]: [f64; 2], [in_lower, in_upper]: [f64; 2]) -> f64 {
         self.factor * (upper * (in_upper - here) - lower * (in_lower - here))
     }
 }
 
-/// What the faces below a row of places follow from.
+/// Data for the faces below a row of places.
 struct LowerFaces<'a> {
-    /// Velocity two places below, below, in the places and above.
+    /// Velocity two places below, one below, at the places and one above.
     u: [&'a [f64]; 4],
     /// Volume flux in the two cells of each face.
     flux: [&'a [f64]; 2],
 }
 
 impl LowerFaces<'_> {
-    /// The flux through the i-th face, and the velocity that it carries.
+    /// The flux through the i-th face, and the velocity carried by it.
     #[inline(always)]
     fn at(&self, i: usize) -> (f64, f64) {
         let through = 0.5 * (self.flux[0][i] + self.flux[1][i]);
@@ -258,7 +260,7 @@ impl LowerFaces<'_> {
     }
 }
 
-/// The value between the second and the third of four in a row, seen from where the flux comes from.
+/// The value between the second and the third of four values in a row, in the direction of the flux.
 #[inline(always)]
 fn value_between(values: [f64; 4], flux: f64) -> f64 {
     let [a, b, c, d] = values;
@@ -274,7 +276,7 @@ fn value_between(values: [f64; 4], flux: f64) -> f64 {
 }
 
 /// Advection of the normal component through a face of the box in which it follows from momentum. Gas that leaves
-/// takes the velocity in the face with it; gas that comes in brings that of the gas outside.
+/// carries the velocity in the face; gas that comes in carries that of the gas outside.
 struct ThroughFace {
     face: BoxFace,
     /// Velocity of the gas outside along the normal axis.
@@ -317,8 +319,8 @@ impl ThroughFace {
 }
 
 vectorised!(
-    /// The largest sum over axes of |eps u| / (eps spacing) in a cell, twice of which times a step may not exceed 1
-    /// for the limiter to hold. Infinite if it is undefined, or a voidage negative.
+    /// The largest sum over axes of |eps u| / (eps spacing) in a cell; for the limiter to hold, twice this value times
+    /// a step must not exceed 1. Infinite if it is undefined, or a voidage is negative.
     pub(super) fn courant_rate(
         flux: &[Field; 3],
         voidage: &Field,

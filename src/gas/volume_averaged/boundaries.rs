@@ -1,8 +1,8 @@
-//! What lies beyond the faces of the box: cells and faces in the halo, set so that the same differences hold
-//! there as inside.
+//! Values beyond the faces of the box: cells and faces in the halo are set so that the same differences hold there as
+//! inside.
 //!
-//! Halos between ranks are filled before. Axis by axis, over all that lies across the axis, halo included: so the
-//! numbers in edges and corners do not depend on where the cuts are.
+//! Halos between ranks are filled before. The values are set axis by axis, over the whole range across the axis, halo
+//! included, so that the numbers in edges and corners do not depend on the positions of the cuts.
 
 use super::VolumeAveragedGas;
 use super::boundary::{FaceConditions, NormalVelocity, TangentialVelocity, across};
@@ -12,7 +12,7 @@ use super::round_wall::RoundWall;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 
-/// A face of the box that this rank's cells reach, and what holds in it.
+/// A face of the box that this rank's cells reach, and its conditions.
 #[derive(Clone, Copy)]
 struct LocalFace<'a> {
     conditions: FaceConditions<'a>,
@@ -22,12 +22,12 @@ struct LocalFace<'a> {
     face: isize,
     /// The cell inside.
     inside: isize,
-    /// Step along the axis that leads outwards.
+    /// Step along the axis that points outwards.
     outwards: isize,
 }
 
 impl<'a> LocalFace<'a> {
-    /// The faces of the box, not being periodic, that a part reaches.
+    /// The non-periodic faces of the box that a part reaches.
     fn of(part: &LocalCells, gas: &'a VolumeAveragedGas) -> Vec<Self> {
         let local = |face: BoxFace| {
             let BoxFace { axis, side } = face;
@@ -51,8 +51,8 @@ impl<'a> LocalFace<'a> {
 }
 
 impl LocalFace<'_> {
-    /// Places in memory of the cells at `place` along the axis, with halos across it, and the step from each to the next cell
-    /// inwards. With `for_each` they are two nested loops, which a `for` over them is not.
+    /// Places in memory of the cells at `place` along the axis, with halos across it, and the step from each to the
+    /// next cell inwards. `for_each` goes through them in two nested loops, unlike a `for` loop.
     fn places(
         self,
         field: &Field,
@@ -64,7 +64,7 @@ impl LocalFace<'_> {
     }
 }
 
-/// A place in memory moved by so many steps.
+/// A place in memory moved by this number of steps.
 #[inline(always)]
 fn stepped(place: usize, steps: isize, step: isize) -> usize {
     place.wrapping_add_signed(steps * step)
@@ -76,7 +76,7 @@ fn placed(mut cell: [isize; 3], axis: usize, place: isize) -> [isize; 3] {
     cell
 }
 
-/// Continues numbers on cells beyond the box as in a mirror: no gradient in the face.
+/// Mirrors numbers to cells beyond the box, so that there is no gradient in the face.
 pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in LocalFace::of(part, gas) {
         for field in fields.iter_mut() {
@@ -88,8 +88,8 @@ pub(super) fn mirror(fields: &mut [&mut Field], part: &LocalCells, gas: &VolumeA
     }
 }
 
-/// Continues the pressure beyond the box: linearly at walls and inlets; at an outlet so that the mean of the
-/// cells inside and outside is the given pressure.
+/// Continues the pressure beyond the box: linearly at walls and inlets; at an outlet such that the mean of the cells
+/// inside and outside is the given pressure.
 pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     for face in LocalFace::of(part, gas) {
         let given = face.conditions.pressure.given();
@@ -105,7 +105,7 @@ pub(super) fn continue_pressure(pressure: &mut Field, part: &LocalCells, gas: &V
     }
 }
 
-/// Continues a change of pressure beyond faces in which the pressure is given: there it is zero.
+/// Continues a change of pressure beyond faces with a given pressure: it is zero in the face.
 pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &VolumeAveragedGas) {
     let is_given = |face: &LocalFace| face.conditions.pressure.given().is_some();
     for face in LocalFace::of(part, gas).into_iter().filter(is_given) {
@@ -115,8 +115,9 @@ pub(super) fn continue_correction(change: &mut Field, part: &LocalCells, gas: &V
     }
 }
 
-/// Sets the velocity in the faces of walls and inlets; in outlets it stays. Nothing comes in outside of a round wall. Before halos between ranks are filled:
-/// the next rank has a narrow part's face in its halo.
+/// Sets the velocity in the faces of walls and inlets; in outlets it is kept. Gas does not come in outside a round
+/// wall. This is called before halos between ranks are filled, since the next rank has a narrow part's face in its
+/// halo.
 pub(super) fn set_boundary_faces(
     velocity: &mut [Field; 3],
     (voidage, wall): (&Field, Option<&RoundWall>),
@@ -139,9 +140,9 @@ pub(super) fn set_boundary_faces(
 
 /// Continues the velocity beyond the box, once it is known in the faces of the box.
 ///
-/// Along its normal a component is continued linearly through the face, so that it is odd at a wall; where it follows
-/// from momentum it stays as it is in the face. A component in the plane of the face has the velocity of a wall in it,
-/// at this time, or no gradient.
+/// Along its normal a component is continued linearly through the face, so that it is odd at a wall; if it follows from
+/// momentum, it is constant beyond the face. A component in the plane of the face has the velocity of a wall in it, at
+/// this time, or no gradient.
 pub(super) fn continue_velocity(
     velocity: &mut [Field; 3],
     LocalGas { part, gas }: LocalGas,
@@ -189,7 +190,7 @@ fn voidage_in_face(voidage: &Field, cell: [isize; 3], axis: usize) -> f64 {
 fn continue_normal(component: &mut Field, part: &LocalCells, face: LocalFace) {
     let halo = component.halo() as isize;
     let from_momentum = face.conditions.normal.outside().is_some();
-    // Lower faces: the halo holds one more below the box than above it.
+    // Lower faces: the halo contains one more below the box than above it.
     for depth in 1..=halo - face.side as isize {
         let (places, inwards) = face.places(component, part, face.face + face.outwards * depth);
         let values = component.values_mut();
@@ -201,7 +202,7 @@ fn continue_normal(component: &mut Field, part: &LocalCells, face: LocalFace) {
     }
 }
 
-/// Sets a component beyond a face by its value inside, as far from the face.
+/// Sets a component beyond a face from its value inside, at the same distance from the face.
 #[inline(always)]
 fn continue_tangential(
     component: &mut Field,
@@ -215,7 +216,7 @@ fn continue_tangential(
     places.for_each(|place| values[place] = beyond(values[stepped(place, steps, inwards)]));
 }
 
-/// Continues the velocity where gas may come in: it then brings the velocity of the gas outside.
+/// Continues the velocity where gas may come in, which then carries the velocity of the gas outside.
 fn continue_through_opening(
     component: &mut Field,
     (part, face, depth): (&LocalCells, LocalFace, isize),
@@ -230,7 +231,7 @@ fn continue_through_opening(
     }
 }
 
-/// Whether gas comes into the box through a face, beside the lower face along `axis` of a cell.
+/// Whether gas comes into the box through a face, near the lower face along `axis` of a cell.
 fn comes_in(normal: &Field, face: LocalFace, cell: [isize; 3], axis: usize) -> bool {
     let here = placed(cell, face.axis, face.face);
     let below = placed(here, axis, (here[axis] - 1).max(-(normal.halo() as isize)));

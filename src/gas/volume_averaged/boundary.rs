@@ -1,4 +1,4 @@
-//! What happens to the gas at a face of the box, as a case chooses it and as the kernels see it.
+//! Boundary conditions of the gas at a face of the box, as a case chooses them and as the kernels use them.
 //!
 //! | [`Boundary`] | velocity along the normal | across it | pressure |
 //! | --- | --- | --- | --- |
@@ -7,30 +7,30 @@
 //! | `Inlet` | given flux eps u | 0 | extrapolated |
 //! | `Outlet` | from momentum; no gradient | no gradient; 0 where gas comes back | given in the face |
 //!
-//! In an outlet the normal stress is taken not to vary along the normal: where it does, errors are of first order.
-//! Gas that comes back brings no momentum. A boundary is one arm of [`Boundary::conditions`]: kernels see only the
+//! In an outlet the normal stress is assumed not to vary along the normal; if it does, errors are of first order. Gas
+//! that comes back carries no momentum. A boundary is one arm of [`Boundary::conditions`]: the kernels use only the
 //! conditions.
 
 use crate::domain::WallMotion;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
 
-/// What happens to the gas at a face of the box.
+/// Boundary condition of the gas at a face of the box.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// The box repeats.
     Periodic,
     /// A wall to which the gas sticks, and which may move in its own plane.
     NoSlip {
-        /// Motion of the wall, none along its normal.
+        /// Motion of the wall, which has no component along its normal.
         motion: WallMotion,
     },
     /// A wall along which the gas slides without friction.
     FreeSlip,
     /// Gas comes in, along the normal.
     Inlet(Inlet),
-    /// The gas leaves against a given pressure, without gradients of velocity along the normal. Where it comes
-    /// back it was at rest outside.
+    /// The gas leaves against a given pressure, without gradients of velocity along the normal. Gas that comes back was
+    /// at rest outside.
     Outlet {
         /// Pressure in the face, less the hydrostatic head.
         pressure: f64,
@@ -40,9 +40,9 @@ pub enum Boundary {
 /// Gas that comes in through a face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inlet {
-    /// Superficial velocity eps u into the box, at each time.
+    /// Superficial velocity eps u into the box, as a function of time.
     pub velocity: Schedule,
-    /// How it is spread over the face.
+    /// Distribution over the face.
     pub profile: Profile,
     /// A part of the face with a velocity of its own.
     pub jet: Option<Jet>,
@@ -51,13 +51,13 @@ pub struct Inlet {
 /// A part of an inlet through which gas comes in at another velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jet {
-    /// Superficial velocity into the box, at each time.
+    /// Superficial velocity into the box, as a function of time.
     pub velocity: Schedule,
-    /// The part of each cell that the jet covers along each of the two axes of the face, from 0 to 1.
+    /// The fraction of each cell that the jet covers along each of the two axes of the face, from 0 to 1.
     pub covered: [Vec<f64>; 2],
 }
 
-/// Velocity over a face, relative to the one that is given.
+/// Velocity over a face, relative to the given one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Profile {
     /// Uniform over the face.
@@ -69,7 +69,7 @@ pub enum Profile {
     Table(Vec<f64>),
 }
 
-/// What holds for the gas in a face of the box that does not repeat: all that the kernels know of a boundary.
+/// Conditions for the gas in a non-periodic face of the box: all that the kernels know of a boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceConditions<'a> {
     /// Velocity along the normal of the face.
@@ -83,11 +83,11 @@ pub struct FaceConditions<'a> {
 /// Velocity along the normal of a face.
 #[derive(Clone, Copy, Debug)]
 pub enum NormalVelocity<'a> {
-    /// Velocity of an inlet, or zero.
+    /// A given velocity: that of an inlet, or zero.
     Fixed(Option<&'a Inlet>),
     /// From the momentum balance in the face, without a gradient along the normal.
     FromMomentum {
-        /// Velocity of the gas outside, which it brings along where it comes in.
+        /// Velocity of the gas outside, which gas that comes in carries.
         outside: Vector3<f64>,
     },
 }
@@ -111,7 +111,7 @@ pub enum PressureCondition {
 }
 
 impl NormalVelocity<'_> {
-    /// Velocity of the gas outside, if gas leaves and comes back as the momentum balance says.
+    /// Velocity of the gas outside, if the momentum balance determines whether gas leaves or comes back.
     pub(super) fn outside(self) -> Option<Vector3<f64>> {
         match self {
             Self::FromMomentum { outside } => Some(outside),
@@ -134,7 +134,7 @@ impl Boundary {
     /// A wall at rest to which the gas sticks; in a run it moves as the domain's wall in the same face.
     pub const NO_SLIP: Self = Self::NoSlip { motion: WallMotion::REST };
 
-    /// What it means for the gas; nothing where the box repeats.
+    /// Conditions for the gas; `None` for a periodic face.
     pub fn conditions(&self) -> Option<FaceConditions<'_>> {
         let conditions = match self {
             Self::Periodic => return None,
@@ -162,7 +162,7 @@ impl Boundary {
         Some(conditions)
     }
 
-    /// This boundary in a face whose wall, which particles touch, moves like this.
+    /// This boundary in a face with a wall, touched by particles, that has this motion.
     pub(super) fn with_wall(self, wall: WallMotion) -> Self {
         match self {
             Self::NoSlip { .. } => Self::NoSlip { motion: wall },

@@ -1,7 +1,8 @@
-//! The exchange of momentum between particles and gas: what the gas sees of the particles, and its force on them.
+//! The exchange of momentum between particles and gas: the fields of the particles that the gas needs, and its force on
+//! them.
 //!
-//! One set of weights serves both directions: hats around cell centres, then the filter if there is one, then
-//! means of the two cells of a face. What the gas loses at faces is what particles gain, to round-off:
+//! One set of weights serves both directions: hat functions around cell centres, then the filter if there is one, then
+//! means of the two cells of a face. The momentum that the gas loses at faces is gained by the particles, to round-off:
 //! sum_i b_i (u_i - v_i) = sum_f V (beta_f u_f - (beta v)_f), and likewise for the pressure gradient.
 
 mod drag_at_place;
@@ -39,11 +40,11 @@ pub struct ParticleExchange {
     limits: ParticleLimits,
     spacing: Vector3<f64>,
     transfer: CellTransfer,
-    /// Where particles of different sizes share the drag by surface.
+    /// Set if particles of different sizes share the drag by surface.
     mean_diameter: Option<MeanDiameter>,
-    /// Where drag is that of the undisturbed gas.
+    /// Set if drag is that of the undisturbed gas.
     own_disturbance: Option<OwnDisturbance>,
-    /// Where drag laws see the voidage of finer cells.
+    /// Set if drag laws use the voidage of finer cells.
     local_voidage: Option<LocalVoidage>,
     quanta: Quanta,
     largest_drag: f64,
@@ -52,13 +53,13 @@ pub struct ParticleExchange {
     drag: Vec<f64>,
     /// The gas in cell centres: velocity, then pressure gradient.
     in_cells: [Field; 6],
-    /// What particles are given, or give, as it is in the cells around them.
+    /// Values given to particles, or contributed by them, in the cells around them.
     at_places: [FourFields; 2],
     raised_cells: u64,
     exchanged: Exchanged,
 }
 
-/// Quanta that shares of particles are rounded to.
+/// Quanta to which shares of particles are rounded.
 #[derive(Clone, Copy, Debug)]
 struct Quanta {
     volume: Quantum,
@@ -68,7 +69,7 @@ struct Quanta {
 }
 
 impl ParticleExchange {
-    /// For one rank's part of a grid, in the box or in a round column in it.
+    /// An exchange for one rank's part of a grid, in the box or in a round column in it.
     ///
     /// # Errors
     /// If cells are so small that particles may drift beyond their rank's halo between two sortings.
@@ -91,7 +92,7 @@ impl ParticleExchange {
         let [smallest, largest] = limits.diameters;
         let shares_surface = model.drag.share == DragShare::Surface && smallest != largest;
         let largest_drag = largest_drag(model, &limits, shares_surface);
-        // A cell has room for this many of the smallest particles; quanta allow for four times as many.
+        // A cell has room for this number of the smallest particles; quanta allow for four times as many.
         let room = 1.0 + grid.cell_volume() / (PI / 6.0 * smallest.powi(3));
         let drag = room * largest_drag;
         let quanta = Quanta {
@@ -133,7 +134,7 @@ impl ParticleExchange {
         self.transfer.part()
     }
 
-    /// What the gas sees of the particles, as of the last [`ParticleExchange::deposit`].
+    /// Fields of the particles for the gas, at the last [`ParticleExchange::deposit`].
     pub fn bed(&self) -> &BedOnGrid {
         &self.bed
     }
@@ -143,20 +144,22 @@ impl ParticleExchange {
         self.raised_cells
     }
 
-    /// Largest component of the force on all particles less what the gas loses, as of the last
-    /// [`ParticleExchange::set_forces`]. Collective.
+    /// Largest component of the difference between the force on all particles and the force that the gas loses, at the
+    /// last [`ParticleExchange::set_forces`]. Collective.
     pub fn momentum_error(&self, ranks: &dyn Communicator) -> f64 {
         self.exchanged.error(self.limits.force_quantum, ranks)
     }
 
-    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_c, and
-    /// (beta v) = sum_i w_i b_i v_i / V_c, V_c the open volume of the cell, with b_i by the solids fraction of now and the gas velocity of the
-    /// last gas step. `dt` is the length of the next. Collective.
+    /// Deposits the particles on the grid: voidage eps, drag coefficient beta = sum_i w_i b_i / V_c, and (beta v) =
+    /// sum_i w_i b_i v_i / V_c, with V_c the open volume of the cell. b_i is computed from the present solids fraction
+    /// and the gas velocity of the last gas step. `dt` is the length of the next step. Collective.
     ///
-    /// Before: halos of the gas are current. After: halos of voidage are; those of the rest are the gas's task.
+    /// Before: halos of the gas are current. After: halos of voidage are current; the gas fills those of the other
+    /// fields.
     ///
     /// # Errors
-    /// If a drag coefficient has no meaning, or the gas step is too long for it; may differ between ranks.
+    /// If a drag coefficient exceeds its limit or is undefined, or the gas step is too long for it; may differ between
+    /// ranks.
     pub fn deposit(
         &mut self,
         particles: &mut Particles,
@@ -198,7 +201,7 @@ impl ParticleExchange {
         self.transfer.refresh(&mut [voidage], ranks);
     }
 
-    /// Finds the drag coefficient of each owned particle and gives its shares to the cells around.
+    /// Finds the drag coefficient of each owned particle and adds its shares to the cells around.
     fn deposit_drag(
         &mut self,
         particles: &mut Particles,
@@ -232,12 +235,11 @@ impl ParticleExchange {
         result
     }
 
-    /// Sets the force of the gas on each owned particle,
-    /// F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the quantum of force; it takes the place of the former one in the
-    /// total force. Collective.
+    /// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i, rounded to the quantum
+    /// of force; it replaces the previous one in the total force. Collective.
     ///
-    /// `gravity` is the downward acceleration: the pressure of the gas is less its hydrostatic head, which acts
-    /// on particles as buoyancy rho_g V g. Before: the bed is that of [`ParticleExchange::deposit`] at the same
+    /// `gravity` is the downward acceleration: the pressure of the gas does not include its hydrostatic head, which
+    /// acts on particles as buoyancy rho_g V g. Before: the bed is that of [`ParticleExchange::deposit`] at the same
     /// positions and velocities, and halos of the gas are current.
     ///
     /// # Errors
@@ -294,8 +296,8 @@ impl ParticleExchange {
         }
     }
 
-    /// Velocity of the gas and pressure gradient in cells, ready for interpolation; before they are filtered, what
-    /// the gas loses.
+    /// Sets the velocity of the gas and the pressure gradient in cells, ready for interpolation; before they are
+    /// filtered, computes the force that the gas loses.
     fn interpolate_gas(&mut self, gas: &GasFields, buoyancy: f64, ranks: &dyn Communicator) {
         self.centre_velocity(gas);
         for axis in 0..3 {
@@ -315,12 +317,12 @@ impl ParticleExchange {
     }
 }
 
-/// The largest drag coefficient that a particle within these limits can have.
+/// The largest possible drag coefficient of a particle within these limits.
 fn largest_drag(model: &CouplingModel, limits: &ParticleLimits, shares_surface: bool) -> f64 {
     let ([smallest, largest], slip) = (limits.diameters, 2.0 * limits.speed);
     let dense = 1.0 - model.least_voidage;
     let of_law = match shares_surface {
-        // A large particle among small ones has the most.
+        // A large particle among small ones has the largest coefficient.
         true => model.drag.per_velocity_in_mixture([largest, smallest], dense, slip),
         false => model.drag.per_velocity(largest, dense, slip),
     };

@@ -1,14 +1,15 @@
-//! Which cells and faces a rank works on, as rows in memory.
+//! Cells and faces on which a rank works, as rows in memory.
 
 use super::VolumeAveragedGas;
 use crate::domain::BoxFace;
 use crate::grid::{Field, LocalCells};
 use std::ops::Range;
 
-/// Cells of a block of layers. The ten fields that forces follow from take 320 KB of it, less than caches of second level.
+/// Number of cells in a block of layers. The ten fields on which forces depend then take 320 KB, less than second-level
+/// caches.
 const CELLS_IN_BLOCK: usize = 4096;
 
-/// Layers of cells or of their lower faces, as they lie in memory.
+/// Layers of cells or of their lower faces, in the order of memory.
 #[derive(Clone, Debug)]
 pub(super) struct Layers {
     axis: usize,
@@ -16,13 +17,13 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// All layers of faces of a part, those of the upper end included.
+    /// All layers of faces of a part, including those of the upper end.
     pub(super) fn all(part: &LocalCells) -> Self {
         let axis = part.order[2];
         Self { axis, places: 0..part.count[axis] as isize + 1 }
     }
 
-    /// All layers of faces of a part in blocks: so that what is done on a block, one thing after the other, finds it in a cache.
+    /// All layers of faces of a part in blocks, so that successive operations on a block find it in a cache.
     pub(super) fn blocks(part: &LocalCells) -> impl Iterator<Item = Self> {
         let Self { axis, places } = Self::all(part);
         let [row, rows, _] = part.order.map(|axis| part.count[axis]);
@@ -60,7 +61,7 @@ impl Region {
         region
     }
 
-    /// The faces of [`Region::inner_faces`] and those in outlets: all whose velocity follows from momentum.
+    /// The faces of [`Region::inner_faces`] and those in outlets: all faces whose velocity follows from momentum.
     pub(super) fn free_faces(part: &LocalCells, axis: usize, gas: &VolumeAveragedGas) -> Self {
         let mut region = Self::inner_faces(part, axis, gas);
         let [lower, upper] = part.at_ends(axis);
@@ -79,7 +80,8 @@ impl Region {
         self
     }
 
-    /// The first rows of the lines of rows along a direction across them, and the number of rows in a line; nothing if that is none.
+    /// The first rows of the lines of rows along a direction across them, and the number of rows in a line; `None` if
+    /// there are no rows.
     pub(super) fn lines(self, direction: usize) -> Option<(Self, usize)> {
         let count = self.to[direction] - self.from[direction];
         (count > 0).then(|| (self.layer(direction, self.from[direction]), count as usize))
@@ -128,17 +130,17 @@ impl Region {
     }
 }
 
-/// Rows of a region: for each the places in memory of its cells. Nested iterators take as long as the work on a short
-/// row.
+/// Rows of a region: for each, the places in memory of its cells. Nested iterators would take as long as the work on a
+/// short row.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// Where the next row, and the first row of its layer, begins.
+    /// Start of the next row, and of the first row of its layer.
     row: usize,
     layer: usize,
     length: usize,
-    /// From a row to the next, and from a layer to the next.
+    /// Strides from a row to the next, and from a layer to the next.
     strides: [usize; 2],
-    /// In a layer.
+    /// Number of rows in a layer.
     rows: usize,
     rows_left: usize,
     layers_left: usize,
@@ -165,7 +167,7 @@ impl Iterator for Rows {
     }
 }
 
-/// Numbers of a row, moved in memory by `steps` and `back`.
+/// Numbers of a row, moved in memory by `steps`.
 #[inline(always)]
 pub(super) fn moved<'a>(values: &'a [f64], row: &Range<usize>, steps: isize) -> &'a [f64] {
     let start = row.start.wrapping_add_signed(steps);

@@ -1,5 +1,5 @@
-//! The gas as a case chooses it: what it is made of, what happens at the faces of the box, how it is coupled to the
-//! particles.
+//! The volume-averaged gas that a case chooses: its properties, its boundaries at the faces of the box, and its
+//! coupling to the particles.
 
 use super::boundary::{
     Boundary, FaceConditions, Inlet, NormalVelocity, Profile, TangentialVelocity, across,
@@ -11,7 +11,7 @@ use crate::linear_solver::Tolerance;
 use crate::numbers::Schedule;
 use nalgebra::Vector3;
 
-/// Width of the halo of every field of the gas: the limiter sees two cells to each side.
+/// Width of the halo of every field of the gas: the limiter uses two cells on each side.
 pub const GAS_HALO: usize = 2;
 
 /// The volume-averaged gas and its coupling to the particles.
@@ -19,32 +19,33 @@ pub const GAS_HALO: usize = 2;
 pub struct VolumeAveragedModel {
     /// Its cells.
     pub grid: BoxGrid,
-    /// The round column that it flows in; none if it fills the box.
+    /// The round column in which it flows; `None` if it fills the box.
     pub column: Option<RoundColumn>,
-    /// What it is made of, and what happens at the faces of the box.
+    /// Properties of the gas, and its boundaries at the faces of the box.
     pub gas: VolumeAveragedGas,
-    /// How it is coupled to the particles.
+    /// Coupling to the particles.
     pub coupling: CouplingModel,
-    /// Steps of the particles in one of the gas.
+    /// Number of steps of the particles in one step of the gas.
     pub substeps: u64,
     /// Driving force per volume of gas, for boxes through which nothing else moves it.
     pub driving: Vector3<f64>,
 }
 
-/// How particles and the gas on cells exchange momentum.
+/// Exchange of momentum between the particles and a gas on cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CouplingModel {
     /// Drag on particles.
     pub drag: ParticleDrag,
-    /// How it follows from their agglomerates, if it does.
+    /// Dependence of the drag on agglomerates, if there is any.
     pub agglomerates: Option<AgglomerateDrag>,
     /// Full width at half maximum of the filter; 0 for none.
     pub filter_width: f64,
     /// Whether drag is that of the gas as it would be without the particle itself.
     pub undisturbed: bool,
-    /// How many times finer along each axis the cells are whose voidage drag laws see; none if they see that of the gas's own, filtered.
+    /// Refinement, along each axis, of the cells whose voidage drag laws use; `None` if they use that of the gas's own
+    /// cells, filtered.
     pub local_voidage: Option<usize>,
-    /// Smallest voidage: lower ones are raised to it, and their cells counted.
+    /// Smallest voidage: lower values are raised to it, and their cells counted.
     pub least_voidage: f64,
 }
 
@@ -58,8 +59,8 @@ pub struct LargestInflow {
 }
 
 impl VolumeAveragedModel {
-    /// A decomposition with its cut planes moved to cell faces, subdomains being at least `width` and two cells wide;
-    /// none if there are too few cells.
+    /// A decomposition with its cut planes moved to cell faces, with subdomains at least `width` and two cells wide;
+    /// `None` if there are too few cells.
     pub fn aligned(&self, decomposition: &Decomposition, width: f64) -> Option<Decomposition> {
         let cells = |spacing: f64| GAS_HALO.max((width / spacing).ceil() as usize);
         self.grid.aligned(decomposition, self.grid.spacing().map(cells).into())
@@ -70,7 +71,7 @@ impl VolumeAveragedModel {
         self.grid.refined(self.coupling.local_voidage.unwrap_or(1))
     }
 
-    /// What comes in through an inlet while its velocities are at their largest.
+    /// Inflow through an inlet while its velocities are at their largest.
     pub fn largest_inflow(&self, face: BoxFace, inlet: &Inlet) -> LargestInflow {
         let (axis, counts) = (face.axis, self.grid.counts());
         let [first, second] = across(axis);
@@ -98,15 +99,15 @@ pub struct VolumeAveragedGas {
     pub density: f64,
     /// Dynamic viscosity mu.
     pub viscosity: f64,
-    /// What happens at the lower and the upper face along each axis.
+    /// Boundaries at the lower and the upper face along each axis.
     pub boundaries: [[Boundary; 2]; 3],
-    /// How exactly each step obeys continuity: the norm of div(eps u) + d(eps)/dt that is left.
+    /// Accuracy of continuity in each step: the norm of the remaining div(eps u) + d(eps)/dt.
     pub tolerance: Tolerance,
 }
 
 impl VolumeAveragedGas {
-    /// This gas beside the walls of a run: where it sticks to a face of the box, the face moves as the wall in it
-    /// that particles touch.
+    /// This gas with the walls of a run: if it sticks to a face of the box, the face moves like the wall in it that
+    /// particles touch.
     pub fn with_walls(mut self, bounds: &Bounds, walls: &[Wall]) -> Self {
         for face in BoxFace::ALL.into_iter().filter(|&face| bounds.face(face) == Face::Wall) {
             if let Some(wall) = walls.iter().find(|wall| wall.face == Some(face)) {
@@ -117,12 +118,13 @@ impl VolumeAveragedGas {
         self
     }
 
-    /// What happens at a face of the box; nothing where it repeats.
+    /// Conditions at a face of the box; `None` if it is periodic.
     pub(super) fn conditions(&self, face: BoxFace) -> Option<FaceConditions<'_>> {
         self.boundaries[face.axis][face.side].conditions()
     }
 
-    /// Velocity of the gas outside of a face, if gas leaves and comes back through it as the momentum balance says.
+    /// Velocity of the gas outside a face, if the momentum balance determines whether gas leaves or comes back through
+    /// it.
     pub(super) fn velocity_outside(&self, face: BoxFace) -> Option<Vector3<f64>> {
         self.conditions(face)?.normal.outside()
     }
@@ -137,7 +139,7 @@ impl VolumeAveragedGas {
         self.boundaries[axis][0].conditions().is_none()
     }
 
-    /// The faces through which gas comes in, and how.
+    /// The faces with inlets, and the inlets.
     pub fn inlets(&self) -> impl Iterator<Item = (BoxFace, &Inlet)> {
         BoxFace::ALL.into_iter().filter_map(|face| match self.conditions(face)?.normal {
             NormalVelocity::Fixed(inlet) => inlet.map(|inlet| (face, inlet)),
@@ -145,10 +147,10 @@ impl VolumeAveragedGas {
         })
     }
 
-    /// Says what is wrong with these boundaries on this grid, if anything.
+    /// Checks these boundaries on this grid.
     ///
     /// # Errors
-    /// With a message: a number out of its range, an inlet without an outlet, too few cells.
+    /// A message on a number out of its range, an inlet without an outlet, or too few cells.
     pub fn check(&self, grid: &BoxGrid) -> Result<(), String> {
         if !(self.density > 0.0 && self.viscosity >= 0.0) {
             return Err("the gas needs a density above 0 and a viscosity of at least 0".to_owned());
@@ -198,7 +200,7 @@ impl VolumeAveragedGas {
     }
 }
 
-/// Boundaries on both sides of a cell would act on one face at once.
+/// Smallest number of cells: with fewer, boundaries on both sides of a cell would act on one face at once.
 const LEAST_CELLS: usize = 3;
 
 /// The model on this rank's part of the grid.
@@ -228,8 +230,8 @@ impl VolumeAveragedGas {
         self.velocity_in_cell(inlet, part.counts, cell, &|velocity| velocity.at(time))
     }
 
-    /// Superficial velocity into the box in a cell of an inlet; `counts` are the cells of the box, and `value` tells which of a
-    /// velocity's values counts.
+    /// Superficial velocity into the box in a cell of an inlet; `counts` are the cells of the box, and `value` selects
+    /// the value of a velocity to be used.
     fn velocity_in_cell(
         &self,
         inlet: &Inlet,
@@ -248,7 +250,7 @@ impl VolumeAveragedGas {
         }
     }
 
-    /// Velocity of the profile in a cell of an inlet over the one that is given.
+    /// Ratio of the profile's velocity in a cell of an inlet to the given one.
     fn profile_factor(&self, inlet: &Inlet, counts: [usize; 3], cell: FaceCell) -> f64 {
         let [first, second] = across(cell.axis);
         let parabola = |axis: usize, place: usize| {

@@ -1,14 +1,14 @@
-//! Momentum with implicit drag, and the pressure's part in it.
+//! Momentum with implicit drag, and the contribution of the pressure to it.
 //!
-//! On each free face, eps, beta and (beta v) being the means of the two cells:
+//! On each free face, with eps, beta and (beta v) as the means of the two cells:
 //!
 //! ```math
 //! u = \frac{(\varepsilon \rho / \Delta t)\, u_\text{old} + R + \varepsilon (f - \nabla p) + (\beta v) + S}{\varepsilon \rho / \Delta t + \beta}
 //! ```
 //!
-//! R advection and viscous force, f the driving force per volume of gas, S another force per volume. With
-//! beta dt/rho >> 1 this is Darcy's law, whatever u_old was. Beside the wall of a round column eps, beta and (beta v) are
-//! theta times those of the gas, and the denominator has eps mu k more: see [`RoundWall`].
+//! R is the sum of advection and viscous force, f the driving force per volume of gas, S another force per volume. For
+//! beta dt/rho >> 1 this is Darcy's law, whatever u_old is. Near the wall of a round column eps, beta and (beta v) are
+//! theta times those of the gas, and the denominator has the additional term eps mu k: see [`RoundWall`].
 
 use super::faces::{Layers, Region, moved};
 use super::round_wall::RoundWall;
@@ -19,7 +19,7 @@ use crate::numbers::vectorised;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// What holds for a whole step.
+/// Data that hold for a whole step.
 #[derive(Clone, Copy)]
 pub(super) struct Momentum<'a> {
     pub(super) gas: &'a VolumeAveragedGas,
@@ -31,11 +31,11 @@ pub(super) struct Momentum<'a> {
     pub(super) dt: f64,
 }
 
-/// Forces on faces, in order of the axis that these are normal to.
+/// Forces on faces, in the order of the axes to which the faces are normal.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<'a> {
     pub(super) rate: &'a [Field; 3],
-    /// The part of the rate that counts.
+    /// Factor of the rate.
     pub(super) of_rate: f64,
     pub(super) pressure: &'a Field,
     pub(super) driving: Vector3<f64>,
@@ -52,7 +52,7 @@ struct FaceRow<'a> {
 }
 
 impl FaceRow<'_> {
-    /// eps, eps rho/dt and the sum of that, beta and the friction of a round wall in the i-th face.
+    /// eps, eps rho/dt and the sum of eps rho/dt, beta and the friction of a round wall, in the i-th face.
     #[inline(always)]
     fn at(&self, i: usize) -> (f64, f64, f64) {
         let eps = 0.5 * (self.eps[0][i] + self.eps[1][i]);
@@ -74,7 +74,7 @@ impl FaceRow<'_> {
         }
     }
 
-    /// Adds what changes of pressure below and above do to the velocity; `inverse` is 1 / spacing.
+    /// Adds the effect of changes of pressure below and above to the velocity; `inverse` is 1 / spacing.
     #[inline(always)]
     fn correct(&self, [below, above]: [&[f64]; 2], inverse: f64, velocity: &mut [f64]) {
         for i in 0..velocity.len() {
@@ -84,12 +84,12 @@ impl FaceRow<'_> {
     }
 }
 
-/// What the velocity in the faces of a row follows from, but for another force.
+/// Data for the velocity in the faces of a row, except for another force.
 struct MomentumRow<'a> {
     face: FaceRow<'a>,
     /// u_old.
     u: &'a [f64],
-    /// Advection and viscous force, and the part of them that counts.
+    /// Advection and viscous force, and their factor.
     rate: &'a [f64],
     of_rate: f64,
     pressure: [&'a [f64]; 2],
@@ -102,7 +102,7 @@ struct MomentumRow<'a> {
 }
 
 impl MomentumRow<'_> {
-    /// The velocity at the end of the step, before the pressure has changed.
+    /// The velocity at the end of the step, before the change of the pressure.
     #[inline(always)]
     fn predict<const WITH_SOURCE: bool>(&self, source: &[f64], new: &mut [f64]) {
         let Self { face, u, rate, of_rate, pressure, inverse, driving, solids } = self;
@@ -124,7 +124,8 @@ fn both<'a>(field: &'a Field, row: &Range<usize>, stride: isize) -> [&'a [f64]; 
     [-stride, 0].map(|steps| moved(field.values(), row, steps))
 }
 
-/// What is done on faces goes through the box in blocks of layers, so that all three axes find the cells of a block in a cache.
+/// Operations on faces go through the box in blocks of layers, so that all three axes find the cells of a block in a
+/// cache.
 impl<'a> Momentum<'a> {
     fn faces(&self, axis: usize, layers: &Layers) -> Region {
         Region::free_faces(self.part, axis, self.gas).in_layers(layers)
@@ -176,8 +177,8 @@ impl<'a> Momentum<'a> {
         }
     }
 
-    /// Coefficients of the pressure equation, eps^2 / (eps rho/dt + beta) / spacing^2 on faces, and what a face
-    /// of given pressure, half a cell away, adds to the diagonal.
+    /// Sets the coefficients of the pressure equation, eps^2 / (eps rho/dt + beta) / spacing^2 on faces, and the
+    /// contribution to the diagonal of a face of given pressure, which is half a cell away.
     pub(super) fn set_coefficients(&self, faces: &mut [Field; 3], diagonal: &mut Field) {
         diagonal.values_mut().fill(0.0);
         set_coefficients(self, faces);
@@ -239,7 +240,7 @@ impl<'a> Momentum<'a> {
     }
 }
 
-/// What continuity in a row of cells follows from.
+/// Data for continuity in a row of cells.
 struct ContinuityRow<'a> {
     /// eps now and before the step.
     here: &'a [f64],
@@ -269,7 +270,7 @@ impl ContinuityRow<'_> {
 }
 
 vectorised!(
-    /// Sets the velocity at the end of the step, before the pressure has changed.
+    /// Sets the velocity at the end of the step, before the change of the pressure.
     pub(super) fn predict(
         momentum: &Momentum,
         old: &[Field; 3],
@@ -295,7 +296,7 @@ vectorised!(
 );
 
 vectorised!(
-    /// The part of continuity that the predicted velocity leaves: -[div(eps u) + (eps - eps_old)/dt] in cells.
+    /// Residual of continuity for the predicted velocity: -[div(eps u) + (eps - eps_old)/dt] in cells.
     pub(super) fn set_continuity_residual(
         momentum: &Momentum,
         residual: &mut Field,
@@ -307,7 +308,7 @@ vectorised!(
 );
 
 vectorised!(
-    /// Adds what a change of pressure does to the velocity.
+    /// Adds the effect of a change of pressure to the velocity.
     pub(super) fn correct(momentum: &Momentum, velocity: &mut [Field; 3], change: &Field) {
         for layers in Layers::blocks(momentum.part) {
             for (axis, velocity) in velocity.iter_mut().enumerate() {

@@ -1,22 +1,22 @@
-//! What the gas loses against what particles gain.
+//! Comparison of the momentum lost by the gas with that gained by the particles.
 
 use super::BedOnGrid;
 use crate::grid::{ColumnOnCells, Field};
 use crate::numbers::{ExactSum, Quantum, vectorised};
 use crate::parallel::Communicator;
 
-/// What one step moves from the gas to the particles on this rank, by the sums of either.
+/// Momentum per time transferred in one step from the gas to the particles on this rank, by the sums on either side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Exchanged {
-    /// Force that the gas loses at its faces.
+    /// Force lost by the gas at its faces.
     pub(super) lost: [ExactSum; 3],
     /// Forces on particles, in quanta of force.
     pub(super) gained: [i64; 3],
 }
 
 impl Exchanged {
-    /// Largest component of the force on all particles less what the gas loses, as of the last
-    /// gas step. Collective.
+    /// Largest component of the difference between the force on all particles and the force that the gas loses, at the
+    /// last gas step. Collective.
     pub(super) fn error(&self, quantum: Quantum, ranks: &dyn Communicator) -> f64 {
         let Self { lost, gained } = self;
         let mut integers: Vec<i64> = (0..3)
@@ -51,9 +51,9 @@ impl CellVolumes<'_> {
     }
 }
 
-/// Force along an axis that the gas loses on this rank,
-/// sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the sum over faces of what it solves for. `in_cells`
-/// are its velocity and pressure gradient, `buoyancy` is rho_g g along the axis, `volumes` those of the cells.
+/// Force along an axis that the gas loses on this rank, sum_c V (beta u - (beta v) - (1 - eps) (grad p - rho_g g)): the
+/// sum over faces of the terms in its equations. `in_cells` are its velocity and pressure gradient, `buoyancy` is rho_g
+/// g along the axis, `volumes` are those of the cells.
 pub(super) fn force_lost(
     bed: &BedOnGrid,
     in_cells: &[Field; 6],
@@ -68,7 +68,7 @@ pub(super) fn force_lost(
     for row in bed.voidage.rows() {
         lost_per_volume(fields, row, buoyancy, &mut lost);
         for (i, &lost) in lost.iter().enumerate() {
-            // Where there are no particles nothing is lost, and an exact sum costs more than this question.
+            // The force is zero where there are no particles, and an exact sum costs more than this test.
             if lost != 0.0 {
                 sum.add(volumes.at(row + i) * lost);
             }

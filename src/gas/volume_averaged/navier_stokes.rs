@@ -21,18 +21,18 @@ use crate::parallel::{Communicator, FieldHalo};
 use crate::rules::{LARGEST_STEP_NUMBER, step_number};
 use nalgebra::Vector3;
 
-/// From this part of the largest step number on, the next step is looked at: a flow that fails doubles its speed within a
-/// step only if an inlet makes it.
+/// Fraction of the largest step number from which the next step is checked: a flow that fails can double its speed
+/// within a step only because of an inlet.
 const NEAR_THE_LIMIT: f64 = 0.5;
 
-/// Advances the gas on a rank's part of the grid. Holds nothing that the future depends on.
+/// Advances the gas on a rank's part of the grid. It holds no data on which the future depends.
 #[derive(Clone, Debug)]
 pub struct NavierStokesSolver {
     part: LocalCells,
     spacing: Vector3<f64>,
     halo: FieldHalo,
     pressure_solver: PressureSolver,
-    /// Around the gas, in a round column.
+    /// The wall around the gas, in a round column.
     wall: Option<RoundWall>,
     explicit: ExplicitForces,
     predicted: [Field; 3],
@@ -42,7 +42,7 @@ pub struct NavierStokesSolver {
     change: Field,
 }
 
-/// Roundings in the sum of a cell's flows: six products and their additions.
+/// Number of roundings in the sum of a cell's flows: six products and their additions.
 const ROUNDINGS: f64 = 8.0;
 
 /// Advection and viscous force, which are explicit in time.
@@ -65,7 +65,7 @@ impl ExplicitForces {
 }
 
 vectorised!(
-    /// Adds the forces of a velocity whose fluxes are set, in a voidage per open volume.
+    /// Adds the forces of a velocity whose fluxes are set, at a voidage per open volume.
     fn add_forces(
         explicit: &mut ExplicitForces,
         velocity: &[Field; 3],
@@ -97,7 +97,7 @@ vectorised!(
 );
 
 vectorised!(
-    /// How many cells have a voidage that is not above 0 and at most 1.
+    /// Number of cells with a voidage that is not above 0 and at most 1.
     fn wrong_cells(voidage: &Field, part: &LocalCells) -> u64 {
         let mut wrong = 0;
         for row in Region::owned(part).rows(voidage) {
@@ -109,32 +109,33 @@ vectorised!(
     }
 );
 
-/// A step and what acts in it, besides pressure and particles.
+/// A step and its forces, besides those of pressure and particles.
 #[derive(Clone, Copy, Debug)]
 pub struct NavierStokesStep<'a> {
     /// Time at its beginning.
     pub time: f64,
     /// Its length.
     pub dt: f64,
-    /// Driving force per volume of gas, minus a mean gradient of pressure: what moves gas through a periodic box.
+    /// Driving force per volume of gas, minus a mean gradient of pressure: it moves gas through a periodic box.
     pub driving: Vector3<f64>,
     /// Another force per volume, on faces, in the middle of the step.
     pub source: Option<&'a [Field; 3]>,
 }
 
-/// How a step went.
+/// Report on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavierStokesReport {
     /// dt times the largest sum of |eps u| / (eps spacing) over the axes.
     pub courant: f64,
-    /// dt times the largest rate at which viscosity damps.
+    /// dt times the largest damping rate of viscosity.
     pub viscous: f64,
-    /// The pressure equation.
+    /// Convergence of the pressure equation.
     pub convergence: Convergence,
 }
 
 impl NavierStokesSolver {
-    /// For a cut whose planes lie on cell faces, with at least two cells between them ([`BoxGrid::aligned`]).
+    /// A solver for a decomposition whose planes lie on cell faces, with at least two cells between them
+    /// ([`BoxGrid::aligned`]).
     pub fn new(grid: &BoxGrid, subdomain: Subdomain) -> Self {
         let part = grid.local_cells(subdomain);
         let zero = || Field::new(&part, GAS_HALO);
@@ -159,7 +160,7 @@ impl NavierStokesSolver {
         }
     }
 
-    /// For a gas of this viscosity in a round column of the same grid.
+    /// This solver for a gas of this viscosity in a round column on the same grid.
     pub fn in_column(mut self, grid: &BoxGrid, column: &RoundColumn, viscosity: f64) -> Self {
         self.wall = Some(RoundWall::new(grid, &self.part, column, viscosity));
         self.explicit.viscous = Some(Field::new(&self.part, GAS_HALO));
@@ -171,8 +172,8 @@ impl NavierStokesSolver {
         &self.part
     }
 
-    /// Sets the velocity in the faces of walls and inlets of a state at this time, and fills its halos: at the start
-    /// of the gas. Collective.
+    /// Sets the velocity in the faces of walls and inlets of a state at this time, and fills its halos; used at the
+    /// start of the gas. Collective.
     pub fn complete(
         &mut self,
         gas: &VolumeAveragedGas,
@@ -187,8 +188,8 @@ impl NavierStokesSolver {
         self.fill_halos(gas, state, ranks);
     }
 
-    /// Fills the halos of a state that is known in owned cells and in the faces of the box: after its cells have come
-    /// from a checkpoint or other ranks. Collective.
+    /// Fills the halos of a state that is known in owned cells and in the faces of the box; used after its cells have
+    /// come from a checkpoint or other ranks. Collective.
     pub fn fill_halos(
         &mut self,
         gas: &VolumeAveragedGas,
@@ -202,7 +203,7 @@ impl NavierStokesSolver {
         continue_pressure(pressure, &self.part, gas);
     }
 
-    /// Advances the gas by a step, in which the voidage goes from the state's to the bed's.
+    /// Advances the gas by a step, in which the voidage changes from that of the state to that of the bed.
     ///
     /// 1. Two predictions with implicit drag and the old pressure, advection and viscosity from the beginning
     ///    of the step, then from the mean of beginning and first prediction (Heun).
@@ -211,8 +212,8 @@ impl NavierStokesSolver {
     /// 3. The velocity loses eps / (eps rho/dt + beta) grad p': it then obeys continuity to the tolerance of
     ///    the pressure equation.
     ///
-    /// Before: owned cells of the bed, a complete state. After: halos of both are filled, but for the velocity beyond
-    /// the box: it depends on the time, by walls in motion, and is set at the beginning of each step.
+    /// Before: owned cells of the bed, a complete state. After: halos of both are filled, except for the velocity
+    /// beyond the box. This depends on the time through moving walls, and is set at the beginning of each step.
     ///
     /// # Errors
     /// See [`NavierStokesError`]; the state is then as before.
@@ -234,7 +235,7 @@ impl NavierStokesSolver {
         result
     }
 
-    /// Advances a bed with its halos, within a round wall if there is one.
+    /// Advances the gas with a bed whose halos are filled, within a round wall if there is one.
     fn advance_in(
         &mut self,
         wall: Option<&RoundWall>,
@@ -265,8 +266,8 @@ impl NavierStokesSolver {
         Ok(NavierStokesReport { courant, viscous, convergence })
     }
 
-    /// Whether a step like the last one would be too long for the velocity that the last one has led to, the voidage as it
-    /// is. It is looked at only where the last step came near the limit, so that it costs nothing elsewhere. Collective.
+    /// Whether a step like the last one would be too long for the velocity after the last one, at the present voidage.
+    /// It is checked only if the last step came near the limit, so that it costs nothing elsewhere. Collective.
     pub fn next_is_too_long(
         &mut self,
         state: &GasFields,
@@ -330,7 +331,7 @@ impl NavierStokesSolver {
         }
     }
 
-    /// The error for a voidage that has no meaning on some rank. Collective.
+    /// The error of an invalid voidage on some rank. Collective.
     fn wrong_voidage(&self, voidage: &Field, ranks: &dyn Communicator) -> NavierStokesError {
         let cells = Region::owned(&self.part).cells().map(|cell| voidage.at(cell));
         let (mut largest, mut least_negated, mut undefined) = (0.0_f64, -1.0_f64, false);
@@ -348,8 +349,8 @@ impl NavierStokesSolver {
         }
     }
 
-    /// The velocity at the end of the step, as advection and viscosity, drag and the old pressure make it. `of_rate` is the part of
-    /// the explicit forces that counts: half, where those of two velocities were added.
+    /// Predicts the velocity at the end of the step from advection, viscosity, drag and the old pressure. `of_rate` is
+    /// the factor of the explicit forces: one half if those of two velocities were added.
     fn predict(
         &mut self,
         momentum: &Momentum,
@@ -372,15 +373,15 @@ impl NavierStokesSolver {
         continue_velocity(&mut self.predicted, local, end);
     }
 
-    /// Norm of the rounding errors in the right-hand side of the pressure equation, which are those of the flows through
-    /// the faces of each cell: a steady uniform flow has no other right-hand side, and no solver can reduce it. `rate` is
-    /// the largest sum over the axes of flow over cell size.
+    /// Norm of the rounding errors in the right-hand side of the pressure equation, which are those of the flows
+    /// through the faces of each cell. A steady uniform flow has no other right-hand side, and no solver can reduce it.
+    /// `rate` is the largest sum over the axes of flow over cell size.
     fn rounding_of_continuity(&self, rate: f64) -> f64 {
         let cells = self.part.counts.iter().product::<usize>() as f64;
         ROUNDINGS * f64::EPSILON * rate * cells.sqrt()
     }
 
-    /// The change of pressure that the predicted velocity needs for continuity, halo included.
+    /// The change of pressure that makes the predicted velocity satisfy continuity, halo included.
     fn solve_pressure(
         &mut self,
         momentum: &Momentum,
@@ -402,7 +403,7 @@ impl NavierStokesSolver {
         Ok(convergence)
     }
 
-    /// Brings the state to the end of the step.
+    /// Advances the state to the end of the step.
     fn finish(
         &mut self,
         momentum: &Momentum,

@@ -1,21 +1,21 @@
 //! The wall of a round column, around the gas.
 //!
-//! Where the wall cuts cells, the open fraction theta of each ([`RoundColumn`]) stands beside its voidage: cells hold theta eps of gas
-//! per volume, a face has the mean theta of its two cells and, between an open and a closed one, nothing passes. So all
-//! balances keep their form with theta eps, theta beta and theta (beta v) in the place of eps, beta and (beta v), and the
-//! pressure equation stays symmetric. (A porosity in the place of cut cells: Hirt & Sicilian, 4th Int. Conf. Numerical
-//! Ship Hydrodynamics (1985).)
+//! Where the wall cuts cells, the open fraction theta of each cell ([`RoundColumn`]) is used together with its voidage:
+//! cells contain theta eps of gas per volume, a face has the mean theta of its two cells and, between an open and a
+//! closed cell, nothing passes. All balances thus keep their form with theta eps, theta beta and theta (beta v) in
+//! place of eps, beta and (beta v), and the pressure equation remains symmetric. (A porosity in place of cut cells:
+//! Hirt & Sicilian, 4th Int. Conf. Numerical Ship Hydrodynamics (1985).)
 //!
-//! The gas sticks to the wall where the wall is: if the neighbour of a velocity u along an axis across the column is closed, the
-//! viscous force per open volume has
+//! The gas sticks to the wall at the actual position of the wall: if the neighbour of a velocity u along an axis across
+//! the column is closed, the viscous force per open volume contains
 //!
 //! ```math
 //! -\frac{\mu \varepsilon\, u}{h\, \Delta x} \qquad \text{instead of} \qquad -\frac{\mu \varepsilon\, u}{\Delta x^2},
 //! ```
 //!
-//! h the distance of the wall along the axis: of second order in space (Gibou, Fedkiw, Cheng & Kang, J. Comput. Phys. 176
-//! (2002) 205-227). It is implicit in time, as drag is, so that a small h needs no small step. For the component along that axis
-//! both are twice as large, as everywhere.
+//! with h the distance of the wall along the axis. It is of second order in space (Gibou, Fedkiw, Cheng & Kang, J.
+//! Comput. Phys. 176 (2002) 205-227), and implicit in time like drag, so that a small h does not require a small step.
+//! For the component along that axis both terms are twice as large, as elsewhere.
 
 use super::faces::{Layers, Region, moved};
 use super::model::LocalGas;
@@ -28,8 +28,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub(super) struct RoundWall {
     cells: ColumnOnCells,
-    /// mu k of the faces normal to each axis, k the sum of 1 / (h dx) over closed neighbours (see above); infinite in closed faces,
-    /// so that the gas in them rests.
+    /// mu k of the faces normal to each axis, where k is the sum of 1 / (h dx) over closed neighbours (see above);
+    /// infinite in closed faces, so that the gas in them is at rest.
     pub(super) friction: [Field; 3],
     /// Neighbours of faces of each component across the wall.
     closed_neighbours: [Vec<ClosedNeighbour>; 3],
@@ -39,7 +39,7 @@ pub(super) struct RoundWall {
     pub(super) voidage_before: Field,
 }
 
-/// A face without open neighbour on one side along an axis across the column.
+/// A face without an open neighbour on one side along an axis across the column.
 #[derive(Clone, Copy, Debug)]
 struct ClosedNeighbour {
     /// Place of the face, counted from the part's first cell.
@@ -68,7 +68,7 @@ impl Component<'_> {
         [[i, j], below].into_iter().all(|cell| self.column.open_fraction_in(self.part, cell) > 0.0)
     }
 
-    /// Where the velocity of a face is, across the column.
+    /// Position of the velocity of a face, across the column.
     fn point(&self, place: [isize; 2]) -> [f64; 2] {
         [0, 1].map(|axis| {
             let half = if axis == self.axis { 0.0 } else { 0.5 };
@@ -96,11 +96,11 @@ impl Component<'_> {
     }
 }
 
-/// Over the spacing: nearer walls hold the gas as fast as one needs.
+/// Smallest distance, over the spacing: nearer walls already retard the gas fully.
 const LEAST_DISTANCE: f64 = 1.0e-6;
 
 impl RoundWall {
-    /// Around a gas of this viscosity on a part of a grid.
+    /// A wall around a gas of this viscosity on a part of a grid.
     pub(super) fn new(
         grid: &BoxGrid,
         part: &LocalCells,
@@ -123,7 +123,7 @@ impl RoundWall {
         self.cells.at(field.index(cell)) > 0.0
     }
 
-    /// Sets the bed and the voidage of the beginning of the step from those per open volume, halos included.
+    /// Sets the bed and the voidage at the beginning of the step from those per open volume, halos included.
     pub(super) fn set_bed(&mut self, bed: &BedOnGrid, voidage_before: &Field) {
         self.set_voidage(voidage_before);
         let Self { cells, bed: scaled, .. } = self;
@@ -135,13 +135,13 @@ impl RoundWall {
         }
     }
 
-    /// Sets theta eps from a voidage, as that of the beginning of a step.
+    /// Sets theta eps from a voidage, as the one at the beginning of a step.
     pub(super) fn set_voidage(&mut self, voidage: &Field) {
         scale(&self.cells, (voidage, 1.0), &mut self.voidage_before);
     }
 
-    /// Adds the viscous force per volume of whole cells on the free faces of a component, without the part that is implicit
-    /// in time. `force` is overwritten.
+    /// Adds the viscous force per volume of whole cells on the free faces of a component, without the part that is
+    /// implicit in time. `force` is overwritten.
     pub(super) fn add_viscous_force(
         &self,
         [rate, force]: [&mut Field; 2],
@@ -171,7 +171,7 @@ impl RoundWall {
 }
 
 impl ClosedNeighbour {
-    /// Takes out of the viscous force per open volume what it has of the neighbour.
+    /// Removes the contribution of the closed neighbour from the viscous force per open volume.
     fn take_out(
         &self,
         force: &mut Field,

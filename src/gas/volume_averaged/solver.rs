@@ -10,7 +10,7 @@ use crate::numbers::ExactSum;
 use crate::parallel::{CellRecord, CellSample, Communicator};
 use crate::particles::Particles;
 
-/// Gas and particles on one rank's cells. Disposable.
+/// The gas and its coupling to the particles on one rank's cells. Disposable.
 #[derive(Clone, Debug)]
 pub struct VolumeAveragedSolver {
     model: VolumeAveragedModel,
@@ -20,11 +20,11 @@ pub struct VolumeAveragedSolver {
 }
 
 impl VolumeAveragedSolver {
-    /// For a decomposition whose cut planes lie on cell faces, beside the walls that particles touch.
+    /// A solver for a decomposition whose cut planes lie on cell faces, with the walls that particles touch.
     ///
     /// # Errors
-    /// If cells are too small for how far particles may drift, or a wall in a face of the box moves otherwise than in
-    /// its plane; the same on all ranks.
+    /// If cells are too small for the distance that particles may drift, or a wall in a face of the box moves out of
+    /// its plane; the same error on all ranks.
     pub fn new(
         model: &VolumeAveragedModel,
         limits: ParticleLimits,
@@ -62,13 +62,14 @@ impl VolumeAveragedSolver {
         self.equations.fill_halos(&self.model.gas, &mut state.fields, ranks);
     }
 
-    /// A step of the gas, and the forces on particles until the next. Collective.
+    /// Does a step of the gas, and sets the forces on particles until the next one. Collective.
     ///
-    /// The gas meets the particles where and as fast as they are now; its drag is implicit in its own velocity.
-    /// The forces follow from its new velocity and pressure, so that particles gain what the gas loses.
+    /// The gas step uses the present positions and velocities of the particles; its drag is implicit in its own
+    /// velocity. The forces follow from its new velocity and pressure, so that particles gain the momentum that the gas
+    /// loses.
     ///
     /// # Errors
-    /// If a step or a force has no meaning; may differ between ranks.
+    /// If the step is not possible or a force exceeds its limit; may differ between ranks.
     pub fn advance(
         &mut self,
         state: &mut VolumeAveragedState,
@@ -88,7 +89,7 @@ impl VolumeAveragedSolver {
         Ok(deposited.and(forces)?)
     }
 
-    /// How the step went, over all ranks. Collective.
+    /// Updates the report on the step, over all ranks. Collective.
     fn update_report(
         &self,
         report: &mut GasReport,
@@ -109,13 +110,13 @@ impl VolumeAveragedSolver {
         *report = GasReport { iterations, raised_cells, courant: solved.courant, momentum_error };
     }
 
-    /// Whether the next step will be refused as too long, if the voidage stays what it is; the same on all ranks.
+    /// Whether the next step will be refused as too long if the voidage does not change; equal on all ranks.
     pub fn next_is_too_long(&self) -> bool {
         self.next_is_too_long
     }
 
-    /// Superficial velocity through the bottom, and pressure drop from bottom to top, hydrostatic head left out. In
-    /// a periodic box both faces are one, and the drop is what the driving force makes up for. Collective.
+    /// Superficial velocity through the bottom, and pressure drop from bottom to top, without the hydrostatic head. In
+    /// a periodic box both faces coincide, and the drop is the one that the driving force compensates. Collective.
     pub fn flow_through(
         &self,
         state: &VolumeAveragedState,
@@ -151,13 +152,13 @@ impl VolumeAveragedSolver {
         (velocity, drop + driven)
     }
 
-    /// Part of a cell that is open: less than 1 outside and at the wall of a round column.
+    /// Open fraction of a cell: less than 1 outside and at the wall of a round column.
     fn open_fraction(&self, [i, j, _]: [isize; 3]) -> f64 {
         let (part, column) = (self.equations.part(), self.model.column.as_ref());
         column.map_or(1.0, |column| column.open_fraction_in(part, [i, j]))
     }
 
-    /// What snapshots show of each owned cell. Collective.
+    /// Values of each owned cell for snapshots. Collective.
     pub fn sample(
         &mut self,
         state: &VolumeAveragedState,
@@ -172,7 +173,7 @@ impl VolumeAveragedSolver {
             above[axis] += 1;
             0.5 * (velocity[axis].at(cell) + velocity[axis].at(above))
         };
-        // Pressure and voidage of closed cells mean nothing.
+        // Pressure and voidage of closed cells have no meaning.
         let if_open = |field: &Field, cell: [isize; 3]| match self.open_fraction(cell) > 0.0 {
             true => field.at(cell),
             false => 0.0,

@@ -1,4 +1,4 @@
-//! What the gas is at one time, and what it sees of the particles.
+//! The state of the gas at one time, and the fields of the particles that it needs.
 
 use super::{GAS_HALO, VolumeAveragedModel};
 use crate::domain::Subdomain;
@@ -6,17 +6,17 @@ use crate::gas::GasReport;
 use crate::grid::{Field, LocalCells};
 use crate::parallel::{CellRecord, Communicator, send_cells_to_owners};
 
-/// The gas on a rank's cells, and how its last step went. Part of the state of a run.
+/// The gas on a rank's cells, and a report on its last step. Part of the state of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeAveragedState {
     /// Velocity, pressure, voidage.
     pub fields: GasFields,
-    /// The last step, over all ranks.
+    /// Report on the last step, over all ranks.
     pub report: GasReport,
 }
 
 impl VolumeAveragedState {
-    /// From records of cells, each on any one rank. To be completed before the next step. Collective.
+    /// The state from records of cells, each on any one rank. It must be completed before the next step. Collective.
     pub fn from_records(
         model: &VolumeAveragedModel,
         records: &[CellRecord],
@@ -38,20 +38,20 @@ impl VolumeAveragedState {
     }
 }
 
-/// The gas on a rank's part of the grid. All that its future depends on is in [`GasFields::record`].
+/// The gas on a rank's part of the grid. [`GasFields::record`] contains all values on which its future depends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GasFields {
-    /// Velocity u of the gas between the particles: component a at the lower face of each cell along a. The upper
-    /// faces of the box are the lower ones of cells in the halo.
+    /// Velocity u of the gas between the particles: component a is stored at the lower face of each cell along a. The
+    /// upper faces of the box are the lower ones of cells in the halo.
     pub velocity: [Field; 3],
-    /// Pressure in cells, less the hydrostatic head rho g.x. The halo continues it, so that the difference of two
-    /// neighbours over their distance is the gradient on every face, those of the box included.
+    /// Pressure in cells, without the hydrostatic head rho g.x. The halo continues it, so that the difference of two
+    /// neighbours over their distance is the gradient on every face, including those of the box.
     pub pressure: Field,
     /// Voidage eps in cells, at the time of the velocity.
     pub voidage: Field,
 }
 
-/// The particles as the gas sees them, on cells. Owned cells are given; the gas fills the halos.
+/// The particles as seen by the gas, on cells. Owned cells are given; the gas fills the halos.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BedOnGrid {
     /// Voidage eps at the end of the step, above 0 and at most 1.
@@ -71,7 +71,7 @@ impl GasFields {
         Self { velocity: std::array::from_fn(|_| zero.clone()), pressure: zero, voidage }
     }
 
-    /// What a checkpoint keeps of an owned cell of a part.
+    /// Record of an owned cell of a part, for a checkpoint.
     pub fn record(&self, part: &LocalCells, cell: [isize; 3]) -> CellRecord {
         let velocity = |axis: usize, cell| self.velocity[axis].at(cell);
         CellRecord {
@@ -83,7 +83,7 @@ impl GasFields {
         }
     }
 
-    /// Sets a cell to what its record says. Halos must be filled afterwards.
+    /// Sets a cell from its record. Halos must be filled afterwards.
     pub fn restore(&mut self, cell: [isize; 3], record: &CellRecord) {
         for axis in 0..3 {
             *self.velocity[axis].at_mut(cell) = record.lower_velocity[axis];
@@ -95,7 +95,7 @@ impl GasFields {
 }
 
 impl BedOnGrid {
-    /// No particles: voidage 1 and no drag.
+    /// A bed without particles: voidage 1 and no drag.
     pub fn empty(part: &LocalCells) -> Self {
         let zero = Field::new(part, GAS_HALO);
         let mut voidage = zero.clone();

@@ -1,6 +1,6 @@
 //! Viscous forces: div(eps tau), tau = mu (grad u + (grad u)^T - (2/3) div u).
 //!
-//! Normal stresses live in cells, shear stresses on the edges between faces, where the voidage is the mean of the
+//! Normal stresses are stored in cells, shear stresses on the edges between faces, where the voidage is the mean of the
 //! four cells around.
 
 use super::faces::{Layers, Region, moved};
@@ -11,7 +11,7 @@ use crate::rules::viscous_rate;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// div u in owned cells and one cell around. Part of work in wide vectors.
+/// Sets div u in owned cells and one cell around. Part of the work in wide vectors.
 #[inline(always)]
 pub(super) fn set_dilatation(
     dilatation: &mut Field,
@@ -27,7 +27,7 @@ pub(super) fn set_dilatation(
     }
 }
 
-/// From the velocities in the lower and the upper faces of a row of cells along each axis.
+/// Sets div u from the velocities in the lower and the upper faces of a row of cells along each axis.
 #[inline(always)]
 fn set_dilatation_of_row(
     lower: [&[f64]; 3],
@@ -41,7 +41,7 @@ fn set_dilatation_of_row(
     }
 }
 
-/// What viscous forces are made of.
+/// Data for viscous forces.
 #[derive(Clone, Copy)]
 pub(super) struct ViscousFields<'a> {
     pub(super) velocity: &'a [Field; 3],
@@ -49,14 +49,14 @@ pub(super) struct ViscousFields<'a> {
     pub(super) voidage: &'a Field,
 }
 
-/// The stresses on both sides of a row of faces. Those above it are the next row's below.
+/// The stresses on both sides of a row of faces. The upper ones are the lower ones of the next row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StressRows {
     below: Vec<f64>,
     above: Vec<f64>,
 }
 
-/// Adds the viscous force per volume on each free face of component `axis`, in these layers. Part of work in wide
+/// Adds the viscous force per volume on each free face of component `axis`, in these layers. Part of the work in wide
 /// vectors.
 #[inline(always)]
 pub(super) fn add_viscous_force(
@@ -98,7 +98,7 @@ pub(super) fn add_viscous_force(
 }
 
 impl StressRows {
-    /// Adds a factor times the stress above less that below, in a region, along a direction.
+    /// Adds a factor times the difference of the stresses above and below, in a region, along a direction.
     #[inline(always)]
     fn add_differences(
         &mut self,
@@ -155,7 +155,7 @@ struct NormalStress<'a> {
     voidage: &'a [f64],
     /// Step in memory along the component's axis.
     step: isize,
-    /// Along this axis.
+    /// Spacing along this axis.
     spacing: f64,
 }
 
@@ -221,7 +221,7 @@ pub(super) fn largest_viscous_rate(
 }
 
 vectorised!(
-    /// The largest ratio of the voidage in a neighbour to that in a cell, at least 1.
+    /// The largest ratio of the voidage of a neighbour to that of a cell, at least 1.
     fn largest_ratio(voidage: &Field, part: &LocalCells) -> f64 {
         let strides = voidage.strides().map(|stride| stride as isize);
         let larger = |a: f64, b: f64| if a > b { a } else { b };

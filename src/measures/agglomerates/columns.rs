@@ -103,7 +103,7 @@ fn arrays(described: &[Described], bins: usize) -> impl Iterator<Item = Column> 
     described.iter().map(array)
 }
 
-/// What stands in the file.
+/// The contents of the file.
 pub(super) fn layout(settings: &Agglomerates) -> Layout {
     let bins = settings.sizes.len() - 1;
     let distributions = [

@@ -8,13 +8,13 @@ use crate::analysis::{MassRadius, PopulationFit, totals};
 use crate::measures::Rows;
 use crate::parallel::{Communicator, Message, records_of_bytes};
 
-/// The rank of an agglomerate's label gathers its members for the mass within a radius, and takes up to 2000 distances from
-/// each: not those of a whole bed.
+/// Largest number of members for the mass within a radius: the rank of an agglomerate's label gathers its members, and
+/// computes up to 2000 distances from each. This excludes a whole bed.
 const MOST_MEMBERS: u64 = 20_000;
 
 const UNDEFINED: f64 = f64::NAN;
 
-/// The rows of a sample, and what critical times need of it. Collective.
+/// The rows of a sample, and the data that critical times need. Collective.
 pub(super) fn of_look(
     found: &Found,
     search: &Search<'_>,
@@ -63,11 +63,11 @@ pub(super) fn of_look(
 #[derive(Clone, Copy, Debug)]
 struct Largest {
     label: u64,
-    /// 0 if there is none.
+    /// Number of members; 0 if there is no agglomerate.
     members: u64,
 }
 
-/// Finds the largest agglomerate, of equal ones that of the smallest label. Collective.
+/// Finds the largest agglomerate; among equal ones, the one with the smallest label. Collective.
 fn largest_of(found: &[Agglomerate], ranks: &dyn Communicator) -> Largest {
     // Numbers of particles and ids are exact in double precision.
     let mut members = [found.iter().map(|a| a.members).max().unwrap_or(0) as f64];
@@ -89,7 +89,7 @@ fn mass_radius_dimension(found: &Found, search: &Search<'_>, ranks: &dyn Communi
     let positions: Vec<_> = positions.into_iter().map(|(_, position)| position).collect();
     let here = found.found.iter().find(|agglomerate| agglomerate.label == label);
     let fit = here.and_then(|agglomerate| MassRadius::of(&positions, agglomerate.member_radius()));
-    // One rank has it: a maximum brings it to the others.
+    // One rank has it, and a maximum sends it to the others.
     let mut dimension = [fit.map_or(f64::NEG_INFINITY, |fit| fit.dimension)];
     ranks.maximum(&mut dimension);
     if dimension[0].is_finite() { dimension[0] } else { UNDEFINED }
@@ -157,8 +157,8 @@ pub(super) fn rates(rates: &[RatesOfSize]) -> Rows {
     Rows::one(RATES, row)
 }
 
-/// A row for each agglomerate that lost or gained at least so many members, and one for each of its fragments, on rank 0.
-/// Collective.
+/// A row for each agglomerate that lost or gained at least `threshold` members, and one for each of its fragments, on
+/// rank 0. Collective.
 pub(super) fn events(fates: &[Fate], threshold: u64, ranks: &dyn Communicator) -> [Rows; 2] {
     let is_event = |fate: &&Fate| fate.lost() >= threshold || fate.gained() >= threshold;
     let events = || fates.iter().filter(is_event);

@@ -1,4 +1,4 @@
-//! The class of particles whose mixing is measured.
+//! The particles whose mixing is measured.
 
 use crate::analysis::agglomerates::ParticleSample;
 use crate::analysis::mixing::{LaceyIndex, Sample, lacey_index};
@@ -16,7 +16,7 @@ const LEAST: Key =
     Key::new("least", Kind::Count(1, 1_000_000), "Cells of fewer particles are left out")
         .default(Value::Count(5));
 
-/// Most cells; each rank counts in all of them.
+/// Largest number of cells; each rank counts in all of them.
 const MOST_CELLS: usize = 1_000_000;
 
 /// The words of `tracers`, each with its keys.
@@ -46,7 +46,7 @@ pub(super) const TRACERS: &[Word] = &[
     ),
 ];
 
-/// Which particles are tracers, and in which cells they are counted.
+/// Selection of the tracers, and the cells in which they are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TracerSettings {
     class: Class,
@@ -105,7 +105,7 @@ impl Tracers {
         Self { settings: *settings, grid, periodicity, marked: None }
     }
 
-    /// Along which axes the box repeats.
+    /// Periodicity of the box.
     pub(super) fn periodicity(&self) -> Periodicity {
         self.periodicity
     }
@@ -155,7 +155,7 @@ impl Tracers {
         lacey_index(&counted, cells, self.settings.least, ranks)
     }
 
-    /// Keeps the tracers of a region.
+    /// Stores the tracers of a region.
     pub(super) fn store(&self, stored: &mut Stored) {
         if let Some(marked) = &self.marked {
             let records: Vec<[u64; 2]> = marked.iter().map(|&id| [id, 0]).collect();
@@ -163,7 +163,7 @@ impl Tracers {
         }
     }
 
-    /// Continues from what was kept. Collective.
+    /// Continues from stored data. Collective.
     pub(super) fn restore(&mut self, stored: &Stored, ranks: &dyn Communicator) -> Option<()> {
         let records: Option<Vec<[u64; 2]>> = stored.records("tracers");
         self.marked = records.map(|records| {

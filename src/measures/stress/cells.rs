@@ -15,7 +15,7 @@ use crate::parallel::Communicator;
 pub(super) struct Fields {
     frame: FrameSettings,
     grid: CellGrid,
-    /// As of layers: waves that are laid over one another.
+    /// As for layers: the number of superposed waves.
     waves: f64,
     looks_per_row: u64,
     looks: u64,
@@ -24,7 +24,7 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// In a frame without phases.
+    /// Fields in a frame without phases.
     pub(super) fn new(
         frame: FrameSettings,
         grid: CellGrid,
@@ -35,7 +35,7 @@ impl Fields {
         Self { frame, grid, waves, looks_per_row, looks: 0, from: 0.0, sums }
     }
 
-    /// The means of the interval, which ends. Collective.
+    /// The means of the interval, which then ends. Collective.
     fn take(&mut self, ranks: &dyn Communicator) -> Findings {
         let looks = self.looks as f64;
         self.looks = 0;

@@ -6,7 +6,7 @@ use crate::analysis::Quantity::{Length, Number, Pressure, Speed, SquaredSpeed, T
 use crate::analysis::stress::{CellGrid, rumpf_strength};
 use crate::measures::layout::{Column, Fixed, Layout, Rows, Table};
 
-/// The fields that follow from the numbers of a cell.
+/// The fields derived from the numbers of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Derived {
     pub(super) solids_fraction: f64,
@@ -38,7 +38,7 @@ impl Derived {
         self.stresses.map(|stress| (stress[0] + stress[4] + stress[8]) / 3.0)
     }
 
-    /// sigma_zz of all parts.
+    /// sigma_zz, summed over all parts.
     fn vertical(&self) -> f64 {
         self.stresses.iter().map(|stress| stress[8]).sum()
     }
@@ -62,7 +62,7 @@ pub(super) fn fields(shape: &[usize]) -> Vec<Column> {
     ]
 }
 
-/// What stands in the file of layers.
+/// The contents of the file of layers.
 pub(super) fn of_layers(grid: &CellGrid, phases: usize) -> Layout {
     let layers = grid.counts[2];
     let (shape, along): (Vec<usize>, &[&str]) = match phases {

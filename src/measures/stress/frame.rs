@@ -41,9 +41,9 @@ const FREQUENCY: Key = Key::number("frequency", Allowed::POSITIVE, "Cycles per t
 /// The frame of a measure, and the bins in which its samples are averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FrameSettings {
-    /// Moves upwards with a wave; None: at rest in the box.
+    /// The wave with which the frame moves upwards; `None` if it is at rest in the box.
     wave: Option<Wave>,
-    /// Looks are averaged by the phase of the vibration.
+    /// Bins of the phase of the vibration, if samples are averaged by it.
     cycle: Option<Cycle>,
 }
 
@@ -85,22 +85,22 @@ impl FrameSettings {
         self.cycle.is_some()
     }
 
-    /// Height that the layers divide, in a box of a height.
+    /// Height that is divided into layers, in a box of a given height.
     pub(super) fn extent(&self, height: f64) -> f64 {
         self.wave.map_or(height, |wave| wave.wavelength)
     }
 
-    /// Whether the layers repeat above one another.
+    /// Whether the layers repeat vertically.
     pub(super) fn repeats(&self) -> bool {
         self.wave.is_some()
     }
 
-    /// Number of wavelengths in a box of a height, of which each layer holds its part.
+    /// Number of wavelengths in a box of a given height; each layer contains its part of every wavelength.
     pub(super) fn waves(&self, height: f64) -> f64 {
         height / self.extent(height)
     }
 
-    /// Bins of the phase.
+    /// Number of bins of the phase.
     pub(super) fn phases(&self) -> usize {
         self.cycle.map_or(1, |cycle| cycle.phases)
     }
@@ -110,7 +110,7 @@ impl FrameSettings {
         self.cycle.map_or(0, |cycle| cycle.bin_at(time))
     }
 
-    /// How stress is measured at the time of a view.
+    /// The measurement of stress at the time of a view.
     pub(super) fn measurement(&self, grid: CellGrid, view: &View<'_>) -> StressMeasurement {
         let frame = self.wave.map_or_else(Frame::default, |wave| {
             let velocity = Vector3::new(0.0, 0.0, wave.speed);
@@ -150,7 +150,7 @@ impl Cycle {
 
     fn bin_at(&self, time: f64) -> usize {
         let cycles = self.frequency * (time - self.start);
-        // Rounded, so that samples on the border of two bins fall into the same in every cycle.
+        // The place is rounded, so that samples on the border of two bins fall into the same bin in every cycle.
         let place = (self.phases as f64 * (cycles - cycles.floor()) * 1.0e6).round() * 1.0e-6;
         (place as usize) % self.phases
     }

@@ -3,14 +3,14 @@
 use super::{NUMBERS, numbers_of};
 use crate::analysis::stress::CellStress;
 
-/// Sums over samples of the numbers of each layer, phase by phase. All ranks have the same.
+/// Sums over samples of the numbers of each layer, phase by phase; equal on all ranks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profiles {
     layers: usize,
     looks: u64,
     /// Time of the first sample.
     from: f64,
-    /// Looks of each phase.
+    /// Number of samples of each phase.
     of_phase: Vec<f64>,
     /// Phase by phase, layer by layer.
     sums: Vec<[f64; NUMBERS]>,
@@ -31,12 +31,12 @@ impl Profiles {
         Self { layers, looks: 0, from: 0.0, of_phase: vec![0.0; phases], sums }
     }
 
-    /// Looks of the present interval.
+    /// Number of samples of the present interval.
     pub(super) fn looks(&self) -> u64 {
         self.looks
     }
 
-    /// Adds the layers of a sample; each stands for so many waves.
+    /// Adds the layers of a sample; each of them contains this number of waves.
     pub(super) fn add(&mut self, time: f64, phase: usize, cells: &[CellStress], waves: f64) {
         if self.looks == 0 {
             self.from = time;
@@ -50,7 +50,7 @@ impl Profiles {
         }
     }
 
-    /// The means of the interval, which ends.
+    /// The means of the interval, which then ends.
     pub(super) fn take(&mut self) -> MeanProfiles {
         let new = Self::new(self.of_phase.len(), self.layers);
         let Self { layers, looks, from, of_phase, sums } = std::mem::replace(self, new);
@@ -60,13 +60,13 @@ impl Profiles {
         MeanProfiles { looks, from, means: sums.iter().enumerate().map(mean).collect() }
     }
 
-    /// All of it, to be kept.
+    /// All numbers, to be stored.
     pub(super) fn numbers(&self) -> Vec<f64> {
         let head = [self.looks as f64, self.from];
         head.iter().chain(&self.of_phase).chain(self.sums.as_flattened()).copied().collect()
     }
 
-    /// Continues from what was kept.
+    /// Continues from stored numbers.
     pub(super) fn restore(&mut self, numbers: &[f64]) -> Option<()> {
         let (head, rest) = numbers.split_at_checked(2)?;
         let (of_phase, sums) = rest.split_at_checked(self.of_phase.len())?;

@@ -1,4 +1,4 @@
-//! How the agglomerates of all ranks are distributed.
+//! Distributions and means over the agglomerates of all ranks.
 
 use super::Agglomerate;
 use crate::numbers::ExactSum;
@@ -14,7 +14,7 @@ pub struct SizeDistribution {
     pub number: Vec<u64>,
     /// Mass of the agglomerates in each bin.
     pub mass: Vec<f64>,
-    /// Number of agglomerates in no bin: outside of the limits, or with an undefined quantity.
+    /// Number of agglomerates in no bin: outside the limits, or with an undefined quantity.
     pub outside: u64,
 }
 
@@ -54,7 +54,7 @@ fn bin_of(x: f64, limits: &[f64]) -> Option<usize> {
     (above > 0 && above < limits.len() && !x.is_nan()).then(|| above - 1)
 }
 
-/// Means over agglomerates, each weighted by its mass: sum m x / sum m (the paper's averages).
+/// Means over agglomerates, each weighted by its mass: sum m x / sum m (the averages of the paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassWeightedMeans {
     /// N_agg, number of agglomerates.
@@ -71,12 +71,12 @@ pub struct MassWeightedMeans {
     pub coordination_within: f64,
     /// p.
     pub packing_fraction: f64,
-    /// D_f of single agglomerates, over those that have one.
+    /// D_f of single agglomerates, over those for which it is defined.
     pub fractal_dimension: f64,
 }
 
 impl MassWeightedMeans {
-    /// Over the agglomerates of all ranks; none if there are none. Collective.
+    /// Means over the agglomerates of all ranks; `None` if there are none. Collective.
     pub fn of(found: &[Agglomerate], ranks: &dyn Communicator) -> Option<Self> {
         let moments = found.iter().map(|a| {
             let m = a.mass;

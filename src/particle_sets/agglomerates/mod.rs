@@ -1,11 +1,10 @@
-//! Agglomerates: connected sets of persistent contacts, and what they are like.
+//! Agglomerates: connected sets of persistent contacts, and their properties.
 //!
 //! Source: Liu, van Wachem, Mudde, Chen & van Ommen, Powder Technology (2016), sections 2.3 and 2.4.
 //!
-//! No rank gathers an agglomerate: a bed may be one. Members find label and image as those of
-//! [connected sets](super::components); sums over members are made of integers, part by part of a rank, and meet on the
-//! rendezvous rank of the label. Results depend on ids, positions and
-//! contacts alone.
+//! No rank gathers an agglomerate, since a whole bed may be one. Members find their label and image as those of
+//! [connected sets](super::components). Sums over members are made of integers, part by part of a rank, and are
+//! completed on the rendezvous rank of the label. Results depend only on ids, positions and contacts.
 
 mod distribution;
 mod properties;
@@ -27,7 +26,7 @@ use nalgebra::Vector3;
 use properties::Members;
 use rustc_hash::FxHashMap;
 
-/// What is known of a particle at the time of a sample.
+/// Data of a particle at the time of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ParticleSample {
@@ -43,39 +42,40 @@ pub struct ParticleSample {
     pub velocity: Vector3<f64>,
 }
 
-/// How agglomerates are found at one time.
+/// A search for agglomerates at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
     /// The particles that this rank owns, by ascending id.
     pub particles: &'a [ParticleSample],
-    /// Pairs that make agglomerates: the contacts kept since t_0. Each on one rank, best on one that owns a particle of it.
+    /// Pairs that form agglomerates: the contacts kept since t_0. Each is on one rank, preferably one that owns one of
+    /// its particles.
     pub bonds: &'a [Pair],
-    /// Pairs that touch now, for the coordination number. Each on one rank, likewise.
+    /// Pairs that touch now, for the coordination number. Each is on one rank, likewise.
     pub touching: &'a [Pair],
     /// The box.
     pub periodicity: Periodicity,
-    /// Sets of fewer particles are no agglomerates (15 in the paper).
+    /// Sets of fewer particles do not count as agglomerates (15 in the paper).
     pub smallest: u64,
 }
 
-/// The agglomerates of one time.
+/// The agglomerates at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Agglomerates {
-    /// The agglomerate of each of this rank's particles, in their order: the smallest id of its members. None for a
+    /// The agglomerate of each of this rank's particles, in their order: the smallest id of its members. `None` for a
     /// particle whose set is too small.
     pub labels: Vec<Option<u64>>,
-    /// The centre of each of this rank's particles where it lies in the unwrapped agglomerate: relative to the
-    /// particle whose id is the label, which lies in the box.
+    /// The centre of each of this rank's particles in the unwrapped agglomerate: relative to the particle whose id is
+    /// the label, which lies in the box.
     pub unwrapped: Vec<Vector3<f64>>,
-    /// Agglomerates whose label meets on this rank, by ascending label. Each is on one rank.
+    /// Agglomerates whose label has its rendezvous on this rank, by ascending label. Each is on one rank.
     pub found: Vec<Agglomerate>,
 }
 
-/// Bonds, contacts of two members, contacts of a member.
+/// Numbers of bonds, contacts of two members, and contacts of a member.
 type Counts = [i64; 3];
 
 impl Search<'_> {
-    /// Finds all agglomerates. A bond or contact of a particle that no rank owns is left out. Collective.
+    /// Finds all agglomerates. A bond or contact of a particle without an owner is left out. Collective.
     pub fn run(&self, ranks: &dyn Communicator) -> Agglomerates {
         let owned = Ownership::of(self.particles.iter().map(|particle| particle.id).collect());
         let ends = self.bonds.iter().chain(self.touching).flat_map(Pair::ends);
@@ -143,8 +143,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Counts [bonds, contacts of two members, contacts of a member] as seen from members, on the rendezvous rank of
-    /// the label: a bond of two members counts twice. By ascending label. Collective.
+    /// Counts [bonds, contacts of two members, contacts of a member] from the side of members, on the rendezvous rank
+    /// of the label, so that a bond of two members counts twice. By ascending label. Collective.
     fn contacts_by_label(
         &self,
         nodes: &NodeIds<'_>,
@@ -160,7 +160,7 @@ impl Search<'_> {
         };
         let mut counts = LabelCounts::default();
         for [a, b] in bonds.iter().map(|bond| bond.ends.map(label)) {
-            // Both ends of a bond have one label.
+            // Both ends of a bond have the same label.
             if let Some(label) = a.and(b) {
                 counts.add(label, [2, 0, 0]);
             }
@@ -181,7 +181,7 @@ impl Search<'_> {
 #[derive(Default)]
 struct LabelCounts {
     counts: FxHashMap<u64, Counts>,
-    /// The last label is often the next: its counts that are not among the others yet.
+    /// The counts of the last label, which are not among the others yet: the next label is often the same.
     last: Option<(u64, Counts)>,
 }
 
@@ -221,7 +221,7 @@ fn add_counts(sums: &mut Counts, counts: Counts) {
 }
 
 impl Agglomerates {
-    /// The agglomerate of each of this rank's particles, in their order; none for a particle whose set is too small.
+    /// The agglomerate of each of this rank's particles, in their order; `None` for a particle whose set is too small.
     /// Collective.
     pub fn of_particles(&self, ranks: &dyn Communicator) -> Vec<Option<Agglomerate>> {
         let known = |label: u64| {
@@ -233,8 +233,8 @@ impl Agglomerates {
     }
 
     /// Ids and unwrapped centres of the members of one agglomerate, ascending, on the rendezvous rank of its label;
-    /// nothing on the others. That rank holds all of them: for single agglomerates, not for a bed that is one.
-    /// `particles` are those of the search. Collective.
+    /// nothing on the others. This rank holds all of them: the function is for single agglomerates, not for a bed that
+    /// is one. `particles` are those of the search. Collective.
     pub fn members(
         &self,
         label: u64,
@@ -257,7 +257,7 @@ impl Agglomerates {
     }
 }
 
-/// A particle's agglomerate, as it travels.
+/// The agglomerate of a particle, as sent between ranks.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct LabelOfParticle {

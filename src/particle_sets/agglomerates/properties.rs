@@ -1,4 +1,4 @@
-//! Mass, place, motion, size and coordination of agglomerates.
+//! Mass, position, motion, size and coordination of agglomerates.
 
 use super::{Counts, ParticleSample};
 use crate::parallel::Communicator;
@@ -12,10 +12,10 @@ use bytemuck::{Pod, Zeroable};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// Sums over the members of an agglomerate that are made first.
+/// Number of sums over the members of an agglomerate that are computed first.
 const MOMENTS: usize = 18;
 
-/// What one agglomerate is like.
+/// Properties of one agglomerate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Agglomerate {
@@ -27,21 +27,21 @@ pub struct Agglomerate {
     pub mass: f64,
     /// Their volume, sum of 4/3 pi r^3.
     pub volume: f64,
-    /// Centre of mass, inside of the box. Along an axis along which the agglomerate winds around a periodic box, the
+    /// Centre of mass, inside the box. Along an axis along which the agglomerate winds around a periodic box, it is the
     /// mean angle on a circle (Bai & Breen 2008, doi:10.1080/2151237X.2008.10129266).
     pub centre: Vector3<f64>,
     /// Velocity of the centre of mass.
     pub velocity: Vector3<f64>,
-    /// R_agg, the radius of gyration: m_agg R_agg^2 = sum m_a l_a^2, l_a the distance of a member's centre from the
-    /// centre of mass. A particle alone has none.
+    /// R_agg, the radius of gyration: m_agg R_agg^2 = sum m_a l_a^2, where l_a is the distance of a member's centre
+    /// from the centre of mass. Zero for a single particle.
     pub radius_of_gyration: f64,
     /// Whether it winds around the box, by axis: 1 or 0. Its size along such an axis is that of the box.
     pub winds: [u64; 3],
-    /// Sum over members of their kept contacts: twice their number.
+    /// Sum over members of their kept contacts: twice the number of these.
     pub bonds: u64,
-    /// Sum over members of the members that they touch.
+    /// Sum over members of the number of members that they touch.
     pub contacts_within: u64,
-    /// Sum over members of the particles that they touch.
+    /// Sum over members of the number of particles that they touch.
     pub contacts: u64,
 }
 
@@ -51,12 +51,12 @@ impl Agglomerate {
         2.0 * self.radius_of_gyration
     }
 
-    /// C_N: mean number of touching neighbours of the members, members or not.
+    /// C_N: mean number of touching neighbours of the members, whether these are members or not.
     pub fn coordination_number(&self) -> f64 {
         self.contacts as f64 / self.members as f64
     }
 
-    /// Mean number of touching neighbours of the members that are members themselves.
+    /// Mean number of touching neighbours of the members that are also members.
     pub fn coordination_within(&self) -> f64 {
         self.contacts_within as f64 / self.members as f64
     }
@@ -68,14 +68,15 @@ impl Agglomerate {
 
     /// p = sum of the particles' volume / (4/3 pi R_agg^3).
     ///
-    /// The paper says "the agglomerate's volume"; that this is the sphere of R_agg is our reading. That sphere is
+    /// The paper only says "the agglomerate's volume"; we take this to be the sphere of radius R_agg. This sphere is
     /// smaller than the agglomerate: a compact ball of radius B has R_agg = sqrt(3/5) B.
     pub fn packing_fraction(&self) -> f64 {
         self.volume / (4.0 / 3.0 * PI * self.radius_of_gyration.powi(3))
     }
 
-    /// Volume of the particles over that of the homogeneous ball with the same radius of gyration, of radius
-    /// sqrt(5/3) R_agg: that of the material for a ball, 0.465 times [`Agglomerate::packing_fraction`] always.
+    /// Ratio of the volume of the particles to that of the homogeneous ball with the same radius of gyration, whose
+    /// radius is sqrt(5/3) R_agg. For a ball it is the packing fraction of its material; it is always 0.465 times
+    /// [`Agglomerate::packing_fraction`].
     pub fn packing_fraction_of_ball(&self) -> f64 {
         self.volume / (4.0 / 3.0 * PI * (self.radius_of_gyration * (5.0_f64 / 3.0).sqrt()).powi(3))
     }
@@ -86,19 +87,19 @@ impl Agglomerate {
     }
 
     /// D_f = ln n / ln(R_agg / r_a), from n = (R_agg / r_a)^D_f: the paper's value for a single agglomerate, with a
-    /// prefactor of 1. None if R_agg is not above r_a.
+    /// prefactor of 1. `None` unless R_agg is above r_a.
     pub fn fractal_dimension(&self) -> Option<f64> {
         let ratio = self.radius_of_gyration / self.member_radius();
         (ratio > 1.0).then(|| libm::log(self.members as f64) / libm::log(ratio))
     }
 }
 
-/// The particles of a rank, and the parts of agglomerates that they make.
+/// The particles of a rank, and the parts of agglomerates that they form.
 #[derive(Clone, Copy)]
 pub(super) struct Members<'a> {
     pub(super) particles: &'a [ParticleSample],
-    /// Unwrapped centres: in the frame of the particle whose id is the label; inside of the box along axes that are
-    /// wound around.
+    /// Unwrapped centres, in the frame of the particle whose id is the label; along axes around which an agglomerate
+    /// winds, they are inside the box.
     pub(super) positions: &'a [Vector3<f64>],
     pub(super) sets: &'a ConnectedSets,
     /// Labels of the parts that belong to agglomerates.
@@ -119,7 +120,7 @@ struct Body {
 }
 
 impl Body {
-    /// Mass times (cos, sin) of the angle on the circle that a periodic axis is; nothing along other axes.
+    /// Mass times (cos, sin) of the angle on the circle that represents a periodic axis; zeros along other axes.
     fn on_circle(&self, axis: usize, periodicity: &Periodicity) -> [f64; 2] {
         match periodicity.lengths[axis] {
             Some(length) if self.winds[axis] => {
@@ -162,8 +163,8 @@ fn centre_of_moments(moments: &[f64; MOMENTS], periodicity: &Periodicity) -> Vec
 }
 
 impl Members<'_> {
-    /// Properties of the agglomerates of all ranks' members, contacts left out, on the rendezvous ranks of their labels by
-    /// ascending label. Collective.
+    /// Properties of the agglomerates of all ranks' members, without contacts, on the rendezvous ranks of their labels
+    /// by ascending label. Collective.
     pub(super) fn agglomerates(self, ranks: &dyn Communicator) -> Vec<Agglomerate> {
         let periodicity = &self.periodicity;
         let moments = self.moments(ranks);
@@ -199,7 +200,8 @@ impl Members<'_> {
             [body.mass, body.volume, x.x, x.y, x.z, v.x, v.y, v.z]
         });
         let mut factors = largest(magnitudes);
-        // First over ranks: products of the largest of each rank would depend on who has which members.
+        // The maximum over ranks comes first: products of the largest values of each rank would depend on the
+        // distribution of the members.
         ranks.maximum(&mut factors);
         let [mass, volume, at_and_along @ ..] = factors;
         let mut bounds = [1.0; MOMENTS];
@@ -210,7 +212,7 @@ impl Members<'_> {
         self.sums(addends, bounds, ranks)
     }
 
-    /// Sums of m l^2, l being the distance from the centre of the part. Collective.
+    /// Sums of m l^2, where l is the distance from the centre of the part. Collective.
     fn second_moments(self, centres: &[Vector3<f64>], ranks: &dyn Communicator) -> Vec<Keyed<1>> {
         let addends = self.bodies().map(|body| {
             let centre = &centres[body.part];
@@ -227,15 +229,15 @@ impl Members<'_> {
         self.sums(addends.into_iter(), bounds, ranks)
     }
 
-    /// Sums of addends by the label of their part, whose magnitudes are up to `bounds`, on the rendezvous ranks of the labels
-    /// by ascending label. Collective.
+    /// Sums of addends by the label of their part, on the rendezvous ranks of the labels by ascending label. The
+    /// magnitudes of the addends are at most `bounds`. Collective.
     fn sums<const N: usize>(
         self,
         addends: impl Iterator<Item = (usize, [f64; N])>,
         bounds: [f64; N],
         ranks: &dyn Communicator,
     ) -> Vec<Keyed<N>> {
-        // Parts that belong to no agglomerate have no sums.
+        // Parts that do not belong to an agglomerate have no sums.
         let mut labels = Vec::new();
         let mut slots = vec![usize::MAX; self.large.len()];
         for (slot, label) in slots.iter_mut().zip(self.large) {
@@ -266,7 +268,7 @@ fn agglomerate(sums: &Keyed<MOMENTS>, second: &Keyed<1>, periodicity: &Periodici
     }
 }
 
-/// Adds what was counted on the same ranks.
+/// Adds the contacts, which were counted on the same ranks.
 pub(super) fn add_contacts(found: &mut [Agglomerate], contacts: &[(u64, Counts)]) {
     for agglomerate in found {
         if let Ok(place) = contacts.binary_search_by_key(&agglomerate.label, |count| count.0) {

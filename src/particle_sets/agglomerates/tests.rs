@@ -1,4 +1,4 @@
-//! Agglomerates glued and parted by hand, across periodic faces and borders of ranks.
+//! Agglomerates glued and separated by hand, across periodic faces and borders of ranks.
 
 use super::*;
 use crate::numbers::{Quantum, normal, random_of, uniform};
@@ -26,8 +26,8 @@ struct Bed {
 }
 
 impl Bed {
-    /// Labels by place and agglomerates by label, on n ranks; `salt` chooses the distribution. Images that ranks hold
-    /// differ.
+    /// Labels by place and agglomerates by label, on n ranks; `salt` selects the distribution. The images held by the
+    /// ranks differ.
     fn search(&self, n: usize, salt: usize) -> (Vec<Option<u64>>, Vec<Agglomerate>) {
         let made = run_on_threads(n, |ranks| {
             let mine = |place: usize| (place * place * salt + place) % 17 % n == ranks.rank();
@@ -59,7 +59,7 @@ impl Bed {
         found.sort_by_key(|agglomerate| agglomerate.label);
         (labels.into_iter().map(|(_, label)| label).collect(), found)
     }
-    /// Members that are gathered are those of the agglomerate, and lie where it lies.
+    /// Checks that gathered members are those of the agglomerate, and lie where it lies.
     fn check_members(
         &self,
         agglomerates: &Agglomerates,
@@ -114,7 +114,7 @@ fn a_rod_across_the_border_has_the_size_of_a_rod() {
         assert!((rod.radius_of_gyration - (399.0_f64 / 12.0).sqrt()).abs() < 1e-14);
         assert_eq!((rod.bonds, rod.contacts_within, rod.contacts), (38, 38, 39));
         assert!((rod.member_radius() - 0.5).abs() < 1e-15);
-        // A rod has dimension 1 in a fit; with a prefactor of 1 the single value is ln 20 / ln(2 R).
+        // A rod has dimension 1 in a fit; with a prefactor of 1 the value for a single rod is ln 20 / ln(2 R).
         let single = libm::log(20.0) / libm::log(2.0 * rod.radius_of_gyration);
         assert!((rod.fractal_dimension().unwrap() - single).abs() < 1e-14);
     }
@@ -122,7 +122,7 @@ fn a_rod_across_the_border_has_the_size_of_a_rod() {
 
 #[test]
 fn without_unwrapping_a_rod_across_the_border_would_be_longer() {
-    // The control of the test above: the same positions without periodicity.
+    // Control of the test above: the same positions without periodicity.
     let (mut particles, bonds) = rod(100, 20, [20.0, 0.0, 3.0]);
     particles.iter_mut().for_each(|particle| particle.position.x %= 32.0);
     let touching = bonds.clone();
@@ -133,7 +133,7 @@ fn without_unwrapping_a_rod_across_the_border_would_be_longer() {
 
 #[test]
 fn a_ring_around_the_box_has_its_centre_where_it_is_thickest() {
-    // A rod that closes on itself through the border, and a short rod on its side around x = 30.
+    // A rod that closes on itself through the border, and a short rod transverse to it around x = 30.
     let (mut particles, mut bonds) = rod(5, 32, [0.0, 2.0, 3.0]);
     bonds.push(Pair::of(5, 36));
     let (side, side_bonds) = rod(50, 5, [28.0, 3.0, 3.0]);
@@ -189,7 +189,7 @@ fn agglomerates_have_the_same_bits_on_any_ranks_and_agree_with_plain_sums() {
     for (n, salt) in [(1, 4), (2, 1), (3, 1), (3, 2), (4, 3)] {
         assert!(bed.search(n, salt) == (labels.clone(), expected.clone()), "{n} ranks, {salt}");
     }
-    // Each blob was made in an unwrapped frame: plain sums there.
+    // Each blob was made in an unwrapped frame, where plain sums apply.
     let mut first = 0;
     for blob in 0..40_u64 {
         let n = (30 + blob * 30 / 39) as usize;

@@ -1,10 +1,10 @@
 //! Connected sets of a graph whose edges are spread over ranks, by repeated contraction.
 //!
 //! In each round every node draws a rank among its neighbours' by hashing its id, and hooks itself onto the neighbour
-//! of the lowest draw if that is below its own; trees are flattened by pointer jumping, and edges are moved to the
-//! roots (Shiloach & Vishkin 1982, doi:10.1016/0196-6774(82)90008-6, with random instead of fixed priorities). At
-//! most half of the nodes are expected to be lowest among their neighbours, so the number of rounds grows with the
-//! logarithm of the number of nodes, whatever the graph.
+//! with the lowest draw if this is below its own; trees are flattened by pointer jumping, and edges are moved to the
+//! roots (Shiloach & Vishkin 1982, doi:10.1016/0196-6774(82)90008-6, with random instead of fixed priorities). At most
+//! half of the nodes are expected to be lowest among their neighbours, so the number of rounds grows with the logarithm
+//! of the number of nodes, whatever the graph.
 
 use super::{Link, minus, plus};
 use crate::parallel::Communicator;
@@ -20,7 +20,7 @@ struct Node {
     parent: u64,
     /// Image in the frame of the parent.
     image: Image,
-    /// Along which axes a chain of links winds around the box: 1 or 0.
+    /// Whether a chain of links winds around the box, by axis: 1 or 0.
     winds: Image,
 }
 
@@ -30,9 +30,9 @@ struct Node {
 pub(super) struct SetOfNode {
     /// The smallest id of the set.
     pub(super) label: u64,
-    /// Image of the node in the frame of that one.
+    /// Image of the node in the frame of the node with that id.
     pub(super) image: Image,
-    /// Along which axes the set winds around the box: 1 or 0.
+    /// Whether the set winds around the box, by axis: 1 or 0.
     pub(super) winds: Image,
 }
 
@@ -45,7 +45,7 @@ struct Parent {
     padding: u32,
 }
 
-/// A node that wants to hook itself onto another.
+/// A request of a node to be hooked onto another.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 struct Proposal {
@@ -53,12 +53,12 @@ struct Proposal {
     /// The parent's draw of this round.
     draw: u64,
     parent: u64,
-    /// Of the child in the frame of the parent.
+    /// Image of the child in the frame of the parent.
     image: Image,
     padding: u32,
 }
 
-/// What is known of a whole set, or of a part of it.
+/// Data of a whole set, or of a part of it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Summary {
@@ -66,18 +66,18 @@ struct Summary {
     set: SetOfNode,
 }
 
-/// The nodes that meet on this rank, by ascending id.
+/// The nodes whose rendezvous is this rank, by ascending id.
 pub(super) struct Nodes {
     nodes: Vec<Node>,
     /// By root: smallest id, its image in the frame of the root, windings.
     sets: Vec<Summary>,
-    /// Rounds that it took.
+    /// Number of rounds that were needed.
     pub(super) rounds: u32,
 }
 
 impl Nodes {
-    /// The connected sets of the nodes that these edges join, on whatever ranks; an edge from a node to itself says
-    /// along which axes its set winds around the box. Collective.
+    /// The connected sets of the nodes that these edges join, on any ranks; an edge from a node to itself gives the
+    /// axes along which its set winds around the box. Collective.
     pub(super) fn contract(edges: Vec<Link>, ranks: &dyn Communicator) -> Self {
         let mut ids = send_to_rendezvous(edges.iter().flat_map(|edge| edge.ends), |&id| id, ranks);
         ids.sort_unstable();
@@ -104,14 +104,14 @@ impl Nodes {
         self.nodes.get(place)
     }
 
-    /// The parent of a node that meets here.
+    /// The parent of a node whose rendezvous is this rank.
     fn parent_of(&self, id: u64) -> Parent {
         let known = self.find(id).map(|node| (node.parent, node.image));
         let (id, image) = known.unwrap_or((id, [0; 3]));
         Parent { id, image, padding: 0 }
     }
 
-    /// Hooks nodes onto the neighbour of the lowest draw; returns the indices of those that were. Collective.
+    /// Hooks nodes onto the neighbour with the lowest draw; returns the indices of those that were hooked. Collective.
     fn hook(&mut self, edges: &[Link], ranks: &dyn Communicator) -> Vec<usize> {
         let draw = |id: u64| mixed(id ^ mixed(u64::from(self.rounds)));
         let proposals = edges.iter().map(|edge| {
@@ -153,8 +153,8 @@ impl Nodes {
         }
     }
 
-    /// The edges between roots that these edges become; those inside of a tree go, and say whether it winds around
-    /// the box. Collective.
+    /// The edges between roots that result from these edges; edges inside a tree are dropped, and used to record
+    /// whether the tree winds around the box. Collective.
     fn at_roots(
         &self,
         edges: Vec<Link>,
@@ -172,7 +172,7 @@ impl Nodes {
         between
     }
 
-    /// Takes note of the axes along which sets wind around the box. Collective.
+    /// Records the axes along which sets wind around the box. Collective.
     fn note_windings(&mut self, windings: Vec<Link>, ranks: &dyn Communicator) {
         for winding in send_to_rendezvous(windings, |winding| winding.ends[0], ranks) {
             let place = self.nodes.binary_search_by_key(&winding.ends[0], |node| node.id);
@@ -192,7 +192,7 @@ impl Nodes {
         self.sets = merged(send_to_rendezvous(of_nodes, |summary| summary.root, ranks));
     }
 
-    /// The sets of some nodes, whatever rank they meet on; a node that no edge named is a set of its own. Collective.
+    /// The sets of some nodes, whatever their rendezvous ranks; a node without edges is a set of its own. Collective.
     pub(super) fn sets_of(&self, ids: Vec<u64>, ranks: &dyn Communicator) -> Answers<SetOfNode> {
         let roots = self.nodes.iter().map(|node| node.parent);
         let of_root = |root: u64| {

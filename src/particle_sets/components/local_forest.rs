@@ -3,13 +3,13 @@
 use super::{minus, plus};
 use crate::particle_sets::periodicity::Image;
 
-/// A forest of numbered nodes, each of whose trees is a connected set (Tarjan 1975, doi:10.1145/321879.321884). Every
-/// node knows its image in the frame of its parent: that of the nearest image of a partner, summed along the tree.
+/// A forest of numbered nodes in which each tree is a connected set (Tarjan 1975, doi:10.1145/321879.321884). Every
+/// node stores its image in the frame of its parent, which is the sum along the tree of the nearest images of partners.
 pub(super) struct LocalForest<'a> {
-    /// Ids by node: of two roots that are joined, that of the lower id becomes the parent.
+    /// Ids by node: when two roots are joined, the one with the lower id becomes the parent.
     ids: &'a [u64],
     nodes: Vec<Node>,
-    /// Nodes at which a chain of links came back to its start in another image, and along which axes: 1 or 0.
+    /// Nodes at which a chain of links returned to its start in another image, with its windings by axis: 1 or 0.
     windings: Vec<(u32, Image)>,
 }
 
@@ -17,7 +17,7 @@ pub(super) struct LocalForest<'a> {
 struct Node {
     /// A root is its own parent.
     parent: u32,
-    /// Relative to the parent; that of a root is zero.
+    /// Image relative to the parent; zero for a root.
     image: Image,
 }
 
@@ -25,11 +25,11 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InTree {
     pub(super) root: u32,
-    /// In the frame of the root.
+    /// Image in the frame of the root.
     pub(super) image: Image,
 }
 
-/// A link between numbered nodes: of the first to this image of the second.
+/// A link between numbered nodes: from the first to this image of the second.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeLink {
     pub(crate) ends: [u32; 2],
@@ -81,7 +81,8 @@ impl<'a> LocalForest<'a> {
         }
     }
 
-    /// Roots of trees that wind around the box, and along which axes: 1 or 0. Each once for each kind.
+    /// Roots of trees that wind around the box, with their windings by axis: 1 or 0. Each root occurs once for each
+    /// combination.
     pub(super) fn windings(&mut self) -> Vec<(u32, Image)> {
         // A tree may have been joined to another since it was found to wind.
         let mut windings = std::mem::take(&mut self.windings);

@@ -1,11 +1,12 @@
-//! Connected sets of particles, whatever ranks hold the particles and the pairs.
+//! Connected sets of particles, for any distribution of the particles and the pairs over ranks.
 //!
-//! 1. Each rank joins what its own pairs connect (`local_forest`).
-//! 2. A particle that another rank's pairs name says that local sets of both ranks are one: an edge between their roots.
+//! 1. Each rank joins the particles that its own pairs connect (`local_forest`).
+//! 2. A particle that another rank's pairs name connects the local sets of both ranks: this is an edge between their
+//!    roots.
 //! 3. This much smaller graph is contracted in rounds over all ranks (`contraction`).
 //!
-//! The label of a set is its smallest id: it depends on the pairs alone. So does the image of a particle relative to
-//! the particle with that id, as long as the set does not wind around a periodic box.
+//! The label of a set is its smallest id, which depends only on the pairs. The same holds for the image of a particle
+//! relative to the particle with this id, as long as the set does not wind around a periodic box.
 
 mod contraction;
 mod local_forest;
@@ -21,13 +22,13 @@ use contraction::Nodes;
 pub(crate) use local_forest::NodeLink;
 use local_forest::{InTree, LocalForest};
 
-/// Two particles that belong together.
+/// Two particles that belong to the same set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 pub struct Link {
     /// The ids of a and b.
     pub ends: [u64; 2],
-    /// The image of b that is linked to a, of positions inside of the box.
+    /// The image of b that is linked to a, for positions inside the box.
     pub image: Image,
     padding: u32,
 }
@@ -44,15 +45,15 @@ impl Link {
 pub struct Membership {
     /// The smallest id of the set.
     pub label: u64,
-    /// The particle's image in the frame of the particle with that id: where it lies in the unwrapped set. Along an
-    /// axis along which the set winds around the box there is no such frame, and the image is 0.
+    /// The particle's image in the frame of the particle with that id, which gives its position in the unwrapped set.
+    /// Along an axis along which the set winds around the box there is no such frame, and the image is 0.
     pub image: Image,
     /// Whether a chain of links leads from a particle to another image of itself, by axis.
     pub winds: [bool; 3],
 }
 
-/// The connected set of each of this rank's particles, in the order of `ids`. Each link is held by any rank, or by
-/// several; each of its ends is among the ids of one rank. Collective.
+/// The connected set of each of this rank's particles, in the order of `ids`. Each link is on any rank, or on several;
+/// each of its ends is among the ids of one rank. Collective.
 ///
 /// Every rank needs memory for its own ids and links, and for those of other ranks that its links name. The number of
 /// rounds of messages grows with the logarithm of the number of sets that ranks share.
@@ -79,7 +80,7 @@ fn components_in_rounds(
     (ids.iter().map(membership).collect(), sets.rounds)
 }
 
-/// The particles that a rank knows as numbered nodes: first its own, then those of other ranks.
+/// The particles that a rank knows, as numbered nodes: first its own, then those of other ranks.
 pub(crate) struct NodeIds<'a> {
     pub(crate) owned: &'a Ownership,
     pub(crate) foreign: &'a Foreign,
@@ -91,7 +92,7 @@ impl<'a> NodeIds<'a> {
         Self { owned, foreign, ids: [owned.ids(), foreign.ids()].concat() }
     }
 
-    /// The node of a particle; none if this rank does not know it, or no rank owns it.
+    /// The node of a particle; `None` if this rank does not know it, or no rank owns it.
     #[inline]
     pub(crate) fn node_of(&self, id: u64) -> Option<u32> {
         if let Some(place) = self.owned.place_of(id) {
@@ -104,9 +105,9 @@ impl<'a> NodeIds<'a> {
 
 /// The connected sets of a rank's particles.
 pub(crate) struct ConnectedSets {
-    /// By place of the particle; none for particles without links.
+    /// By place of the particle; unset for particles without links.
     in_set: Vec<InSet>,
-    /// The sets, of which several may have the same label: parts of a set that are connected on another rank.
+    /// The sets, several of which may have the same label: these are parts of a set that are connected on another rank.
     pub(crate) parts: Vec<Part>,
     rounds: u32,
 }
@@ -114,38 +115,38 @@ pub(crate) struct ConnectedSets {
 /// A particle in a part of a set.
 #[derive(Clone, Copy, Debug)]
 struct InSet {
-    /// Number of the part, or none.
+    /// Number of the part; unset for a particle without links.
     part: u32,
-    /// In the frame of the part's root.
+    /// Image in the frame of the part's root.
     image: Image,
 }
 
 const NO_PART: u32 = u32::MAX;
 
-/// A part of a connected set: what is connected on this rank.
+/// A part of a connected set: particles that are connected on this rank.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     /// The smallest id of the set.
     pub(crate) label: u64,
     /// Image of the part's root in the frame of the particle with that id.
     frame: Image,
-    /// Along which axes the set winds around the box.
+    /// Whether the set winds around the box, by axis.
     pub(crate) winds: [bool; 3],
 }
 
-/// What a rank sends the owner of a particle about it.
+/// Data of a particle, sent to its owner.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 struct InLocalSet {
     id: u64,
     root: u64,
-    /// In the frame of the root.
+    /// Image in the frame of the root.
     image: Image,
     padding: u32,
 }
 
 impl ConnectedSets {
-    /// The sets that all ranks' links make. Collective.
+    /// The sets formed by the links of all ranks. Collective.
     pub(crate) fn of(nodes: &NodeIds<'_>, links: &[NodeLink], ranks: &dyn Communicator) -> Self {
         let mut forest = LocalForest::new(&nodes.ids, links);
         let mut is_linked = vec![false; nodes.ids.len()];
@@ -180,14 +181,14 @@ impl ConnectedSets {
         Self { in_set, parts: roots.iter().map(part).collect(), rounds: contracted.rounds }
     }
 
-    /// The part of the particle at a place; none for a particle without links.
+    /// The part of the particle at a place; `None` for a particle without links.
     #[inline]
     pub(crate) fn part_of(&self, place: usize) -> Option<usize> {
         let part = self.in_set[place].part;
         (part != NO_PART).then_some(part as usize)
     }
 
-    /// The image of the particle at a place where it lies in the unwrapped set.
+    /// The image of the particle at a place in the unwrapped set.
     #[inline]
     pub(crate) fn image_of(&self, place: usize) -> Image {
         let InSet { part, image } = self.in_set[place];
@@ -210,8 +211,8 @@ impl ConnectedSets {
     }
 }
 
-/// Edges between the roots of local sets that share a particle, on the rank that owns it. Particles that other ranks
-/// know are linked from then on. Collective.
+/// Edges between the roots of local sets that share a particle, on the rank that owns it. The particles that other
+/// ranks know are marked as linked. Collective.
 fn shared_edges(
     nodes: &NodeIds<'_>,
     forest: &mut LocalForest<'_>,

@@ -1,4 +1,4 @@
-//! Connected sets against a search on one rank, chains across ranks, sets that wind around a periodic box.
+//! Connected sets compared with a search on one rank, chains across ranks, and sets that wind around a periodic box.
 
 use super::*;
 use crate::numbers::{random_of, uniform};
@@ -6,7 +6,7 @@ use crate::parallel::run_on_threads;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 
-/// What a distribution over ranks does with ids and links.
+/// A distribution of ids and links over ranks.
 #[derive(Clone, Copy, Debug)]
 enum Spread {
     Scattered,
@@ -30,7 +30,7 @@ impl Spread {
     }
 }
 
-/// Memberships by id and rounds, of links spread over ranks.
+/// Memberships by id and number of rounds, for links spread over ranks.
 fn on_ranks(
     n: usize,
     spread: Spread,
@@ -47,7 +47,7 @@ fn on_ranks(
     (made.into_iter().flat_map(|(sets, _)| sets).collect(), rounds)
 }
 
-/// The smallest id of the set of each particle by breadth-first search: shares nothing with the code under test.
+/// The smallest id of the set of each particle by breadth-first search, which shares nothing with the code under test.
 fn labels_by_search(ids: &[u64], links: &[Link]) -> BTreeMap<u64, u64> {
     let mut neighbours: BTreeMap<u64, Vec<u64>> = ids.iter().map(|&id| (id, vec![])).collect();
     for &Link { ends: [a, b], .. } in links {
@@ -94,7 +94,7 @@ proptest! {
     }
 }
 
-/// A chain of 10,000 whose neighbours all lie on different ranks, with ids in a bad order.
+/// A chain of 10,000 particles whose neighbours all lie on different ranks, with ids in an unfavourable order.
 #[test]
 fn long_chains_across_ranks_take_few_rounds() {
     const LENGTH: u64 = 10_000;
@@ -134,7 +134,7 @@ fn a_star_takes_few_rounds() {
     assert!(rounds <= 6, "{rounds}");
 }
 
-/// Two clusters whose particles lie on two ranks each, glued by one link across the border, and parted again.
+/// Two clusters whose particles lie on two ranks each, glued by one link across the border, and separated again.
 #[test]
 fn two_agglomerates_are_glued_and_parted_across_a_rank_border() {
     let left: Vec<[u64; 2]> = (10..20).map(|k| [k, k + 1]).collect();
@@ -154,7 +154,7 @@ fn two_agglomerates_are_glued_and_parted_across_a_rank_border() {
     }
 }
 
-/// A helix that passes the periodic border along x three times and along y backwards once.
+/// A helix that passes the periodic border along x three times and the one along y once backwards.
 #[test]
 fn images_add_up_along_a_chain() {
     let mut links = Vec::new();
@@ -197,7 +197,7 @@ fn a_set_that_winds_around_the_box_says_along_which_axes() {
 
 #[test]
 fn a_set_that_is_joined_to_another_after_it_was_found_to_wind_still_winds() {
-    // The ring is closed first; then a lower id takes its root's place.
+    // The ring is closed first; then a lower id replaces its root.
     let mut links: Vec<Link> =
         (10..20).map(|k| Link::new([k, (k - 9) % 10 + 10], [i32::from(k == 19), 0, 0])).collect();
     links.push(Link::new([15, 1], [0; 3]));

@@ -1,4 +1,4 @@
-//! The drag coefficient of a particle from what cells say at its place.
+//! The drag coefficient of a particle from the values of cells at its place.
 
 use super::local_voidage::LocalVoidage;
 use super::mean_diameter::MeanDiameter;
@@ -9,15 +9,15 @@ use crate::numbers::{F64x4, four_mut};
 use crate::particles::{Body, LANES, Lanes, Particles};
 use nalgebra::Vector3;
 
-/// The drag law, and what is asked of it besides the voidage of the gas's cells.
+/// The drag law, and the corrections to be applied to it.
 #[derive(Clone, Copy)]
 pub(super) struct DragAtPlace<'a> {
     pub(super) law: &'a ParticleDrag,
-    /// Where particles of different sizes share the drag by surface.
+    /// Set if particles of different sizes share the drag by surface.
     pub(super) mean_diameter: Option<&'a MeanDiameter>,
-    /// Where the voidage is that of finer cells.
+    /// Set if the voidage is that of finer cells.
     pub(super) local_voidage: Option<&'a LocalVoidage>,
-    /// Where drag is that of the undisturbed gas.
+    /// Set if drag is that of the undisturbed gas.
     pub(super) own_disturbance: Option<&'a OwnDisturbance>,
 }
 
@@ -65,7 +65,8 @@ impl GasAtParticles {
 }
 
 impl DragAtPlace<'_> {
-    /// b of the particles from `first` on, as many as there are corners: all at once if the voidage is all that the law asks of the place.
+    /// b of the particles from `first` on, as many as there are corners: all at once if the law needs only the voidage
+    /// at the place.
     #[inline(always)]
     pub(super) fn coefficients(
         &self,
@@ -98,7 +99,8 @@ impl DragAtPlace<'_> {
             || self.own_disturbance.is_some()
     }
 
-    /// b of an owned particle, force per velocity: `slip` is the velocity of the gas less that of the particle, `eps` the voidage there.
+    /// b of an owned particle, force per velocity: `slip` is the velocity of the gas less that of the particle, `eps`
+    /// the voidage there.
     #[inline(always)]
     fn coefficient(
         &self,

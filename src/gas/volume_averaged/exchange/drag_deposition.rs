@@ -7,7 +7,7 @@ use crate::numbers::{F64x4, Quantum, vectorised};
 use crate::particles::{AGGLOMERATE, AgglomerateOfParticle, LANES, Particles};
 use crate::rules::{LARGEST_DRAG_RESPONSE, drag_response};
 
-/// What the drag of particles follows from, and what is made of it.
+/// Input and output of the computation of drag.
 pub(super) struct DragDeposition<'a> {
     pub(super) corners: &'a [Corners],
     /// Velocity and voidage in cells.
@@ -25,7 +25,8 @@ pub(super) struct DragDeposition<'a> {
 }
 
 vectorised!(
-    /// Finds the drag coefficient b of each owned particle, and gives b v and b to the cells around it. Returns the first error.
+    /// Finds the drag coefficient b of each owned particle, and adds b v and b to the cells around it. Returns the
+    /// first error.
     pub(super) fn deposit_drag<Q: F64x4>(work: DragDeposition) -> Result<(), GasForceOutOfRange> {
         let DragDeposition { corners, law, bounds, particles, shares, .. } = work;
         let shifts = Q::load(&work.quanta.map(Quantum::shift));
@@ -59,7 +60,7 @@ vectorised!(
     }
 );
 
-/// xi of a particle by its agglomerate, which is kept with it.
+/// xi of a particle in its agglomerate, which is stored with the particle.
 #[inline(always)]
 fn in_agglomerate(
     of: &mut AgglomerateOfParticle,
@@ -78,7 +79,7 @@ fn in_agglomerate(
     of.drag_factor
 }
 
-/// What bounds the drag of particles in a gas step of length `dt`.
+/// Bounds of the drag of particles in a gas step of length `dt`.
 #[derive(Clone, Copy)]
 pub(super) struct DragBounds {
     pub(super) dt: f64,
@@ -86,7 +87,7 @@ pub(super) struct DragBounds {
 }
 
 impl DragBounds {
-    /// Whether the drag on a particle of this mass in this voidage has a meaning, and takes no more of its velocity
+    /// Whether the drag on a particle of this mass at this voidage is meaningful, and takes no more of its velocity
     /// relative to the gas than is allowed.
     #[inline(always)]
     fn hold(&self, drag: f64, mass: f64, voidage: f64) -> bool {
@@ -94,7 +95,7 @@ impl DragBounds {
             && drag_response(drag, self.dt, mass, voidage) <= LARGEST_DRAG_RESPONSE
     }
 
-    /// The error where they do not hold.
+    /// The error if the bounds do not hold.
     #[cold]
     fn excess(&self, particle: u64, drag: f64, mass: f64, voidage: f64) -> GasForceOutOfRange {
         let limit = self.largest_drag;

@@ -7,12 +7,12 @@ use crate::particles::{GAS_FORCE, Particles, sphere_volume};
 use nalgebra::Vector3;
 
 vectorised!(
-    /// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It takes the place of the former one in
-    /// the total, which is exact.
+    /// Sets the force of the gas on each owned particle, F_i = b_i (u_i - v_i) - V_i (grad p)_i. It replaces the
+    /// previous one in the total force, which is exact.
     ///
-    /// `in_cells` holds the velocity of the gas and the voidage, then the gradient of the pressure, less its hydrostatic head, and the
-    /// voidage. `buoyancy` is what the head adds to -dp/dz, `drag` b of each particle. Returns the sum of all forces, as counts of the
-    /// force quantum, and the first error.
+    /// `in_cells` holds the velocity of the gas and the voidage, then the gradient of the pressure, less its
+    /// hydrostatic head, and the voidage. `buoyancy` is the contribution of the head to -dp/dz, `drag` is b of each
+    /// particle. Returns the sum of all forces, as counts of the force quantum, and the first error.
     pub(super) fn set_forces<Q: F64x4>(
         corners: &[Corners],
         in_cells: &[FourFields; 2],

@@ -1,20 +1,22 @@
-//! The solids around each particle on finer cells than those of the gas, for the drag law alone.
+//! The solids fraction around each particle on finer cells than those of the gas, for the drag law only.
 //!
-//! Drag grows so steeply with the solids fraction that a cell half of which lies above a bed has far less than half the drag of a full
-//! one: on cells of 3 diameters the two surfaces of a bed take 3 diameters of its pressure drop. The gas itself has less to lose: its
-//! superficial velocity passes a surface unchanged. So the law is asked with the voidage eps_l of cells that are finer by a whole
-//! number, without the filter, and with the superficial slip of the gas's own cells,
+//! Drag grows so steeply with the solids fraction that a cell half of which lies above a bed has far less than half the
+//! drag of a full one: on cells of 3 diameters the two surfaces of a bed take 3 diameters of its pressure drop. The gas
+//! itself is less sensitive, since its superficial velocity passes a surface unchanged. The law is therefore evaluated
+//! with the voidage eps_l of cells that are finer by a whole number, without the filter, and with the superficial slip
+//! of the gas's own cells,
 //!
 //! ```math
 //! b' = b\!\left(1 - \varepsilon_l,\; \varepsilon |\mathbf{u} - \mathbf{v}|\right) \left( \frac{\varepsilon}{\varepsilon_l} \right)^2 .
 //! ```
 //!
-//! In model A the whole force on the particles of a bed, drag and their part of the pressure gradient, is b U_s / eps^2 for each,
-//! with U_s = eps |u - v|: the last factor leaves the force that the bed has at eps_l, though the gas flows at eps. In a uniform bed
-//! nothing changes. b' takes the place of b on both sides, so that what the gas loses is what particles gain.
+//! In model A the whole force on the particles of a bed, drag and their part of the pressure gradient, is b U_s / eps^2
+//! for each particle, with U_s = eps |u - v|: the last factor gives the force of a bed at eps_l, although the gas flows
+//! at eps. In a uniform bed nothing changes. b' replaces b on both sides, so that the gas loses what the particles
+//! gain.
 //!
-//! The finer cells are so small that a lone particle fills a part of them: phi_l is without S(phi) times its own share, S the structure
-//! factor of [`own_disturbance`](super::own_disturbance).
+//! The finer cells are so small that a lone particle fills part of them: S(phi) times its own share is subtracted from
+//! phi_l, where S is the structure factor of [`own_disturbance`](super::own_disturbance).
 
 use super::super::GAS_HALO;
 use super::own_disturbance::structure_factor;
@@ -36,10 +38,10 @@ pub(super) struct LocalVoidage {
 }
 
 impl LocalVoidage {
-    /// On cells `factor` times as fine as those of `grid` along each axis, of which no voidage is below the least one.
+    /// Cells `factor` times as fine as those of `grid` along each axis; no voidage is below the smallest one.
     ///
     /// # Errors
-    /// If the finer cells of a round column have no meaning.
+    /// If the finer cells of a round column are not valid.
     pub(super) fn new(
         factor: usize,
         (grid, column): (&BoxGrid, Option<&RoundColumn>),
@@ -65,7 +67,7 @@ impl LocalVoidage {
         self.transfer.refresh(&mut [field], ranks);
     }
 
-    /// phi_l around an owned particle of this volume, as of the last [`LocalVoidage::deposit`].
+    /// phi_l around an owned particle of this volume, at the last [`LocalVoidage::deposit`].
     pub(super) fn around(&self, index: usize, volume: f64) -> f64 {
         let corners = &self.transfer.corners()[index];
         let [seen] = interpolate([&self.solids_fraction], corners);
@@ -74,7 +76,7 @@ impl LocalVoidage {
         (seen - own * structure).clamp(0.0, 1.0 - self.least_voidage)
     }
 
-    /// What multiplies the coefficient of the law in the cells' voidage `eps`.
+    /// Factor by which the coefficient of the law at the cells' voidage `eps` is multiplied.
     #[inline(always)]
     pub(super) fn factor(eps: f64, solids_fraction: f64) -> f64 {
         let ratio = eps / (1.0 - solids_fraction);

@@ -20,7 +20,7 @@ impl MeanDiameter {
     /// For cells of this volume, and particles between two diameters.
     pub(super) fn new(part: &LocalCells, cell_volume: f64, [smallest, largest]: [f64; 2]) -> Self {
         let volume = cell_volume + largest.powi(3);
-        // No more spheres fit into a cell than its volume over that of the smallest.
+        // The number of spheres in a cell is at most its volume over that of the smallest sphere.
         let surface = 6.0 / PI * volume / smallest + largest.powi(2);
         let zero = Field::new(part, GAS_HALO);
         Self { sums: [zero.clone(), zero], quanta: [volume, surface].map(Quantum::spanning) }
@@ -43,10 +43,10 @@ impl MeanDiameter {
         transfer.refresh(&mut [volume, surface], ranks);
     }
 
-    /// At a place; the diameter of the particle there if it is all there is.
+    /// The mean diameter at a place; the diameter of the particle there if it is the only one.
     pub(super) fn at(&self, corners: &Corners, own: f64) -> f64 {
         let [volume, surface] = interpolate(self.sums.each_ref(), corners);
-        // The filter rounds what is far from all particles.
+        // The filter rounds values far from all particles.
         let defined = volume > 0.0 && surface > 0.0;
         if defined { DragShare::Surface.diameter_of_equals(volume, surface) } else { own }
     }

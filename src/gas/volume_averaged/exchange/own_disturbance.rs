@@ -1,36 +1,43 @@
-//! What a particle does to the gas at its own place: the drag that it gives to the cells around it moves the gas there, and its own
-//! volume lowers their voidage. Drag laws ask for both as they would be without the particle.
+//! Effect of a particle on the gas at its own place: the drag that it contributes to the cells around it moves the gas
+//! there, and its own volume lowers their voidage. Drag laws need both values as they would be without the particle.
 //!
-//! A force F on the gas that passes the particle at a velocity U moves it, where the particle sees it, by -kappa F. With the Fourier
-//! modes k of the grid, of which there are N on cells of volume V,
+//! A force F on the gas that passes the particle at a velocity U moves the gas at the particle by -kappa F. With the
+//! Fourier modes k of the grid, of which there are N on cells of volume V,
 //!
 //! ```math
 //! \kappa_a = \frac{1}{\mu V N} \sum_{k \ne 0} W^2(k)\, \frac{(1 - k_a^2 / k^2)\, k^2}{k^4 + (\rho U k_a / \mu)^2} ,
 //! \qquad q = \frac{1}{N} \sum_k \hat{W}^2(k) ,
 //! ```
 //!
-//! along axis a: Oseen's flow, with the differences of the grid in the place of k, and with W, what hats, means of faces and filter
-//! leave of a mode (its square is a mean over all places in a cell). q V_p / V, from the hats and the filter alone, is the mean solids fraction
-//! that the particle has of itself; at its place in the cell it is as much larger or smaller as the sum of the squares of its weights. Then the undisturbed slip is U_0 = U' / (1 - s), s = b kappa S,
-//! b being the drag coefficient at U_0 and the undisturbed voidage, and the force is b U_0. U' is the slip that is seen, times its voidage over the undisturbed one: the gas flows faster where the
-//! particle takes room. The gas that sweeps the disturbance away is that of the particle's own cells, which is slowed by it: kappa is taken at U' (1 - s).
+//! along axis a: this is Oseen's flow, with the differences of the grid in place of k. W is the factor by which hats,
+//! means of faces and filter reduce a mode (its square is a mean over all places in a cell). The factor without the
+//! means of faces gives q V_p / V, the mean solids fraction that the particle contributes to its own place; this
+//! contribution varies with the place in the cell, in proportion to the sum of the squares of the particle's weights.
+//! The undisturbed slip is then U_0 = U' / (1 - s), s = b kappa S, where b is the drag coefficient at U_0 and the
+//! undisturbed voidage, and the force is b U_0. U' is the observed slip, times its voidage over the undisturbed one:
+//! the gas flows faster where the particle takes room. The gas that sweeps the disturbance away is that of the
+//! particle's own cells, which is slowed by the disturbance, so kappa is taken at U' (1 - s).
 //!
-//! In a bed each particle has others around it at places that are not random: what is around a particle beyond the mean is S
-//! times its own share, S the structure factor of hard spheres for long waves (Carnahan & Starling, J. Chem. Phys. 51 (1969) 635):
+//! In a bed each particle has others around it at places that are not random. The excess over the mean around a
+//! particle is S times its own share, where S is the structure factor of hard spheres for long waves (Carnahan &
+//! Starling, J. Chem. Phys. 51 (1969) 635):
 //!
 //! ```math
 //! S(\phi) = \frac{(1 - \phi)^4}{1 + 4 \phi + 4 \phi^2 - 4 \phi^3 + \phi^4} ,
 //! ```
 //!
-//! 1 for a lone particle, 0.2 at phi = 0.2 and 0.01 in a packed bed, where the gas that cells have is the one that closures mean. The drag
-//! of the others also holds the gas, with beta = b phi / V_p beside mu k^2: kappa becomes kappa / (1 + kappa beta / omega), right in both
-//! limits, where omega V is the mean of W^2 (1 - k_a^2 / k^2).
+//! which is 1 for a lone particle, 0.2 at phi = 0.2 and 0.01 in a packed bed, where the gas velocity in cells is the
+//! one that closures refer to. The drag of the others also retards the gas, with beta = b phi / V_p in addition to mu
+//! k^2: kappa becomes kappa / (1 + kappa beta / omega), which is right in both limits; omega V is the mean of W^2 (1 -
+//! k_a^2 / k^2).
 //!
-//! It holds for cells of 3 diameters and more, or with a filter of as much: on smaller ones the gas around the particle is so much slower
-//! that Oseen's flow is no longer its own, though the speed U' (1 - s) does most of that.
+//! The correction holds for cells of 3 diameters and more, or with a filter of this width. On smaller cells the gas
+//! around the particle is so much slower that the flow is no longer Oseen's, although the speed U' (1 - s) accounts for
+//! most of this.
 //!
-//! The need of it: Horwitz & Mani, J. Comput. Phys. 318 (2016) 85-109; Ireland & Desjardins, J. Comput. Phys. 338 (2017)
-//! 405-430; for Oseen's flow around smoothed forces: Balachandar, Liu & Lakhote, J. Comput. Phys. 376 (2019) 160-185.
+//! On the need for this correction: Horwitz & Mani, J. Comput. Phys. 318 (2016) 85-109; Ireland & Desjardins, J.
+//! Comput. Phys. 338 (2017) 405-430; on Oseen's flow around smoothed forces: Balachandar, Liu & Lakhote, J. Comput.
+//! Phys. 376 (2019) 160-185.
 
 use crate::coupling::CellTransfer;
 use crate::grid::BoxGrid;
@@ -38,18 +45,19 @@ use crate::numbers::sine;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Modes along an axis; of boxes that are longer or do not repeat so many are taken in the middle of equal intervals.
+/// Number of modes along an axis; for boxes that are longer or not periodic this number of modes is taken in the middle
+/// of equal intervals.
 const MODES: usize = 48;
 /// Mean over a cell of the sum of the squares of a point's weights.
 const OF_HATS: f64 = 8.0 / 27.0;
 /// Intervals of the tables over x / (1 + x), x = rho U dx / mu.
 const INTERVALS: usize = 32;
-/// Largest b kappa S: beyond, cells are too small beside the particle for a correction to have a meaning.
+/// Largest b kappa S: beyond it, cells are too small relative to the particle for a meaningful correction.
 const LARGEST_SHARE: f64 = 0.75;
 /// Drag coefficient and mobility depend little on the slip: the error falls by a factor of 3 or more each time.
 const ITERATIONS: usize = 6;
 
-/// Mobilities of the gas at the place of a force, on one grid. All ranks have the same.
+/// Mobilities of the gas at the place of a force, on one grid; equal on all ranks.
 #[derive(Clone, Debug)]
 pub(super) struct OwnDisturbance {
     spacing: Vector3<f64>,
@@ -57,13 +65,14 @@ pub(super) struct OwnDisturbance {
     inertia: f64,
     /// kappa along each axis over x / (1 + x), at equal intervals.
     mobility: [Vec<f64>; 3],
-    /// omega: what a force moves where only drag resists, mean of W^2 (1 - k_a^2 / k^2) over modes and axes, over V.
+    /// omega: mobility by a force that only drag resists, the mean of W^2 (1 - k_a^2 / k^2) over modes and axes, over
+    /// V.
     share_of_force: f64,
-    /// 27 q / (8 V): what the filter leaves of the share without it.
+    /// 27 q / (8 V): the fraction of the unfiltered share that the filter leaves, per volume.
     share_of_volume: f64,
 }
 
-/// What the cells say of the gas around a particle.
+/// Values of the cells for the gas around a particle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenGas {
     /// Velocity of the gas less that of the particle.
@@ -75,7 +84,7 @@ pub(super) struct SeenGas {
     pub(super) own_share: f64,
 }
 
-/// A mode along one axis: sin^2 of half its angle, and how many there are.
+/// A mode along one axis: sin^2 of half its phase angle, and the number of such modes.
 #[derive(Clone, Copy)]
 struct Mode {
     square: f64,
@@ -97,7 +106,7 @@ fn modes(cells: usize, periodic: bool) -> Vec<Mode> {
     (0..=cells / 2).map(mode).collect()
 }
 
-/// What the hats of a point leave of a mode, squared and averaged over the places of the point in a cell.
+/// Factor by which the hats of a point reduce a mode, squared and averaged over the places of the point in a cell.
 fn of_hats(square: f64) -> f64 {
     1.0 - 2.0 / 3.0 * square
 }
@@ -146,8 +155,8 @@ impl OwnDisturbance {
         }
     }
 
-    /// Drag coefficient that gives the force of the undisturbed gas with the slip that is seen, by the law `drag` of solids
-    /// fraction and superficial slip.
+    /// Drag coefficient that, with the observed slip, gives the force of the undisturbed gas, by the law `drag` of
+    /// solids fraction and superficial slip.
     pub(super) fn coefficient(&self, seen: &SeenGas, drag: impl Fn(f64, f64) -> f64) -> f64 {
         let own = self.share_of_volume * seen.volume * seen.own_share;
         let around = (seen.solids_fraction - own).max(0.0);
@@ -160,9 +169,9 @@ impl OwnDisturbance {
         for _ in 0..ITERATIONS {
             let undisturbed = speed / (1.0 - share);
             coefficient = drag(solids_fraction, (1.0 - solids_fraction) * undisturbed);
-            // What sweeps the disturbance away is slowed by it once more.
+            // The gas that sweeps the disturbance away is slowed once more by it.
             let mobility = self.mobility(&seen.slip, speed * (1.0 - share));
-            // kappa phi / (V_p omega): what the drag of the others adds to 1 / kappa, per drag coefficient.
+            // kappa phi / (V_p omega): contribution of the drag of the others to 1 / kappa, per drag coefficient.
             let screening = mobility * around / (seen.volume * self.share_of_force);
             let taken = coefficient * mobility * structure / (1.0 + coefficient * screening);
             share = taken.min(LARGEST_SHARE);
@@ -170,10 +179,10 @@ impl OwnDisturbance {
         coefficient * widened / (1.0 - share)
     }
 
-    /// By how much a coefficient may exceed that of the drag law.
+    /// Largest ratio of a coefficient to that of the drag law.
     pub(super) const LARGEST_FACTOR: f64 = 1.0 / (1.0 - LARGEST_SHARE);
 
-    /// kappa along the slip, where the gas sweeps by at this speed.
+    /// kappa along the slip, if the gas sweeps by at this speed.
     fn mobility(&self, slip: &Vector3<f64>, swept: f64) -> f64 {
         let along = |axis: usize| {
             let x = self.inertia * swept * self.spacing[axis];
@@ -198,9 +207,9 @@ struct Wave {
     squares: [f64; 3],
     /// (sin(k_a dx) / dx)^2.
     central: [f64; 3],
-    /// What hats, means of faces along each axis and filter leave of a force.
+    /// Factors by which hats, means of faces along each axis and filter reduce a force.
     of_force: [f64; 3],
-    /// What hats and filter leave of a volume.
+    /// Factor by which hats and filter reduce a volume.
     of_volume: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Solids volume and momentum pass between particles and cells without loss, at walls and filtered too, in any
+//! Solids volume and momentum pass between particles and cells without loss, also at walls and with the filter, in any
 //! decomposition.
 
 use super::*;
@@ -12,13 +12,13 @@ use std::sync::Mutex;
 const COUNTS: [usize; 3] = [7, 5, 12];
 const DIAMETER: f64 = 0.6;
 const MASS: f64 = 0.1;
-/// So short that the drag of the densest finer cells takes less than all of a slip.
+/// The step is so short that the drag of the densest finer cells takes less than all of a slip.
 const STEP: f64 = 1.0e-4;
 const GRAVITY: f64 = 9.81;
 /// Range of the quantum of forces.
 const FORCES: f64 = 16.0;
 
-/// Periodic, between walls, and from a wall to an open end.
+/// A periodic box, a box between walls, and one from a wall to an open end.
 fn bounds() -> Bounds {
     let faces = [[Face::Periodic; 2], [Face::Wall; 2], [Face::Wall, Face::Open]];
     Bounds::new(Vector3::new(7.7, 5.0, 12.0), faces)
@@ -44,8 +44,8 @@ fn model(filter_width: f64) -> CouplingModel {
     }
 }
 
-/// Without and with a filter, and with a filter and the voidage of finer cells for the drag. That is weak here: random places overlap
-/// more than a packing could in a finer cell.
+/// Models without and with a filter, and with a filter and the voidage of finer cells for the drag. The drag is weak in
+/// the last one: particles at random places overlap more than a packing could in a finer cell.
 fn models() -> [CouplingModel; 3] {
     let mut filtered = model(2.0);
     (filtered.drag.factor, filtered.least_voidage) = (0.07, 0.4);
@@ -63,7 +63,7 @@ fn numbers<const N: usize>(id: u64, purpose: &str) -> [f64; N] {
     std::array::from_fn(|_| uniform(&mut generator))
 }
 
-/// A bed in the lower half that touches all walls. Some have drifted since they were sorted to their rank.
+/// A bed in the lower half that touches all walls. Some particles have drifted since they were sorted to their rank.
 fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
     let (bounds, mut particles) = (bounds(), Particles::default());
     for id in 0..count {
@@ -75,7 +75,7 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
         if decomposition.owner_of(&sorted) == rank {
             let position = sorted + quantum(drift);
             particles.push(id, position, Vector3::new(u, v, w), 0.5 * DIAMETER, MASS);
-            // Each in an agglomerate of its own; seen only where drag follows from them.
+            // Each particle is in an agglomerate of its own; this has an effect only if drag depends on agglomerates.
             if let Some(of) = particles
                 .columns
                 .at_mut(AGGLOMERATE)
@@ -90,7 +90,7 @@ fn bed_of(decomposition: &Decomposition, rank: usize, count: u64) -> Particles {
     particles
 }
 
-/// A gas with something everywhere, its halos filled; nothing moves through walls.
+/// A gas with non-zero values in all cells and filled halos; nothing moves through walls.
 fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> GasFields {
     let mut gas = GasFields::at_rest(part);
     let [nx, ny, nz] = part.count.map(|count| count as isize);
@@ -111,7 +111,7 @@ fn gas_on(part: &LocalCells, halo: &mut FieldHalo, ranks: &dyn Communicator) -> 
     gas
 }
 
-/// What all ranks found, by global cell and by id.
+/// The results of all ranks, by global cell and by id.
 #[derive(Debug, Default, PartialEq)]
 struct Found {
     cells: Vec<[f64; 5]>,
@@ -197,8 +197,8 @@ fn volume_of_solids_is_conserved_at_walls_too() {
     }
 }
 
-/// The drag that the gas loses and its pressure gradient by faces, as the gas solves for them: half of the cell
-/// belongs to a face at the end of the box.
+/// The drag that the gas loses and its pressure gradient by faces, as the gas solves for them: half of the cell belongs
+/// to a face at the end of the box.
 fn lost_by_gas(found: &Found) -> [f64; 3] {
     let (bounds, grid) = (bounds(), BoxGrid::new(&bounds(), COUNTS));
     let whole = Decomposition::even(RankGrid([1; 3]), &bounds);
@@ -216,7 +216,7 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
             let above = [i, j, k];
             let mut below = above;
             below[axis] -= 1;
-            // Mean over the two cells of a face; beyond the end of the box there is none.
+            // Mean over the two cells of a face; beyond the end of the box there is no cell.
             let face = |column: usize| {
                 let value = |mut cell: [isize; 3]| {
                     cell[0] = cell[0].rem_euclid(COUNTS[0] as isize);
@@ -238,7 +238,7 @@ fn lost_by_gas(found: &Found) -> [f64; 3] {
     })
 }
 
-/// What 300 particles gain the gas loses, but for rounding; and the run says so.
+/// Asserts that the gas loses what 300 particles gain, except for rounding, and that the run reports this.
 #[track_caller]
 fn assert_momentum_is_kept(found: &Found) {
     let lost = lost_by_gas(found);
@@ -270,7 +270,7 @@ fn members_of_agglomerates_gain_what_the_gas_loses() {
     for grid in [[1, 1, 2], [2, 2, 2]] {
         assert!(couple(grid, &model, (300, STEP)).unwrap() == found, "{grid:?}");
     }
-    // The control: the drag of the law would be lost otherwise.
+    // Control: otherwise the drag of the law would be lost.
     let [lost, of_law] = [&found, &of_law].map(lost_by_gas);
     assert!((lost[2] / of_law[2] - 1.0).abs() > 0.05, "{lost:?} {of_law:?}");
 }
